@@ -4,16 +4,17 @@
 #include <cmath>
 
 #include "common/experiment/light_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-// A pose that its tracker trusts less than this is not used.
+// Poses with a lower confidence are not used.
 constexpr float kLeastConfidence = 0.5F;
-// Wheels may turn a little faster than the data sheet says before a pose is called impossible.
+// Wheels may be a little faster than the data sheet states.
 constexpr double kWheelSpeedMargin = 1.1;
-// Epochs of successive boots, far enough apart that none follows another.
+// Offset between the epochs of successive boots: larger than any count of epochs.
 constexpr std::int64_t kEpochsPerBoot = std::int64_t{1} << 40;
 
 bool has(const robot_state_t& state, std::int32_t flag) { return (state.flags & flag) != 0; }
@@ -35,8 +36,8 @@ FramePose toPose(const tracked_pose_t& pose) {
 
 namespace {
 
-/// What is driven by hand (cmd_vel, the handshake) follows no law, and each speed would be a
-/// program of its own.
+/// The program, or none for motion under manual control (cmd_vel, the handshake): that has no law,
+/// and each speed would count as a program.
 program_t lawful(const robot_state_t& state) {
   const bool by_hand = state.band < 0 && state.program.kind == program_t::WHEELS;
   return by_hand ? program_t{} : state.program;
@@ -44,18 +45,15 @@ program_t lawful(const robot_state_t& state) {
 
 }  // namespace
 
-ProgramLaw toLaw(const program_t& program, double wheel_base) {
-  ProgramLaw law;
-  law.kind = static_cast<ProgramKind>(program.kind);
-  law.v = program.v;
-  law.va = program.va;
-  law.V = program.V;
-  law.epsilon = program.epsilon;
-  law.eta = program.eta;
-  law.gamma = program.gamma;
-  law.tau_t = program.tau_t;
-  law.wheel_base = wheel_base;
+ProgramLaw toLaw(const RobotProgram& program, double wheel_base) {
+  ProgramLaw law{program, wheel_base};
+  law.wheel_left = 0;
+  law.wheel_right = 0;
   return law;
+}
+
+ProgramLaw toLaw(const program_t& program, double wheel_base) {
+  return toLaw(toProgram(program), wheel_base);
 }
 
 AnalysisConfig analysisConfig(const Experiment& experiment) {
@@ -108,7 +106,7 @@ void AnalysisFeed::take(const light_status_t& status) {
 std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_state_t& state) {
   Boots& boots = boots_[state.robot_id];
   const bool other_sender = boots.instance != status.instance || boots.sender != status.sender;
-  // A late message also counts less, but is older than what has been heard.
+  // A delayed message also has a smaller count, but it is older than the last one.
   const bool counts_again =
       state.utime > boots.last_utime && state.program_epoch < boots.last_epoch;
   if (other_sender || counts_again) {

@@ -1,4 +1,5 @@
-/// From messages to the pure analysis: the same for the online analyzer and for a closed log.
+/// Converts messages into the input of the analysis. Used by the online analyzer and for closed
+/// logs.
 #pragma once
 
 #include <cstdint>
@@ -17,24 +18,26 @@
 
 namespace lab::analysis {
 
-/// A result with the program as the messages say it.
+/// A result, with the program as it is in the messages.
 struct FeedResult {
   program_t program{};
   ProgramResult result;
 };
 
-/// The law of a program; d is the robot's wheel base (m).
+/// The law of a program.
+/// @param wheel_base [m] distance between the robot's wheels
+[[nodiscard]] ProgramLaw toLaw(const RobotProgram& program, double wheel_base);
 [[nodiscard]] ProgramLaw toLaw(const program_t& program, double wheel_base);
 
-/// What an experiment file says about how to analyze it.
+/// The settings of the analysis that follow from an experiment file.
 [[nodiscard]] AnalysisConfig analysisConfig(const Experiment& experiment);
 
-/// Takes messages in the order in which they arrive. It believes status, never commands, and the
-/// same messages in the same order give the same results, to the bit. Times count from the first
-/// message that carries one.
+/// Takes messages in the order in which they arrive. It uses status messages only, never commands.
+/// The same messages in the same order give the same bits. Times count from the first message that
+/// has one.
 ///
-/// A robot whose sender starts anew, or whose count of program starts goes back, has booted: its
-/// epochs begin again, and the track is cut there.
+/// A robot has rebooted if its sender restarts or its count of program starts decreases. Its epochs
+/// then begin again, and the track is cut there.
 class AnalysisFeed {
  public:
   /// One pose that entered the statistics.
@@ -49,23 +52,23 @@ class AnalysisFeed {
   void take(const robot_status_t& status);
   void take(const light_status_t& status);
 
-  /// End of data: judges what still waits for telemetry.
+  /// End of data: processes the frames that still wait for telemetry.
   void flush() { analysis_.flush(); }
 
-  /// As AnalysisConfig::find_runs; to be said before the first frame.
+  /// Sets AnalysisConfig::find_runs. Call it before the first frame.
   void findRuns() { analysis_.findRuns(); }
 
   /// Called with every sample, from within take() and flush(), in time order for each robot.
   void onSample(SampleSink sink);
 
-  /// Called with every sample and the law of its program, likewise, and nothing else is made of
-  /// them: there are no results. To be said before the first frame, instead of onSample().
+  /// Like onSample(), with the law of the program, but nothing is accumulated: results() stays
+  /// empty. Call it before the first frame, instead of onSample().
   void samplesOnly(std::function<void(int robot, const ProgramLaw& law, const Sample&)> sink) {
     analysis_.samplesOnly();
     analysis_.onSample(std::move(sink));
   }
 
-  /// Called with every piece, likewise.
+  /// Called with every piece, from within take() and flush(), in time order for each robot.
   void onPiece(PieceSink sink);
 
   /// As Analysis::stitch().
@@ -77,7 +80,7 @@ class AnalysisFeed {
   /// The time of the analysis (s) for a time of the messages.
   [[nodiscard]] double seconds(std::int64_t utime) const;
 
-  /// Of the last frame taken [us since 1970], 0: none yet.
+  /// Time of the last frame taken [us since 1970]; 0: none yet.
   [[nodiscard]] std::int64_t lastFrameUtime() const { return last_frame_utime_; }
 
   [[nodiscard]] std::vector<int> robots() const { return analysis_.robots(); }
@@ -86,7 +89,7 @@ class AnalysisFeed {
   }
 
  private:
-  /// One robot's starts, which its own counters do not survive.
+  /// The boots of one robot; its own counters are reset by each.
   struct Boots {
     std::string sender;
     std::int64_t instance = 0;
@@ -101,8 +104,8 @@ class AnalysisFeed {
   std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state);
 
   double wheel_base_;
-  std::set<std::int32_t>
-      replayed_robots_;  ///< replayed robots: what they did was counted in their own run
+  std::set<std::int32_t> replayed_robots_;  ///< excluded, because their motion was analyzed in the
+                                            ///< run that is replayed
   Analysis analysis_;
   ProgramKeys program_keys_;
   std::map<std::int32_t, Boots> boots_;

@@ -9,6 +9,7 @@
 #include "analyzer/report/html/report_page.hpp"
 #include "analyzer/report/record/run_record.hpp"
 #include "analyzer/report/sections/segments.hpp"
+#include "analyzer/report/summary/diffusion_sentence.hpp"
 #include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/summary/summary.hpp"
 #include "analyzer/report/summary/trajectories.hpp"
@@ -19,7 +20,8 @@ namespace lab::report {
 namespace fs = std::filesystem;
 namespace {
 
-/// A folder for what is not finished, beside the finished so that files can be moved over.
+/// A folder for unfinished files, on the same file system as the output so that files can be
+/// renamed.
 class Scratch {
  public:
   explicit Scratch(const fs::path& out) {
@@ -55,7 +57,7 @@ class Scratch {
   fs::path path_;
 };
 
-/// Says what is there in place of the frames.
+/// The error for a log without frames, with the streams it has.
 std::string withoutFrames(const fs::path& log, const RunRecord& record) {
   std::string found;
   for (const StreamLoss& stream : record.log.streams) {
@@ -72,7 +74,7 @@ fs::path outputFolder(const fs::path& run_or_log, const fs::path& wanted) {
   return run_or_log.has_parent_path() ? run_or_log.parent_path() : fs::path(".");
 }
 
-/// Writes everything that a record gives, each file whole or not at all.
+/// Writes all files of a record, each completely or not at all.
 AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with_figures) {
   const Scratch scratch(out);
   std::vector<Figure> figures;
@@ -105,6 +107,8 @@ AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with
   }
   analyzed.report = out / "report.html";
   analyzed.headline = headlines(record);
+  const std::string diffusion = diffusionSentence(record);
+  if (!diffusion.empty()) analyzed.headline.push_back(diffusion);
   return analyzed;
 }
 
@@ -123,9 +127,10 @@ AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory
 AnalyzedRun analyzePoses(const fs::path& file, const fs::path& out_directory,
                          const PoseFileOptions& poses, const PoseProgram& program,
                          const AnalyzeOptions& options) {
-  const PoseFile film = readPoses(file, poses);
-  return writeResults(poseRun(film, file.stem().string(), program, {options.depth, options.stitch}),
-                      out_directory, options.figures);
+  const PoseFile recording = readPoses(file, poses);
+  return writeResults(
+      poseRun(recording, file.stem().string(), program, {options.depth, options.stitch}),
+      out_directory, options.figures);
 }
 
 }  // namespace lab::report

@@ -1,4 +1,4 @@
-/// What `lab analyze` does, and every run at its end.
+/// The analysis behind `lab analyze`, which every run also makes at its end.
 #pragma once
 
 #include <filesystem>
@@ -11,35 +11,36 @@
 namespace lab::report {
 
 struct AnalyzeOptions {
-  /// A log without camera frames is an error, unless what else it tells shall be reported: losses,
-  /// faults, latencies.
+  /// True: a log without camera frames is an error. False: losses, faults and latencies are
+  /// reported.
   bool needs_frames = true;
-  bool figures = true;  ///< False: numbers only.
+  bool figures = true;  ///< False: no figures.
   analysis::Depth depth = analysis::Depth::kFull;
-  bool stitch = true;  ///< False: reversals are removed and cut, and nothing is joined.
+  bool stitch =
+      true;  ///< False: reversals are removed, and the track is cut there instead of joined.
 };
 
-/// What came of it.
+/// The files and texts of a finished analysis.
 struct AnalyzedRun {
   std::filesystem::path report;              ///< report.html
   std::vector<std::filesystem::path> files;  ///< everything written
-  std::vector<std::string> headline;         ///< for the terminal, a line a program and more
+  std::vector<std::string> headline;  ///< lines for the terminal: one per program, then remarks
 };
 
 /// Reads RUN (a run's folder) or LOG (a log file) and writes summary.json, report.html,
-/// trajectories.csv and the figures, each whole or not at all, and to the same bytes every time.
-/// Files of the same names are replaced.
-/// @param out_directory where to; empty: RUN, or the folder of LOG. It is made where it is missing.
-/// @throws ReportError saying what is wrong with the log, gnuplot or the folder; then nothing was
-/// written.
+/// trajectories.csv and the figures, each completely or not at all, with the same bytes every time.
+/// Existing files of the same names are replaced.
+/// @param out_directory output folder; empty: RUN, or the folder of LOG. Created if it does not
+/// exist.
+/// @throws ReportError if the log, gnuplot or the folder cannot be used; then nothing was written.
 [[nodiscard]] AnalyzedRun analyzeRun(const std::filesystem::path& run_or_log,
                                      const std::filesystem::path& out_directory = {},
                                      const AnalyzeOptions& options = {});
 
-/// The same of a file of poses (docs/track.md), without a light and without what robots report.
-/// @param out_directory where to; it is made where it is missing.
-/// @throws ReportError as above and where the file cannot be understood, ExperimentError where the
-/// program is not a valid one.
+/// The same for a file of poses (docs/track.md), which has neither light nor robot status.
+/// @param out_directory output folder, created if it does not exist.
+/// @throws ReportError as above, and if the file cannot be parsed; ExperimentError if the program
+/// is invalid.
 [[nodiscard]] AnalyzedRun analyzePoses(const std::filesystem::path& file,
                                        const std::filesystem::path& out_directory,
                                        const PoseFileOptions& poses, const PoseProgram& program,

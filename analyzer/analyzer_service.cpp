@@ -4,14 +4,14 @@
 
 #include "analyzer/service/analysis_message.hpp"
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-// A second has so many slots. Messages are spread over them, so that no listener's queue overflows:
-// at most eight a slot with 250 robots of four programs (lcmtypes/README.md, the burst budget).
+// Slots per second. Messages are spread over them so that no listener's queue overflows: at most
+// eight per slot with 250 robots of four programs (burst budget in lcmtypes/README.md).
 constexpr int kSlots = 125;
 
 }  // namespace

@@ -1,6 +1,7 @@
 /// The online analyzer.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
@@ -8,9 +9,9 @@
 
 namespace lab::analysis {
 
-/// Listens to frames, robots and light, and publishes what the motion shows so far: one ANALYSIS
-/// message per program for the pool of its robots and for each robot, each once a second, spread
-/// evenly over it.
+/// Listens to frames, robots and light, and publishes the results so far: one ANALYSIS message per
+/// program for the pool of its robots and one for each robot. Each is sent once a second, evenly
+/// spread over the second.
 class AnalyzerService final : public Service {
  public:
   explicit AnalyzerService(const ServiceContext& context);
@@ -23,13 +24,13 @@ class AnalyzerService final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   AnalysisFeed feed_;
-  std::vector<FeedResult> round_;  ///< The results of this second,
-  std::size_t published_ = 0;      ///< how many of which are out,
-  std::int64_t round_utime_ = 0;   ///< and the last frame in them [us since 1970].
-  int slot_ = 0;                   ///< Of the second.
+  std::vector<FeedResult> round_;  ///< Results of the current second.
+  std::size_t published_ = 0;      ///< Number of them already published.
+  std::int64_t round_utime_ = 0;   ///< Last frame in them [us since 1970].
+  int slot_ = 0;                   ///< Slot within the second.
 };
 
-/// What serviceMain() and the lab in one process need to know.
+/// For serviceMain() and for the lab in one process.
 [[nodiscard]] ServiceDescription serviceDescription();
 
 }  // namespace lab::analysis

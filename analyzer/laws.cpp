@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 #include <vector>
+
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
 
 /// x - 1 + exp(-x), also at small x.
 double persistentShape(double x) {
@@ -37,8 +38,8 @@ bool definesLaw(const ProgramLaw& law) {
   return false;
 }
 
-/// A HeldNoise is a table that costs thousands of sines; a live analysis asks for the same few laws
-/// again and again.
+/// Cached: building a HeldNoise takes thousands of sines, and a live analysis asks for the same few
+/// laws repeatedly.
 std::shared_ptr<const HeldNoise> heldNoise(const ProgramLaw& law) {
   constexpr std::size_t kKept = 16;
   thread_local std::vector<std::pair<ProgramLaw, std::shared_ptr<const HeldNoise>>> kept;

@@ -1,36 +1,21 @@
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <numbers>
 
 #include "analyzer/laws/held_noise.hpp"
 #include "analyzer/laws/rtp_law.hpp"
+#include "robot/dynamics/robot_program.hpp"
 
 namespace lab::analysis {
 
-/// The paper's models. The numbers are those of the messages and of robot/dynamics/program.hpp;
-/// they are repeated here so that the analysis depends on nothing.
-enum class ProgramKind : std::uint8_t {
-  kNone = 0,      ///< Standing: no law.
-  kAbp = 1,       ///< Active Brownian particle.
-  kNoisyAbp = 2,  ///< Active Brownian particle with translational noise.
-  kBp = 3,        ///< Brownian particle.
-  kRtp = 4,       ///< Run and tumble particle.
-  kWheels = 5,    ///< Constant wheel speeds: no law.
-};
+using dynamics::ProgramKind;
 
-/// A program and its parameters in SI units. What a kind does not name it ignores.
-struct ProgramLaw {
-  ProgramKind kind = ProgramKind::kNone;
-  double v = 0;               ///< Speed (ABP), run speed (RTP), m/s.
-  double va = 0;              ///< Mean wheel speed (noisy ABP), m/s.
-  double V = 0;               ///< Half width of the wheel speeds' noise (noisy ABP, BP), m/s.
-  double epsilon = 0;         ///< Hold time (ABP, noisy ABP, BP), s.
-  double eta = 0;             ///< Half width of the turning rate (ABP), rad/s.
-  double gamma = 0;           ///< Tumble rate (RTP), 1/s.
-  double tau_t = 0;           ///< Tumble duration (RTP), s.
-  double wheel_base = 0.075;  ///< d, m.
+/// A program and the robot's wheel base, which decide its exact law. Only ABP, noisy ABP, BP and
+/// RTP have one. wheel_left and wheel_right are 0, so that programs of constant wheel speeds are
+/// one.
+struct ProgramLaw : dynamics::RobotProgram {
+  double wheel_base = 0.075;  ///< d [m]
 
   bool operator==(const ProgramLaw&) const = default;
 };
@@ -38,23 +23,22 @@ struct ProgramLaw {
 /// True for the programs that draw wheel speeds and hold them for epsilon.
 [[nodiscard]] bool isHeldNoise(ProgramKind kind);
 
-/// Nominal coefficients, exact functions of the programmed parameters; nan where a program has
-/// none.
+/// Nominal coefficients, exact functions of the programmed parameters; nan if the program has none.
 [[nodiscard]] double rotationalDiffusivity(const ProgramLaw& law);     ///< D_r, rad^2/s.
 [[nodiscard]] double translationalDiffusivity(const ProgramLaw& law);  ///< D_t = epsilon V^2/24.
 [[nodiscard]] double meanSpeed(const ProgramLaw& law);  ///< v (ABP, RTP), va (noisy ABP), 0 (BP).
 
-/// The fastest that a wheel must turn for the program, m/s: |v| + eta d/2 (ABP), |va| + V (noisy
-/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; rad, pi the short way round).
-/// Wheels that are slower saturate, and the law is then not the robot's. nan where a program has
-/// none.
+/// The largest wheel speed that the program needs, m/s: |v| + eta d/2 (ABP), |va| + V (noisy
+/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; largest_turn in rad, pi if it
+/// turns the shorter way). Slower wheels saturate, and the robot does not follow the law. nan if
+/// the program has none.
 [[nodiscard]] double neededWheelSpeed(const ProgramLaw& law,
                                       double largest_turn = std::numbers::pi);
 
 /// The exact law of what the robot executes, at every lag, for a random observation phase.
 ///
 /// Held noise: see HeldNoise. RTP: see RtpLaw; turning angles are uniform on (-180, 180] degrees
-/// unless told otherwise, which makes the paper's eq. 6 exact. Without a law (standing, constant
+/// by default, which makes the paper's eq. 6 exact. Without a law (standing, constant
 /// wheels, parameters that define none) every value is nan.
 class ExactLaw {
  public:

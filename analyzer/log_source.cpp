@@ -19,7 +19,7 @@ namespace {
 
 constexpr const char* kLogInRun = "log.lcmlog";
 
-/// Whether an LCM event begins in the first bytes: one that was damaged may not begin at once.
+/// Whether the sync word of an LCM event is in the first 64 KiB. The first event may be damaged.
 bool looksLikeLog(const fs::path& file) {
   constexpr std::string_view kSync = "\xed\xa1\xda\x01";
   std::array<char, 1U << 16U> head{};
@@ -45,10 +45,10 @@ fs::path logOf(const fs::path& run_or_log) {
   return log;
 }
 
-/// Ends the reading of a log before its end.
+/// Thrown to stop reading a log early.
 struct Enough {};
 
-/// Hands one message to its sink. @return whether it decoded.
+/// Decodes one message and passes it to its sink. @return whether it could be decoded.
 template <class Message, class Sink>
 bool deliver(Bytes data, const Sink& sink) {
   Message message{};

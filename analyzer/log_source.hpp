@@ -19,7 +19,7 @@
 
 namespace lab::report {
 
-/// What the messages of a log are handed to, in the log's order, each decoded once.
+/// Receivers of the decoded messages, called in the order of the log.
 struct MessageSinks {
   std::function<void(const tracked_frame_t&)> frame;
   std::function<void(const robot_status_t&)> robots;
@@ -29,29 +29,30 @@ struct MessageSinks {
   std::function<void(const link_status_t&)> link;
 };
 
-/// What reading the log came to.
+/// Counts of a finished reading.
 struct LogFacts {
   std::int64_t events = 0;
   std::int64_t frames = 0;          ///< TRACKED_FRAME messages
-  std::int64_t damaged_places = 0;  ///< skipped
+  std::int64_t damaged_places = 0;  ///< damaged places that were skipped
   std::int64_t first_utime = 0;     ///< first arrival [us since 1970]
   std::int64_t last_utime = 0;      ///< last arrival
-  bool virtual_time = false;        ///< CLOCK was heard
+  bool virtual_time = false;        ///< the log has CLOCK messages
   std::vector<StreamLoss> streams;
-  std::map<std::string, std::int64_t> decode_errors;   ///< by channel of the lab
-  std::map<std::string, std::int64_t> other_channels;  ///< messages that are not the lab's
+  std::map<std::string, std::int64_t> decode_errors;  ///< by channel of the lab
+  std::map<std::string, std::int64_t>
+      other_channels;  ///< messages on channels that are not the lab's
 };
 
 /// The files behind RUN (a run's folder) or LOG (a log file, with its continuations).
-/// @throws ReportError when there is none, or when it is empty or no LCM log.
+/// @throws ReportError if there is none, or if it is empty or not an LCM log.
 [[nodiscard]] std::vector<std::filesystem::path> logFiles(const std::filesystem::path& run_or_log);
 
-/// The first START event, found without reading further.
+/// The first START event; reading stops there.
 [[nodiscard]] std::optional<experiment_event_t> findStart(
     const std::vector<std::filesystem::path>& files);
 
 /// Reads the whole log once.
-/// @throws ReportError when the log was written under another contract.
+/// @throws ReportError if the log has another contract version.
 [[nodiscard]] LogFacts readMessages(const std::vector<std::filesystem::path>& files,
                                     const MessageSinks& sinks);
 

@@ -4,7 +4,7 @@
 
 namespace lab::report {
 
-/// A report that cannot be made. The text says what was found, what was expected and a way out.
+/// The report cannot be made. The text has what was found, what was expected and a remedy.
 class ReportError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

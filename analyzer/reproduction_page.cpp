@@ -94,7 +94,7 @@ std::string estimateTable(const Reproduction& reproduction, std::string& csv) {
   CsvText file("set,quantity,unit,value,standard_error,low95,high95,theory,z,estimator");
   for (const PaperSet& set : paperSets()) {
     const auto found = reproduction.find(set.id);
-    if (found == reproduction.end() || found->second.films.empty()) continue;
+    if (found == reproduction.end() || found->second.recordings.empty()) continue;
     std::string name = set.id;
     for (const Estimate& estimate : estimatesOf(found->second)) {
       const DisplayUnit unit = displayUnit(estimate.unit);
@@ -118,7 +118,7 @@ std::string estimateTable(const Reproduction& reproduction, std::string& csv) {
 
 std::string lead(const ReproductionFacts& facts) {
   std::string text = fmt::format("{} a set, seed {}", durationText(facts.hours * 3600), facts.seed);
-  if (facts.ensemble > 1) text += fmt::format(", {} films each", facts.ensemble);
+  if (facts.ensemble > 1) text += fmt::format(", {} recordings each", facts.ensemble);
   text += facts.through_firmware ? ", the firmware on simulated chips" : ", simulated robots";
   return text + ", virtual time, version " + kVersion;
 }
@@ -136,13 +136,14 @@ std::string pageText(const std::vector<PaperPanel>& panels, const Reproduction& 
       "clock errors and PWM steps. Points are measured, bars one standard error. <b>Exact law</b>: "
       "what the robot executes, with draws held for ε. <b>Paper</b>: its formula, which neglects "
       "ε. "
-      "A panel agrees while no judged lag is 4 standard errors off; chance exceeds 3.2 in one film "
+      "A panel agrees while no judged lag is 4 standard errors off; chance exceeds 3.2 in one "
+      "recording "
       "of a hundred. A formula is rejected where p &lt; 0.001, with the speed free.</p>\n",
       html::kStyle, kMoreStyle, escapeHtml(lead(facts)));
   std::string faults;
   for (const auto& [id, set] : reproduction) {
-    for (const RecordingData& film : set.films) {
-      for (const std::string& fault : film.faults) {
+    for (const RecordingData& recording : set.recordings) {
+      for (const std::string& fault : recording.faults) {
         faults += fmt::format("<p><b>{}:</b> {}</p>\n", id, escapeHtml(fault));
       }
     }

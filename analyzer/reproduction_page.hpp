@@ -1,4 +1,4 @@
-/// reproduction.html: the paper's figures 2, 3 and 4 as this lab gives them.
+/// reproduction.html: the paper's figures 2, 3 and 4, reproduced by this lab.
 #pragma once
 
 #include <cstdint>
@@ -17,15 +17,15 @@ struct ReproductionFacts {
   bool through_firmware = false;
 };
 
-/// What came of it.
+/// The written page and a summary.
 struct WrittenReproduction {
   std::filesystem::path page;
-  std::vector<std::string> lines;  ///< for the terminal, one a panel that tests something
+  std::vector<std::string> lines;  ///< for the terminal: one line per panel that tests something
 };
 
-/// Writes reproduction.html, estimates.csv and every panel as SVG, PDF and CSV into the folder, to
-/// the same bytes for the same films.
-/// @throws ReportError when gnuplot is missing or the folder cannot be written.
+/// Writes reproduction.html, estimates.csv and every panel as SVG, PDF and CSV into the folder,
+/// with the same bytes for the same recordings.
+/// @throws ReportError if gnuplot is missing or the folder cannot be written.
 [[nodiscard]] WrittenReproduction writeReproduction(const std::filesystem::path& out,
                                                     const std::vector<PaperPanel>& panels,
                                                     const Reproduction& reproduction,

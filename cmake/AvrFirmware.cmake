@@ -1,11 +1,11 @@
-# The robot's program, by avr-gcc. The project's own compiler is the host's, so the few files are
-# compiled by commands of their own; only what changed is compiled again.
+# The firmware, compiled with avr-gcc. CMake's compiler is that of the host, so custom commands compile the
+# firmware's files, with dependencies.
 find_program(AVR_CXX avr-g++)
 find_program(AVR_SIZE avr-size)
 find_program(AVR_OBJCOPY avr-objcopy)
 mark_as_advanced(AVR_CXX AVR_SIZE AVR_OBJCOPY)
 
-# Sets `found` to whether programs for the robot can be compiled here; says what is missing.
+# Sets `found` to whether the firmware can be compiled here; prints what is missing.
 function(lab_find_avr found)
   set(${found} OFF PARENT_SCOPE)
   if(NOT AVR_CXX OR NOT AVR_SIZE OR NOT AVR_OBJCOPY)
@@ -22,7 +22,7 @@ function(lab_find_avr found)
   set(${found} ON PARENT_SCOPE)
 endfunction()
 
-# The first 8 hex digits of the commit, 0 when there is none. Looked up again after each commit.
+# Sets `digits` to the first 8 hex digits of the commit, or 0. CMake runs again after each commit.
 function(lab_commit_digits digits)
   set(${digits} 0 PARENT_SCOPE)
   find_package(Git QUIET)
@@ -48,9 +48,9 @@ endfunction()
 
 # lab_avr_firmware(target NAME file FLASH bytes RAM bytes MAIN a.cpp SOURCES a.cpp... FLAGS...
 #                  MAIN_FLAGS flag...)
-# Compiles and links file.elf and file.hex into the folder of the programs. The build fails when the
-# program needs more flash, or its data more RAM, than the budget allows. Sources are named from the
-# project's root; MAIN is one of them that gets MAIN_FLAGS too.
+# Makes file.elf and file.hex in the folder of the programs. The build fails if the program needs more
+# flash, or its data more RAM, than the budget. Sources are relative to the project's root; MAIN is one of
+# them and also gets MAIN_FLAGS.
 function(lab_avr_firmware target)
   cmake_parse_arguments(ARG "" "NAME;FLASH;RAM;MAIN" "SOURCES;FLAGS;MAIN_FLAGS" ${ARGN})
   set(machine -mmcu=atmega328p -Os -flto -mrelax -mcall-prologues)

@@ -1,5 +1,5 @@
 # cmake -DSIZE=avr-size -DELF=file -DFLASH=bytes -DRAM=bytes -P AvrSize.cmake
-# Prints what a program for the robot needs; fails when that is more than the budget.
+# Prints the size of the firmware; fails if it exceeds the budget.
 execute_process(COMMAND "${SIZE}" -A "${ELF}" OUTPUT_VARIABLE sections RESULT_VARIABLE failed)
 if(failed)
   message(FATAL_ERROR "${SIZE} -A ${ELF} failed")

@@ -1,6 +1,6 @@
 # lab_embed_files(library NAMESPACE function FILES file... [NAMES name...])
-# Puts files into a library as they are. `function` of `NAMESPACE` lists them by name
-# (dashboard/web/page_files.hpp); a name is the file's own, unless NAMES gives others, one a file.
+# Embeds files in a library. `function` of `NAMESPACE` returns them with their names
+# (dashboard/web/page_files.hpp). NAMES gives other names than the file names, one for each file.
 function(lab_embed_files library namespace function)
   cmake_parse_arguments(ARG "" "" "FILES;NAMES" ${ARGN})
   set(bytes)

@@ -1,48 +1,43 @@
-# How every target of ours is built: warnings are errors, headers are included from the root
-# (#include "robot/dynamics/program.hpp"), sanitizers by preset.
+# Functions that define the targets. Warnings are errors, headers are included from the root
+# (#include "robot/dynamics/program.hpp"), presets select sanitizers.
 add_library(lab_options INTERFACE)
 target_include_directories(lab_options INTERFACE "${PROJECT_SOURCE_DIR}")
 target_compile_options(lab_options INTERFACE
   -Wall -Wextra -Wpedantic -Werror -Wshadow -Wconversion -Wsign-conversion -Wold-style-cast
   -Woverloaded-virtual -Wnon-virtual-dtor -Wdouble-promotion
-  # g++ 12 sees overlaps in "text" + std::string that are not there (GCC bug 105651).
+  # g++ 12 reports false overlaps in "text" + std::string (GCC bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 if(LAB_SANITIZE)
-  # An index between a vector's size and its capacity is in memory that the sanitizers take for ours.
+  # The sanitizers do not detect an index between a vector's size and its capacity.
   target_compile_definitions(lab_options INTERFACE _GLIBCXX_ASSERTIONS)
   target_compile_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE} -fno-omit-frame-pointer
     -fno-sanitize-recover=all -Wno-tsan
-    # What the sanitizers insert looks to g++ like ways past an initialisation (GCC's manual says so).
+    # With sanitizers, g++ gives false warnings of uninitialised variables (GCC manual).
     -Wno-maybe-uninitialized)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
 endif()
 
-# Most of a compiler's time goes into headers that the sources of a library, or of tests, share: sixteen
-# of them at a time take a third of it. Sanitizers and a compiler's cache (ccache) get every source by itself, and
-# so see that each includes what it uses.
-set(batches ON)
-if(LAB_SANITIZE OR CMAKE_CXX_COMPILER_LAUNCHER)
-  set(batches OFF)
-endif()
-option(LAB_BATCHES "Compile the sources of a library, and of tests, several at a time" ${batches})
+# Most of a compiler's time goes into headers that the sources of a library share. A unity build compiles
+# sixteen sources at a time and takes a third of the time. ./lab uses it for a first build. Developers
+# build without it: a change compiles one source, and a missing include shows.
+option(LAB_UNITY_BUILD "Compile the sources of a library, and of tests, sixteen at a time" OFF)
 
 function(lab_unity_build target)
-  if(LAB_BATCHES)
+  if(LAB_UNITY_BUILD)
     set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 16)
     # To this warning every source of a batch is a header.
     target_compile_options(${target} PRIVATE $<$<CXX_COMPILER_ID:GNU>:-Wno-subobject-linkage>)
   endif()
 endfunction()
 
-# What reads a file or a command line once and then waits: half of the compiler's time.
+# For code that reads a file or a command line once and then waits: -Og halves the compile time.
 function(lab_debug_optimised target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-Og>)
 endfunction()
 
 # lab_library(name [NUMBERS|SHELL] SOURCES a.cpp... [LINK target...])
-# NUMBERS is for inner loops and what promises its bits: every source is compiled by itself. Those of
-# other libraries may meet in a batch: what they name in namespaces without a name differs.
-# SHELL is for what others work for: it is optimised less.
+# NUMBERS is for inner loops and for results that must be equal to the bit: every source is compiled by
+# itself, fully optimised. SHELL is for code outside of any inner loop: it is optimised less.
 function(lab_library name)
   cmake_parse_arguments(ARG "NUMBERS;SHELL" "" "SOURCES;LINK" ${ARGN})
   add_library(${name} STATIC ${ARG_SOURCES})
@@ -56,7 +51,7 @@ function(lab_library name)
 endfunction()
 
 # lab_program(name SOURCES main.cpp [LINK target...])
-# Its own sources are a shell.
+# Its own sources are compiled as SHELL.
 function(lab_program name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -64,12 +59,12 @@ function(lab_program name)
   target_link_libraries(${name} PRIVATE lab_options ${ARG_LINK})
 endfunction()
 
-# What a test that computes takes, in the units of `ctest -j` and PROCESSORS.
+# The processors of a test that computes, in the units of `ctest -j` and PROCESSORS: quarter cores.
 set(LAB_CORE 4)
 
 # lab_test_program(name SOURCES x_test.cpp... [LINK target...] [OWN_OPTIONS])
-# A test's program, for those that run it in a way of their own. OWN_OPTIONS is for tests that are
-# compiled otherwise than the rest.
+# The program of a test that is run by its own add_test(). OWN_OPTIONS is for tests with other compile
+# options, which cannot use the precompiled headers.
 function(lab_test_program name)
   cmake_parse_arguments(ARG "OWN_OPTIONS" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})
@@ -92,21 +87,19 @@ endfunction()
 
 # lab_test(name SOURCES x_test.cpp... [IN group] [LINK target...] [OWN_OPTIONS] [LABELS label...]
 #          [TIMEOUT s] [NETWORK])
-# IN makes it a part of that group's program, otherwise it is a program of its own.
-# NETWORK runs the test inside a network namespace of its own, so that nothing it publishes leaves.
-# Everything else runs with LCM kept in memory.
-# One that opens sockets mostly waits: a quarter of a core (LAB_CORE) is more than all but one of them
-# need.
+# IN adds it to the program of that group; otherwise it is a separate program.
+# NETWORK runs the test in a private network namespace, so that its messages do not leave it. All other
+# tests use LCM in memory. NETWORK tests mostly wait and take one processor, a quarter of a core (LAB_CORE).
 function(lab_test name)
   cmake_parse_arguments(ARG "NETWORK;OWN_OPTIONS" "TIMEOUT;IN" "SOURCES;LINK;LABELS" ${ARGN})
   set(program ${name})
   set(sources)
   if(ARG_IN AND ARG_OWN_OPTIONS)
-    message(FATAL_ERROR "lab_test ${name}: with options of its own it cannot be IN ${ARG_IN}")
+    message(FATAL_ERROR "lab_test ${name}: with OWN_OPTIONS it cannot be IN ${ARG_IN}")
   endif()
   if(ARG_IN)
     set(program ${ARG_IN})
-    foreach(source ${ARG_SOURCES})  # test_main knows sources by their names, without folders
+    foreach(source ${ARG_SOURCES})  # test_main selects sources by file name without folder
       cmake_path(GET source FILENAME file)
       list(APPEND sources ${file})
     endforeach()
@@ -139,7 +132,7 @@ function(lab_test name)
 endfunction()
 
 # lab_tests(prefix IN group [LABELS label...] [TIMEOUT s] [NETWORK] SOURCES x_test.cpp...)
-# One test a source, in the program of its group: prefix_x is the test of x_test.cpp.
+# One test per source, in the program of its group: prefix_x is the test of x_test.cpp.
 function(lab_tests prefix)
   cmake_parse_arguments(ARG "NETWORK" "TIMEOUT;IN" "SOURCES;LABELS" ${ARGN})
   set(options IN ${ARG_IN})
@@ -160,7 +153,7 @@ function(lab_tests prefix)
 endfunction()
 
 # lab_benchmark(name SOURCES x.cpp... [LINK target...])
-# Runs alone, with the long tests, and leaves its figures in tests/benchmarks/results/.
+# Runs alone, labelled long, and writes its results to tests/benchmarks/results/.
 function(lab_benchmark name)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_executable(${name} ${ARG_SOURCES})

@@ -1,6 +1,5 @@
-# C++ bindings for the message contract. Debian's liblcm-dev ships neither lcmConfig.cmake nor a
-# usable lcm.pc, so the library and its generator are found by hand; a newer LCM that brings its own
-# package file is preferred.
+# C++ types of the messages. Debian's liblcm-dev has neither lcmConfig.cmake nor a usable lcm.pc, so the
+# library and its generator are searched for here. A newer LCM with its own package file is preferred.
 find_package(lcm CONFIG QUIET)
 if(NOT TARGET lcm::lcm)
   find_path(LCM_INCLUDE_DIR lcm/lcm-cpp.hpp REQUIRED)
@@ -13,9 +12,8 @@ endif()
 find_program(LCM_GEN lcm-gen REQUIRED)
 
 # add_lcm_types(target package file.lcm...)
-# An interface library whose headers are generated, file by file, into the build tree: lcm-gen's class
-# and the check of its encodings. The headers are SYSTEM: lcm-gen's code does not meet our warning
-# level.
+# An interface library with one generated header per file: lcm-gen's class and the check of its encoding.
+# The headers are SYSTEM, because lcm-gen's code causes warnings.
 function(add_lcm_types target package)
   set(out "${CMAKE_CURRENT_BINARY_DIR}/gen")
   set(checked_decoding "${PROJECT_SOURCE_DIR}/cmake/CheckedDecoding.cmake")

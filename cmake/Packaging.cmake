@@ -1,13 +1,14 @@
-# What is installed where, and the Debian packages made of it (docs/install.md). One component a
-# package: main, gateway, emulator. common/process/installation.cpp knows the same folders.
+# Installed files and their Debian packages (docs/install.md), one component per package: main,
+# gateway, emulator. common/process/installation.cpp uses the same folders.
 set(programs lib/active-lab/bin)
 set(documents share/doc/active-lab)
 set(staged "${CMAKE_BINARY_DIR}/packaging")
-# Programs are built by who asks for packages; installing builds nothing.
+# Installing builds nothing: ./lab package has built the programs before.
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 
-# Programs are not in PATH but for the one command; each finds the others beside itself.
-install(TARGETS lab analyzer projector_ctl robot_bridge sim_svc tracker_svc
+# Only the command active-lab is in PATH. Programs find each other in their common folder.
+install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-preview lab-reproduce lab-run-virtual
+  lab-track analyzer projector_ctl robot_bridge sim_svc tracker_svc
   RUNTIME DESTINATION ${programs} COMPONENT main)
 if(TARGET dashboard)
   install(TARGETS dashboard RUNTIME DESTINATION ${programs} COMPONENT main)
@@ -26,7 +27,7 @@ if(TARGET robot_emulator)
     DESTINATION ${programs} COMPONENT emulator)
 endif()
 
-# Texts say `./lab`, as a clone's user types it; a package's user types `active-lab NAME`.
+# In the texts `./lab` becomes `active-lab`, which users of the packages type.
 install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/packaging/stage_texts.sh\"
   \"${PROJECT_SOURCE_DIR}\" \"${staged}/texts\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT main)
 install(DIRECTORY "${staged}/texts/experiments" DESTINATION share/active-lab COMPONENT main)
@@ -35,7 +36,6 @@ install(DIRECTORY "${staged}/texts/docs"
 install(FILES "${staged}/texts/CHANGELOG.md"
   DESTINATION ${documents} COMPONENT main)
 
-# Beside the programs.
 install(FILES cmake/packaging/70-active-lab.rules DESTINATION lib/udev/rules.d COMPONENT main)
 install(FILES cmake/packaging/active-lab.bash DESTINATION share/bash-completion/completions
   RENAME active-lab COMPONENT main)
@@ -50,8 +50,8 @@ configure_file(cmake/packaging/copyright.in "${staged}/copyright" @ONLY)
 install(FILES "${staged}/copyright" DESTINATION ${documents} COMPONENT main)
 install(FILES "${staged}/copyright" DESTINATION share/doc/active-lab-gateway COMPONENT gateway)
 
-# lab_man_page(component page program): out of --help of the installed program, which is how it says
-# what its users type.
+# lab_man_page(component page program): makes the page from --help of the installed program, which
+# prints the commands as users of the package type them.
 function(lab_man_page component page program)
   install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/packaging/man_page.sh\" ${page}
     ${PROJECT_VERSION} \"${PROJECT_SOURCE_DIR}\"
@@ -94,14 +94,14 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(CPACK_DEBIAN_MAIN_PACKAGE_NAME active-lab)
-# `run` refuses to start without a logger, or without what draws its report.
+# `run` refuses to start without the logger, or without gnuplot for its report.
 set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "liblcm-bin, gnuplot-nox | gnuplot")
 set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "iproute2, avrdude")
 set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS
   "active-lab-gateway, active-lab-emulator, ffmpeg, openssh-client, chrony, www-browser")
 set(CPACK_COMPONENT_MAIN_DESCRIPTION "instrument for robots driven by light
-Drives small robots with light, tracks them, and says while it runs, with error
-bars, whether their motion is the motion that was programmed. Everything can be
+Drives small robots with light, tracks them, and shows while it runs, with error
+bars, whether their motion is the programmed motion. Everything can be
 simulated.")
 set(same_main "active-lab (= ${PROJECT_VERSION})")
 set(CPACK_DEBIAN_GATEWAY_PACKAGE_NAME active-lab-gateway)
@@ -112,6 +112,6 @@ computers, over DDS.")
 set(CPACK_DEBIAN_EMULATOR_PACKAGE_NAME active-lab-emulator)
 set(CPACK_DEBIAN_EMULATOR_PACKAGE_DEPENDS "${same_main}")
 set(CPACK_COMPONENT_EMULATOR_DESCRIPTION "simulated chips for Active Lab's robots
-Runs the robots' own firmware on simulated ATmega328P chips. This program links
+Runs the firmware of the robots on simulated ATmega328P chips. This program links
 libsimavr and is under the GPL, version 3 or later.")
 include(CPack)

@@ -1,5 +1,4 @@
-# Writes FILE, a C++ source that says which commit of SOURCE is built, and of when it is; empty where
-# git does not know.
+# Writes FILE, a C++ source with the commit of SOURCE and its date; empty strings outside a git clone.
 execute_process(COMMAND git -C "${SOURCE}" rev-parse --short=12 HEAD
   OUTPUT_VARIABLE revision OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE failed)
 if(failed)

@@ -1,3 +1,3 @@
-# What ctest's tests find in their environment. CI: a lab that a test starts in real time has no page
-# in a browser (docs/dashboard.md) unless the test asks for it.
+# The environment of all tests. With CI set, a lab in real time starts no dashboard (docs/dashboard.md)
+# unless the test requests it.
 set(ENV{CI} true)

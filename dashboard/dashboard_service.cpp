@@ -4,8 +4,12 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <memory>
+#include <optional>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/experiment/light_messages.hpp"
@@ -19,9 +23,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kName = "dashboard";
-constexpr std::int64_t kMove_us = 25'000;
+constexpr std::int64_t kUpdate_us = 25'000;
 
-/// Images of the light, from the run's folder; a light without them is painted as far as it goes.
+/// Loads the images of the light. Without them the layers that need an image are not painted.
 light::ImageStore imagesOf(const Experiment& experiment, const fs::path& directory) {
   try {
     return loadImages(experiment, directory).store;
@@ -30,8 +34,8 @@ light::ImageStore imagesOf(const Experiment& experiment, const fs::path& directo
   }
 }
 
-/// Of the experiment file, empty: none was given.
-fs::path ownFolder(const ServiceContext& context) {
+/// The folder of the experiment file, with a trailing slash; empty if no file was given.
+fs::path experimentFolder(const ServiceContext& context) {
   return context.experiment.name.empty() ? fs::path() : fs::absolute(context.directory / "");
 }
 
@@ -62,15 +66,16 @@ DashboardBus::DashboardBus(const ServiceContext& context, Hub& hub, const fs::pa
       loop_(context.loop),
       server_(std::move(server)),
       view_(hub, node_.identity().name, node_.identity().instance,
-            [own = ownFolder(context), runs](const Experiment& experiment, const std::string& run) {
+            [own = experimentFolder(context), runs](const Experiment& experiment,
+                                                    const std::string& run) {
               if (!own.empty()) return imagesOf(experiment, own);
               return run.empty() ? light::ImageStore{} : imagesOf(experiment, runs / run);
             }) {
-  if (const fs::path own = ownFolder(context); !own.empty()) {
+  if (const fs::path own = experimentFolder(context); !own.empty()) {
     view_.begin(context.experiment, own.parent_path().filename().string());
   }
   node_.subscribeAll([this](const Packet& packet) { view_.take(packet, loop_.now()); });
-  loop_.every(kMove_us, loop_.now(), [this] {
+  loop_.every(kUpdate_us, loop_.now(), [this] {
     sendDueCommands();
     view_.publishMoving(loop_.now(), server_.viewers() > 0);
   });
@@ -80,14 +85,14 @@ DashboardBus::DashboardBus(const ServiceContext& context, Hub& hub, const fs::pa
   });
 }
 
-std::string DashboardBus::wish(const OperatorRequest& wish) {
-  std::string refusal = view_.controls().wish(wish, loop_.now());
+std::string DashboardBus::request(const OperatorRequest& request) {
+  std::string refusal = view_.controls().request(request, loop_.now());
   sendDueCommands();
   return refusal;
 }
 
-std::optional<std::string> DashboardBus::ask(std::string_view what, std::string_view which) {
-  return view_.ask(what, which, loop_.now());
+std::optional<std::string> DashboardBus::query(std::string_view what, std::string_view which) {
+  return view_.query(what, which, loop_.now());
 }
 
 void DashboardBus::sendDueCommands() {
@@ -100,7 +105,7 @@ void DashboardBus::sendDueCommands() {
   if (due.experiment) node_.publishCommand(channels::kExperimentCommand, *due.experiment);
 }
 
-/// What was overheard is counted by the view, and told in the heartbeat like any listener's.
+/// The view counts what this service receives; the heartbeat reports it, as for every service.
 void DashboardBus::reportStreamCounts() {
   std::vector<stream_count_t> rows;
   for (const auto& [key, stream] : view_.health().counter().streams()) {
@@ -126,14 +131,15 @@ DashboardService::DashboardService(const ServiceContext& context, const Dashboar
       host_(ownHost()),
       bus_(context, hub_, options.runs,
            {.viewers = [this] { return viewers(); }, .facts = [this] { return facts(); }}),
-      request_queue_({.wish = [this](const OperatorRequest& wish) { return bus_.wish(wish); },
-                      .ask = [this](std::string_view what,
-                                    std::string_view which) { return bus_.ask(what, which); }}) {
+      request_queue_(
+          {.request = [this](const OperatorRequest& request) { return bus_.request(request); },
+           .query = [this](std::string_view what,
+                           std::string_view which) { return bus_.query(what, which); }}) {
   watch_ =
       context.descriptors.watch(request_queue_.descriptor(), [this] { request_queue_.serve(); });
   server_ = std::make_unique<WebServer>(webOptions(context, options), hub_, request_queue_);
   if (!options.address_file.empty()) writeAddressFile(options.address_file, server_->address());
-  // The token is told to who started this, and stands in no log of a run.
+  // With an address file, the log does not get the token: logs of runs are passed on.
   const std::string address = server_->address();
   spdlog::info("the page: {}",
                options.address_file.empty() ? address : address.substr(0, address.find('#')));
@@ -141,7 +147,7 @@ DashboardService::DashboardService(const ServiceContext& context, const Dashboar
 }
 
 DashboardService::~DashboardService() {
-  // Threads that wait for an answer go first, then those that wait for news.
+  // First release the server's threads that wait for the loop, then those that wait for the hub.
   request_queue_.close();
   hub_.close();
   server_.reset();
@@ -165,16 +171,15 @@ ServiceDescription serviceDescription() {
   description.name = kName;
   description.summary = "The lab in a browser: arena, light, curves, health, stop";
   description.needs_experiment = false;
-  description.real_time_only = true;
   const auto options = std::make_shared<DashboardOptions>();
   description.add_options = [options](CLI::App& app) {
-    app.add_option("--port", options->port,
-                   "The first port that is tried, 0: as the experiment says")
+    app.add_option("--port", options->port, "First port to try, 0: as in the experiment file")
         ->check(CLI::Range(0, 65535));
     app.add_option("--runs", options->runs, "Folder of past runs")->capture_default_str();
     app.add_option("--experiments", options->experiments, "Folder of the shipped experiments");
-    app.add_option("--address-file", options->address_file,
-                   "Where the page's address is written; what stands there already is used again");
+    app.add_option(
+        "--address-file", options->address_file,
+        "File for the page's address; port and token of an existing file are used again");
   };
   description.make = [options](const ServiceContext& context) -> std::unique_ptr<Service> {
     return std::make_unique<DashboardService>(context, *options);

@@ -1,10 +1,15 @@
-/// The lab in a browser: listens to the bus, serves the page, carries wishes onto the bus.
+/// The lab in a browser: receives all messages of the bus, serves the page and publishes the
+/// operator's commands.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/service/service_main.hpp"
 #include "dashboard/control/request_queue.hpp"
@@ -15,18 +20,18 @@
 
 namespace lab::dashboard {
 
-/// What the command line says.
+/// Options of the command line.
 struct DashboardOptions {
-  int port = 0;  ///< 0: as the experiment says
+  int port = 0;  ///< 0: as in the experiment file
   std::filesystem::path runs = "runs";
   std::filesystem::path experiments;   ///< empty: as installed
   std::filesystem::path address_file;  ///< empty: none is written
 };
 
-/// Between the bus and the hub, without the server: runs in virtual time too.
+/// The part between bus and hub. It has no web server, so that it also runs in virtual time.
 class DashboardBus {
  public:
-  /// What the server says of itself.
+  /// Functions that ask the web server for its state.
   struct Server {
     std::function<int()> viewers;
     std::function<ServerFacts()> facts;
@@ -35,10 +40,11 @@ class DashboardBus {
   DashboardBus(const ServiceContext& context, Hub& hub, const std::filesystem::path& runs,
                Server server);
 
-  [[nodiscard]] std::string wish(const OperatorRequest& wish);
-  [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which);
+  // As in LabRequestHandler.
+  [[nodiscard]] std::string request(const OperatorRequest& request);
+  [[nodiscard]] std::optional<std::string> query(std::string_view what, std::string_view which);
 
-  /// Processes of this lab on this host.
+  /// Process ids of the lab's services on a host.
   [[nodiscard]] std::vector<std::int32_t> pids(const std::string& host) const {
     return view_.health().pids(host);
   }
@@ -55,7 +61,7 @@ class DashboardBus {
 
 class DashboardService final : public Service {
  public:
-  /// @throws std::runtime_error when no port is free
+  /// @throws std::runtime_error if no port is free
   DashboardService(const ServiceContext& context, const DashboardOptions& options);
   ~DashboardService() override;
 
@@ -73,7 +79,7 @@ class DashboardService final : public Service {
   std::unique_ptr<WebServer> server_;  ///< last: its threads use the others until they have ended
 };
 
-/// The service as a process; it does not run in virtual time.
+/// Describes the service for serviceMain(). It does not run in virtual time.
 [[nodiscard]] ServiceDescription serviceDescription();
 
 }  // namespace lab::dashboard

@@ -1,9 +1,11 @@
 #include "dds_gateway/gateway_domain.hpp"
 
-#include <fstream>
-#include <iterator>
+#include <optional>
+#include <string>
+#include <utility>
 
 #include "common/experiment/experiment_file.hpp"
+#include "common/files/file_text.hpp"
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/error.hpp"
 
@@ -12,11 +14,11 @@ namespace fs = std::filesystem;
 namespace {
 
 std::string textOfFile(const fs::path& file) {
-  std::ifstream stream(file);
-  if (!stream) {
+  std::optional<std::string> text = readWholeFile(file);
+  if (!text) {
     throw ExperimentError({file.string() + ": gateway.configuration cannot be read: is it there?"});
   }
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return *std::move(text);
 }
 
 }  // namespace

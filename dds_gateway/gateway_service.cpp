@@ -43,10 +43,6 @@ struct LinkArguments {
   }
 };
 
-bool joinsHosts(const Experiment& experiment) {
-  return experiment.link.join == JoinBy::kDds && !otherHosts(experiment).empty();
-}
-
 /// Of the gateways of several hosts, one speaks to ROS 2: that of the host where the experiment
 /// places dds_gateway.
 bool speaksRos(const Experiment& experiment, const std::optional<BusLinkOptions>& link) {
@@ -82,10 +78,6 @@ ServiceDescription serviceDescription() {
   description.make = [arguments](const ServiceContext& context) -> std::unique_ptr<Service> {
     return std::make_unique<GatewayService>(context, arguments->options(context));
   };
-  description.wanted = [](const Experiment& experiment) {
-    return experiment.gateway.ros || joinsHosts(experiment);
-  };
-  description.real_time_only = true;
   return description;
 }
 

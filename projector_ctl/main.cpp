@@ -1,6 +1,9 @@
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <memory>
+#include <string>
 
 #include "projector_ctl/calibration/adjust_service.hpp"
 #include "projector_ctl/display/display_sdl.hpp"
@@ -26,11 +29,13 @@ int main(int argc, char** argv) {
   std::filesystem::path adjusted;
   lab::ServiceDescription description = lab::projector::serviceDescription();
   description.add_options = [&](CLI::App& app) {
-    app.add_option("--pictures", pictures, "Folder for a PNG of every field it shows");
+    app.add_option("--pictures", pictures,
+                   "Folder in which a PNG of every projected field is saved");
     app.add_flag_function("--list-displays", printDisplays,
-                          "Number, name, size, refresh rate and position of every display");
-    app.add_option("--adjust", adjusted,
-                   "Set the arena's corners by hand and save them in this calibration file");
+                          "List number, name, size, refresh rate and position of every display");
+    app.add_option(
+        "--adjust", adjusted,
+        "Adjust the arena's corners with the keyboard and save them in this calibration file");
   };
   description.make = [&](const lab::ServiceContext& context) -> std::unique_ptr<lab::Service> {
     using namespace lab::projector;

@@ -14,8 +14,8 @@ using light::Field;
 using light::Layer;
 using light::LayerKind;
 
-constexpr std::size_t kMostReplaced = 64;  // instances of one sender; older ones are long gone
-constexpr std::int64_t kRemembered_us = 300'000;  // frames before poses are asked for
+constexpr std::size_t kMostReplaced = 64;         // replaced instances remembered per sender
+constexpr std::int64_t kRemembered_us = 300'000;  // age of frames kept while no poses are needed
 
 std::int64_t microseconds(double seconds) { return std::llround(seconds * 1e6); }
 
@@ -29,7 +29,7 @@ bool sameCommand(const LightCommand& a, const LightCommand& b) {
   return a.sender == b.sender && a.instance == b.instance && a.seq == b.seq;
 }
 
-/// A grid of half as many columns and rows, each the mean of up to four.
+/// Halves the number of columns and rows; each cell is the mean of up to four.
 std::shared_ptr<const light::Image> halved(const light::Image& image) {
   auto half = std::make_shared<light::Image>();
   half->columns = (image.columns + 1) / 2;
@@ -48,9 +48,9 @@ std::shared_ptr<const light::Image> halved(const light::Image& image) {
   return half;
 }
 
-/// A list of layers that shows what `field` shows. It grows by one picture a call: past what a
-/// message holds its grids become coarser, and then the pictures furthest back, which show the
-/// least, are left out.
+/// A list of static layers that shows the same as `field` during its cross-fade. The list grows
+/// with each interrupted cross-fade. To stay below the size of a message, first the grids become
+/// coarser, then the oldest pictures, which contribute least, are dropped.
 std::vector<Layer> frozen(const Field& field) {
   if (!isMoving(field)) return field.layers;
   if (isUniform(field)) return {Layer{.intensity = evaluate(field, 0, 0)}};
@@ -71,7 +71,7 @@ std::vector<Layer> frozen(const Field& field) {
   return layers;
 }
 
-/// Whether two lists show the same; of what moment a grid is makes no difference.
+/// Whether two lists show the same. The time that a grid is for is ignored.
 bool showSame(const std::vector<Layer>& a, const std::vector<Layer>& b) {
   return std::ranges::equal(a, b, [](const Layer& left, const Layer& right) {
     if (left.kind != LayerKind::kGrid || left.seed == right.seed) return left == right;
@@ -85,7 +85,7 @@ bool showSame(const Field& a, const Field& b) {
   return a.mix == b.mix && showSame(a.layers, b.layers) && showSame(a.previous, b.previous);
 }
 
-/// A square at the origin, a grid of one pixel.
+/// The sync patch: a square at the origin, as a grid of one pixel.
 Layer syncPatch(double side, bool bright) {
   auto pixel = std::make_shared<light::Image>();
   pixel->columns = 1;
@@ -175,7 +175,8 @@ Answer ProjectorCore::apply(const LightCommand& command, std::int64_t received_u
     if (sender.replaced.size() > kMostReplaced) sender.replaced.erase(sender.replaced.begin());
     sender.scheduled.clear();
   }
-  // A command is the whole wish from its from_utime on: it replaces what was planned for later.
+  // A command defines everything from its from_utime on, so it replaces commands scheduled for
+  // later.
   std::erase_if(sender.scheduled,
                 [&](const Accepted& later) { return later.from_utime >= accepted.from_utime; });
   if (sender.scheduled.size() >= kMostScheduled) {
@@ -246,7 +247,7 @@ void ProjectorCore::chooseCommander() {
   if (best != nullptr && was_commanded && sameCommand(*best->active, *commanding_)) {
     return;
   }
-  // How the last command went decides how what it covered comes back.
+  // The way in which the last command ended determines the ramp of the command that returns.
   bool silenced = false;
   if (was_commanded) {
     const std::optional<Accepted>& last = senders_.at(commanding_->sender).active;
@@ -273,19 +274,19 @@ void ProjectorCore::chooseCommander() {
   }
 }
 
-const std::vector<Layer>& ProjectorCore::layersOf(Scene& scene, const FrameTimes& moment) {
-  const Scene::Picture& picture = scene.at(moment, robots_);
+const std::vector<Layer>& ProjectorCore::layersOf(Scene& scene, const FrameTimes& times) {
+  const Scene::Picture& picture = scene.at(times, robots_);
   trouble_ = picture.trouble;
   return picture.safe ? config_.safe_field : picture.layers;
 }
 
-light::Field ProjectorCore::fieldAt(const FrameTimes& moment) {
+light::Field ProjectorCore::fieldAt(const FrameTimes& times) {
   light::Field field;
-  if (isFading(moment.decided)) {
-    field.previous = layersOf(*previous_, moment);
-    field.mix = static_cast<double>(moment.decided - ramp_start_) / static_cast<double>(ramp_us_);
+  if (isFading(times.decided)) {
+    field.previous = layersOf(*previous_, times);
+    field.mix = static_cast<double>(times.decided - ramp_start_) / static_cast<double>(ramp_us_);
   }
-  field.layers = layersOf(*target_, moment);
+  field.layers = layersOf(*target_, times);
   return field;
 }
 
@@ -317,8 +318,8 @@ void ProjectorCore::take(ObservedFrame frame) {
   waiting_.push_back(std::move(frame));
 }
 
-/// Frames enter a picture where somebody asks for poses. Else those are kept that tracks can be
-/// made of, so that what begins to follow robots knows how they move.
+/// Uses the waiting camera frames if a scene needs poses. Otherwise recent frames are kept, so that
+/// a scene that begins to follow robots has their tracks at once.
 void ProjectorCore::takeFrames() {
   const std::vector<Scene*> all = scenes();
   const bool used = std::ranges::any_of(all, [](const Scene* one) { return one->needsPoses(); });
@@ -358,7 +359,7 @@ const ShownFrame& ProjectorCore::frame(std::int64_t decided_utime, std::int64_t 
   if (shown_.changed || !target_->isStill()) {
     light::Field field = fieldAt({now_, shown_utime});
     if (config_.sync_patch > 0) {
-      // One that has not turned is the very same layer, and so no change.
+      // A patch that was not toggled is the same layer, so that it does not count as a change.
       field.layers.push_back(sync_layer_);
       if (light::isMoving(field)) field.previous.push_back(sync_layer_);
     }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <utility>
 
-#include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::projector {
 
@@ -34,7 +34,7 @@ LightCommand toCommand(const light_command_t& message, const Experiment& experim
   if (message.layers.size() <= light::kMostLayers) {
     command.layers = toDrivenLayers(message, images);
   } else {
-    command.layers.resize(light::kMostLayers + 1);  // to be refused: nobody reads so many
+    command.layers.resize(light::kMostLayers + 1);  // will be refused; saves converting all
   }
   for (light::DrivenLayer& layer : command.layers) {
     const auto program = experiment.programs.find(layer.drive.gate_program);

@@ -1,4 +1,4 @@
-/// What the projector hears and says, as messages.
+/// Converts between the projector's types and messages.
 #pragma once
 
 #include <lab/light_command_t.hpp>
@@ -12,16 +12,16 @@
 
 namespace lab::projector {
 
-/// The experiment as scenes know it.
+/// The properties of an experiment that scenes need.
 /// @param images of its light script
 [[nodiscard]] SceneContext sceneContextOf(const Experiment& experiment, light::ImageStore images);
 
-/// A command without a from_utime begins when it was sent. A program that a gate asks for gets the
-/// name under which robots report it: where two names mean the same program, the first.
+/// A command without a from_utime begins when it was sent. Gates refer to programs by the name
+/// under which robots report them, which is the first name if two names mean the same program.
 [[nodiscard]] LightCommand toCommand(const light_command_t& message, const Experiment& experiment,
                                      const light::ImageStore& images);
 
-/// The identified robots of a frame; of a covariance the larger of xx and yy counts.
+/// The identified robots of a frame. The variance is the larger one of xx and yy.
 [[nodiscard]] ObservedFrame toObservedFrame(const tracked_frame_t& message);
 
 [[nodiscard]] ShownRecord toShownRecord(const light_status_t& message);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_state_t.hpp>
@@ -14,9 +15,9 @@
 #include "common/calibration/projector_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
-#include "projector_ctl/display/overlay.hpp"
 #include "projector_ctl/projector_messages.hpp"
 
 namespace lab::projector {
@@ -36,6 +37,23 @@ ProjectorCore::Config coreConfig(const Experiment& experiment, const light::Imag
   return config;
 }
 
+/// The overlay on the projected picture: frame rate, vsync, command, calibration and error.
+/// @param rate measured [Hz]
+std::vector<std::string> overlayLines(const ShownFrame& shown,
+                                      const FrameLoop::SwappedFrame& swapped, double rate) {
+  constexpr std::size_t kLongest = 60;  // characters
+  char frames[32];
+  std::snprintf(frames, sizeof frames, "%.1f fps", rate);
+  std::vector<std::string> lines = {
+      frames + (", vsync " + swapped.vsync),
+      shown.commander.empty() ? shown.label.substr(0, kLongest)
+                              : shown.commander + " " + std::to_string(shown.seq) + " " +
+                                    shown.label.substr(0, kLongest),
+      "calibration " + (swapped.calibration_id.empty() ? "none" : swapped.calibration_id)};
+  if (!swapped.trouble.empty()) lines.push_back(swapped.trouble.substr(0, kLongest));
+  return lines;
+}
+
 }  // namespace
 
 ProjectorService::ProjectorService(const ServiceContext& context, std::filesystem::path pictures,
@@ -51,8 +69,8 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
       core_(coreConfig(context.experiment, images_)) {
   const Projector& projector = experiment_.projector;
   if (presenter == nullptr) {
-    // A display that is named and not there, as in virtual time, has the size that it was
-    // calibrated with.
+    // A display that is not opened, as in virtual time, is assumed to have the size in its
+    // calibration.
     const std::string& file = projector.calibration;
     const bool simulated = projector.display == kHeadless || file.empty();
     const std::string placed = simulated
@@ -67,9 +85,9 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
     arrivals_.push_back({toCommand(message, experiment_, images_), loop_.now()});
   });
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& message) {
-    // A tracker whose clock runs ahead would make the present look old for ever.
+    // If a tracker's clock runs ahead, all later correct times would be taken for old ones.
     if (message.utime > loop_.now() + kAhead_us) {
-      if (!std::exchange(told_of_future_, true)) {
+      if (!std::exchange(future_frame_reported_, true)) {
         node_.noteError(
             "TRACKED_FRAME " + std::to_string(message.frame) + " of " + message.sender +
             " is dated more than a second ahead: not used for the light; set the clocks");
@@ -91,7 +109,7 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
 
 void ProjectorService::applyUntil(std::int64_t utime) {
   std::size_t applied = 0;
-  // What arrived while a late timer was on its way belongs to the next frame.
+  // If the timer is late, commands that arrived after the frame's time belong to the next frame.
   while (applied < arrivals_.size() && arrivals_[applied].utime <= utime) {
     const LightCommand& command = arrivals_[applied].command;
     const Answer answer = core_.apply(command, arrivals_[applied].utime);
@@ -109,8 +127,8 @@ void ProjectorService::applyUntil(std::int64_t utime) {
   takeFrames(utime);
 }
 
-/// A status names the frames of one tracker. Where there are two, those of the other wait for the
-/// next picture.
+/// A LIGHT_STATUS names the frames of one tracker only. Frames of another tracker wait for the next
+/// picture.
 void ProjectorService::takeFrames(std::int64_t utime) {
   if (frames_.empty()) return;
   const std::int64_t instance =
@@ -225,7 +243,7 @@ void ProjectorService::savePicture(const ShownFrame& shown) {
 ServiceDescription serviceDescription() {
   ServiceDescription description;
   description.name = "projector_ctl";
-  description.summary = "The light field: what the arena shows, where, since when";
+  description.summary = "Light-field server: shows light on the arena and reports what is shown";
   description.origin = robot_state_t::SIM;
   description.make = [](const ServiceContext& context) {
     return std::make_unique<ProjectorService>(context);

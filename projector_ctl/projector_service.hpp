@@ -1,4 +1,5 @@
-/// The projector on the bus: LIGHT_COMMAND, TRACKED_FRAME and ROBOT_STATUS in, LIGHT_STATUS out.
+/// Connects the projector with the bus: receives LIGHT_COMMAND, TRACKED_FRAME and ROBOT_STATUS,
+/// sends LIGHT_STATUS.
 #pragma once
 
 #include <cstdint>
@@ -16,20 +17,21 @@
 
 namespace lab::projector {
 
-/// Frame by frame it shows its field on a display, at the display's refreshes, or headless, to
-/// whoever listens to LIGHT_STATUS, at the experiment's frame rate. LIGHT_STATUS goes out with
-/// every frame that differs from the last, and at 10 Hz otherwise. A refused command is said in
-/// last_refusal and in the heartbeat; what was shown stays.
+/// Shows the light field on a display, frame by frame at the display's refreshes. Headless, it only
+/// publishes LIGHT_STATUS, with the experiment's frame rate. LIGHT_STATUS is sent with every frame
+/// that differs from the previous one, and at 10 Hz otherwise. The refusal of a command is reported
+/// in last_refusal and in the heartbeat, and the field stays.
 class ProjectorService final : public Service {
  public:
   static constexpr double kStatusRate = 10;  ///< [Hz] while nothing changes
   static constexpr int kPictureColumns = 480;
 
-  /// Subscribes, and shows its first frame at the first frame boundary from now on.
-  /// @param pictures where each new field is left as light_<first shown utime>.png once it is fully
-  /// faded in, the arena in kPictureColumns columns; empty: nowhere.
-  /// @throws std::runtime_error when an image of the experiment cannot be read.
-  /// @param presenter the display, null: headless
+  /// Subscribes, and shows its first frame at the next frame boundary.
+  /// @param pictures folder in which each new field is saved as light_<first shown utime>.png at
+  /// the
+  ///        end of its cross-fade, with kPictureColumns columns; empty: not saved
+  /// @param presenter the display; null: headless
+  /// @throws std::runtime_error if an image of the experiment cannot be read
   explicit ProjectorService(const ServiceContext& context, std::filesystem::path pictures = {},
                             std::unique_ptr<Presenter> presenter = nullptr);
 
@@ -63,24 +65,24 @@ class ProjectorService final : public Service {
   light::ImageStore images_;
   FrameClock clock_;
   ProjectorCore core_;
-  std::vector<Arrival> arrivals_;      ///< not yet given to the core
-  std::vector<FrameArrival> frames_;   ///< not yet given to the core
+  std::vector<Arrival> arrivals_;      ///< not yet passed to the core
+  std::vector<FrameArrival> frames_;   ///< not yet passed to the core
   std::vector<std::int64_t> entered_;  ///< numbers of frames in use since the last LIGHT_STATUS
   std::int64_t entered_tracker_ = 0;
-  std::string headless_calibration_;  ///< id of that in force without a display, empty: none
-  bool told_of_future_ = false;
+  std::string headless_calibration_;  ///< id of the one used without a display; empty: none
+  bool future_frame_reported_ = false;
   std::string last_refusal_;
   std::string trouble_;
-  bool publish_ = false;                ///< with the next frame, whether it changes or not
-  std::int64_t pictured_utime_ = 0;     ///< first_shown_utime of what the last picture shows
-  std::int64_t status_utime_ = 0;       ///< of the last LIGHT_STATUS
-  const ShownFrame* shown_ = nullptr;   ///< of the frame under way
-  FrameLoop::SwappedFrame swapped_;     ///< the frame shown last
-  std::int64_t first_light_utime_ = 0;  ///< of the command shown
+  bool publish_ = false;                ///< publish the next frame even if it does not change
+  std::int64_t pictured_utime_ = 0;     ///< first_shown_utime of the field in the last picture
+  std::int64_t status_utime_ = 0;       ///< time of the last LIGHT_STATUS
+  const ShownFrame* shown_ = nullptr;   ///< the frame in progress
+  FrameLoop::SwappedFrame swapped_;     ///< the last frame shown
+  std::int64_t first_light_utime_ = 0;  ///< when the present command was first on the arena
   std::unique_ptr<FrameLoop> loop_of_frames_;
 };
 
-/// The service as a process or as a part of a lab in one process.
+/// The service, for a process of its own or as part of a lab in one process.
 [[nodiscard]] ServiceDescription serviceDescription();
 
 }  // namespace lab::projector

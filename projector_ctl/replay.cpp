@@ -7,10 +7,10 @@
 namespace lab::projector {
 namespace {
 
-constexpr std::size_t kMostFrames = 4000;  // that wait for a status that names them
+constexpr std::size_t kMostFrames = 4000;  // camera frames kept until a status names them
 
-/// The moment that a status' trails were worked out for: where a display shows a frame a little
-/// earlier or later than was expected, it is not the status' own. 0: there are none.
+/// The time that the trails of a status were computed for. It differs from the status' time if the
+/// display showed the frame earlier or later than expected. 0: there are no trails.
 std::int64_t trailMomentOf(const ShownRecord& status) {
   for (const light::Layer& layer : status.layers) {
     if (layer.kind == light::LayerKind::kGrid && layer.seed != 0) {
@@ -35,7 +35,7 @@ void Replay::take(ObservedFrame frame) {
   frames_.erase(oldest);
 }
 
-/// @return whether all frames were at hand
+/// @return whether all camera frames were available
 bool Replay::play(const ShownRecord& status) {
   bool complete = true;
   if (status.tracker_instance == 0) robots_.forgetPoses();
@@ -61,7 +61,7 @@ std::optional<std::vector<light::Layer>> Replay::layersOf(const ShownRecord& sta
   const Key key{status.commander, status.command_instance, status.command_seq};
   const auto command = commands_.find(key);
   if (command != commands_.end() && !scenes_.contains(key)) {
-    // Of a sender, the command before this one may still fade out; older ones are over.
+    // The sender's previous command may still fade out; older ones are no longer needed.
     std::erase_if(scenes_, [&](const auto& entry) {
       return std::get<0>(entry.first) == status.commander &&
              std::get<2>(entry.first) + 1 < status.command_seq;

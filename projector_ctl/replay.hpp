@@ -1,4 +1,4 @@
-/// The light of a log, worked out again from what went into it.
+/// Recomputes the light of a log from the projector's inputs.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace lab::projector {
 
-/// What a LIGHT_STATUS says of its picture, beside the layers.
+/// The fields of a LIGHT_STATUS that identify the inputs of its picture.
 struct ShownRecord {
   std::int64_t projector = 0;  ///< instance of the projector
   std::int64_t utime = 0;
@@ -24,26 +24,27 @@ struct ShownRecord {
   std::int64_t command_seq = 0;
   std::int64_t tracker_instance = 0;
   std::vector<std::int64_t> tracked_frames{};
-  std::vector<light::Layer> layers{};  ///< as shown; read for the moments of trails
+  std::vector<light::Layer> layers{};  ///< as shown; used for the times of trails
 };
 
-/// Give it commands, camera frames and reports in the log's order, and every LIGHT_STATUS: it says
-/// what each must have shown. What is gated by programs depends on ROBOT_STATUS too, of which no
-/// status says what had arrived: in a live run a frame may differ where the two crossed.
+/// Takes commands, camera frames and reports in the order of the log, and computes the layers of
+/// every LIGHT_STATUS. Layers that are gated by programs depend on ROBOT_STATUS as well, and
+/// LIGHT_STATUS does not tell which of those had arrived. In a live run a frame may therefore
+/// differ if two messages crossed.
 class Replay {
  public:
-  /// @param scene_context as the projector had them; outlive this
+  /// @param scene_context as in the projector; must outlive this object
   explicit Replay(const SceneContext& scene_context) : scene_context_(scene_context) {}
 
-  /// As the projector took it: with a from_utime.
+  /// @param command as the projector used it, with a from_utime
   void take(const LightCommand& command);
   void take(ObservedFrame frame);
   void report(std::int32_t robot, const std::string& program, std::int64_t utime) {
     robots_.report(robot, program, utime);
   }
 
-  /// The layers of this status, without a sync patch. Nothing where it cannot be said: the safe
-  /// field, a command or a frame that the log does not have.
+  /// The layers of this status, without a sync patch. Empty for the safe field, or if the command
+  /// or a camera frame is missing in the log.
   [[nodiscard]] std::optional<std::vector<light::Layer>> layersOf(const ShownRecord& status);
 
  private:

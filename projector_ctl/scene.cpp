@@ -7,6 +7,8 @@
 #include <numbers>
 #include <utility>
 
+#include "common/math/units.hpp"
+
 namespace lab::projector {
 namespace {
 
@@ -17,14 +19,14 @@ using light::Gate;
 using light::Layer;
 using light::LayerKind;
 
-constexpr std::size_t kLayerBytes = 110;            // of a light_layer_t without its image or grid
-constexpr std::size_t kDigestBytes = 64;            // of an image's SHA-256
-constexpr std::size_t kMostTrailCells = 160 * 120;  // of all trails of a command
-constexpr std::size_t kMostNamed = 8;               // lost robots in one message
+constexpr std::size_t kLayerBytes = 110;            // size of a light_layer_t without image or grid
+constexpr std::size_t kDigestBytes = 64;            // size of an image's SHA-256
+constexpr std::size_t kMostTrailCells = 160 * 120;  // sum over all trails of a command
+constexpr std::size_t kMostNamed = 8;               // lost robots named in one text
 
-double seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
+using units::seconds;
 
-/// "12:34:56.789" UTC
+/// The time of day in UTC, as "12:34:56.789".
 std::string clockText(std::int64_t utime) {
   const std::chrono::hh_mm_ss time{std::chrono::milliseconds(utime / 1000 % (24LL * 3600 * 1000))};
   char buffer[32];
@@ -50,7 +52,7 @@ std::string troubleText(const std::map<std::int32_t, std::int64_t>& lost, bool s
   return all;
 }
 
-/// The layer that is given in the robot's frame, in the arena's.
+/// Transforms a layer from the robot's frame to the arena's frame.
 Layer placed(Layer layer, const RobotPose& robot) {
   const double x = layer.x;
   const double y = layer.y;
@@ -66,15 +68,15 @@ bool isInside(const Drive& drive, const RobotPose& robot) {
   return std::hypot(robot.x - drive.gate_x, robot.y - drive.gate_y) <= drive.gate_radius;
 }
 
-RobotPose poseAt(const Drive& drive, const Track& track, const FrameTimes& moment) {
-  return drive.predict ? track.predicted(moment.shown) : track.last();
+RobotPose poseAt(const Drive& drive, const Track& track, const FrameTimes& times) {
+  return drive.predict ? track.predicted(times.shown) : track.last();
 }
 
 bool isLost(const Drive& drive, const Track* track, std::int64_t decided) {
   return track == nullptr || seconds(decided - track->lastUtime()) > drive.stale;
 }
 
-/// Whether this robot opens the gate, standing where `pose` says.
+/// Whether this robot opens the gate if it is at `pose`.
 bool opens(const Drive& drive, std::int32_t id, const RobotPose& pose, std::int64_t utime,
            const RobotTracks& robots) {
   switch (drive.gate) {
@@ -90,15 +92,15 @@ bool opens(const Drive& drive, std::int32_t id, const RobotPose& pose, std::int6
   return true;
 }
 
-/// Whether this robot opens the gate, wherever it is.
-bool opens(const Drive& drive, std::int32_t id, const FrameTimes& moment,
+/// Whether this robot opens the gate at its tracked pose.
+bool opens(const Drive& drive, std::int32_t id, const FrameTimes& times,
            const RobotTracks& robots) {
   if (drive.gate == Gate::kOpen || drive.gate == Gate::kProgram) {
-    return opens(drive, id, RobotPose{}, moment.decided, robots);
+    return opens(drive, id, RobotPose{}, times.decided, robots);
   }
   const Track* track = robots.track(id);
-  return !isLost(drive, track, moment.decided) &&
-         opens(drive, id, poseAt(drive, *track, moment), moment.decided, robots);
+  return !isLost(drive, track, times.decided) &&
+         opens(drive, id, poseAt(drive, *track, times), times.decided, robots);
 }
 
 std::size_t layerBytes(const Layer& layer) {
@@ -107,16 +109,18 @@ std::size_t layerBytes(const Layer& layer) {
   return kLayerBytes + grid + (layer.kind == LayerKind::kImage ? kDigestBytes : 0);
 }
 
-std::optional<std::string> driveProblem(const DrivenLayer& layer, const SceneContext& around) {
+std::optional<std::string> driveProblem(const DrivenLayer& layer,
+                                        const SceneContext& scene_context) {
   const Drive& drive = layer.drive;
   if (auto problem = light::validate(drive, layer.layer.kind)) return problem;
   for (const std::string& image : drive.images) {
-    if (!around.images.contains(image)) {
+    if (!scene_context.images.contains(image)) {
       return "images = " + image.substr(0, 80) + ", allowed: the SHA-256 of images loaded here";
     }
   }
-  if (drive.gate == Gate::kProgram && !around.programs.empty() &&
-      std::ranges::find(around.programs, drive.gate_program) == around.programs.end()) {
+  if (drive.gate == Gate::kProgram && !scene_context.programs.empty() &&
+      std::ranges::find(scene_context.programs, drive.gate_program) ==
+          scene_context.programs.end()) {
     return "gate_program = \"" + drive.gate_program.substr(0, 80) +
            "\", allowed: a program of the experiment";
   }
@@ -208,9 +212,9 @@ void Scene::take(const ObservedFrame& frame, const RobotTracks& robots) {
   for (Entry& entry : entries_) {
     if (!entry.trail || frame.utime < from_utime_) continue;
     const Drive& drive = entry.driven.drive;
-    const FrameTimes moment{frame.utime, frame.utime};
+    const FrameTimes times{frame.utime, frame.utime};
     entry.trail->advanceTo(frame.utime);
-    if (drive.gate_robot != 0 && !opens(drive, drive.gate_robot, moment, robots)) continue;
+    if (drive.gate_robot != 0 && !opens(drive, drive.gate_robot, times, robots)) continue;
     for (const std::int32_t id : followed(drive)) {
       const Track* track = robots.track(id);
       if (track == nullptr || track->lastUtime() != frame.utime || !track->joined()) continue;
@@ -228,39 +232,39 @@ void Scene::take(const ObservedFrame& frame, const RobotTracks& robots) {
   }
 }
 
-bool Scene::isOpen(const Drive& drive, const FrameTimes& moment, const RobotTracks& robots) const {
+bool Scene::isOpen(const Drive& drive, const FrameTimes& times, const RobotTracks& robots) const {
   if (drive.gate == Gate::kOpen) return true;
-  if (drive.gate_robot != 0) return opens(drive, drive.gate_robot, moment, robots);
+  if (drive.gate_robot != 0) return opens(drive, drive.gate_robot, times, robots);
   return std::ranges::any_of(scene_context_->robots,
-                             [&](std::int32_t id) { return opens(drive, id, moment, robots); });
+                             [&](std::int32_t id) { return opens(drive, id, times, robots); });
 }
 
 bool Scene::noteLost(const Drive& drive, std::int32_t id, const Track* track,
-                     const FrameTimes& moment) {
-  if (!isLost(drive, track, moment.decided)) return false;
+                     const FrameTimes& times) {
+  if (!isLost(drive, track, times.decided)) return false;
   lost_[id] = track != nullptr ? track->lastUtime() : 0;
   if (drive.when_lost == light::WhenLost::kSafe) picture_.safe = true;
   return true;
 }
 
-void Scene::placeCopies(const Entry& entry, const Layer& layer, const FrameTimes& moment,
+void Scene::placeCopies(const Entry& entry, const Layer& layer, const FrameTimes& times,
                         const RobotTracks& robots) {
   const Drive& drive = entry.driven.drive;
   for (const std::int32_t id : followed(drive)) {
     const Track* track = robots.track(id);
-    const bool lost = noteLost(drive, id, track, moment);
+    const bool lost = noteLost(drive, id, track, times);
     if (lost && (track == nullptr || drive.when_lost != light::WhenLost::kHold)) continue;
-    const RobotPose pose = lost ? track->last() : poseAt(drive, *track, moment);
-    const bool open = drive.gate_robot != 0 ? opens(drive, drive.gate_robot, moment, robots)
-                                            : opens(drive, id, pose, moment.decided, robots);
+    const RobotPose pose = lost ? track->last() : poseAt(drive, *track, times);
+    const bool open = drive.gate_robot != 0 ? opens(drive, drive.gate_robot, times, robots)
+                                            : opens(drive, id, pose, times.decided, robots);
     if (open) picture_.layers.push_back(placed(layer, pose));
   }
 }
 
-void Scene::pushTrail(Entry& entry, const Layer& layer, const FrameTimes& moment,
+void Scene::pushTrail(Entry& entry, const Layer& layer, const FrameTimes& times,
                       const RobotTracks& robots) {
   const Drive& drive = entry.driven.drive;
-  for (const std::int32_t id : followed(drive)) noteLost(drive, id, robots.track(id), moment);
+  for (const std::int32_t id : followed(drive)) noteLost(drive, id, robots.track(id), times);
   Trail& trail = *entry.trail;
   Layer grid;
   grid.kind = LayerKind::kGrid;
@@ -271,43 +275,43 @@ void Scene::pushTrail(Entry& entry, const Layer& layer, const FrameTimes& moment
   grid.y = grid.inner / 2;
   grid.intensity = layer.intensity;
   grid.intensity2 = layer.intensity2;
-  const std::int64_t utime = moment.trails != 0 ? moment.trails : moment.shown;
+  const std::int64_t utime = times.trails != 0 ? times.trails : times.shown;
   grid.pixels = trail.picture(utime);
   grid.seed = static_cast<std::uint64_t>(utime);
   picture_.layers.push_back(std::move(grid));
 }
 
-void Scene::resolve(Entry& entry, const FrameTimes& moment, const RobotTracks& robots) {
+void Scene::resolve(Entry& entry, const FrameTimes& times, const RobotTracks& robots) {
   if (entry.still) {
     picture_.layers.push_back(entry.driven.layer);
     return;
   }
   const Drive& drive = entry.driven.drive;
-  Layer layer = light::driven(entry.driven, seconds(moment.shown - from_utime_));
+  Layer layer = light::driven(entry.driven, seconds(times.shown - from_utime_));
   if (!layer.image.empty() && !layer.pixels) {
     const auto found = scene_context_->images.find(layer.image);
     if (found != scene_context_->images.end()) layer.pixels = found->second;
   }
   switch (drive.follow) {
     case Follow::kNothing:
-      if (isOpen(drive, moment, robots)) picture_.layers.push_back(std::move(layer));
+      if (isOpen(drive, times, robots)) picture_.layers.push_back(std::move(layer));
       break;
     case Follow::kRobots:
-      placeCopies(entry, layer, moment, robots);
+      placeCopies(entry, layer, times, robots);
       break;
     case Follow::kTrail:
-      pushTrail(entry, layer, moment, robots);
+      pushTrail(entry, layer, times, robots);
       break;
   }
 }
 
-const Scene::Picture& Scene::at(const FrameTimes& moment, const RobotTracks& robots) {
+const Scene::Picture& Scene::at(const FrameTimes& times, const RobotTracks& robots) {
   if (still_ && resolved_) return picture_;
   resolved_ = true;
   picture_.layers.clear();
   picture_.safe = false;
   lost_.clear();
-  for (Entry& entry : entries_) resolve(entry, moment, robots);
+  for (Entry& entry : entries_) resolve(entry, times, robots);
   picture_.trouble = troubleText(lost_, picture_.safe);
   return picture_;
 }

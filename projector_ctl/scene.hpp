@@ -1,5 +1,4 @@
-/// What one command shows: layers that change with time and with the robots, resolved to layers
-/// that anybody can evaluate.
+/// The light of one command: layers that depend on time and robots, resolved into static layers.
 #pragma once
 
 #include <cstdint>
@@ -16,85 +15,87 @@
 
 namespace lab::projector {
 
-/// What scenes need to know of the experiment.
+/// The properties of the experiment that scenes depend on.
 struct SceneContext {
   double arena_width = 1.2;             ///< [m]
   double arena_height = 0.9;            ///< [m]
-  std::vector<std::int32_t> robots{};   ///< those meant by "every robot"
-  std::vector<std::string> programs{};  ///< names that a gate may ask for; empty: any
-  light::ImageStore images{};           ///< of sequences
+  std::vector<std::int32_t> robots{};   ///< ids of all robots
+  std::vector<std::string> programs{};  ///< names that gates may use; empty: any
+  light::ImageStore images{};           ///< images of sequences
 };
 
-/// The two times of a frame [us since 1970].
+/// The times of a frame [us since 1970].
 struct FrameTimes {
-  std::int64_t decided = 0;  ///< what had arrived until then is in the picture
-  std::int64_t shown = 0;    ///< when it is on the arena
-  std::int64_t trails = 0;   ///< that trails are worked out for; 0: `shown`
+  std::int64_t decided = 0;  ///< the picture uses all inputs up to this time
+  std::int64_t shown = 0;    ///< when the picture is on the arena
+  std::int64_t trails = 0;   ///< time for which trails are computed; 0: `shown`
 };
 
-/// Pure: the same layers, frames and reports, in the same order, give the same picture at the same
-/// moment, however often and when it was asked for others before. The grid of a trail has in its
-/// `seed`, which a grid does not read, the moment [us since 1970] that it is for.
+/// Deterministic: the same layers, camera frames and reports in the same order give the same
+/// picture at the same time, whatever other pictures were requested before. The `seed` of a trail's
+/// grid, which grids do not use otherwise, holds the time [us since 1970] that it is for.
 class Scene {
  public:
-  /// Both lists of a LIGHT_STATUS at this size stay below the 60 KB of a message.
+  /// Two lists of this size in a LIGHT_STATUS stay below the limit of 60 KB per message.
   static constexpr std::size_t kMostBytes = 29'000;
-  /// The layers of a picture, copies counted; one more is left for the sync patch.
+  /// Largest number of layers in a picture, including copies for robots; one is reserved for the
+  /// sync patch.
   static constexpr std::size_t kMostResolved = light::kMostLayers - 1;
 
   struct Picture {
     std::vector<light::Layer> layers{};
-    bool safe = false;      ///< the safe field is to be shown instead: who is followed is lost
-    std::string trouble{};  ///< who is lost, empty: nobody
+    bool safe = false;      ///< show the safe field instead, because a followed robot is lost
+    std::string trouble{};  ///< names the lost robots; empty: none
   };
 
-  /// Why the layers cannot be a command's, as "layers[i].field = found, allowed: ...", or nothing.
+  /// Why the layers are not valid in a command, as "layers[i].field = found, allowed: ..."; empty
+  /// if they are.
   [[nodiscard]] static std::optional<std::string> problem(
       const std::vector<light::DrivenLayer>& layers, const SceneContext& scene_context);
 
-  /// What the layers take of a LIGHT_STATUS, or a little more.
+  /// Upper bound of the size of the layers in a LIGHT_STATUS, bytes.
   [[nodiscard]] static std::size_t bytesOf(const std::vector<light::Layer>& layers);
 
-  /// @param layers without a problem()
+  /// @param layers must be valid, see problem()
   /// @param from_utime when their time was 0 [us since 1970]
-  /// @param scene_context outlive the scene
+  /// @param scene_context must outlive the scene
   Scene(std::vector<light::DrivenLayer> layers, std::int64_t from_utime,
         const SceneContext& scene_context);
 
-  /// Layers that nothing changes.
+  /// A scene of static layers.
   explicit Scene(const std::vector<light::Layer>& layers);
 
-  /// Whether every moment's picture is the same.
+  /// Whether the picture is the same at all times.
   [[nodiscard]] bool isStill() const { return still_; }
 
-  /// Whether the picture depends on where robots are.
+  /// Whether the picture depends on poses of robots.
   [[nodiscard]] bool needsPoses() const { return needs_poses_; }
 
-  /// Takes a frame that `robots` has just taken; trails grow. Frames from before from_utime leave
-  /// no trail.
+  /// Extends the trails by a camera frame that was just added to `robots`. Frames from before
+  /// from_utime are ignored.
   void take(const ObservedFrame& frame, const RobotTracks& robots);
 
-  /// Valid until the next call.
-  const Picture& at(const FrameTimes& moment, const RobotTracks& robots);
+  /// The picture at the times of a frame, valid until the next call.
+  const Picture& at(const FrameTimes& times, const RobotTracks& robots);
 
  private:
   struct Entry {
     light::DrivenLayer driven;
     bool still = true;
     std::optional<Trail> trail{};
-    std::map<std::int32_t, std::int64_t> laid{};  ///< by robot: until when
+    std::map<std::int32_t, std::int64_t> laid{};  ///< by robot: time up to which its trail is laid
   };
 
   [[nodiscard]] const std::vector<std::int32_t>& followed(const light::Drive& drive) const;
-  [[nodiscard]] bool isOpen(const light::Drive& drive, const FrameTimes& moment,
+  [[nodiscard]] bool isOpen(const light::Drive& drive, const FrameTimes& times,
                             const RobotTracks& robots) const;
-  void resolve(Entry& entry, const FrameTimes& moment, const RobotTracks& robots);
-  void placeCopies(const Entry& entry, const light::Layer& layer, const FrameTimes& moment,
+  void resolve(Entry& entry, const FrameTimes& times, const RobotTracks& robots);
+  void placeCopies(const Entry& entry, const light::Layer& layer, const FrameTimes& times,
                    const RobotTracks& robots);
-  void pushTrail(Entry& entry, const light::Layer& layer, const FrameTimes& moment,
+  void pushTrail(Entry& entry, const light::Layer& layer, const FrameTimes& times,
                  const RobotTracks& robots);
   bool noteLost(const light::Drive& drive, std::int32_t id, const Track* track,
-                const FrameTimes& moment);
+                const FrameTimes& times);
 
   std::vector<Entry> entries_;
   std::int64_t from_utime_ = 0;
@@ -102,7 +103,7 @@ class Scene {
   bool still_ = true;
   bool needs_poses_ = false;
   bool resolved_ = false;                      ///< a still scene is resolved once
-  std::map<std::int32_t, std::int64_t> lost_;  ///< since when they were not seen; 0: never seen
+  std::map<std::int32_t, std::int64_t> lost_;  ///< lost robots, when last seen; 0: never seen
   Picture picture_;
 };
 

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
+#include <vector>
 
 #include "common/bus/channels.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::bridge {
@@ -16,7 +18,7 @@ namespace {
 constexpr std::int64_t kTick_us = 20'000;
 constexpr std::int64_t kSilent_us = 1'000'000;
 constexpr std::size_t kLongestNote = 1000;
-constexpr std::int64_t kCarried_us = 1'100'000;  // after which a heartbeat has carried a note
+constexpr std::int64_t kCarried_us = 1'100'000;  // heartbeats come every second
 
 bool isServed(const RobotSpec& robot) { return isOnWire(robot.body); }
 
@@ -24,11 +26,12 @@ std::uint32_t uidOf(const RobotSpec& robot) {
   return robot.body == Body::kSerial ? robot.uid : simulatedUid(robot.id);
 }
 
-/// As often as ROBOT_STATUS, but never more than a quarter of what the line can carry.
+/// The period of ROBOT_STATUS, limited so that telemetry takes at most a quarter of the line.
+/// @return ms
 std::uint32_t telemetryPeriod(double rate, int baud) {
-  const long wanted = std::lround(1000 / rate);
+  const long requested = std::lround(1000 / rate);
   const long shortest = baud >= 500000 ? 20 : std::lround(50.0 * 38400 / baud);
-  return static_cast<std::uint32_t>(std::clamp(wanted, shortest, 60000L));
+  return static_cast<std::uint32_t>(std::clamp(requested, shortest, 60000L));
 }
 
 LinkSettings linkSettings(const Experiment& experiment, const RobotSpec& robot) {
@@ -107,24 +110,25 @@ void BridgeService::take(const robot_command_t& command) {
 
 void BridgeService::take(const robot_stop_t& stop) {
   const std::int64_t now = loop_.now();
-  const bool everyone = stop.robot_ids.empty();
+  const bool stops_all = stop.robot_ids.empty();
   for (auto& [id, robot] : robots_) {
-    const bool meant = everyone || std::find(stop.robot_ids.begin(), stop.robot_ids.end(), id) !=
-                                       stop.robot_ids.end();
+    const bool meant = stops_all || std::find(stop.robot_ids.begin(), stop.robot_ids.end(), id) !=
+                                        stop.robot_ids.end();
     if (meant) robot.link.stop(stop.seq, stop.clear != 0, now);
   }
   port_manager_.flush();
 }
 
-// The answer to one request comes with its next repeats, as far as the robots have got by then.
+// Writing takes several messages to the robot, so the answer to a request follows when the request
+// is repeated; it lists the robots that are ready by then.
 void BridgeService::take(const robot_calibration_t& request) {
   robot_calibration_t answer{};
   answer.seq = request.seq;
-  for (const motor_calibration_t& wanted : request.robots) {
-    const auto robot = robots_.find(wanted.robot_id);
+  for (const motor_calibration_t& requested : request.robots) {
+    const auto robot = robots_.find(requested.robot_id);
     if (robot == robots_.end()) continue;
     RobotLink& link = robot->second.link;
-    link.calibrate(request.seq, request.instance, wanted, loop_.now());
+    link.calibrate(request.seq, request.instance, requested, loop_.now());
     if (const auto held = link.calibration()) answer.robots.push_back(*held);
   }
   port_manager_.flush();
@@ -147,7 +151,7 @@ void BridgeService::tick() {
   }
 }
 
-// One row for each line, beside the channels: what a run lost on the way to its robots.
+// Adds one row per serial line to the statistics of message losses.
 void BridgeService::reportLines() {
   std::vector<stream_count_t> rows;
   for (auto& [id, robot] : robots_) {
@@ -182,7 +186,7 @@ void BridgeService::note(const std::string& text) {
   node_.noteError(notes_);
 }
 
-/// As much of what waits as one heartbeat carries, once the one before has been carried.
+/// Passes waiting texts to the next heartbeat, once the previous heartbeat has gone out.
 void BridgeService::publishWaitingNotes() {
   const std::int64_t now = loop_.now();
   if (waiting_.empty() || (now - noted_utime_ < kCarried_us && !notes_.empty())) return;
@@ -200,18 +204,18 @@ void BridgeService::publish() {
   const std::int64_t now = loop_.now();
   robot_status_t status{};
   robot_steps_t steps{};
-  bool news = false;
+  bool any_update = false;
   for (auto& [id, robot] : robots_) {
     for (const RobotView::UnwrappedStep& step : robot.link.view().takeSteps()) {
       steps.steps.push_back(stepOf(robot.link, step));
     }
     if (now - robot.link.heardUtime() > kSilent_us) continue;
-    const bool has_news = robot.link.view().takeUpdateFlag();
-    news = news || has_news;
+    const bool updated = robot.link.view().takeUpdateFlag();
+    any_update = any_update || updated;
     const auto state = statusOf(robot.link, robot.origin, robot.reported);
     if (state) status.robots.push_back(*state);
   }
-  if (news) {
+  if (any_update) {
     status.num_robots = static_cast<std::int32_t>(status.robots.size());
     node_.publish(channels::kRobotStatus, status);
   }
@@ -224,14 +228,12 @@ void BridgeService::publish() {
 ServiceDescription serviceDescription() {
   ServiceDescription description;
   description.name = "robot_bridge";
-  description.summary = "Robots on serial lines: finds them, orders them, reports them";
+  description.summary =
+      "Robots on serial lines: finds them, sends them orders, publishes their state";
   description.make = [](const ServiceContext& context) -> std::unique_ptr<Service> {
     return std::make_unique<BridgeService>(context);
   };
-  description.uses_ports = true;
-  description.wanted = [](const Experiment& experiment) {
-    return std::any_of(experiment.robots.begin(), experiment.robots.end(), isServed);
-  };
+  description.uses_ports = usesPorts(description.name);
   return description;
 }
 

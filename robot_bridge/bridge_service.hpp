@@ -1,4 +1,4 @@
-/// The robots on serial lines, on the bus.
+/// Connects robots on serial lines with the bus.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@
 namespace lab::bridge {
 
 /// Publishes ROBOT_STATUS and ROBOT_STEPS for the robots with body = serial, wire or firmware, and
-/// obeys ROBOT_COMMAND and ROBOT_STOP for them. A robot of which nothing was heard for a second is
-/// left out.
+/// executes ROBOT_COMMAND and ROBOT_STOP for them. Robots that were silent for more than a second
+/// are omitted.
 class BridgeService final : public Service {
  public:
   explicit BridgeService(const ServiceContext& context);
@@ -31,7 +31,7 @@ class BridgeService final : public Service {
     RobotLink link;
     std::int8_t origin;  ///< robot_state_t's
     ReportHistory reported;
-    bool silent = false;  ///< already said
+    bool silent = false;  ///< already reported
   };
 
   void take(const robot_command_t& command);
@@ -48,13 +48,13 @@ class BridgeService final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   std::map<std::int32_t, Robot> robots_;
-  std::string notes_;  ///< a heartbeat carries one text
+  std::string notes_;  ///< texts for the next heartbeat, which carries one string
   std::int64_t noted_utime_ = 0;
-  std::deque<std::string> waiting_;  ///< notes for the heartbeats after the next
+  std::deque<std::string> waiting_;  ///< texts for later heartbeats
   PortManager port_manager_;
 };
 
-/// The service as a process or as a part of a lab in one process.
+/// The service, for a process of its own or as part of a lab in one process.
 [[nodiscard]] ServiceDescription serviceDescription();
 
 }  // namespace lab::bridge

@@ -22,7 +22,7 @@ namespace {
 using painter::Box;
 using painter::Lattice;
 
-constexpr double kLongestPiece = 1;  // [px] that a robot moves within a piece of the exposure
+constexpr double kLongestPiece = 1;  // [px] largest motion in a piece of the exposure
 
 LAB_TARGET_CLONES
 void reflect(const float* __restrict albedo, float ambient, float* __restrict grey, int count) {
@@ -52,15 +52,15 @@ class CameraPainter::Parts {
 
   PainterSettings settings;
   std::vector<float> mean;  ///< [DN] of the last exposure
-  painter::SensorNoise grain;
+  painter::SensorNoise noise;
 
  private:
-  /// One list of layers on the floor.
+  /// The empty arena lit by one list of layers.
   struct Shown {
     std::vector<light::Layer> layers;
     painter::Projection projection;
-    std::vector<float> grey;  ///< [1] of the cells of the empty arena
-    std::vector<float> mean;  ///< [DN] of the pixels of the empty arena
+    std::vector<float> grey;  ///< [1] light from the cells of the empty arena
+    std::vector<float> mean;  ///< [DN] pixels of the empty arena
   };
 
   void makePixels();
@@ -79,22 +79,22 @@ class CameraPainter::Parts {
   painter::Ground ground_;
   painter::PlaneShift to_projector_;
   painter::PlaneShift to_camera_;
-  std::optional<painter::WarpedPlaces> bent_ground_;  ///< empty: light is where it is wanted
-  std::optional<painter::WarpedPlaces> bent_caps_;
-  std::vector<float> gain_;    ///< [DN] of a pixel in full light of albedo 1
-  std::vector<float> offset_;  ///< [DN] of a pixel in the dark
+  std::optional<painter::WarpedPlaces> warped_ground_;  ///< empty: the projector is exact
+  std::optional<painter::WarpedPlaces> warped_caps_;
+  std::vector<float> gain_;    ///< [DN] per pixel, of a surface of albedo 1 in full light
+  std::vector<float> offset_;  ///< [DN] per pixel, in the dark
   std::array<Shown, 2> shown_;
-  std::size_t now_ = 0;  ///< which of them is shown; the other one is before it
+  std::size_t now_ = 0;  ///< index of the present one; the other is the previous one
   double mix_ = 1;
-  bool stale_ = true;         ///< `mean` is not the light's
-  std::vector<Box> painted_;  ///< [px] where `mean` is not the empty arena
-  std::vector<float> cap_light_, cap_light_before_, grey_;  ///< [1] of the cells
-  std::vector<float> blurred_;                              ///< [1] of the pixels
+  bool stale_ = true;         ///< `mean` does not show the present light
+  std::vector<Box> painted_;  ///< [px] where `mean` differs from the empty arena
+  std::vector<float> cap_light_, cap_light_before_, grey_;  ///< [1] per cell
+  std::vector<float> blurred_;                              ///< [1] per pixel
 };
 
 CameraPainter::Parts::Parts(PainterSettings the_settings)
     : settings(std::move(the_settings)),
-      grain(settings.seed, optics::CameraResponse(settings.imaging)),
+      noise(settings.seed, optics::CameraResponse(settings.imaging)),
       model_(settings.camera),
       spread_(settings.imaging.blur),
       lattice_{settings.camera.width, settings.camera.height, spread_.reach() + 1},
@@ -108,8 +108,8 @@ CameraPainter::Parts::Parts(PainterSettings the_settings)
       grey_(lattice_.size()) {
   makePixels();
   if (!settings.warp.isIdentity()) {
-    bent_ground_.emplace(settings, lattice_, ground_, to_projector_);
-    bent_caps_.emplace(settings, lattice_, ground_, to_camera_);
+    warped_ground_.emplace(settings, lattice_, ground_, to_projector_);
+    warped_caps_.emplace(settings, lattice_, ground_, to_camera_);
   }
   mean.resize(gain_.size());
   blurred_.resize(gain_.size());
@@ -159,7 +159,7 @@ void CameraPainter::Parts::makePixels() {
 }
 
 void CameraPainter::Parts::show(Shown& shown, const std::vector<light::Layer>& layers) {
-  const painter::LitPlaces lit = places(bent_ground_, to_projector_);
+  const painter::LitPlaces lit = places(warped_ground_, to_projector_);
   painter::Projection projection(
       layers, settings,
       painter::cellSize(model_, settings.arena_width / 2, settings.arena_height / 2));
@@ -171,7 +171,7 @@ void CameraPainter::Parts::show(Shown& shown, const std::vector<light::Layer>& l
       first ? std::vector{whole} : projection.changed(shown.projection, lattice_, lit);
   shown.layers = layers;
   shown.projection = std::move(projection);
-  // The light first: a pixel sees the cells around it.
+  // Light all cells first, because a pixel also depends on the cells around it.
   for (const Box& box : boxes) {
     const Box cells{2 * box.x0, 2 * box.y0, 2 * box.x1, 2 * box.y1};
     shown.projection.light(lattice_, lit, cells, shown.grey);
@@ -205,7 +205,7 @@ void CameraPainter::Parts::setLight(const light::Field& field) {
   if (holds(1 - now_, field.layers)) {
     now_ = 1 - now_;
   } else if (!holds(now_, field.layers)) {
-    // What is shown now may be what a ramp begins with.
+    // The present light may be the start of a transition.
     now_ = 1 - now_;
     if (moving && holds(now_, field.previous)) now_ = 1 - now_;
     show(shown_[now_], field.layers);
@@ -220,7 +220,7 @@ void CameraPainter::Parts::setLight(const light::Field& field) {
   mix_ = mix;
 }
 
-/// Makes `mean` the empty arena again.
+/// Resets `mean` to the empty arena.
 void CameraPainter::Parts::clear() {
   const Shown& after = shown_[now_];
   const Shown& before = shown_[1 - now_];
@@ -251,11 +251,11 @@ painter::LitPlaces CameraPainter::Parts::places(const std::optional<painter::War
   return bent ? bent->view() : painter::LitPlaces{ground_.x.data(), ground_.y.data(), shift};
 }
 
-/// The light at cap height in these pixels.
+/// Computes the light at cap height in these pixels.
 void CameraPainter::Parts::lightCaps(const Box& pixels) {
-  // One pixel more: the outermost are painted the slow way.
+  // One pixel more, because pixels at the border are computed by the slow method.
   const Box cells = lattice_.cells(pixels.grown(1)).within(lattice_.all());
-  const painter::LitPlaces lit = places(bent_caps_, to_camera_);
+  const painter::LitPlaces lit = places(warped_caps_, to_camera_);
   shown_[now_].projection.light(lattice_, lit, cells, cap_light_);
   if (mix_ >= 1) return;
   shown_[1 - now_].projection.light(lattice_, lit, cells, cap_light_before_);
@@ -268,7 +268,7 @@ void CameraPainter::Parts::lightCaps(const Box& pixels) {
   }
 }
 
-/// Makes these cells the empty arena again.
+/// Resets these cells to the empty arena.
 void CameraPainter::Parts::uncover(const Box& cells) {
   const Shown& after = shown_[now_];
   const Shown& before = shown_[1 - now_];
@@ -356,12 +356,12 @@ void CameraPainter::setLight(const light::Field& field) { parts_->setLight(field
 void CameraPainter::paint(std::span<const PaintedRobot> robots, std::int64_t number,
                           std::span<std::uint8_t> out) {
   if (out.size() != parts_->mean.size()) {
-    throw std::invalid_argument(
-        fmt::format("a canvas of {} bytes for a picture of {}", out.size(), parts_->mean.size()));
+    throw std::invalid_argument(fmt::format("a buffer of {} bytes for a picture of {} bytes",
+                                            out.size(), parts_->mean.size()));
   }
   parts_->expose(robots);
   const PainterSettings& settings = parts_->settings;
-  parts_->grain.finish(parts_->mean, settings.camera.width,
+  parts_->noise.finish(parts_->mean, settings.camera.width,
                        pixelNoise(settings.imaging, settings.gain), settings.imaging.black, number,
                        out);
 }

@@ -1,4 +1,4 @@
-/// The simulated camera: poses and light in, an 8-bit grey picture out. Pure: no clock, no bus.
+/// The simulated camera: renders an 8-bit grey picture from poses and light. No clock, no bus.
 #pragma once
 
 #include <array>
@@ -16,13 +16,13 @@
 
 namespace lab::sim {
 
-/// How much of the light each surface sends back [1].
+/// The share of light that each surface reflects [1].
 struct Albedos {
   double floor = 0.78;
   double cap = 0.86;
-  double circle = 0.07;  ///< the two black circles, the foot of the wall
+  double circle = 0.07;  ///< the two black circles of a cap, the foot of the wall
   double body = 0.20;    ///< sides of a robot and the rim of its top around the cap
-  double hole = 0.28;    ///< of the two light sensors
+  double hole = 0.28;    ///< the holes of the two light sensors
   double wall = 0.45;
   double outside = 0.30;
   double sheet = 0.86;
@@ -36,22 +36,22 @@ struct FloorDisc {
   double albedo = 0.07;  ///< [1]
 };
 
-/// A flat strip on the floor from one place to another, with round ends.
+/// A flat strip on the floor between two points, with round ends.
 struct FloorStrip {
   double x0 = 0, y0 = 0, x1 = 0, y1 = 0;  ///< [m]
   double width = 0.01;                    ///< [m]
   double albedo = 0.07;                   ///< [1]
 };
 
-/// Light that a shiny place throws into the lens, over everything that is there.
+/// A specular reflection, added to the light of everything that is painted there.
 struct GlareSpot {
   double x = 0;         ///< [m] on the cap plane
   double y = 0;         ///< [m]
   double sigma = 0.02;  ///< [m]
-  double strength = 1;  ///< [1] at its middle, of a fully lit floor
+  double strength = 1;  ///< [1] at its centre, relative to a fully lit floor
 };
 
-/// What does not change in the course of a film.
+/// The constant properties of the scene and of the camera.
 struct PainterSettings {
   optics::CameraParameters camera;
   optics::CapGeometry cap;
@@ -59,27 +59,28 @@ struct PainterSettings {
   Albedos albedos;
   double arena_width = 1.20;   ///< [m]
   double arena_height = 0.90;  ///< [m]
-  /// The projector's lens [m]. Its picture is right at cap height and shifted elsewhere.
+  /// Position of the projector's lens [m]. Its picture is correct at cap height and shifted at
+  /// other heights.
   std::array<double, 3> projector = {0.60, 1.18, 2.10};
-  /// What becomes of the light on its way to cap height.
+  /// Geometric errors of the projector at cap height.
   optics::ProjectorWarp warp;
-  optics::ProjectorTones tones;  ///< and of its brightness
-  double sheet = 0;              ///< [m] above the floor: a white sheet hides everything, 0: none
-  double edge_softness = 0.001;  ///< [m] no edge in the light is sharper than the projector
-  double ambient = 0.03;         ///< [1] room light, of full projector light
+  optics::ProjectorTones tones;  ///< errors of the projector's brightness
+  double sheet = 0;              ///< [m] height of a white sheet that hides everything; 0: none
+  double edge_softness = 0.001;  ///< [m] smallest width of an edge in the projected light
+  double ambient = 0.03;         ///< [1] room light, relative to full projector light
   double exposure = 0.01;        ///< [s]
   double gain = 1;
-  double vignetting = 0.10;   ///< [1] of the light is lost in the corners of the picture
+  double vignetting = 0.10;   ///< [1] share of the light lost in the corners of the picture
   double unevenness = 0.004;  ///< [1] standard deviation of the pixels' sensitivities
   int hot_pixels = 12;
   bool texture = true;     ///< mottled floor with scuffs
-  std::uint64_t seed = 1;  ///< of the floor, the pixels and the noise
+  std::uint64_t seed = 1;  ///< for floor texture, pixel sensitivities and noise
   std::vector<FloorDisc> discs;
   std::vector<FloorStrip> strips;
   std::vector<GlareSpot> glares;
 };
 
-/// A robot in the middle of the exposure.
+/// A robot's pose and velocity in the middle of the exposure.
 struct PaintedRobot {
   double x = 0;      ///< [m]
   double y = 0;      ///< [m]
@@ -89,30 +90,32 @@ struct PaintedRobot {
   double omega = 0;  ///< [rad/s]
 };
 
-/// A lit floor gives kFullSignal [DN] above black in kFullExposure [s] at gain 1.
+/// A fully lit floor gives kFullSignal [DN] above black in kFullExposure [s] at gain 1.
 inline constexpr double kFullSignal = 200;
 inline constexpr double kFullExposure = 0.01;
 
 /// The noise of a camera's pixels.
 struct PixelNoise {
   double floor = 0;  ///< [DN^2] variance in the dark
-  double slope = 0;  ///< [DN] variance for each DN above black
+  double slope = 0;  ///< [DN] variance per DN above black
 };
 
-/// Shot noise grows with the gain. Half of the variance in the dark arises before the amplifier,
-/// and grows with the gain's square; half behind it.
+/// The noise at a gain. The variance of shot noise is proportional to the gain. Half of the
+/// variance in the dark comes from before the amplifier and is proportional to the square of the
+/// gain; the other half comes from after it and is constant.
 [[nodiscard]] PixelNoise pixelNoise(const optics::Imaging& imaging, double gain);
 
-/// Paints what the camera sees: floor, walls, robots with sides that the lens sees past the caps,
-/// shadows that the projector casts, all through the real lens model. A picture is a function of
-/// settings, light, robots and number alone, on any processor and whatever was painted before.
+/// Paints floor, walls, robots with their visible sides, and shadows in the projector's light, with
+/// the same lens model as the tracker. A picture depends only on settings, light, robots and frame
+/// number; it has the same bytes on every processor and whatever was painted before.
 ///
-/// Every half-pixel cell of the picture is followed back to the floor; shapes cover cells by their
-/// exact distance there, areas preserved; cells become pixels by one filter, the Gaussian of the
-/// lens over the pixel's square. Centres of painted discs are right to better than 0.002 px.
-/// Simplifications: walls are flat; a robot's side takes its light from the cap plane above it;
-/// shapes inside a cap do not shade each other; movement during the exposure is a straight line in
-/// pieces of at most one pixel.
+/// The picture is divided into cells of half a pixel, which are projected back to the floor. The
+/// coverage of a cell by a shape is computed from the distance to the shape's edge, such that areas
+/// are preserved. One filter, the Gaussian blur of the lens convolved with the pixel's square,
+/// combines cells into pixels. Centres of painted discs are accurate to 0.002 px.
+/// Simplifications: walls are flat; the side of a robot has the light of the cap plane above it;
+/// shapes inside a cap do not shade each other; motion during the exposure is straight, in pieces
+/// of at most one pixel.
 class CameraPainter {
  public:
   explicit CameraPainter(PainterSettings settings);
@@ -122,18 +125,18 @@ class CameraPainter {
 
   [[nodiscard]] const PainterSettings& settings() const;
 
-  /// The light from now on; dark before. A new list of layers costs a few frames' time, a new mix
-  /// of known ones nearly nothing. Outside the arena the projector's picture ends 5 cm behind the
-  /// walls.
-  /// @param field whose layers pass validate()
+  /// Sets the light; initially it is dark. A new list of layers takes as long as a few frames; a
+  /// new mixture of the same layers takes almost no time. The projector's picture ends 5 cm outside
+  /// the walls.
+  /// @param field its layers must pass validate()
   void setLight(const light::Field& field);
 
   /// Paints frame `number` into `out`, width x height bytes, the top row first.
-  /// @throws std::invalid_argument when `out` is of another size.
+  /// @throws std::invalid_argument if `out` has another size.
   void paint(std::span<const PaintedRobot> robots, std::int64_t number,
              std::span<std::uint8_t> out);
 
-  /// What paint() would show without noise, clipping and rounding [DN], height rows of width.
+  /// The picture without noise, clipping and rounding [DN], height rows of width.
   [[nodiscard]] std::vector<float> expose(std::span<const PaintedRobot> robots);
 
  private:

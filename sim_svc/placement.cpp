@@ -18,19 +18,20 @@ constexpr int kShakes = 300;
 
 using dynamics::Pose;
 
-/// The places taken so far, and which robot has which.
-class Board {
+/// The poses assigned so far, by robot.
+class PlacementSearch {
  public:
-  Board(const std::vector<Place>& places, const Arena& arena, double radius, std::uint64_t seed)
+  PlacementSearch(const std::vector<Place>& places, const Arena& arena, double radius,
+                  std::uint64_t seed)
       : places_(places), arena_(arena), radius_(radius), seed_(seed), poses_(places.size()) {
-    takeGiven();
+    placeGiven();
   }
 
   std::vector<Pose> place() {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!places_[i].given && !placeAtRandom(i)) {
         placeOnLattice();
-        shake();
+        perturb();
         break;
       }
     }
@@ -38,16 +39,16 @@ class Board {
   }
 
  private:
-  void takeGiven() {
+  void placeGiven() {
     for (std::size_t i = 0; i < places_.size(); ++i) {
       if (!places_[i].given) continue;
       poses_[i] = *places_[i].given;
       const std::string name = "robot " + std::to_string(places_[i].id);
       if (!isInside(poses_[i])) {
-        throw std::invalid_argument(name + " is given a place outside the arena");
+        throw std::invalid_argument(name + " has a start pose outside the arena");
       }
       if (const auto other = overlapping(poses_[i], i, 0)) {
-        throw std::invalid_argument(name + " is given a place that overlaps robot " +
+        throw std::invalid_argument(name + " has a start pose that overlaps robot " +
                                     std::to_string(places_[*other].id));
       }
       placed_.push_back(i);
@@ -108,8 +109,8 @@ class Board {
     return sites;
   }
 
-  // Random small moves of hard disks, so that no lattice remains.
-  void shake() {
+  // Applies random small moves of hard disks, so that the lattice disappears.
+  void perturb() {
     Random random(deriveSeed(seed_, 0, "shake"));
     const double step = radius_ / 2;
     for (int round = 0; round < kShakes; ++round) {
@@ -129,7 +130,7 @@ class Board {
            pose.y <= arena_.height - radius_;
   }
 
-  // Some placed robot other than i that a robot at `pose` would come too close to.
+  // Any placed robot other than i that a robot at `pose` would be too close to.
   std::optional<std::size_t> overlapping(const Pose& pose, std::size_t i, double clearance) const {
     const double distance = 2 * radius_ + clearance;
     for (const std::size_t j : placed_) {
@@ -153,10 +154,10 @@ std::vector<Pose> placeRobots(const std::vector<Place>& places, const Arena& are
   std::set<std::int32_t> ids;
   for (const Place& place : places) {
     if (!ids.insert(place.id).second) {
-      throw std::invalid_argument("robot " + std::to_string(place.id) + " is named twice");
+      throw std::invalid_argument("robot " + std::to_string(place.id) + " is listed twice");
     }
   }
-  return Board(places, arena, radius, seed).place();
+  return PlacementSearch(places, arena, radius, seed).place();
 }
 
 }  // namespace lab::sim

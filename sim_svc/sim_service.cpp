@@ -5,94 +5,23 @@
 #include <lab/robot_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <string>
 
 #include "common/bus/channels.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
 #include "light/field/layer.hpp"
 #include "sim_svc/bodies/chip_robots.hpp"
+#include "sim_svc/bodies/experiment_setup.hpp"
 #include "sim_svc/bodies/wire_robots.hpp"
 
 namespace lab::sim {
 namespace {
 
 constexpr double kTruthRate = 10;                  // [1/s]
-constexpr std::int64_t kOldestFrame_us = 200'000;  // a live camera does not queue more than this
+constexpr std::int64_t kOldestFrame_us = 200'000;  // older frames are skipped in real time
 
-WorldSettings worldSettings(const Experiment& experiment) {
-  const RobotHardware& hardware = experiment.hardware;
-  WorldSettings settings;
-  settings.arena = {experiment.arena_width, experiment.arena_height};
-  settings.seed = experiment.seed;
-  settings.radius = hardware.diameter / 2;
-  settings.wheel_base = hardware.diameter;
-  settings.max_wheel_speed = hardware.max_wheel_speed;
-  settings.pwm_steps = hardware.pwm_steps;
-  settings.wheel_gain_error = hardware.wheel_gain_error;
-  settings.light_gain_error = hardware.light_gain_error;
-  settings.light_noise = 1023 * hardware.light_noise;
-  settings.wheel_base_error = hardware.wheel_base_error;
-  settings.motor_dead_band = hardware.motor_dead_band;
-  settings.speed_noise = hardware.speed_noise;
-  settings.turn_noise = hardware.turn_noise;
-  settings.clock_error = hardware.clock_error;
-  settings.ir_range = hardware.ir_range;
-  return settings;
-}
-
-std::vector<RobotSetup> simulatedRobots(const Experiment& experiment) {
-  std::vector<RobotSetup> robots;
-  for (const RobotSpec& robot : experiment.robots) {
-    if (!isSimulated(robot.body)) continue;
-    RobotSetup setup;
-    setup.id = robot.id;
-    setup.external = robot.body != Body::kSim;
-    if (robot.start)
-      setup.pose = dynamics::Pose{robot.start->x, robot.start->y, robot.start->theta};
-    robots.push_back(setup);
-  }
-  return robots;
-}
-
-/// Which robots of the world have this body.
-std::vector<std::size_t> withBody(const Experiment& experiment, Body body) {
-  std::vector<std::size_t> bodies;
-  std::size_t i = 0;
-  for (const RobotSpec& robot : experiment.robots) {
-    if (robot.body == body) bodies.push_back(i);
-    if (isSimulated(robot.body)) ++i;
-  }
-  return bodies;
-}
-
-MotorCalibrations motorsInForce(const ServiceContext& context) {
-  const std::string& file = context.experiment.hardware.motors;
-  return file.empty() ? MotorCalibrations{} : readMotorFile(context.directory / file);
-}
-
-robot_calibration_t toMessage(const MotorCalibrations& motors) {
-  robot_calibration_t message{};
-  for (const auto& [id, robot] : motors) message.robots.push_back(robot);
-  message.num_robots = static_cast<std::int32_t>(message.robots.size());
-  return message;
-}
-
-/// What stands in the EEPROM of a simulated robot.
-firmware::Settings storedSettings(const Experiment& experiment, const MotorCalibrations& motors,
-                                  std::int32_t id) {
-  firmware::Settings settings;
-  settings.uid = simulatedUid(id);
-  settings.wheel_base_um =
-      static_cast<std::int32_t>(std::lround(experiment.hardware.diameter * 1e6));
-  const auto calibrated = motors.find(id);
-  if (calibrated == motors.end()) return settings;
-  const motor_calibration_t& robot = calibrated->second;
-  settings.left = wheelCalibration(robot.gain_left, robot.dead_band_left);
-  settings.right = wheelCalibration(robot.gain_right, robot.dead_band_right);
-  settings.wheel_base_um = static_cast<std::int32_t>(std::lround(robot.wheel_base * 1e6));
-  return settings;
-}
-
-/// The `number`-th sample of something with this rate: no error adds up.
+/// Time of sample `number` at this rate; rounding errors do not accumulate.
 std::int64_t sampleUtime(std::int64_t start_utime, std::int64_t number, double rate) {
   return start_utime +
          static_cast<std::int64_t>(std::llround(static_cast<double>(number) * 1e6 / rate));
@@ -111,7 +40,7 @@ SimService::SimService(const ServiceContext& context)
       warp_(projectorWarpOf(context.experiment, context.directory)),
       light_(warp_, tonesOf(context.experiment, context.directory)),
       tracker_(context.experiment.camera, context.experiment.seed),
-      bus_robots_(world_, withBody(context.experiment, Body::kSim),
+      bus_robots_(world_, robotsWithBody(context.experiment, Body::kSim),
                   context.experiment.hardware.sensor_period),
       external_robots_(world_, context.ports, [this] { follow(loop_.now()); }),
       camera_(isPainted(experiment_.camera)
@@ -119,11 +48,11 @@ SimService::SimService(const ServiceContext& context)
                                                     tonesOf(experiment_, context.directory))
                   : nullptr),
       start_utime_(context.loop.now()),
-      // The robots were switched on a little earlier, each at an instant of its own.
+      // The robots boot before the start, each at its own time.
       origin_utime_(start_utime_ - units::microseconds(world_.settings().boot_spread)),
       kinematic_robots_(world_, context.experiment, context.directory, start_utime_) {
   world_.setLight(&light_);
-  const MotorCalibrations motors = motorsInForce(context);
+  const MotorCalibrations motors = activeMotors(context.experiment, context.directory);
   bus_robots_.take(toMessage(motors));
   addExternalRobots(context, motors);
   advance(start_utime_);
@@ -140,14 +69,14 @@ SimService::SimService(const ServiceContext& context)
 
 void SimService::addExternalRobots(const ServiceContext& context, const MotorCalibrations& motors) {
   std::vector<WireSetup> wire;
-  for (const std::size_t body : withBody(experiment_, Body::kWire)) {
+  for (const std::size_t body : robotsWithBody(experiment_, Body::kWire)) {
     wire.push_back(
         {body, experiment_.serial.baud, storedSettings(experiment_, motors, world_.id(body))});
   }
   if (!wire.empty()) external_robots_.add(std::make_unique<WireRobots>(world_, wire));
 
   std::vector<ChipRobotSetup> chips;
-  for (const std::size_t body : withBody(experiment_, Body::kFirmware)) {
+  for (const std::size_t body : robotsWithBody(experiment_, Body::kFirmware)) {
     std::vector<std::uint8_t> eeprom(firmware::kStoreSize);
     firmware::encodeStore(storedSettings(experiment_, motors, world_.id(body)), eeprom.data());
     chips.push_back({body, std::move(eeprom)});
@@ -179,7 +108,7 @@ void SimService::subscribe() {
   node_.subscribe<light_status_t>(channels::kLightStatus,
                                   [this](const light_status_t& status) { show(status); });
   if (!kinematic_robots_.anyReal()) return;
-  // Also hears its own frames, in which there is no real robot.
+  // This also receives the service's own frames, but they contain no real robots.
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& frame) {
     follow(loop_.now());
     kinematic_robots_.see(frame, loop_.now());
@@ -193,7 +122,7 @@ void SimService::show(const light_status_t& status) {
     return;
   }
   const std::int64_t now = loop_.now();
-  // Of a projector that began anew, what the one before it announced never comes.
+  // A restarted projector does not show what it had announced before for later times.
   std::erase_if(pending_light_,
                 [&](const PendingLight& other) { return other.utime >= status.utime; });
   if (status.utime > now) {
@@ -209,15 +138,14 @@ void SimService::show(light::Field field) {
   if (camera_) camera_->show(std::move(field));
 }
 
-/// Whatever it is that moves the world on, the camera sees it at its own instants: a timer that
-/// comes late on a busy machine must not show a frame what happened after it.
+/// Advances the world and exposes all camera frames on the way at their exact times. Otherwise a
+/// frame whose timer is late on a busy machine would show a later state.
 void SimService::follow(std::int64_t utime) {
   sampleFrames(utime);
   advance(utime);
 }
 
-/// Light that was announced comes on at its time exactly: whoever asks for a later state of the
-/// world gets one that has seen it.
+/// Advances the world and switches announced light at its exact time on the way.
 void SimService::advance(std::int64_t utime) {
   while (!pending_light_.empty() && pending_light_.front().utime <= utime) {
     moveWorld(pending_light_.front().utime);
@@ -240,7 +168,7 @@ void SimService::sampleFrames(std::int64_t until_utime) {
        exposure <= until_utime; exposure = sampleUtime(start_utime_, ++frame_number_, fps)) {
     const bool seen = tracker_.begin(exposure);
     if (!loop_.isVirtual() && now - exposure > kOldestFrame_us) {
-      // The machine stalled. A burst of old frames would drown the listeners.
+      // The machine stalled. A burst of old frames would flood the subscribers.
       node_.noteError("stalled: camera frames from number " +
                       std::to_string(tracker_.frame().frame) + " on were skipped");
       continue;
@@ -282,7 +210,7 @@ void SimService::sampleRobots() {
   const double rate = experiment_.hardware.status_rate;
   std::int64_t due = sampleUtime(start_utime_, status_number_, rate);
   if (due > now) return;
-  // What a late timer missed is missed: the next report says all that this one would have.
+  // Skip reports that a late timer has missed; the next report contains the full state.
   while (sampleUtime(start_utime_, status_number_ + 1, rate) <= now) {
     due = sampleUtime(start_utime_, ++status_number_, rate);
   }
@@ -329,13 +257,7 @@ ServiceDescription serviceDescription() {
           .make = [](const ServiceContext& context) -> std::unique_ptr<Service> {
             return std::make_unique<SimService>(context);
           },
-          .uses_ports = true,
-          .wanted =
-              [](const Experiment& experiment) {
-                return std::ranges::any_of(experiment.robots, [](const RobotSpec& robot) {
-                  return robot.body != Body::kSerial;
-                });
-              }};
+          .uses_ports = usesPorts("sim_svc")};
 }
 
 }  // namespace lab::sim

@@ -1,4 +1,4 @@
-/// The simulated robots, arena and camera on the bus.
+/// Connects the simulated robots, arena and camera with the bus.
 #pragma once
 
 #include <cstdint>
@@ -22,22 +22,22 @@
 
 namespace lab::sim {
 
-/// Publishes exactly what robot_bridge and tracker_svc would: ROBOT_STATUS of the robots that are
-/// simulated as a whole and of those replayed, TRACKED_FRAME of all robots it moves, and, for tests
-/// alone, SIM_TRUTH. An experiment that tracks with a camera gets pictures of these robots instead
-/// of TRACKED_FRAME. Robots on the wire speak through their serial lines. All see the light that
-/// LIGHT_STATUS says is shown. What each kind of robot can feel: docs/bodies.md.
+/// Publishes the same messages as robot_bridge and tracker_svc: ROBOT_STATUS of the robots with
+/// body sim or replay, TRACKED_FRAME of all robots that it moves, and SIM_TRUTH, which is for tests
+/// only. If the experiment tracks with a camera, it produces pictures of these robots instead of
+/// TRACKED_FRAME. Robots on the wire use their serial lines. All robots see the light that
+/// LIGHT_STATUS reports. docs/bodies.md compares the kinds of robots.
 ///
-/// World and robots follow the loop's clock. Cameras and electronics sample it on grids of their
-/// own, at their exact times, however late a live timer calls.
+/// World and robots follow the loop's clock. Camera and electronics sample the world at exact
+/// multiples of their periods, even if a live timer calls late.
 class SimService final : public Service {
  public:
-  /// @throws std::invalid_argument when the robots cannot be placed.
-  /// @throws std::runtime_error when a chip, a line or a recording is not there.
+  /// @throws std::invalid_argument if the robots cannot be placed.
+  /// @throws std::runtime_error if a chip, a line or a recording is missing.
   explicit SimService(const ServiceContext& context);
 
  private:
-  /// The field shown, as the sensors see it.
+  /// The projected light field as the sensors see it.
   class ShownLight final : public LightSampler {
    public:
     ShownLight(const optics::ProjectorWarp& warp, const optics::ProjectorTones& tones)
@@ -55,7 +55,7 @@ class SimService final : public Service {
     light::CompiledField field_;
   };
 
-  /// A field whose time has not come: the projector's light takes a while to the arena.
+  /// A field that is announced for a later time, because the projector has a latency.
   struct PendingLight {
     std::int64_t utime;
     light::Field field;
@@ -81,20 +81,20 @@ class SimService final : public Service {
   World world_;
   optics::ProjectorWarp warp_;
   ShownLight light_;
-  std::deque<PendingLight> pending_light_;  ///< by utime
+  std::deque<PendingLight> pending_light_;  ///< in order of utime
   TrackerModel tracker_;
   BusRobots bus_robots_;
   ExternalRobots external_robots_;
-  std::unique_ptr<PaintedCamera> camera_;  ///< empty: poses are published, not pictures
-  std::int64_t start_utime_;               ///< after the camera: to prepare it takes a while
-  std::int64_t origin_utime_;              ///< of world time 0
+  std::unique_ptr<PaintedCamera> camera_;  ///< null: poses are published instead of pictures
+  std::int64_t start_utime_;               ///< declared after camera_, whose construction is slow
+  std::int64_t origin_utime_;              ///< utime of world time 0
   KinematicRobots kinematic_robots_;
   std::int64_t frame_number_ = 0;
   std::int64_t status_number_ = 0;
   std::int64_t truth_number_ = 0;
 };
 
-/// The service as a process or as a part of a lab in one process.
+/// The service, for a process of its own or as part of a lab in one process.
 [[nodiscard]] ServiceDescription serviceDescription();
 
 }  // namespace lab::sim

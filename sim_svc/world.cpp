@@ -5,17 +5,16 @@
 #include <limits>
 
 #include "sim_svc/placement.hpp"
-#include "sim_svc/world/collision.hpp"
 
 namespace lab::sim {
 namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kLargestPhaseMs = 60000;
-constexpr double kBatteryFull = 4.15;    // V, of a Li-ion cell
-constexpr double kBatterySpread = 0.02;  // V
-
-double squared(Vec v) { return v.x * v.x + v.y * v.y; }
+constexpr double kBatteryFull = 4.15;         // V, of a Li-ion cell
+constexpr double kBatterySpread = 0.02;       // V
+constexpr double kBatteryFall = 0.15 / 3600;  // V/s
+constexpr double kMicro = 1e-6;
 
 std::vector<dynamics::Pose> place(const WorldSettings& settings,
                                   const std::vector<RobotSetup>& robots) {
@@ -27,7 +26,16 @@ std::vector<dynamics::Pose> place(const WorldSettings& settings,
   return placeRobots(places, settings.arena, settings.radius, settings.seed);
 }
 
-// A wheel or a clock is never so wrong that the bounds of the neighbour list fail.
+DiskArenaSettings diskSettings(const WorldSettings& settings) {
+  const double tick = static_cast<double>(settings.tick_us) * 1e-6;
+  // 1.5 is the largest wheel gain, see factor(); the clamp of displace() enforces the 5 sigma.
+  const double largest_move =
+      std::max(1.5 * settings.max_wheel_speed * tick, 5 * settings.speed_noise * std::sqrt(tick)) +
+      1e-6;
+  return {settings.arena, settings.radius, settings.ir_range, largest_move};
+}
+
+// Limited, because the bounds of the neighbour lists assume a largest speed.
 double factor(Random& random, double error) {
   return std::clamp(1 + error * random.normal(), 0.5, 1.5);
 }
@@ -36,21 +44,14 @@ double factor(Random& random, double error) {
 
 World::World(const WorldSettings& settings, const std::vector<RobotSetup>& robots)
     : settings_(settings),
-      contact_distance_(2 * settings.radius + kContactGap),
-      skin_(settings.radius),
-      largest_move_(0) {
-  const double tick = static_cast<double>(settings.tick_us) * 1e-6;
-  largest_move_ =
-      std::max(1.5 * settings.max_wheel_speed * tick, 5 * settings.speed_noise * std::sqrt(tick)) +
-      1e-6;
-  const std::vector<dynamics::Pose> poses = place(settings, robots);
-  for (std::size_t i = 0; i < robots.size(); ++i) {
-    addRobot(robots[i], poses[i]);
+      disks_(diskSettings(settings), place(settings, robots)),
+      sensors_({settings.radius, settings.ir_range, settings.light_offset, settings.light_noise}) {
+  for (const RobotSetup& robot : robots) {
+    addRobot(robot);
   }
-  listNeighbours();
 }
 
-void World::addRobot(const RobotSetup& setup, const dynamics::Pose& pose) {
+void World::addRobot(const RobotSetup& setup) {
   const auto stream = [&](const char* purpose) {
     return deriveSeed(settings_.seed, setup.id, purpose);
   };
@@ -69,8 +70,8 @@ void World::addRobot(const RobotSetup& setup, const dynamics::Pose& pose) {
   robot.noise = Random(stream("noise"));
   robot.light_noise = Random(stream("light"));
   Random light_gains(stream("light gains"));
-  robot.front_gain = factor(light_gains, settings_.light_gain_error);
-  robot.back_gain = factor(light_gains, settings_.light_gain_error);
+  robot.light_gains.front = factor(light_gains, settings_.light_gain_error);
+  robot.light_gains.back = factor(light_gains, settings_.light_gain_error);
   robot.battery_full = kBatteryFull + kBatterySpread * Random(stream("battery")).normal();
   robot.core.seed(stream("program"));
 
@@ -82,14 +83,8 @@ void World::addRobot(const RobotSetup& setup, const dynamics::Pose& pose) {
   robot.next_scan_ms = robot.clock.localMs(robot.boot) + 1 + static_cast<std::int64_t>(scan_phase);
   robot.next_event_ms = robot.next_scan_ms;
 
-  Body body;
-  body.theta = pose.theta;
-  body.heading = {std::cos(pose.theta), std::sin(pose.theta)};
-  body.next_event = setup.external ? kNever : robot.clock.worldTime(robot.next_event_ms);
-
+  next_event_.push_back(setup.external ? kNever : robot.clock.worldTime(robot.next_event_ms));
   electronics_.push_back(robot);
-  bodies_.push_back(body);
-  centres_.push_back({pose.x, pose.y});
 }
 
 void World::setMotors(std::size_t i, const MotorChange& change) {
@@ -97,7 +92,7 @@ void World::setMotors(std::size_t i, const MotorChange& change) {
   if (robot.next_change == robot.changes.size()) {
     robot.changes.clear();
     robot.next_change = 0;
-    bodies_[i].next_event = static_cast<double>(change.at_us) * 1e-6;
+    next_event_[i] = static_cast<double>(change.at_us) * 1e-6;
   }
   robot.changes.push_back(change);
 }
@@ -113,13 +108,8 @@ void World::setCalibration(std::size_t i, const dynamics::WheelCalibration& left
 void World::step(std::int64_t dt_us) {
   const double from = time();
   time_us_ += dt_us;
-  ++steps_;
+  disks_.beginStep();
   const double to = time();
-  if (shown_kinematic_ > 0) {
-    for (std::size_t ghost = size(); ghost < bodies_.size(); ++ghost) {
-      makeRoom(ghost);
-    }
-  }
   for (std::size_t i = 0; i < size(); ++i) {
     advanceRobot(i, from, to);
   }
@@ -133,29 +123,20 @@ void World::advanceTo(std::int64_t time_us) {
 }
 
 void World::advanceRobot(std::size_t i, double from, double to) {
-  Body& body = bodies_[i];
   double now = from;
-  while (body.next_event <= to) {
-    // An order may have left an event that is due already.
-    if (body.next_event > now) {
-      moveFor(i, body.next_event - now);
-      now = body.next_event;
+  while (next_event_[i] <= to) {
+    // An order may have left an event that is already due.
+    if (next_event_[i] > now) {
+      disks_.moveFor(i, next_event_[i] - now);
+      now = next_event_[i];
     }
     handleEvent(i);
   }
-  moveFor(i, to - now);
+  disks_.moveFor(i, to - now);
   if (settings_.speed_noise > 0 || settings_.turn_noise > 0) {
     addNoise(i, to - from);
   }
-  relistIfMoved(i);
-}
-
-void World::relistIfMoved(std::size_t i) {
-  const Vec listed_at = bodies_[i].listed_at;
-  const Vec moved = {centres_[i].x - listed_at.x, centres_[i].y - listed_at.y};
-  if (squared(moved) > skin_ * skin_ / 4) {
-    listNeighbours();
-  }
+  disks_.relistIfMoved(i);
 }
 
 void World::handleEvent(std::size_t i) {
@@ -173,84 +154,35 @@ void World::handleEvent(std::size_t i) {
   afterCore(i);
 }
 
-void World::moveFor(std::size_t i, double dt) {
-  Body& body = bodies_[i];
-  if (body.speed == 0 && body.turn == 0) {
-    return;
-  }
-  const dynamics::Arc arc = dynamics::makeArcOf(body.speed, body.turn, dt);
-  const Vec along = body.heading;
-  const Vec move =
-      stopAtContact(i, {along.x * arc.dx - along.y * arc.dy, along.y * arc.dx + along.x * arc.dy});
-  centres_[i].x += move.x;
-  centres_[i].y += move.y;
-  body.theta += arc.dtheta;
-  // The heading turns with the arc; drive() computes it anew from theta at every change of speed.
-  body.heading = {along.x * arc.cos_turn - along.y * arc.sin_turn,
-                  along.y * arc.cos_turn + along.x * arc.sin_turn};
-}
-
-Vec World::stopAtContact(std::size_t i, Vec move) {
-  const Vec from = centres_[i];
-  const double reach = contact_distance_ + largest_move_;
-  const double wall_share = freeShareToWalls(settings_.arena, settings_.radius, from, move);
-  double share = wall_share;
-  std::size_t touched = i;
-  for (const std::uint32_t j : neighbours_.of(i)) {
-    const Vec to_other = {centres_[j].x - from.x, centres_[j].y - from.y};
-    if (squared(to_other) >= reach * reach) {
-      continue;
-    }
-    const double free = freeShareToDisk(to_other, move, contact_distance_ * contact_distance_);
-    if (free < share) {
-      share = free;
-      touched = j;
-    }
-  }
-  if (share == 1) {
-    return move;
-  }
-  if (touched == i) {
-    touch(bodies_[i].wall_contact);
-  } else {
-    const bool begun = touch(bodies_[i].robot_contact);
-    touch(bodies_[touched].robot_contact);
-    collisions_ += begun ? 1 : 0;
-  }
-  return {share * move.x, share * move.y};
-}
-
-// Marks a contact in this step; true if it was not there in the step before.
-bool World::touch(Contact& contact) const {
-  const bool begun = contact.last_step < steps_ - 1;
-  contact.begun += begun ? 1 : 0;
-  contact.last_step = steps_;
-  return begun;
-}
-
 void World::addNoise(std::size_t i, double dt) {
-  Body& body = bodies_[i];
-  if (body.speed == 0 && body.turn == 0) {
+  if (!disks_.isMoving(i)) {
     return;
   }
   Random& random = electronics_[i].noise;
   const double root = std::sqrt(dt);
-  const double forward =
-      std::clamp(settings_.speed_noise * root * random.normal(), -largest_move_, largest_move_);
-  const Vec move = stopAtContact(i, {forward * body.heading.x, forward * body.heading.y});
-  centres_[i].x += move.x;
-  centres_[i].y += move.y;
-  body.theta += settings_.turn_noise * root * random.normal();
-  body.heading = {std::cos(body.theta), std::sin(body.theta)};
+  const double forward = settings_.speed_noise * root * random.normal();
+  const double rotation = settings_.turn_noise * root * random.normal();
+  disks_.displace(i, forward, rotation);
 }
 
-// The next change of an external robot's motors is due.
+// Reads the sensors at the robot's present time and passes the readings to its core.
+void World::scan(std::size_t i) {
+  Electronics& robot = electronics_[i];
+  robot.last_scan_ms = robot.next_scan_ms;
+  robot.next_scan_ms += std::max<std::int64_t>(1, robot.core.settings().sensor_period_ms);
+  const SensorScan readings = sensors_.scan(disks_, i, robot.light_gains, robot.light_noise);
+  robot.sensors = readings.all;
+  robot.core.sense(static_cast<std::uint32_t>(robot.local_ms),
+                   robot.sees_robots ? readings.all : readings.walls_only);
+}
+
+// Applies the next motor change of an external robot.
 void World::changeMotors(std::size_t i) {
   Electronics& robot = electronics_[i];
   const MotorChange change = robot.changes[robot.next_change++];
   turnWheels(i, robot.left_motor.speed(change.left), robot.right_motor.speed(change.right));
   const bool more = robot.next_change < robot.changes.size();
-  bodies_[i].next_event =
+  next_event_[i] =
       more ? static_cast<double>(robot.changes[robot.next_change].at_us) * 1e-6 : kNever;
 }
 
@@ -263,13 +195,10 @@ void World::drive(std::size_t i, dynamics::WheelSpeedsUmS wheels) {
 }
 
 void World::turnWheels(std::size_t i, double left, double right) {
-  Body& body = bodies_[i];
-  body.speed = (left + right) / 2;
-  body.turn = (right - left) / electronics_[i].wheel_base;
-  body.heading = {std::cos(body.theta), std::sin(body.theta)};
+  disks_.setMotion(i, {(left + right) / 2, (right - left) / electronics_[i].wheel_base});
 }
 
-// Takes over what the core wants now, and when something happens next.
+// Applies the core's wheel speeds and schedules the robot's next event.
 void World::afterCore(std::size_t i) {
   Electronics& robot = electronics_[i];
   const dynamics::WheelSpeedsUmS wheels = robot.core.wheels();
@@ -279,16 +208,38 @@ void World::afterCore(std::size_t i) {
   const auto now_ms = static_cast<std::uint32_t>(robot.local_ms);
   const std::int64_t core_ms = unwrapMs(robot.core.nextEventMs(now_ms), robot.local_ms);
   robot.next_event_ms = std::min(core_ms, robot.next_scan_ms);
-  bodies_[i].next_event = robot.clock.worldTime(robot.next_event_ms);
+  next_event_[i] = robot.clock.worldTime(robot.next_event_ms);
 }
 
-void World::listNeighbours() {
-  const double reach =
-      std::max(2 * settings_.radius + settings_.ir_range, contact_distance_ + largest_move_);
-  neighbours_.build(centres_, settings_.arena, reach + skin_ + largest_move_);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    bodies_[i].listed_at = centres_[i];
+RobotState World::state(std::size_t i) const {
+  const Electronics& robot = electronics_[i];
+  const auto world_time = [&](std::uint32_t ms) {
+    return robot.clock.worldTime(unwrapMs(ms, robot.local_ms));
+  };
+  RobotState state;
+  state.id = robot.id;
+  state.external = robot.external;
+  state.pose = pose(i);
+  state.wheel_left = robot.wheels.left * kMicro;
+  state.wheel_right = robot.wheels.right * kMicro;
+  state.core = robot.core.report();
+  state.program_left = state.core.held.left * kMicro;
+  state.program_right = state.core.held.right * kMicro;
+  state.program_start = state.core.program_epoch == 0 ? 0 : world_time(state.core.program_start_ms);
+  if (state.core.reversal_count > 0) {
+    state.reversal_start = world_time(state.core.reversal_start_ms);
+    state.reversal_end = world_time(state.core.reversal_end_ms);
   }
+  state.run_time =
+      robot.core.runTimeMs(static_cast<std::uint32_t>(robot.clock.localMs(time()))) * 1e-3;
+  state.sensors = robot.external ? measure(i) : robot.sensors;
+  state.sampled_at = robot.last_scan_ms < 0 ? time() : robot.clock.worldTime(robot.last_scan_ms);
+  state.battery = robot.battery_full - kBatteryFall * time();
+  state.contact_robot = disks_.touchesRobot(i);
+  state.contact_wall = disks_.touchesWall(i);
+  state.robot_contacts = disks_.robotContacts(i);
+  state.wall_contacts = disks_.wallContacts(i);
+  return state;
 }
 
 }  // namespace lab::sim

@@ -4,6 +4,7 @@
 
 #include "common/camera/shared_camera.hpp"
 #include "tracker_svc/cameras/film_source.hpp"
+#include "tracker_svc/cameras/stream_source.hpp"
 #include "tracker_svc/cameras/v4l2_source.hpp"
 
 namespace lab {
@@ -17,9 +18,10 @@ CameraFormat wantedFormat(const Camera& camera) {
   CameraFormat format;
   format.width = camera.width;
   format.height = camera.height;
-  format.fps = isFilm(camera.source) ? 0 : camera.fps;  // a film has a rate of its own
+  format.fps = isFilm(camera.source) ? 0 : camera.fps;  // a recording has its own rate
   format.exposure = camera.exposure;
-  // 0 leaves a device's gain where it is; 1 of unknown units would be a guess.
+  // 0 leaves the device's gain unchanged. The default of 1 is not sent: its unit depends on the
+  // device.
   const bool set = camera.source == kSimulatedCamera || camera.gain != Camera{}.gain;
   format.gain = set ? camera.gain : 0;
   return format;

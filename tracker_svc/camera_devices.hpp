@@ -1,5 +1,5 @@
-/// Cameras in real time: devices, recordings, network cameras, and the simulated camera in shared
-/// memory.
+/// Sources of camera frames in real time: video devices, recordings, network cameras, and the
+/// simulated camera in shared memory.
 #pragma once
 
 #include <filesystem>
@@ -12,20 +12,20 @@
 
 namespace lab {
 
-/// Whether `source` names a recording: pictures or a movie, and no camera.
+/// Whether `source` names a recording (pictures or a movie) rather than a camera.
 [[nodiscard]] bool isFilm(const std::string& source);
 
-/// What an experiment asks of its camera.
+/// The camera format that an experiment asks for.
 [[nodiscard]] CameraFormat wantedFormat(const Camera& camera);
 
-/// docs/cameras.md lists the sources. Of files, `wanted.fps` above 0 is the rate at which they are
-/// played, 0 means their own rate and below 0 as fast as they are read; none of their frames is
-/// lost.
+/// docs/cameras.md lists the sources. For recordings, `wanted.fps` above 0 is the playback rate, 0
+/// means the recording's own rate, and below 0 as fast as frames are read. No frame of a recording
+/// is skipped.
 class CameraDevices final : public Cameras {
  public:
   /// @param loop must outlive every source and sink
-  /// @param folder names the lab: the simulated camera is found by who is given the same folder.
-  ///   Nothing is written into it; it need not exist.
+  /// @param folder identifies the lab: processes that use the same folder share the simulated
+  ///   camera. Nothing is written into the folder; it need not exist.
   CameraDevices(AsioLoop& loop, std::filesystem::path folder);
   ~CameraDevices() override;
 

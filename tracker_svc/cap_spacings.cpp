@@ -8,7 +8,8 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kLeastSigma = 1e-6;  // [m] of a spacing, against a division by nothing
+// [m] smallest standard error of a spacing: avoids a division by zero
+constexpr double kLeastSigma = 1e-6;
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-/// What the caps that the tracker sees say of the camera's calibration, live and in films.
+/// Checks the camera calibration by the spacing of detected circles, live and in recordings.
 #pragma once
 
 #include "common/calibration/camera_file.hpp"
@@ -9,10 +9,11 @@ namespace lab::tracker {
 
 [[nodiscard]] calibration::SpacingSettings spacingSettings(const CameraCalibration& calibration);
 
-/// Takes the distance of a cap's two circles, unless one was not seen or a light edge crosses it.
+/// Adds the measured spacing of a cap's two circles, unless one was not seen or a light edge
+/// crosses one.
 /// @param time [s]
-/// @param spacing [m] that is known
-/// @return whether it was taken
+/// @param spacing [m] true spacing
+/// @return whether it was added
 bool addSpacing(calibration::SpacingCheck& check, double time, const detector::Detection& cap,
                 double spacing);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tracker_svc/circle_fit/circle_fit_correlation.hpp"
 #include "tracker_svc/circle_fit/circle_fit_edge.hpp"
@@ -16,49 +17,53 @@ using fit::Outcome;
 using fit::Task;
 using fit::Window;
 
-constexpr double kMostWay = 0.5;     // [radius] from the start
-constexpr double kMostWayLit = 1;    // [radius] and with light edges, which lead the search astray
-constexpr double kMostError = 0.08;  // [radius] standard error of the centre, by x or y
-// [1] dark / white: black paint on white has 0.08, with glare over both of them more
+constexpr double kMostWay = 0.5;  // [radius] distance of the centre from the start
+// [radius] the same with light edges, which displace the spot that the search finds
+constexpr double kMostWayLit = 1;
+constexpr double kMostError = 0.08;  // [radius] standard error of the centre in x or y
+// [1] dark / white: 0.08 for black paint on white, more with glare over both
 constexpr float kMostRatio = 0.3F;
 constexpr float kMostScale = 0.15F;  // [1]
-// [1] residuals that noise cannot explain over the white level
+// [1] structured residuals over the white level
 constexpr float kMostMisfit = 0.025F;
-// [1] and with light on top: still darker than what is around it
+// [1] dark / white with glare: still darker than the surroundings
 constexpr float kMostGlareRatio = 0.85F;
-constexpr float kMostGlareMisfit = 0.08F;  // [1]
-// [1] variance of the residuals over that of the sensor's noise: up to here they may be what a
-// codec left of it
+constexpr float kMostGlareMisfit = 0.08F;  // [1] structured residuals with glare
+// [1] variance of the residuals over that of the sensor's noise: up to this ratio a codec may have
+// caused them
 constexpr float kMostOfCodecs = 2.5F;
-constexpr double kSlope = 2.5;  // [sigma] over which a blurred outline goes from black to white
-constexpr float kLeastBelieved = 0.6F;  // [1] share of the pixels that are of the model
-constexpr double kDoubtful = 0.02;      // [radius] standard error of the centre: looked at closely
-constexpr float kDim = 25;              // [expected deviations] of white: less is little light
-constexpr float kMiddleOff = 0.05F;     // [1] of the white level, from what the fit says of black
-// of residuals: something is there that is not in the model
+constexpr double kSlope = 2.5;        // [sigma] width of a blurred outline
+constexpr float kLeastWeight = 0.6F;  // [1] share of the pixels that fit the model
+// [radius] standard error of the centre above which the fit is checked closely
+constexpr double kDoubtful = 0.02;
+constexpr float kDim = 25;  // [noise] white level below which the light counts as dim
+// [1] of the white level: allowed deviation of the centre pixel from the fitted black
+constexpr float kMiddleOff = 0.05F;
+// autocorrelation of the residuals above which something is missing in the model
 constexpr float kOddCorrelation = 0.25F;
-constexpr double kUneven = 0.06;      // [1] and is not the same on both sides
-constexpr float kEvenMisfit = 0.01F;  // [1] or is much, of the white level
-constexpr float kOddBelieved = 0.87F;
+constexpr double kUneven = 0.06;      // [1] and the residuals differ between the two sides
+constexpr float kEvenMisfit = 0.01F;  // [1] or they exceed this share of the white level
+constexpr float kOddWeight = 0.87F;
 constexpr float kOddScale = 0.04F;
-constexpr float kOddBlur = 0.3F;  // [1] of a blur's square that its shape may be off
-// [px] of blur, beyond which a circle of another size is no circle that a light edge cuts
+// [1] relative error of a blur's square because its shape is not Gaussian
+constexpr float kOddBlur = 0.3F;
+// [px] blur above which a circle of another size is not one that a light edge cuts
 constexpr float kDefocused = 2;
-constexpr float kOtherBelieved = 0.8F;  // [1] share of the pixels that are of that circle
-// [1] of the cost must be left with a light edge in the model
+constexpr float kOtherWeight = 0.8F;  // [1] share of the pixels that fit that circle
+// [1] of the cost that a model with a light edge may leave
 constexpr float kEdgePays = 0.7F;
-constexpr float kBlurOff = 1.3F;     // [1] blur beyond the one expected: looked at anew
+constexpr float kBlurOff = 1.3F;     // [1] fitted over expected blur at which the fit is repeated
 constexpr float kEdgeDoubt = 0.05F;  // [1] of the ratio
 constexpr float kBlurStep = 0.25F;   // [px]
 
-/// [1] of the white level, squares: residuals that noise cannot explain.
+/// Mean squares of residuals that noise cannot explain, over the square of the white level.
 struct Structure {
-  float codec = 0;   // what a codec may have left
-  float misfit = 0;  // more than that
+  float codec = 0;   // possibly caused by a codec
+  float misfit = 0;  // the rest
 };
 
-// A sensor's noise is not shared by neighbouring pixels; what is shared is another shape, unless a
-// codec left it.
+// The noise of a sensor is independent between neighbouring pixels. Correlated residuals mean
+// another shape, unless a codec caused them.
 Structure structureOf(const Outcome& o, const fit::Constants& constants) {
   const float expected = constants.noiseAt(0.5F * o.white);
   const float unit = expected / (std::max(o.white, 1.0F) * std::max(o.white, 1.0F));
@@ -80,16 +85,17 @@ FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
   if (o.covariance[0] + o.covariance[2] > 2 * kMostError * kMostError * radius * radius) {
     return FitFault::kLowContrast;
   }
-  // The black level may be off by a step, which counts where there is little light.
-  // With an edge in the model the ratio is sure where there is any light, and a wrong model is not.
+  // The black level may be off by one grey step, which matters in dim light. With an edge in the
+  // model the ratio is accurate in any light, but the model may be wrong.
   const float doubt = std::min(edge ? kEdgeDoubt : 1.0F, 3 * noise * o.ratio_error) + 1 / o.white;
   if (o.ratio - doubt > kMostRatio) return FitFault::kNotDark;
-  if (std::abs(o.scale - 1) > kMostScale || o.believed < kLeastBelieved) {
+  if (std::abs(o.scale - 1) > kMostScale || o.weight < kLeastWeight) {
     return FitFault::kNotRound;
   }
   const float misfit = misfitOf(o, constants);
-  // Another size and something left over: another shape. Where the blur is as wide as the circle,
-  // a blur that is no Gaussian looks like another size, by its square's share of the radius's.
+  // Another size together with structured residuals means another shape. If the blur is as wide as
+  // the circle, a non-Gaussian blur looks like another size: by the ratio of its square to the
+  // square of the radius.
   const float blur = o.sigma / constants.radius;
   const float odd = std::max(kOddScale, kOddBlur * blur * blur);
   const bool left_over =
@@ -98,14 +104,14 @@ FitFault faultOf(const Outcome& o, bool edge, const fit::Constants& constants) {
   return misfit > kMostMisfit ? FitFault::kNotRound : FitFault::kNone;
 }
 
-// Light on top, as of something shiny, leaves less of the contrast, and a slope of its own.
+// Glare (reflected light on top of the paint) reduces the contrast and adds a gradient.
 bool mayBeGlare(const Outcome& o, FitFault fault, const fit::Constants& constants) {
   return (fault == FitFault::kNotDark || fault == FitFault::kNotRound) &&
          o.ratio < kMostGlareRatio && std::abs(o.scale - 1) < kOddScale &&
-         o.believed >= kLeastBelieved && misfitOf(o, constants) < kMostGlareMisfit;
+         o.weight >= kLeastWeight && misfitOf(o, constants) < kMostGlareMisfit;
 }
 
-// Out of focus: a wider band, from a blur that does not depend on how the first one was found.
+// Out of focus: uses a wider band, with a blur that does not depend on how the first one was found.
 std::optional<Task> widerFor(const Task& task, const Outcome& outcome) {
   if (!outcome.good || outcome.sigma < kBlurOff * task.sigma) return std::nullopt;
   Task wide = task;
@@ -113,16 +119,16 @@ std::optional<Task> widerFor(const Task& task, const Outcome& outcome) {
   return wide;
 }
 
-// Out of focus: another circle. Where outlines are sharp, this may be what a light edge left of
-// one.
+// Out of focus it is another circle. With sharp outlines it may be a circle of which a light edge
+// hides a part.
 bool hasAnotherSize(const Outcome& o, const fit::Constants& constants) {
   return o.good && std::abs(o.scale - 1) > kMostScale && o.sigma > kDefocused &&
-         o.believed > kOtherBelieved && misfitOf(o, constants) < kMostMisfit;
+         o.weight > kOtherWeight && misfitOf(o, constants) < kMostMisfit;
 }
 
-// The disc is right, whatever else may be there.
+// The disc fits well, whatever else the window contains.
 bool isSound(const Outcome& o) {
-  return o.good && o.believed >= kOddBelieved && std::abs(o.scale - 1) <= kOddScale;
+  return o.good && o.weight >= kOddWeight && std::abs(o.scale - 1) <= kOddScale;
 }
 
 bool isOdd(const Outcome& o, const Task& task, const Window& window) {
@@ -139,8 +145,7 @@ bool isDoubtful(const Outcome& o, const fit::Constants& constants) {
   return o.covariance[0] + o.covariance[2] > 2 * kDoubtful * kDoubtful * radius * radius;
 }
 
-// A disc without a fault of which nothing but noise is left over, and black in the middle, which
-// the fit did not look at.
+// The disc has no fault, only noise is left, and its centre, which the fit did not use, is black.
 bool isClear(const Outcome& o, const Task& task, const Window& window, GridPoint point) {
   if (!window.plain || !isSound(o) || o.correlation > fit::correlationByChance(o.pixels) ||
       isDoubtful(o, task.constants) || faultOf(o, false, task.constants) != FitFault::kNone) {
@@ -161,12 +166,12 @@ Outcome plainFrom(Task& task, const ShapeAt& shape_at, GridPoint start, Window& 
   fit::Disc disc;
   point = fit::settlePlain(task, start, window, disc);
   if (!point) return {};
-  // Where pixels are full, those that are not are needed; in little light, all of them.
+  // If some pixels are saturated, all others are needed; so are all pixels in dim light.
   if ((!window.plain || isDim(disc.white, task.constants)) && task.setSparse(false)) {
     point = fit::settlePlain(task, *point, window, disc);
     if (!point) return {};
   }
-  // The outline there, which does not depend on the start any more.
+  // Uses the outline at the centre, which no longer depends on the start.
   if (task.setShape(shape_at(point->pixel()))) {
     point = fit::settlePlain(task, *point, window, disc);
     if (!point) return {};
@@ -195,7 +200,7 @@ Outcome litFrom(const Task& task, GridPoint start, Window& window) {
       better.cost * static_cast<float>(out.pixels) < out.cost * static_cast<float>(better.pixels)) {
     return better;
   }
-  fit::settleLit(task, start, window, out);  // the window and its light once more
+  fit::settleLit(task, start, window, out);  // repeats it to fill the window and its light
   return out;
 }
 
@@ -212,7 +217,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
   CircleFit out;
   out.x = start.x;
   out.y = start.y;
-  // Mostly not all pixels need be looked at.
+  // A sparse subset of the pixels is usually enough.
   Task task(picture, shape_at(start), imaging, !imaging.compressed);
   const double radius = static_cast<double>(task.constants.radius);
   if (!picture.contains(start.x, start.y, 0.5 * radius)) {
@@ -239,7 +244,7 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
       best = lit;
       out.edge = true;
     } else {
-      // for what it leaves in the window
+      // repeated for its residuals in the window
       best = plainFrom(task, shape_at, fit::nearest(start), window, point);
     }
   }
@@ -278,8 +283,8 @@ CircleFit fitCircle(const optics::GreyView& picture, optics::Pixel start, const 
     out.covariance[1] *= size;
     out.covariance[2] = best.floor + size * (best.covariance[2] - best.floor);
   }
-  // What is left over on one side of the outline moves it by its share of the outline's slope. Of
-  // light on top that is all; of what a codec leaves half of the squares.
+  // A residual on one side of the outline displaces the outline by residual / slope. For glare the
+  // whole residual counts, for codec artefacts half of the squares.
   const Structure structure = structureOf(best, task.constants);
   const double on_one_side =
       static_cast<double>(0.5F * structure.codec + (out.glare ? structure.misfit : 0.0F));

@@ -1,4 +1,4 @@
-/// Movies and pictures on disk, frame by frame, as fast as they are asked for.
+/// Movies and pictures on disk, read frame by frame without pacing.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +9,9 @@
 
 namespace lab {
 
-inline constexpr double kAssumedFps = 30;  ///< [1/s] of pictures that say nothing of their times
+inline constexpr double kAssumedFps = 30;  ///< [1/s] rate of pictures without time stamps
 
-/// A recording that is read from its beginning to its end, waiting where it must.
+/// Reads a recording from beginning to end. Calls block until the frame is decoded.
 class FilmReader {
  public:
   FilmReader() = default;
@@ -21,34 +21,36 @@ class FilmReader {
 
   /// Opens a folder of pictures, a pattern of pictures ("dir/f*.png"), one picture, or a movie
   /// (docs/cameras.md). Movies need the programs ffmpeg and ffprobe.
-  /// @param fps [1/s] of pictures that have no times of their own, 0: kAssumedFps; of a movie
-  ///   instead of its own times, which a film in slow motion has wrong, 0: its own
-  /// @throws CameraError, one line: not there, nothing in it, no movie, ffmpeg is missing.
+  /// @param fps [1/s] for pictures: the rate if they have no time stamps, 0: kAssumedFps. For a
+  ///   movie: replaces its own time stamps, which are wrong in slow motion; 0: keep them.
+  /// @throws CameraError, one line, if it does not exist, is empty, is no movie, or ffmpeg is
+  ///   missing
   [[nodiscard]] static std::unique_ptr<FilmReader> open(const std::string& source, double fps = 0);
 
-  /// The next frame. Its number is that in the picture's name, or the position in a movie, from 0;
-  /// its utime counts from the first frame. The view lives until the next call.
-  /// @return false at the end; problem() says whether that came early.
+  /// Reads the next frame. Its number is the number in the picture's name, or the position in the
+  /// movie, from 0; its utime counts from the first frame. The view is valid until the next call.
+  /// @return false at the end; problem() tells whether the end came early
   [[nodiscard]] virtual bool next(CameraFrame& frame) = 0;
 
-  /// How many frames there should be, 0: not known.
+  /// Expected number of frames, 0 if not known.
   [[nodiscard]] virtual std::int64_t length() const = 0;
 
-  /// Size, kind of pixels, and rate: the median one, 0 where the times are not known but assumed.
+  /// Size, pixel type and median frame rate; rate 0 if the times are assumed.
   [[nodiscard]] virtual CameraFormat format() const = 0;
 
-  /// The table that says when each picture was taken, "frames.csv"; empty: there is none.
+  /// Name of the table of time stamps ("frames.csv"), empty if there is none.
   [[nodiscard]] virtual std::string table() const { return ""; }
 
-  /// By what mark players turn or mirror its pictures ("rotation 90", "EXIF orientation 6"), as
-  /// phones leave it; empty: none, or not known. Frames come as they are stored. Asks ffprobe of
-  /// JPEG pictures: not for every frame.
+  /// The orientation mark by which players rotate or mirror the pictures ("rotation 90", "EXIF
+  /// orientation 6"), as phones write it; empty if there is none or it is not known. Frames are
+  /// returned as stored. Runs ffprobe for JPEG pictures, so it is too slow to call per frame.
   [[nodiscard]] virtual std::string mark() const = 0;
 
-  /// Frames that the recording skips, as far as next() has come.
+  /// Frames that the recording lacks, up to the current position.
   [[nodiscard]] virtual std::int64_t dropped() const = 0;
 
-  /// What was wrong with the end of the recording, or with pictures in it; empty: nothing so far.
+  /// Describes a premature end of the recording or unreadable pictures; empty if there was no
+  /// problem so far.
   [[nodiscard]] virtual std::string problem() const = 0;
 };
 

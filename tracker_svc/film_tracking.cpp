@@ -8,13 +8,12 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kMoment = 1e-3;  // [s] between pictures without times of their own
+constexpr double kMoment = 1e-3;  // [s] between pictures without time stamps
 constexpr double kCm = 100;
 
-/// The track that a detection of this picture went to, 0: none.
+/// The track that a detection of this picture was assigned to, 0 if none.
 std::int64_t numberOf(const detector::Detection& detection, const std::vector<Track>& tracks) {
-  // A track keeps where in the picture its cap is; a pose may have been changed for what is known
-  // of the track.
+  // Compared by pixel position: a track may have corrected the pose.
   for (const Track& track : tracks) {
     if (track.seen && track.pose.middle.x == detection.middle.x &&
         track.pose.middle.y == detection.middle.y) {
@@ -46,7 +45,7 @@ const std::vector<FilmRow>& FilmTracking::take(std::int64_t number, double time,
   for (const detector::Detection& detection : found_) {
     const std::int64_t id = numberOf(detection, tracks);
     if (id == 0 && (detection.used & detector::kUsedRim) != 0)
-      continue;  // of another cap than expected
+      continue;  // the circle belongs to another cap than expected
     rows_.push_back({number, id, time, detection});
   }
   std::stable_sort(rows_.begin(), rows_.end(),
@@ -70,7 +69,7 @@ void FilmTracking::count(std::int64_t number) {
   for (const FilmRow& row : rows_) {
     confidences_ += static_cast<double>(row.pose.quality);
     if ((row.pose.used & detector::kUsedRim) != 0) ++total_.degraded;
-    // Numbers of tracks only grow.
+    // Track numbers only increase.
     if (row.id > highest_id_) {
       highest_id_ = row.id;
       ++total_.ids;

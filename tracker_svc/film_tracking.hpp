@@ -1,6 +1,6 @@
-/// Trajectories from a film: every picture is searched as if it were the first, and identities are
-/// followed from one to the next; only a cap with one circle covered must have been seen before.
-/// Knows no file and no bus.
+/// Trajectories from a recording. Every picture is searched completely; the tracker assigns
+/// detections to tracks. Only caps with one covered circle need an earlier detection. Uses no files
+/// and no bus.
 #pragma once
 
 #include <cstdint>
@@ -16,38 +16,38 @@ namespace lab::tracker {
 
 /// One robot in one picture.
 struct FilmRow {
-  std::int64_t frame = 0;  ///< number of the picture in its film
-  std::int64_t id = 0;     ///< of the track, from 1, never used again; 0: no track holds it
-  double time = 0;         ///< [s] of the film
+  std::int64_t frame = 0;  ///< number of the picture in the recording
+  std::int64_t id = 0;     ///< of the track, from 1, never reused; 0 if it belongs to no track
+  double time = 0;         ///< [s] since the start of the recording
   detector::Detection pose;
 };
 
-/// What a film came to.
+/// Totals over a recording.
 struct FilmSummary {
-  std::int64_t frames = 0;   ///< searched
-  std::int64_t missing = 0;  ///< numbers between the first and the last frame that never came
+  std::int64_t frames = 0;   ///< number of frames searched
+  std::int64_t missing = 0;  ///< frame numbers between the first and the last that did not occur
   std::int64_t rows = 0;
   std::int64_t degraded = 0;  ///< rows with a pose from one circle and the rim of the cap
-  std::int64_t ids = 0;       ///< different ones
-  std::int64_t surplus = 0;   ///< detections left out, as there are no more robots than were given
-  std::int64_t crowded = 0;   ///< frames in which some were
-  std::int64_t fewest = 0;    ///< robots in one frame
+  std::int64_t ids = 0;       ///< number of different ids
+  std::int64_t surplus = 0;   ///< detections omitted because they exceed the given number of robots
+  std::int64_t crowded = 0;   ///< frames with surplus detections
+  std::int64_t fewest = 0;    ///< fewest robots in one frame
   std::int64_t most = 0;
   double confidence = 0;      ///< [1] mean over the rows
-  double spacing = 0;         ///< [m] mean distance of the two circles of a robot, 0: never seen
-  double spacing_spread = 0;  ///< [m] standard deviation of it
+  double spacing = 0;         ///< [m] mean spacing of the two circles of a cap, 0 if never measured
+  double spacing_spread = 0;  ///< [m] its standard deviation
 };
 
 class FilmTracking {
  public:
-  /// @param most_robots when positive, no more than the so many best of a frame are taken
+  /// @param most_robots if positive, at most this many detections of a frame are used, best first
   FilmTracking(detector::Detector& detector, CapTracker& tracker, std::size_t most_robots = 0)
       : detector_(detector), tracker_(tracker), most_robots_(most_robots) {}
 
-  /// Takes the next picture.
-  /// @param time [s] of the film; times that stand still or go back are taken as a new beginning a
-  ///   moment later, for pictures that have nothing to do with each other
-  /// @param rejected where not null, filled with what was refused
+  /// Processes the next picture.
+  /// @param time [s] since the start of the recording; if times repeat or go back, as for unrelated
+  ///   pictures, tracking starts anew a moment later
+  /// @param rejected if not null, receives the rejected candidates
   /// @return the robots in it, by id; valid until the next call
   const std::vector<FilmRow>& take(std::int64_t number, double time,
                                    const optics::GreyView& picture,
@@ -65,7 +65,7 @@ class FilmTracking {
   std::vector<FilmRow> rows_;
   FilmSummary total_;
   std::int64_t next_number_ = 0;
-  double tracker_time_ = 0;  ///< [s] which only goes forward
+  double tracker_time_ = 0;  ///< [s] increases monotonically
   std::int64_t highest_id_ = 0;
   double confidences_ = 0;
   std::int64_t spacings_ = 0;
@@ -73,11 +73,11 @@ class FilmTracking {
   double spacing_squares_ = 0;  ///< sum of squared deviations from it [m^2]
 };
 
-/// The first line of a file of poses, with its line end.
+/// The header line of a file of poses, with its line end.
 [[nodiscard]] std::string_view filmCsvHeader();
 
-/// One line of it: frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s; (u, v) is where the robot's
-/// axis appears at the height of its cap [px].
+/// One line of a file of poses: frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s. (u, v) is the
+/// image of the robot's axis at cap height [px].
 [[nodiscard]] std::string filmCsvLine(const FilmRow& row);
 
 }  // namespace lab::tracker

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <optional>
@@ -25,7 +26,7 @@ constexpr Colour kUnseen{170, 170, 170};
 constexpr Colour kRefused{255, 70, 70};
 constexpr Colour kCaption{255, 255, 255};
 
-constexpr float kDegradedBelow = 0.5F;  // quality, see Detection
+constexpr float kDegradedBelow = 0.5F;  // quality below which a pose is degraded, see Detection
 constexpr double kCm = 100;
 constexpr int kCrossArm = 3;  // [px]
 constexpr double kOnePixel = 1;
@@ -47,12 +48,13 @@ Box boxOf(int x, int y, std::string_view text) {
   return {x - 1, y - 1, static_cast<int>(text.size()) * kGlyphWidth + 1, kGlyphHeight};
 }
 
-/// The power of two that makes a dark picture bright enough: one that changes seldom.
+/// The power of two that makes a dark picture bright enough. Powers of two change rarely, so the
+/// picture does not flicker.
 int gainFor(const optics::GreyView& picture) {
-  constexpr int kStep = 7;  // pixels from one that is looked at to the next
+  constexpr int kStep = 7;  // every seventh pixel is sampled
   constexpr int kBright = 250;
   constexpr int kMost = 16;
-  constexpr double kBrightest = 0.02;  // share of the picture that may become white
+  constexpr double kBrightest = 0.02;  // share of the pixels that may saturate
   std::array<int, 256> histogram{};
   int count = 0;
   for (int y = 0; y < picture.height; y += kStep) {
@@ -79,7 +81,7 @@ RgbImage coloured(const optics::GreyView& picture, int gain) {
   return image;
 }
 
-/// The picture at `width`, each new pixel the mean of those it covers.
+/// Scales the picture to `width`; each new pixel is the mean of those it covers.
 RgbImage shrunk(const optics::GreyView& picture, int width, int gain) {
   if (width == picture.width) return coloured(picture, gain);
   const double step = static_cast<double>(picture.width) / width;
@@ -122,7 +124,7 @@ class Drawing {
     caption();
     for (const Mark& mark : input_.marks) outline(mark);
     for (const detector::Rejection& rejection : input_.rejected) cross(rejection);
-    // Identities before reasons: they matter more where room is short.
+    // Labels are written before reasons: they get the space first.
     for (const Mark& mark : input_.marks) label(mark);
     for (const Mark& mark : input_.marks) keepFree(mark);
     for (const detector::Rejection& rejection : input_.rejected) reason(rejection);
@@ -135,7 +137,7 @@ class Drawing {
     return {(p.x + 0.5) * scale_ - 0.5, (p.y + 0.5) * scale_ - 0.5};
   }
 
-  /// A place in the frame of a robot, on its cap.
+  /// A point on the cap, in the frame of the robot [m].
   [[nodiscard]] Pixel onCap(const detector::Detection& pose, double forward, double left) const {
     const double c = std::cos(pose.theta);
     const double s = std::sin(pose.theta);
@@ -189,7 +191,7 @@ class Drawing {
                 kRefused, kOnePixel);
   }
 
-  /// Writes beside a place unless other text is there.
+  /// Writes beside a place unless other text occupies the space.
   bool write(Pixel at, std::string_view text, Colour colour) {
     if (!(std::abs(at.x) + std::abs(at.y) < kFarOutside)) return false;
     const int x = static_cast<int>(std::lround(at.x));
@@ -211,7 +213,7 @@ class Drawing {
     const Pixel rim = onCap(mark.pose, -cap_.cap_radius, 0);
     const double radius = std::hypot(rim.x - at.x, rim.y - at.y);
     const double width = static_cast<double>(mark.label.size()) * kGlyphWidth;
-    // Beside the cap on its right, else on its left, else on the cap itself.
+    // Right of the cap, else left of it, else on it.
     const double y = at.y - kGlyphHeight / 2.0;
     if (at.x + radius + 2 + width < image_.width &&
         write({at.x + radius + 2, y}, mark.label, colourOf(mark))) {
@@ -221,11 +223,12 @@ class Drawing {
     write({at.x - width / 2, y}, mark.label, colourOf(mark));
   }
 
-  /// No reason is written over a cap.
+  /// Reserves the cap's area: no reason is written over it.
   void keepFree(const Mark& mark) {
     const Pixel at = onCap(mark.pose, 0, 0);
     const Pixel rim = onCap(mark.pose, cap_.cap_radius, 0);
-    const double half = 0.7 * std::hypot(rim.x - at.x, rim.y - at.y);  // a square inside the disc
+    // half the side of a square inside the disc
+    const double half = 0.7 * std::hypot(rim.x - at.x, rim.y - at.y);
     if (!(std::abs(at.x) + std::abs(at.y) + half < kFarOutside)) return;
     written_.push_back({static_cast<int>(at.x - half), static_cast<int>(at.y - half),
                         static_cast<int>(2 * half), static_cast<int>(2 * half)});
@@ -251,7 +254,7 @@ class Drawing {
     write({4, 4}, text, kCaption);
   }
 
-  /// At how many places each reason was given, in the lower left corner.
+  /// Writes the number of places per reason in the lower left corner.
   void legend() {
     std::map<std::string_view, std::set<std::pair<double, double>>> places;
     for (const detector::Rejection& rejection : input_.rejected) {
@@ -304,7 +307,7 @@ std::string rejectionText(const detector::Rejection& rejection) {
     case detector::Reason::kNoCap:
       break;
   }
-  const double shown = std::abs(value) < 0.005 ? 0 : value;  // no -0.00
+  const double shown = std::abs(value) < 0.005 ? 0 : value;  // avoids "-0.00"
   return fmt::format("{} {:.2f}/{:.2f}", detector::toText(rejection.reason), shown, limit);
 }
 

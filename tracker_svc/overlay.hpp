@@ -1,4 +1,4 @@
-/// What the tracker saw in a picture, drawn on it: caps, identities, and what was refused and why.
+/// Draws detections, identities and rejected candidates on a picture.
 #pragma once
 
 #include <span>
@@ -16,11 +16,11 @@ namespace lab::tracker {
 /// One cap to draw.
 struct Mark {
   detector::Detection pose;
-  std::string label;  ///< beside it
-  bool seen = true;   ///< false: this is where it is thought to be
+  std::string label;  ///< text beside it
+  bool seen = true;   ///< false: predicted position of a track that was not seen
 };
 
-/// Of tracks: "R3" where bound to a robot, else "#12", the number of the track.
+/// Labels of tracks: "R3" if bound to a robot, else "#12", the number of the track.
 [[nodiscard]] std::vector<Mark> marksOf(std::span<const Track> tracks);
 
 struct OverlayInput {
@@ -28,18 +28,17 @@ struct OverlayInput {
   std::span<const Mark> marks;
   std::span<const detector::Rejection> rejected;
   std::string_view caption;  ///< in the top left corner
-  int width = 0;             ///< [px] of the result, 0: of the picture; never more
+  int width = 0;  ///< [px] of the result; 0, or more than the picture's, means that of the picture
 };
 
-/// The picture with the outline of every cap, its circles and an arrow along its heading: green
-/// where both circles were seen, blue where a light edge crosses one, orange for a degraded pose,
-/// grey where a track was not seen. Crosses in red are candidates that were refused, with the
-/// reason and found/allowed where there is room for the text. A picture too dark for people is made
-/// brighter, and says so.
+/// Draws the outline of every cap, its circles and an arrow along its heading: green if both
+/// circles were seen, blue if a light edge crosses one, orange for a degraded pose, grey for a
+/// track that was not seen. Red crosses are rejected candidates, with the reason and found/allowed
+/// value where there is space. A dark picture is brightened; the caption then gives the factor.
 [[nodiscard]] RgbImage overlay(const OverlayInput& input, const optics::CameraModel& camera,
                                const optics::CapGeometry& cap);
 
-/// "size 1.83/1.25": reason, found and allowed, lengths in cm.
+/// "size 1.83/1.25": reason, found and allowed value; lengths in cm.
 [[nodiscard]] std::string rejectionText(const detector::Rejection& rejection);
 
 }  // namespace lab::tracker

@@ -9,22 +9,23 @@
 namespace lab::detector {
 namespace {
 
-constexpr std::size_t kEnough = 9;  // places
-constexpr double kApart = 0.03;     // [m]
-// [DN] of white in the picture, from which nothing more is waited for, and from which black paint
-// says anything: below, a black level that is off by a few steps looks like grey paint
+constexpr std::size_t kEnough = 9;  // number of places
+constexpr double kApart = 0.03;     // [m] between two places
+// [DN] of white from which a sample is final and its black ratio counts. In dimmer light a black
+// level that is off by a few grey steps looks like grey paint.
 constexpr double kBrightEnough = 120;
 constexpr double kBright = 60;
-constexpr std::size_t kThird = 2;  // place by brightness: a reflection brightens one or two
-constexpr double kAsBright = 0.7;  // [1] of its white: they count
-constexpr double kBrighter = 1.2;  // [1] than before: the light has changed at that place
-constexpr double kLead = 0.04;     // [1] of the places, and
-constexpr double kLeastLead = 2;   // places, by which one way finds more than the other
-// [1] black paint over white: 0.05 to 0.15 in light, a quarter to a half once it is encoded, and
-// less again once it is sharpened
+constexpr std::size_t kThird = 2;  // index by brightness: a reflection brightens one or two places
+constexpr double kAsBright = 0.7;  // [1] of the white at kThird from which samples count
+// [1] times the former white: the light at that place has changed
+constexpr double kBrighter = 1.2;
+constexpr double kLead = 0.04;  // [1] share of the places, and
+// number of places, by which one assumption must find more than the other
+constexpr double kLeastLead = 2;
+// [1] black paint over white: 0.05 to 0.15 linear, a quarter to a half gamma-encoded, lower again
+// if the camera sharpens
 constexpr double kMostLinear = 0.2;
-// Of the first twice as many pictures all are looked at, of later ones ever fewer, at least one in
-// kOneIn.
+// The first pictures are all examined, later ones less and less often, but at least one in kOneIn.
 constexpr std::int64_t kAllOf = 30;
 constexpr std::int64_t kOneIn = 100;
 
@@ -125,10 +126,10 @@ std::optional<double> ResponseFinder::gamma() const {
 std::string ResponseFinder::reason() const {
   if (const std::int64_t more = lead(); more != 0) {
     const By only = more > 0 ? By::kEncoded : By::kLinear;
-    return fmt::format("at {} of {} places caps show only so",
+    return fmt::format("at {} of {} places caps are found only with it",
                        std::ranges::count(brightest(), only, &Paint::by), brightest().size());
   }
-  if (!gamma()) return "no cap was bright enough to tell";
+  if (!gamma()) return "no cap was bright enough to decide";
   return fmt::format("black paint shows as {:.2f} of the white", ratio());
 }
 

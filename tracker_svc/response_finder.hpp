@@ -1,11 +1,11 @@
-/// Whether a camera's grey steps are linear in light, told from the caps in its pictures. Pictures
-/// in, a number out.
+/// Estimates whether a camera's grey values are linear in light, from the caps in its pictures.
 ///
-/// A camera that encodes light for the eye brightens what is dark: black paint on white, a twelfth
-/// in light, shows as a third, and outlines are blurred unevenly. Pictures are looked at both ways.
-/// Where one way finds more caps, it is taken; where both find them all, the paint decides, which
-/// is no more than a guess: haze brightens black paint too. The caps in the brightest light count,
-/// as some encodings are linear in little light.
+/// A camera that gamma-encodes brightens dark areas: black paint reflects a twelfth of white's
+/// light but shows at a third of its grey value, and outlines are blurred asymmetrically. Each
+/// picture is searched with both assumptions. If one finds more caps, it wins. If both find all
+/// caps, the ratio of black to white decides; this is only an estimate, because haze brightens
+/// black paint too. Only the caps in the brightest light count, because some encodings are linear
+/// in dim light.
 #pragma once
 
 #include <cstdint>
@@ -25,25 +25,24 @@ namespace lab::detector {
 
 class ResponseFinder {
  public:
-  /// @param imaging of the camera; its gamma is not looked at
+  /// @param imaging of the camera; its gamma is ignored
   ResponseFinder(const optics::CameraModel& camera, const optics::CapGeometry& cap,
                  const optics::Imaging& imaging);
 
   void setCompressed(bool compressed);
 
-  /// Looks at a picture, while there is something to be found out; ever more seldom where many have
-  /// not said enough, since each look is two searches.
+  /// Examines a picture unless the question is settled. Each call costs two searches, so pictures
+  /// are examined less and less often while the result stays open.
   void take(const optics::GreyView& picture);
 
-  /// Imaging::gamma, 1 or optics::kVideoGamma, as far as can be told from the caps so far; empty:
-  /// it cannot.
+  /// Imaging::gamma: 1 or optics::kVideoGamma; empty while the caps do not tell.
   [[nodiscard]] std::optional<double> gamma() const;
 
-  /// What gamma() is told from, for people: "at 36 of 40 places caps show only so".
+  /// Why gamma() has its value, for users: "at 36 of 40 places caps are found only with it".
   [[nodiscard]] std::string reason() const;
 
-  /// Whether caps have been seen in enough light at enough places, as one robot may begin under a
-  /// reflection: nothing more will change it.
+  /// Whether caps were seen in enough light at enough places; the result is then final. Several
+  /// places are required because one robot may be under a reflection.
   [[nodiscard]] bool isSettled() const { return settled_; }
 
  private:
@@ -51,19 +50,19 @@ class ResponseFinder {
   struct Paint {
     double x = 0;  // [m] where it was seen
     double y = 0;
-    double white = 0;  // [DN] in the picture as it is
-    double ratio = 0;  // [1] black over white, likewise
+    double white = 0;  // [DN] in the picture without decoding
+    double ratio = 0;  // [1] black over white, without decoding
     By by = By::kBoth;
   };
 
   [[nodiscard]] Paint paintOf(const Detection& cap, const optics::CameraResponse& read,
                               By by) const;
   void add(const Paint& paint);
-  /// Those that count.
+  /// The samples that count.
   [[nodiscard]] std::span<const Paint> brightest() const;
-  /// What one way finds and the other does not, where that is no chance: positive for encoded.
+  /// Caps found only with one assumption, if significant: positive for encoded.
   [[nodiscard]] std::int64_t lead() const;
-  /// [1] the median
+  /// [1] median of black over white
   [[nodiscard]] double ratio() const;
 
   Detector linear_;
@@ -72,7 +71,7 @@ class ResponseFinder {
   double black_;
   bool settled_ = false;
   std::int64_t pictures_ = 0;
-  std::vector<Paint> seen_;  // the brightest first
+  std::vector<Paint> seen_;  // brightest first
 };
 
 }  // namespace lab::detector

@@ -8,9 +8,12 @@
 #include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_state_t.hpp>
+#include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "common/bus/channels.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "tracker_svc/camera_devices.hpp"
@@ -44,7 +47,7 @@ optics::Imaging imagingOf(const CameraCalibration& calibration) {
   return calibration.imaging.value_or(optics::Imaging{});
 }
 
-/// Which robots stand under the camera: a real one sees real robots.
+/// The robots under the camera: a real camera sees only real robots.
 std::vector<std::int32_t> robotsInView(const Experiment& experiment) {
   const bool painted = isPainted(experiment.camera);
   std::vector<std::int32_t> ids;
@@ -116,12 +119,12 @@ TrackerService::TrackerService(const ServiceContext& context)
       robots_(robotsInView(context.experiment).size()),
       origin_(originOf(experiment_.camera)),
       origin_utime_(context.loop.now()),
-      // Whoever is there already is heard within a few frames.
+      // A tracker that is already running is noticed within a few frames.
       other_until_(loop_.isVirtual() ? 0 : loop_.now() + kListen_us) {
   try {
     debug_ =
         openDebugOutput(loop_, experiment_.camera.debug_port, detector_.camera(), calibration_.cap);
-  } catch (const std::runtime_error& error) {  // tracking goes on without a view of it
+  } catch (const std::runtime_error& error) {  // tracking works without the debug view
     node_.noteError(std::string(error.what()) + ": no debug view");
   }
   if (!imagingOf(calibration_).gamma) {
@@ -132,13 +135,13 @@ TrackerService::TrackerService(const ServiceContext& context)
   status_.calibration_id = calibration_.id;
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
                                   [this](const robot_status_t& status) { take(status); });
-  node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
-                                   [this](const tracked_frame_t& frame) { notice(frame); });
+  node_.subscribe<tracked_frame_t>(
+      channels::kTrackedFrame, [this](const tracked_frame_t& frame) { watchOtherTracker(frame); });
   if (experiment_.projector.sync_patch > 0) {
     sync_.emplace(detector_.camera());
     node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
       if (status.sync < 0) return;
-      // The light of a new command is told from the old one's by both of its numbers.
+      // The instance and the sequence number together identify a new light command.
       sync_->shown(seconds(status.utime), status.sync, status.command_instance ^ status.command_seq,
                    status.moving == 0);
     });
@@ -163,16 +166,16 @@ void TrackerService::take(const robot_status_t& status) {
   tracker_.take(wheels_);
 }
 
-void TrackerService::notice(const tracked_frame_t& frame) {
+void TrackerService::watchOtherTracker(const tracked_frame_t& frame) {
   const NodeIdentity& own = node_.identity();
   if (frame.sender != own.name || frame.instance == own.instance) return;
   const bool first = !silent_;
-  // The one that was there first goes on.
+  // The tracker that was started first continues.
   if (frame.instance < own.instance) other_until_ = loop_.now() + kOtherTracker_us;
   if (!first || frame.instance > own.instance) return;
   silent_ = true;
-  complain("another tracker (instance " + std::to_string(frame.instance) +
-           ") publishes on this lab: this one keeps silent until that one is stopped");
+  warn("another tracker (instance " + std::to_string(frame.instance) +
+       ") publishes in this lab: this one stays silent until that one is stopped");
 }
 
 void TrackerService::take(const CameraFrame& frame) {
@@ -188,11 +191,11 @@ void TrackerService::take(const CameraFrame& frame) {
   if (status_.state == tracker_status_t::GONE) trouble("");
   const std::int64_t arrived = loop_.now();
   std::int64_t utime = frame.utime;
-  if (origin_ == robot_state_t::REPLAY) {  // a film counts from its first picture
+  if (origin_ == robot_state_t::REPLAY) {  // times of a recording count from its first picture
     if (file_utime_ == 0) file_utime_ = arrived - frame.utime;
     utime += file_utime_;
   }
-  if (utime <= last_utime_) return;  // a camera that came back with an older picture
+  if (utime <= last_utime_) return;  // a reconnected camera may deliver an older picture
   last_utime_ = utime;
   const bool begins = status_.state != tracker_status_t::RUNNING;
   status_.state = tracker_status_t::RUNNING;
@@ -299,7 +302,7 @@ void TrackerService::readSync(const CameraFrame& frame, std::int64_t utime) {
   node_.publish(channels::kLightSeen, message);
 }
 
-void TrackerService::complain(const std::string& what) {
+void TrackerService::warn(const std::string& what) {
   status_.trouble = what;
   node_.fault(what);
   report();
@@ -315,17 +318,17 @@ void TrackerService::trouble(const std::string& what) {
   }
   status_.state = tracker_status_t::GONE;
   all_seen_ = false;
-  complain(what);
+  warn(what);
 }
 
 void TrackerService::ended(const std::string& problem) {
   status_.state = tracker_status_t::ENDED;
-  if (!problem.empty()) return complain(problem);
+  if (!problem.empty()) return warn(problem);
   report();
 }
 
 void TrackerService::report() {
-  if (silent_) return;  // the other one speaks
+  if (silent_) return;  // the other tracker publishes
   const CameraFormat format = source_ ? source_->format() : wantedFormat(experiment_.camera);
   status_.width = format.width;
   status_.height = format.height;
@@ -364,11 +367,7 @@ ServiceDescription serviceDescription() {
           .make = [](const ServiceContext& context) -> std::unique_ptr<Service> {
             return std::make_unique<TrackerService>(context);
           },
-          .uses_ports = true,
-          .wanted =
-              [](const Experiment& experiment) {
-                return experiment.camera.tracker == Tracker::kCamera;
-              }};
+          .uses_ports = usesPorts("tracker_svc")};
 }
 
 }  // namespace lab::tracker

@@ -1,4 +1,4 @@
-/// The tracker on the bus: a camera's pictures in, TRACKED_FRAME out.
+/// The tracker as a service: reads the camera, publishes TRACKED_FRAME.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <lab/tracked_frame_t.hpp>
 #include <lab/tracker_status_t.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,19 +24,18 @@
 
 namespace lab::tracker {
 
-/// Publishes, for every picture, TRACKED_FRAME (each cap that is bound to a robot, and the others
-/// as unidentified) and TRACKED_DETAILS; and TRACKER_STATUS, with the standing check of the
-/// calibration.
+/// Publishes TRACKED_FRAME (caps bound to robots, and unidentified caps) and TRACKED_DETAILS for
+/// every picture, and TRACKER_STATUS, which includes a continuous check of the calibration.
 ///
-/// Looks where caps are expected, and through the whole picture once a second and whenever one is
-/// missing; both find the same. ROBOT_STATUS tells what the robots' wheels do, from which the
-/// tracker knows which cap is which.
+/// Searches near expected caps, and the whole picture once a second and whenever a cap is
+/// missing; both give the same poses. ROBOT_STATUS reports the wheel motion of each robot;
+/// comparing it with the motion of caps tells which cap is which robot.
 ///
-/// A second tracker on the same lab keeps silent and says so.
+/// A second tracker in the same lab stays silent and reports that.
 class TrackerService final : public Service {
  public:
-  /// @throws ExperimentError when the calibration cannot be read or is of other pictures.
-  /// @throws CameraError when the camera cannot be used.
+  /// @throws ExperimentError if the calibration cannot be read or is for another picture size.
+  /// @throws CameraError if the camera cannot be used.
   explicit TrackerService(const ServiceContext& context);
 
  private:
@@ -49,8 +49,8 @@ class TrackerService final : public Service {
                                   const Exposure& exposure);
   void publish(const CameraFrame& frame, std::int64_t utime, const std::vector<Track>& tracks);
   void report();
-  void complain(const std::string& what);
-  void notice(const tracked_frame_t& frame);
+  void warn(const std::string& what);
+  void watchOtherTracker(const tracked_frame_t& frame);
   [[nodiscard]] double seconds(std::int64_t utime) const;
 
   Node& node_;
@@ -59,30 +59,30 @@ class TrackerService final : public Service {
   CameraCalibration calibration_;
   detector::Detector detector_;
   std::optional<detector::ResponseFinder> response_;  ///< while the camera's response is not known
-  double gamma_;                                      ///< that is believed meanwhile
+  double gamma_;                                      ///< assumed until then
   CapTracker tracker_;
   calibration::SpacingCheck spacing_;
   PictureCheck pictures_;
   BlindCheck blind_;
-  std::optional<SyncReader> sync_;  ///< where the projector shows a sync patch
+  std::optional<SyncReader> sync_;  ///< if the projector shows a sync patch
   Latency latency_;
   std::unique_ptr<DebugOutput> debug_;
   std::unique_ptr<FrameSource> source_;
 
-  std::size_t robots_ = 0;       ///< that the camera should see
-  std::int8_t origin_;           ///< robot_state_t's, of the camera
-  std::int64_t origin_utime_;    ///< of time 0 of the tracker
-  std::int64_t file_utime_ = 0;  ///< host time of a film's first frame
+  std::size_t robots_ = 0;       ///< number of robots in the experiment
+  std::int8_t origin_;           ///< as in robot_state_t: of the camera
+  std::int64_t origin_utime_;    ///< utime of the tracker's time 0
+  std::int64_t file_utime_ = 0;  ///< utime of a recording's first frame on this host
   std::int64_t last_utime_ = 0;
   std::int64_t next_search_ = 0;
   bool all_seen_ = false;
   std::int64_t other_until_;  ///< until then another tracker may be alive
-  bool silent_ = false;       ///< for its sake
+  bool silent_ = false;       ///< because of another tracker
   tracker_status_t status_{};
   std::vector<WheelReport> wheels_;
 };
 
-/// The service as a process or as a part of a lab in one process.
+/// The service as a process, or inside a process that runs the whole lab.
 [[nodiscard]] ServiceDescription serviceDescription();
 
 }  // namespace lab::tracker

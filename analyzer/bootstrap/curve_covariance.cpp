@@ -2,24 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "analyzer/curves/window_choice.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
 
 double columnError(const SimulatedCurves& curves, std::size_t column) {
   double sum = 0;
   double sum2 = 0;
-  for (int film = 0; film < curves.films; ++film) {
-    const double deviation = curves.value(film, column) / curves.law[column] - 1;
+  for (int recording = 0; recording < curves.recordings; ++recording) {
+    const double deviation = curves.value(recording, column) / curves.law[column] - 1;
     sum += deviation;
     sum2 += deviation * deviation;
   }
-  const double n = curves.films;
+  const double n = curves.recordings;
   return std::sqrt((sum2 - sum * sum / n) / (n - 1));
 }
 
@@ -80,7 +80,8 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   SimulatedCurves result;
   result.duration = plan.duration * (1 - plan.gaps.unseen);
   result.cut = plan.gaps.cut;
-  // The films' period is a bit longer than whole frames, so that it locks to nothing.
+  // The period of the recordings is slightly longer than whole frames, so that it does not lock to
+  // holds.
   const double every = std::max(1.0, std::round(plan.period / plan.frame_period));
   std::vector<int> frames;
   std::vector<int> measured;
@@ -96,30 +97,31 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
   for (const double lag : result.lags) {
     result.law.push_back(exact.angularMsd(lag) + 2 * plan.sigma_theta * plan.sigma_theta);
   }
-  const RecordingPlan film{plan.law, plan.duration, plan.period, plan.sigma, plan.sigma_theta, 0};
+  const RecordingPlan recording{plan.law,   plan.duration,    plan.period,
+                                plan.sigma, plan.sigma_theta, 0};
   RecordingPoses poses;
   RecordingStretches stretches;
-  for (int i = 0; i < plan.films; ++i) {
+  for (int i = 0; i < plan.recordings; ++i) {
     const std::uint64_t seed = plan.seed + static_cast<std::uint64_t>(i);
-    simulateRecording(film, seed, poses);
+    simulateRecording(recording, seed, poses);
     if (plan.gaps.lost > 0 || plan.gaps.cut) {
       stretches = drawStretches(plan.gaps, plan.frame_period, plan.period, poses.x.size(), ~seed);
     }
     const std::vector<double> curves = recordingCurves(poses, frames, measured, every, stretches);
-    // Without a window of some lag it says nothing of how the lags err together.
+    // A recording without windows of some lag does not contribute to the covariance.
     if (std::any_of(curves.begin(), curves.end(), [](double v) { return std::isnan(v); })) continue;
-    ++result.films;
+    ++result.recordings;
     result.values.insert(result.values.end(), curves.begin(), curves.end());
   }
   return result;
 }
 
-double errorScale(const SimulatedCurves& films, double observed, double segments, double tau) {
-  // A share of the film at the least, so that lags near a whole segment keep a finite error: half
-  // of one segment; of many, some of which are longer than the mean, less.
+double errorScale(const SimulatedCurves& recordings, double observed, double segments, double tau) {
+  // Limited below, so that lags near the length of a segment have a finite error: to half of a
+  // single segment; to less for many, some of which are longer than the mean.
   const double least = (segments > 1 ? 0.1 : 0.5) * observed;
-  const double covered = films.cut ? observed : std::max(observed - segments * tau, least);
-  return std::sqrt(std::max(films.duration - tau, 0.5 * films.duration) / covered);
+  const double covered = recordings.cut ? observed : std::max(observed - segments * tau, least);
+  return std::sqrt(std::max(recordings.duration - tau, 0.5 * recordings.duration) / covered);
 }
 
 double relativeError(const SimulatedCurves& curves, bool angular, double tau, double observed,

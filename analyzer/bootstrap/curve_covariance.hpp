@@ -8,57 +8,62 @@
 
 namespace lab::analysis {
 
-/// MSD and angular MSD of a film at lags of whole frames: overlapping windows, chosen as
-/// MsdAccumulator chooses them (window_choice.hpp). The result is [MSD(lags), angular MSD(lags)],
-/// nan where the film is shorter than the lag.
+/// MSD and angular MSD of a recording at lags of whole frames, with the selection of overlapping
+/// windows of MsdAccumulator (window_choice.hpp). The result is [MSD(lags), angular MSD(lags)]; nan
+/// if the recording is shorter than the lag.
 [[nodiscard]] std::vector<double> recordingCurves(const RecordingPoses& poses,
                                                   const std::vector<int>& lags);
 
-/// The same, chosen as the windows of a measured film are.
-/// @param measured the lags there [frames of that film]
-/// @param every of its frames, to one of `poses`
-/// @param stretches of the frames of `poses`; empty: all are there
+/// The same, with the selection of windows of a measured recording.
+/// @param measured the lags in frames of that recording
+/// @param every number of its frames per frame of `poses`
+/// @param stretches of the frames of `poses`; empty: no gaps
 [[nodiscard]] std::vector<double> recordingCurves(const RecordingPoses& poses,
                                                   const std::vector<int>& lags,
                                                   const std::vector<int>& measured, double every,
                                                   const RecordingStretches& stretches);
 
-/// Curves of many simulated films of one program, the parametric bootstrap: their scatter is the
-/// error of a measured curve, their covariance how the lags err together.
+/// Curves of many simulated recordings of one program (parametric bootstrap). Their scatter is the
+/// error of a measured curve, their covariance that of its lags.
 struct SimulatedCurves {
   std::vector<double> lags;  ///< s, ascending.
-  double duration = 0;       ///< Of each film, as far as it counts as observed, s.
-  int films = 0;
-  bool cut = false;            ///< They lack what the cuts of the measured film take.
-  std::vector<double> values;  ///< films rows of [MSD(lags), angular MSD(lags)], SI units.
-  std::vector<double> law;     ///< The exact law at the lags with the noise's offsets, same order.
+  double duration = 0;       ///< Observed time of each recording, s.
+  int recordings = 0;
+  bool cut = false;            ///< They have cuts like the measured recording.
+  std::vector<double> values;  ///< One row [MSD(lags), angular MSD(lags)] per recording, SI units.
+  std::vector<double>
+      law;  ///< The exact law at the lags with the offsets of the noise, same order.
 
-  [[nodiscard]] double value(int film, std::size_t column) const {
-    return values[static_cast<std::size_t>(film) * 2 * lags.size() + column];
+  [[nodiscard]] double value(int recording, std::size_t column) const {
+    return values[static_cast<std::size_t>(recording) * 2 * lags.size() + column];
   }
 };
 
 struct BootstrapPlan {
   ProgramLaw law;
-  double sigma = 0;          ///< Tracker noise per axis, m.
-  double sigma_theta = 0;    ///< rad.
-  double period = 0;         ///< Of the films' frames, s: a part of the shortest lag.
-  double frame_period = 0;   ///< Of the measured film, s, whose choice of windows they follow,
-  RecordingGaps gaps;        ///< and what it lacks.
-  std::vector<double> lags;  ///< s; taken at the nearest whole number of periods.
-  double duration = 0;       ///< Of each film, s.
-  int films = 500;
-  std::uint64_t seed = 1;  ///< Film i has seed + i: the same films for every plan, in effect.
+  double sigma = 0;        ///< Tracker noise per axis, m.
+  double sigma_theta = 0;  ///< rad.
+  double period =
+      0;  ///< Frame period of the simulated recordings, s: a fraction of the shortest lag.
+  double frame_period =
+      0;  ///< Frame period of the measured recording, s, whose selection of windows is used.
+  RecordingGaps gaps;        ///< Gaps of the measured recording.
+  std::vector<double> lags;  ///< s; rounded to whole periods.
+  double duration = 0;       ///< Of each recording, s.
+  int recordings = 500;
+  std::uint64_t seed =
+      1;  ///< Recording i has the seed `seed` + i, so all plans use the same random numbers.
 };
 
 [[nodiscard]] SimulatedCurves simulateCurves(const BootstrapPlan& plan);
 
 /// The factor by which the standard error of a mean over overlapping windows of lag tau shrinks
-/// from one simulated film to `observed` seconds in `segments` pieces, which no window leaves: the
-/// windows cover observed - segments * tau, or as much of it as those of films with cuts. The
-/// covariance goes as 1/T once the film is long against lag and memory; for films as long as the
-/// observed ones no scaling is needed and the factor is 1.
-[[nodiscard]] double errorScale(const SimulatedCurves& films, double observed, double segments,
+/// from one simulated recording to `observed` seconds in `segments` pieces, (no window crosses
+/// pieces): the windows cover observed - segments * tau, or, if the simulated recordings have cuts,
+/// the same share as theirs. The covariance is proportional to 1/T if the recording is long
+/// compared with the lag and the memory. The factor is 1 for recordings as long as the observed
+/// ones.
+[[nodiscard]] double errorScale(const SimulatedCurves& recordings, double observed, double segments,
                                 double tau);
 
 /// The standard error of one column relative to the law, interpolated in log lag between the

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <list>
 #include <tuple>
 
@@ -10,10 +11,10 @@
 namespace lab::analysis {
 namespace {
 
-constexpr int kFilms = 300;
+constexpr int kRecordings = 300;
 constexpr std::uint64_t kSeed = 2025;
 constexpr std::size_t kKept = 8;
-// Frames that come once a hold would see one phase of it for a whole film.
+// Exactly one frame per hold would sample a single phase for the whole recording.
 constexpr double kFramesPerHold = 1.0234;
 
 double kurtosisOf(const RecordingPoses& poses, int lag) {
@@ -42,41 +43,41 @@ void simulateIsotropic(std::size_t frames, std::uint64_t seed, RecordingPoses& p
 
 KurtosisBootstrap simulate(const ProgramLaw& law, KurtosisHypothesis hypothesis,
                            const std::vector<int>& lags, double duration) {
-  std::vector<std::vector<double>> of_lag(lags.size(), std::vector<double>(kFilms));
+  std::vector<std::vector<double>> of_lag(lags.size(), std::vector<double>(kRecordings));
   RecordingPoses poses;
   RecordingPlan plan;
   plan.law = law;
   plan.duration = duration;
   plan.period = law.epsilon / kFramesPerHold;
-  for (int film = 0; film < kFilms; ++film) {
-    const std::uint64_t seed = kSeed + static_cast<std::uint64_t>(film);
+  for (int recording = 0; recording < kRecordings; ++recording) {
+    const std::uint64_t seed = kSeed + static_cast<std::uint64_t>(recording);
     if (hypothesis == KurtosisHypothesis::kProgram) {
       simulateRecording(plan, seed, poses);
     } else {
       simulateIsotropic(static_cast<std::size_t>(duration / plan.period), seed, poses);
     }
     for (std::size_t lag = 0; lag < lags.size(); ++lag) {
-      of_lag[lag][static_cast<std::size_t>(film)] = kurtosisOf(poses, lags[lag]);
+      of_lag[lag][static_cast<std::size_t>(recording)] = kurtosisOf(poses, lags[lag]);
     }
   }
-  KurtosisBootstrap films;
-  films.period = plan.period;
-  films.largest.assign(kFilms, 0);
+  KurtosisBootstrap recordings;
+  recordings.period = plan.period;
+  recordings.largest.assign(kRecordings, 0);
   for (const std::vector<double>& values : of_lag) {
     double sum = 0;
     for (const double value : values) sum += value;
-    const double mean = sum / kFilms;
+    const double mean = sum / kRecordings;
     double squares = 0;
     for (const double value : values) squares += (value - mean) * (value - mean);
-    films.mean.push_back(mean);
-    films.sigma.push_back(std::sqrt(squares / (kFilms - 1)));
-    for (std::size_t film = 0; film < values.size(); ++film) {
-      const double z = std::abs(values[film] - mean) / films.sigma.back();
-      films.largest[film] = std::max(films.largest[film], z);
+    recordings.mean.push_back(mean);
+    recordings.sigma.push_back(std::sqrt(squares / (kRecordings - 1)));
+    for (std::size_t recording = 0; recording < values.size(); ++recording) {
+      const double z = std::abs(values[recording] - mean) / recordings.sigma.back();
+      recordings.largest[recording] = std::max(recordings.largest[recording], z);
     }
   }
-  std::sort(films.largest.begin(), films.largest.end());
-  return films;
+  std::sort(recordings.largest.begin(), recordings.largest.end());
+  return recordings;
 }
 
 }  // namespace
@@ -88,18 +89,18 @@ const KurtosisBootstrap& kurtosisBootstrap(const ProgramLaw& law, KurtosisHypoth
     KurtosisHypothesis hypothesis;
     std::vector<int> lags;
     double duration;
-    KurtosisBootstrap films;
+    KurtosisBootstrap recordings;
   };
   thread_local std::list<Known> known;
   for (const Known& one : known) {
     if (std::tie(one.law, one.hypothesis, one.lags, one.duration) ==
         std::tie(law, hypothesis, lags, duration)) {
-      return one.films;
+      return one.recordings;
     }
   }
   if (known.size() >= kKept) known.pop_front();
   known.push_back({law, hypothesis, lags, duration, simulate(law, hypothesis, lags, duration)});
-  return known.back().films;
+  return known.back().recordings;
 }
 
 }  // namespace lab::analysis

@@ -62,8 +62,8 @@ double SegmentLengths::drawAround(Random& random) const {
 RecordingStretches drawStretches(const RecordingGaps& gaps, double frame_period, double period,
                                  std::size_t frames, std::uint64_t seed) {
   const double every = std::max(1.0, std::round(period / frame_period));
-  // What lost windows do to a mean goes as the time that each gap takes: where there are fewer
-  // frames than measured, fewer are lost, which matter as much.
+  // The effect of lost windows on a mean is proportional to the duration of the gaps. With fewer
+  // frames than in the measurement, fewer frames are lost, with the same effect.
   const double length = std::max(1.0, gaps.lost_length / every);
   const double odds = gaps.lost / (1 - gaps.lost) * gaps.lost_length / (length * every);
   const double longest = StitcherConfig{}.max_angular_gap / period;

@@ -1,5 +1,5 @@
-/// What a measured film lacks, so that simulated ones can lack it too: curves err together by which
-/// windows they are made of.
+/// The gaps of a measured recording, for simulated recordings with equal gaps: the covariance of
+/// lags depends on the windows that exist.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace lab::analysis {
 
-/// How long the segments of a film are, which no window leaves: their numbers by length.
+/// Histogram of the lengths of the segments of a recording. No window crosses segments.
 class SegmentLengths {
  public:
   void add(double frames);
@@ -19,18 +19,17 @@ class SegmentLengths {
 
   [[nodiscard]] double number() const;
 
-  /// Share of the windows of a lag [frames] that there would be in one long segment; 1: no
-  /// segments.
+  /// Number of windows of a lag [frames], relative to that in one long segment; 1 without segments.
   [[nodiscard]] double covered(double lag) const;
 
-  /// The length of a segment, frames; needs one at least.
+  /// A random length of a segment, frames. Needs at least one segment.
   [[nodiscard]] double draw(Random& random) const;
 
-  /// The same of the one that a moment lies in: longer ones more often.
+  /// A random length of the segment at a random time: weighted by length.
   [[nodiscard]] double drawAround(Random& random) const;
 
  private:
-  static constexpr std::size_t kBins = 96;  ///< Four an octave.
+  static constexpr std::size_t kBins = 96;  ///< Four per octave.
   [[nodiscard]] static double lengthOf(std::size_t bin);
 
   template <typename Weight>
@@ -39,30 +38,31 @@ class SegmentLengths {
   std::array<std::uint32_t, kBins> counts_{};
 };
 
-/// Lags of which cuts leave a smaller share of the windows are not used: the few segments that are
-/// so long say little of how lags err, and are not like the others.
+/// Lags with a smaller share of windows are not used: the few segments that are so long are not
+/// representative and do not determine the errors.
 inline constexpr double kLeastCovered = 0.05;
 
 struct RecordingGaps {
-  double lost = 0;         ///< Share of the frames that are missing between others.
-  double lost_length = 1;  ///< So many in a row, on average, if lengths fall geometrically.
-  double unseen = 0;       ///< Share of the time that is in gaps too long to count as observed.
-  bool cut = false;        ///< There are more segments than robots:
+  double lost = 0;         ///< Share of frames that are missing.
+  double lost_length = 1;  ///< Mean number of frames in a gap, geometrically distributed.
+  double unseen = 0;       ///< Share of time in gaps that are too long to count as observed.
+  bool cut = false;        ///< There are more segments than robots.
   SegmentLengths segments;
 
-  /// Share of the windows of a lag [frames] that cuts leave.
+  /// Share of the windows of a lag [frames] that remain despite the cuts.
   [[nodiscard]] double covered(double lag) const { return cut ? segments.covered(lag) : 1; }
 };
 
-/// What there is of a simulated film: for each frame the stretch in which it lies, which windows do
-/// not leave. -1: the frame is missing.
+/// The gaps of a simulated recording: for each frame the number of its stretch, which windows do
+/// not leave; -1: the frame is missing.
 struct RecordingStretches {
   std::vector<int> of_places;
-  std::vector<int> of_headings;  ///< Across longer gaps a heading is ambiguous.
+  std::vector<int>
+      of_headings;  ///< Also cut at longer gaps, across which the heading is ambiguous.
 };
 
-/// @param frame_period of the measured film, s
-/// @param period of the simulated one, s, with so many frames
+/// @param frame_period of the measured recording, s
+/// @param period frame period of the simulated one, s; it has `frames` frames
 [[nodiscard]] RecordingStretches drawStretches(const RecordingGaps& gaps, double frame_period,
                                                double period, std::size_t frames,
                                                std::uint64_t seed);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// The layers of the ziggurat: 128 of equal area under exp(-x^2/2).
+/// 128 layers of equal area under exp(-x^2/2).
 struct Ziggurat {
   static constexpr double kTail = 3.442619855899;
   std::array<double, 129> edge{};    ///< Right edges, widest (the base's virtual one) first.
@@ -31,7 +31,7 @@ struct Ziggurat {
 
 const Ziggurat kZiggurat;
 
-/// sin and cos of a half turn, mostly small: a series there is twice as fast.
+/// Sine and cosine of half a turn. The series for small angles is twice as fast as the library.
 struct Turn {
   double sin = 0;
   double cos = 1;
@@ -44,7 +44,7 @@ Turn turnBy(double a) {
           1 - a2 / 2 * (1 - a2 / 12 * (1 - a2 / 30 * (1 - a2 / 56 * (1 - a2 / 90))))};
 }
 
-/// One step along an arc: half the rotation, and the chord.
+/// A step along an arc, by half of the rotation and the chord.
 struct Step {
   Turn half;
   double chord = 0;
@@ -58,7 +58,7 @@ Step stepOf(double speed, double turning, double dt) {
   return step;
 }
 
-/// A robot on an endless plane, stationary from the start.
+/// A robot on an infinite plane, in the stationary state from the start.
 class FreeWalk {
  public:
   FreeWalk(const ProgramLaw& law, double usual_step, Random& random)
@@ -67,7 +67,8 @@ class FreeWalk {
     cos_ = std::cos(theta_);
     sin_ = std::sin(theta_);
     if (law.kind == ProgramKind::kRtp) {
-      // draw() changes over; a run's rest is as long as a run, a tumble's is not.
+      // draw() toggles between run and tumble. The rest of a run is distributed like a run; that of
+      // a tumble is not.
       running_ = random_.uniform() * (1 + law.gamma * law.tau_t) < law.gamma * law.tau_t;
       draw();
       if (!running_) left_ = random_.uniform(0, law.tau_t);

@@ -8,7 +8,8 @@
 
 namespace lab::analysis {
 
-/// xoshiro256++ seeded by SplitMix64 (Blackman and Vigna 2019): the generator of simulated films.
+/// xoshiro256++ seeded by SplitMix64 (Blackman and Vigna 2019), for simulated recordings. Not
+/// common/random.hpp: results must keep their bits, and this one has a fast normal().
 class Random {
  public:
   explicit Random(std::uint64_t seed);
@@ -23,27 +24,27 @@ class Random {
   std::array<std::uint64_t, 4> state_{};
 };
 
-/// What a film shows: the free process of a program (see ExactLaw) without walls, seen by a camera.
+/// A recording of the free process of a program (see ExactLaw), without walls, by a camera.
 struct RecordingPlan {
   ProgramLaw law;          ///< Must have a law.
   double duration = 0;     ///< s.
-  double period = 0;       ///< Between frames, s.
+  double period = 0;       ///< Frame period, s.
   double sigma = 0;        ///< Tracker noise per axis, m.
   double sigma_theta = 0;  ///< rad.
-  /// s; a frame shows the mean pose over it (two-point Gauss rule: exact to the third power). The
-  /// holds themselves count from the exposure's middle.
+  /// s; a frame has the mean pose over it (two-point Gauss rule, exact to third order). Holds count
+  /// from the middle of the exposure.
   double exposure = 0;
 };
 
-/// The poses of a film, one a frame; headings unwrapped. SI units.
+/// The poses of a recording, one per frame; headings are unwrapped. SI units.
 struct RecordingPoses {
   std::vector<double> x;
   std::vector<double> y;
   std::vector<double> theta;
 };
 
-/// The frames of a film: exact arcs from event to event, stationary from the first frame on, the
-/// observation phase uniformly random. The same plan and seed give the same bits. Throws
+/// Simulates the frames of a recording: exact arcs between events, stationary from the first frame
+/// on, with a uniformly random observation phase. The same plan and seed give the same bits. Throws
 /// std::invalid_argument for a program without a law, or a duration or period that is not positive.
 void simulateRecording(const RecordingPlan& plan, std::uint64_t seed, RecordingPoses& poses);
 

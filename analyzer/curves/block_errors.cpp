@@ -1,7 +1,8 @@
 #include "analyzer/curves/block_errors.hpp"
 
 #include <cmath>
-#include <limits>
+
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -17,7 +18,7 @@ std::vector<BlockSums> groupBlocks(const BlockData& data, double min_length) {
     BlockSums group;
     for (const BlockSums& block : track) {
       if (group.lags.empty() && group.time == 0) {
-        group = block;  // half the cost of adding to nothing
+        group = block;  // faster than adding to empty sums
       } else {
         group += block;
       }
@@ -38,7 +39,7 @@ std::vector<BlockSums> groupBlocks(const BlockData& data, double min_length) {
 double Replicates::sigmaOf(double value, const std::vector<double>& without_each) const {
   const auto n = static_cast<double>(shares.size());
   if (shares.size() < 2) {
-    return std::numeric_limits<double>::quiet_NaN();
+    return units::kNan;
   }
   double mean = n * value;
   for (std::size_t b = 0; b < shares.size(); ++b) {

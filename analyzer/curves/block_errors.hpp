@@ -7,30 +7,30 @@
 
 namespace lab::analysis {
 
-/// Below so many groups the scatter of blocks is not trusted alone.
+/// With fewer groups, the scatter of blocks alone is not reliable.
 inline constexpr std::size_t kFewBlocks = 8;
 
-/// Adjacent blocks of each robot merged until every group lasts min_length (s; blocks are equal to
-/// some frames only, so a twentieth less will do) or is all there is of its robot; a remainder
-/// joins the group before it.
+/// Merges adjacent blocks of each robot until every group lasts min_length (s). Blocks differ by
+/// some frames, so 5 % less is accepted. A remainder joins the group before it; a robot with less
+/// than min_length is one group.
 [[nodiscard]] std::vector<BlockSums> groupBlocks(const BlockData& data, double min_length);
 
 /// Functions of the sums, and the same functions with one group left out at a time.
 struct Replicates {
   std::vector<double> values;
-  std::vector<std::vector<double>> without;  ///< One row a group.
-  std::vector<double> shares;                ///< Of each group in the observed time.
+  std::vector<std::vector<double>> without;  ///< One row per group.
+  std::vector<double> shares;                ///< Share of each group in the observed time.
 
   /// The jackknife standard error of function q for groups of unequal size (Busing, Meijer and van
   /// der Leeden 1999); nan below 2 groups.
   [[nodiscard]] double sigma(std::size_t q) const { return sigmaOf(values[q], column(q)); }
 
-  /// The same for a function given by its value and its values without each group.
+  /// The same for a function that is given by its value and its values without each group.
   [[nodiscard]] double sigmaOf(double value, const std::vector<double>& without_each) const;
 
   [[nodiscard]] std::vector<double> column(std::size_t q) const;
 
-  /// Effective number of groups, less 1: the degrees of freedom of sigma.
+  /// The degrees of freedom of sigma: the effective number of groups, less 1.
   [[nodiscard]] double degreesOfFreedom() const;
 };
 

@@ -38,7 +38,7 @@ void BlockStore::addTime(double dt) {
   if (closed_.size() == kMaxBlocks) {
     mergePairs();
   }
-  // Ends are multiples of the length: what a block is too long does not add up when blocks merge.
+  // Ends are multiples of the length, so excess lengths do not add up when blocks merge.
   open_end_ = static_cast<double>(closed_.size() + 1) * block_length_;
 }
 
@@ -121,7 +121,7 @@ void BlockStore::makeExact(std::vector<BlockSums>& blocks, std::size_t i) const 
   LagSums* most_angular = most;
   for (BlockSums& block : blocks) {
     LagSums& sums = block.lags[i];
-    missing -= sums;  // unsigned numbers of windows wrap, and wrap back below
+    missing -= sums;  // unsigned numbers may wrap around here, and wrap back below
     most = sums.windows > most->windows ? &sums : most;
     most_angular = sums.angular_windows > most_angular->angular_windows ? &sums : most_angular;
   }

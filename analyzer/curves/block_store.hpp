@@ -7,24 +7,24 @@
 
 namespace lab::analysis {
 
-/// The blocks of one robot and program in little memory. One block is open and takes windows; the
-/// others are closed, of nearly equal free time, and kept in 16 bytes a lag. There are at most 28;
-/// when full, pairs merge to 14.
+/// The blocks of one robot and program in little memory. One block is open and takes windows. The
+/// others are closed, cover nearly equal free times, and take 16 bytes per lag. There are at most
+/// 28; when full, pairs are merged to 14.
 ///
-/// Of a closed block a lag keeps its two means to 24 bits, and the numbers of windows and the
-/// kurtoses to 8 bits: the former are what blocks differ in, the latter only weigh them. The sums
-/// over all blocks are kept besides, in full.
+/// Per lag, a closed block keeps its two means with 24 bits, and the numbers of windows and the
+/// kurtoses with 8 bits: the means determine the scatter of blocks, the others are only weights.
+/// The sums over all blocks are kept in addition, in full precision.
 class BlockStore {
  public:
   static constexpr std::size_t kMaxBlocks = 28;  ///< Even.
 
-  /// The number of lags, and how long the first block shall be (s).
+  /// The number of lags, and the length of the first block (s).
   BlockStore(std::size_t lags, double block_length);
 
-  /// Where windows and steps are added.
+  /// The block to which windows and steps are added.
   [[nodiscard]] BlockSums& open() { return open_; }
 
-  /// Adds free time (s) to the open block; closes it when it is long enough.
+  /// Adds free time (s) to the open block, and closes it if it is long enough.
   void addTime(double dt);
 
   /// Whether addTime(dt) would close the open block.
@@ -32,8 +32,8 @@ class BlockStore {
 
   [[nodiscard]] double time() const { return time_; }  ///< Of all blocks, s.
 
-  /// All blocks in time order, the open one last. Their sum is the exact one: what was rounded off
-  /// is in the block that has the most windows of the lag.
+  /// All blocks in time order, the open one last. Their sum is exact: per lag, the rounding errors
+  /// are added to the block with the most windows.
   [[nodiscard]] std::vector<BlockSums> blocks() const;
 
   [[nodiscard]] std::size_t memoryBytes() const;
@@ -43,7 +43,7 @@ class BlockStore {
   struct Packed {
     float r2 = 0;  ///< Means.
     float a2 = 0;
-    std::uint16_t windows = 0;  ///< These four are the upper halves of floats.
+    std::uint16_t windows = 0;  ///< These four are upper halves of floats.
     std::uint16_t angular_windows = 0;
     std::uint16_t r_kurtosis = 0;
     std::uint16_t a_kurtosis = 0;
@@ -56,12 +56,12 @@ class BlockStore {
   void makeExact(std::vector<BlockSums>& blocks, std::size_t lag) const;
 
   double block_length_;
-  double open_end_;  ///< Of the free time, where the open block closes, s.
+  double open_end_;  ///< Free time at which the open block closes, s.
   double time_ = 0;  ///< Of all blocks.
   BlockSums open_;
   std::vector<LagSums> closed_total_;  ///< Of all closed blocks.
-  std::vector<BlockSums> closed_;      ///< Without their lags,
-  std::vector<Packed> packed_;         ///< which are here, block by block.
+  std::vector<BlockSums> closed_;      ///< Without their lags.
+  std::vector<Packed> packed_;         ///< Their lags, block by block.
 };
 
 }  // namespace lab::analysis

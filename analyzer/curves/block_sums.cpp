@@ -98,7 +98,7 @@ RecordingGaps gapsOf(const BlockData& data, const BlockSums& total) {
   if (total.lost > 0) {
     const double all = total.time + total.unseen;
     gaps.lost = total.lost * data.frame_period / all;
-    // Of lengths that fall geometrically the mean square is 2 length^2 - length.
+    // For geometrically distributed lengths the mean square is 2 length^2 - length.
     gaps.lost_length = 0.5 * (total.lost2 / total.lost + 1);
     gaps.unseen = total.unseen / all;
   }

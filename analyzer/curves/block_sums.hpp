@@ -8,7 +8,7 @@
 
 namespace lab::analysis {
 
-/// The windows of one lag: powers of the displacement r and of the rotation a.
+/// Sums over the windows of one lag: powers of the displacement r and of the rotation a.
 struct LagSums {
   std::uint32_t windows = 0;
   std::uint32_t angular_windows = 0;
@@ -21,23 +21,23 @@ struct LagSums {
   LagSums& operator-=(const LagSums& other);
 };
 
-/// Everything that one block of free time adds to the sums. The statistics of a film are the sums
-/// over its blocks; their scatter gives the error bars.
+/// The sums over one block of free time. The statistics of a recording are the sums over its
+/// blocks; the scatter of blocks gives the error bars.
 struct BlockSums {
   double time = 0;            ///< Observed free time, s.
-  std::vector<LagSums> lags;  ///< One a lag of the grid.
+  std::vector<LagSums> lags;  ///< One per lag of the grid.
   double forward = 0;         ///< Displacement along the heading between consecutive frames, m.
-  double forward_time = 0;    ///< The time of these steps, s.
+  double forward_time = 0;    ///< Time of these steps, s.
   double sideways2 = 0;  ///< Sum of squares of one-frame displacements across the heading, m^2.
-  double steps = 0;      ///< Their number.
-  double joins = 0;      ///< Removed reversals.
+  double steps = 0;      ///< Number of these displacements.
+  double joins = 0;      ///< Number of removed reversals.
   double lost = 0;       ///< Frames missing in gaps of up to 2 s.
-  double lost2 = 0;      ///< Sum of the squares of their numbers, gap by gap.
-  double unseen = 0;     ///< Of these gaps, what is not in the observed time, s.
-  double segments = 0;   ///< Begun in it: no window lies in two of them.
-  double run_time = 0;   ///< In runs (RTP), s.
-  double run_span = 0;   ///< The time in which runs were counted, s.
-  double tumbles = 0;    ///< Begun in it (RTP).
+  double lost2 = 0;      ///< Sum over the gaps of the squared numbers of missing frames.
+  double unseen = 0;     ///< Part of these gaps that is not in the observed time, s.
+  double segments = 0;   ///< Segments that began in it. No window crosses segments.
+  double run_time = 0;   ///< Time in runs (RTP), s.
+  double run_span = 0;   ///< Time in which run time was counted, s.
+  double tumbles = 0;    ///< Tumbles that began in it (RTP).
 
   BlockSums& operator+=(const BlockSums& other);
   BlockSums& operator-=(const BlockSums& other);
@@ -47,21 +47,21 @@ struct BlockSums {
 struct BlockData {
   std::vector<int> lags;          ///< Frames.
   double frame_period = 0;        ///< s.
-  std::vector<double> lag_times;  ///< Sum of the windows' true durations, one a lag, s.
-  std::vector<std::vector<BlockSums>> tracks;  ///< Per robot, in time order.
+  std::vector<double> lag_times;  ///< Sum of the true durations of the windows, per lag, s.
+  std::vector<std::vector<BlockSums>> tracks;  ///< The blocks of each robot, in time order.
   SegmentLengths segments;
 
-  /// Adds the robots of another data set; their blocks stay independent blocks.
+  /// Adds the robots of another data set. Their blocks remain separate.
   void pool(const BlockData& other);
 
   [[nodiscard]] BlockSums total() const;
   [[nodiscard]] double observed() const;  ///< Free time, s.
 
-  /// The mean duration of the windows of lag i; frames times frame_period where there is none.
+  /// The mean duration of the windows of lag i, s; the nominal duration if there are none.
   [[nodiscard]] double lagTime(std::size_t i, const BlockSums& total) const;
 };
 
-/// What these films lack.
+/// The gaps of these recordings.
 /// @param total data.total()
 [[nodiscard]] RecordingGaps gapsOf(const BlockData& data, const BlockSums& total);
 

@@ -7,8 +7,8 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kToInteger = 6755399441055744.0;  // 1.5 * 2^52: a sum with it has no fraction
-// The first 33 bits, so that multiples are exact, and the next 53.
+constexpr double kToInteger = 6755399441055744.0;  // 1.5 * 2^52: adding it rounds to an integer
+// The first 33 bits of pi/2, so that multiples are exact, and the next 53.
 constexpr double kHalfPi = 0x1.921fb544p+0;
 constexpr double kHalfPiRest = 0x1.0b4611a626331p-34;
 
@@ -41,7 +41,8 @@ void cosSin(const double* angles, std::size_t n, double* cosines, double* sines)
     const double rest = (angles[i] - quarters * kHalfPi) - quarters * kHalfPiRest;
     const auto sine = std::bit_cast<std::uint64_t>(sinNear0(rest, rest * rest));
     const auto cosine = std::bit_cast<std::uint64_t>(cosNear0(rest * rest));
-    // No branches, so that the loop runs side by side: odd quarters exchange both, two turn them.
+    // No branches, so that the loop can be vectorised. Odd quarters swap sine and cosine; the
+    // second bit of the quarter sets the sign.
     const auto quarter = std::bit_cast<std::uint64_t>(shifted);
     const std::uint64_t exchange = (sine ^ cosine) & (0 - (quarter & 1U));
     sines[i] = std::bit_cast<double>(sine ^ exchange ^ ((quarter & 2U) << 62U));

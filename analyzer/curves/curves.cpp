@@ -2,21 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdint>
 #include <map>
 
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kBlocksPerLag = 5;
 constexpr std::size_t kEnoughBlocks = 12;
-constexpr double kTrustedBlocks = 180;  // lags beyond track / 180 need more than blocks
-constexpr double kFilmsPerLag = 20;     // lags beyond film / 20 are too skewed to judge
-constexpr double kMinDraws = 100;       // draws or tumbles for any verdict
+constexpr double kTrustedBlocks = 180;    // for lags beyond track / 180 blocks are not sufficient
+constexpr double kRecordingsPerLag = 20;  // lags beyond recording / 20 are too skewed to judge
+constexpr double kMinDraws = 100;         // draws or tumbles for a verdict
 constexpr double kLimitZ = 4;
 constexpr int kMinJudged = 5;
 constexpr double kManyBlocks = 1e9;
@@ -26,7 +28,7 @@ double mean(double sum, std::uint32_t n) { return n > 0 ? sum / n : kNan; }
 /// The means of all lags, raw and with the noise offset removed, as one vector for the jackknife.
 class LagFunctions {
  public:
-  /// @param offset of the noise in the MSD, where the data do not tell it
+  /// @param offset of the noise in the MSD, used if the data do not determine it
   LagFunctions(const Estimator& estimator, const BlockData& data, double offset)
       : estimator_(estimator),
         lags_(data.lags),
@@ -50,7 +52,8 @@ class LagFunctions {
     return result;
   }
 
-  /// The positions on both sides of a join are noisy too, and shared by the windows across it.
+  /// Noise of windows across joins: the positions on both sides of a join are noisy too, and shared
+  /// by these windows.
   [[nodiscard]] double joinNoise(std::size_t i, double joins_per_second) const {
     const double frames = lags_[i];
     return 1 + joins_per_second * period_ * (frames - 2);
@@ -78,13 +81,13 @@ class LagErrors {
 
   struct Error {
     double raw = 0;        ///< Of the mean.
-    double corrected = 0;  ///< Of the mean less the noise offset.
+    double corrected = 0;  ///< Of the mean, less the noise offset.
     double freedom = 0;    ///< Degrees of freedom of both.
     bool enough = false;   ///< Enough blocks, each long enough.
   };
 
   Error at(double tau, std::size_t column, std::size_t corrected_column) {
-    // Block lengths on a ladder of powers of two, so that few distinct groupings are needed.
+    // Block lengths are powers of two, so that few distinct groupings are needed.
     double length = native_;
     while (length < kBlocksPerLag * tau) {
       length *= 2;
@@ -95,7 +98,7 @@ class LagErrors {
       length /= 2;
       replicates = &grouped(length);
     }
-    // Windows reach back by tau into the block before, so that neighbours are correlated.
+    // Windows extend by tau into the block before, so neighbouring blocks are correlated.
     const double overlap = enough ? 1 / std::sqrt(1 - tau / (4 * length)) : 1;
     return {overlap * replicates->sigma(column), overlap * replicates->sigma(corrected_column),
             replicates->degreesOfFreedom(), enough};
@@ -116,7 +119,7 @@ class LagErrors {
   std::map<double, Replicates> cache_;
 };
 
-/// The law with its speed replaced by the measured one where that may be a calibration error.
+/// The law at the measured speed, if the difference may be a calibration error.
 ExactLaw calibrated(const ProgramLaw& law, double speed, double tolerance) {
   ProgramLaw result = law;
   const bool has_speed = law.kind == ProgramKind::kAbp || law.kind == ProgramKind::kRtp;
@@ -126,7 +129,7 @@ ExactLaw calibrated(const ProgramLaw& law, double speed, double tolerance) {
   return ExactLaw(result);
 }
 
-/// The ABP's ballistic part has a far smaller error than the diffusive formula.
+/// The ballistic part of the ABP has a much smaller error than the diffusive formula.
 bool predictsItsMsdError(const ProgramLaw& law) { return law.kind != ProgramKind::kAbp; }
 
 double drawsSeen(const ProgramLaw& law, double observed) {
@@ -138,7 +141,7 @@ double drawsSeen(const ProgramLaw& law, double observed) {
 double modelMsdError(const ExactLaw& law, double tau, double observed) {
   const ProgramLaw& p = law.program();
   if (p.kind == ProgramKind::kRtp) {
-    // The share of run time in the film scatters too.
+    // The share of run time in the recording also scatters.
     const double cycle = 1 / p.gamma + p.tau_t;
     return std::sqrt((2 * tau / 3 + p.tau_t * p.tau_t / cycle) / observed);
   }
@@ -170,7 +173,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   const double speed = estimator(total)[kSpeed];
   const ExactLaw reference = calibrated(law, speed, options.speed_tolerance);
   const LagFunctions functions(estimator, data, options.offset);
-  // Without headings only a fit knows the tracker's noise.
+  // Without headings, only a fit determines the tracker noise.
   const bool by_fit = !std::isfinite(estimator(total)[kPositionOffset]);
   const bool noise_known = !by_fit || std::isfinite(options.offset);
   const std::vector<double> means = functions(total);
@@ -179,9 +182,9 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   const auto tracks = static_cast<double>(data.tracks.size());
   const double segments = std::max(tracks, total.segments);
   const RecordingGaps gaps = gapsOf(data, total);
-  const auto film_error = [&](bool angular, double tau) {
-    return options.films != nullptr && kTrustedBlocks * tau > observed / tracks
-               ? relativeError(*options.films, angular, tau, observed, segments)
+  const auto recording_error = [&](bool angular, double tau) {
+    return options.recordings != nullptr && kTrustedBlocks * tau > observed / tracks
+               ? relativeError(*options.recordings, angular, tau, observed, segments)
                : kNan;
   };
 
@@ -201,12 +204,12 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
       const double expected = angular ? reference.angularMsd(tau) : reference.msd(tau);
       const std::size_t column = angular ? n + i : i;
       LagErrors::Error error = errors.at(tau, column, 2 * n + column);
-      // Of long lags cuts leave few windows, in segments that are not like the others.
+      // Cuts leave few windows of long lags, in segments that are not representative.
       const double covered = gaps.covered(tau / data.frame_period);
       const double seen = std::max(covered * observed, tau);
       const double model = expected * (angular ? modelAngularError(exact, tau, seen)
                                                : modelMsdError(exact, tau, seen));
-      const double simulated = film_error(angular, tau);
+      const double simulated = recording_error(angular, tau);
       p.noise = p.value - means[2 * n + column];
       if (std::isfinite(simulated)) {
         error.raw = simulated * (expected + p.noise);
@@ -229,7 +232,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
           error.freedom);
       p.selection_biased = options.unbiased_lag > 0 && tau > options.unbiased_lag;
       p.judged = enough_draws && noise_known && !p.selection_biased && std::isfinite(p.z) &&
-                 covered >= kLeastCovered && kFilmsPerLag * tau <= covered * observed;
+                 covered >= kLeastCovered && kRecordingsPerLag * tau <= covered * observed;
       return p;
     };
     const CurvePoint msd_point = point(false);

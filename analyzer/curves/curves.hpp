@@ -1,29 +1,29 @@
 #pragma once
 
-#include <limits>
 #include <vector>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
 #include "analyzer/curves/estimates.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
 #include "analyzer/laws.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 
 /// One lag of a measured curve, SI units. A lag without windows has nan, never 0.
 struct CurvePoint {
   double tau = 0;    ///< s.
-  double value = 0;  ///< As measured, tracker noise included.
-  double noise = 0;  ///< What tracker noise adds to it.
+  double value = 0;  ///< As measured, including tracker noise.
+  double noise = 0;  ///< Contribution of tracker noise to value.
   double sigma = 0;  ///< Standard error of value.
   double windows = 0;
-  double n_eff = 0;               ///< Independent windows that would give the same sigma.
+  double n_eff = 0;               ///< Number of independent windows with the same sigma.
   double exact = 0;               ///< The exact law of the programmed parameters, without noise.
   double paper = 0;               ///< The paper's formula.
   double z = 0;                   ///< Deviation from the law in standard errors, see curves().
   double kurtosis = 0;            ///< <r^4> / <r^2>^2: 2 for isotropic Brownian motion, 3 in 1D.
-  bool selection_biased = false;  ///< The windows were selected by the outcome: no verdict.
-  bool judged = false;            ///< Goes into the verdict.
+  bool selection_biased = false;  ///< Windows are selected by their outcome; not judged.
+  bool judged = false;            ///< Counts for the verdict.
 };
 
 struct Curves {
@@ -32,48 +32,50 @@ struct Curves {
 };
 
 struct CurveOptions {
-  double systematic_floor = 0.002;  ///< Share of the law below which no deviation counts.
-  double speed_tolerance = 0.05;    ///< Share by which the speed may be off as a calibration.
-  double unbiased_lag = 0;          ///< Longer lags are selected by the outcome, s; 0: none is.
-  /// Films of the program, or none. With them the errors of lags beyond a 180th of a track, where
-  /// blocks are too short (they give up to 36 % too little), are those of the films.
-  const SimulatedCurves* films = nullptr;
-  /// m^2: 4 sigma^2 of the tracker as a fit of the law has it, and its error. Taken out where the
-  /// film has no headings that would tell it; nan: not known, and then nothing is judged.
-  double offset = std::numeric_limits<double>::quiet_NaN();
+  double systematic_floor =
+      0.002;  ///< Relative deviation from the law that is allowed as systematic.
+  double speed_tolerance =
+      0.05;  ///< Relative error of the speed that is accepted as a calibration error.
+  double unbiased_lag = 0;  ///< Longer lags are selected by their outcome, s; 0: none.
+  /// Simulated recordings of the program, or nullptr. They give the errors of lags beyond a 180th
+  /// of a track, for which blocks are too short and give errors up to 36 % too small.
+  const SimulatedCurves* recordings = nullptr;
+  /// 4 sigma^2 of the tracker (m^2) and its error, from a fit of the law. Used if the recording has
+  /// no headings, which else determine it; nan: unknown, and then nothing is judged.
+  double offset = units::kNan;
   double offset_sigma = 0;
 };
 
-/// The relative standard error of the MSD over one film of length `observed` (s) that the law
-/// itself predicts: sqrt(2 tau / 3T) in 2D, sqrt(4 tau / 3T) for motion along one axis, plus the
-/// scatter of the draws at short lags. Needed where blocks are too short or too few to tell.
+/// The relative standard error of the MSD over one recording of length T = `observed` (s) that the
+/// law predicts: sqrt(2 tau / 3T) in 2D, sqrt(4 tau / 3T) for motion along one axis, plus the
+/// scatter of the draws at short lags. Used if blocks are too short or too few.
 [[nodiscard]] double modelMsdError(const ExactLaw& law, double tau, double observed);
 [[nodiscard]] double modelAngularError(const ExactLaw& law, double tau, double observed);
 
-/// MSD and angular MSD with errors from blocks at least five lags long; where there are fewer than
-/// twelve of these, the larger of the blocks' and the law's own error. z compares with the exact
-/// law at the measured speed if that is within speed_tolerance of the programmed one, with the
-/// tracker's noise removed and the systematic floor added to the error. Where the law predicts its
-/// own error (everywhere but in the ABP's MSD) the error behind z is never below it, since blocks
-/// of a film that fluctuates low also scatter little; a deviation in terms of few blocks is turned
-/// into the normal deviate that is as improbable.
+/// MSD and angular MSD with errors from blocks that are at least five lags long. If there are fewer
+/// than twelve blocks, the error is the larger one of the block error and the prediction of the
+/// law. z compares with the exact law, at the measured speed if that is within speed_tolerance of
+/// the programmed one, with the tracker noise removed and the systematic floor added to the error.
+/// The error in z is not below the prediction of the law (which exists except for the MSD of the
+/// ABP), because blocks of a recording that fluctuates low also scatter little. With few blocks, z
+/// is converted to the normal deviate of equal probability.
 [[nodiscard]] Curves curves(const ProgramLaw& law, const BlockData& data,
                             const CurveOptions& options);
 
 enum class VerdictKind { kUndecided = 0, kAgrees = 1, kDisagrees = 2 };
 
-/// Whether the motion is the programmed one.
+/// Whether the measured motion is the programmed one.
 struct Verdict {
   VerdictKind kind = VerdictKind::kUndecided;
   double max_z = 0;      ///< Largest |z| over the judged lags of both curves.
-  double tau = 0;        ///< Where, s.
-  bool angular = false;  ///< In which curve.
-  int judged = 0;        ///< Lags.
+  double tau = 0;        ///< The lag of max_z, s.
+  bool angular = false;  ///< max_z is in the angular MSD.
+  int judged = 0;        ///< Number of judged lags.
 };
 
-/// The lags are strongly correlated, so that the sum of z^2 means nothing; the largest |z| does. It
-/// exceeds 3.2 in 1 % of films of the true law: agreement means below 4. Undecided with fewer than
-/// five judged lags.
+/// Judges by the largest |z|, because the lags are strongly correlated and the sum of z^2 has no
+/// known distribution. The largest |z| exceeds 3.2 in 1 % of recordings of the true law; below 4
+/// the motion agrees. Undecided with fewer than five judged lags.
 [[nodiscard]] Verdict judge(const Curves& curves);
 
 }  // namespace lab::analysis

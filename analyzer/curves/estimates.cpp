@@ -2,21 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kBlocksPerReach = 5;  // how much longer than its lags a block must be
-constexpr double kFilmsPerSlope = 20;  // how much longer than the slope's lags a film must be
+using units::kNan;
+
+constexpr double kBlocksPerReach = 5;       // minimal length of a block, in lags
+constexpr double kRecordingsPerSlope = 20;  // minimal length of a recording, in lags of the slope
 constexpr double kManyBlocks = 1e9;
-constexpr double kCorrectionShare = 0.1;  // of a correction counted as its own uncertainty
+constexpr double kCorrectionShare = 0.1;  // share of a correction that counts as its uncertainty
 
 double persistenceTime(const ProgramLaw& law) {
   switch (law.kind) {
@@ -34,10 +35,10 @@ double persistenceTime(const ProgramLaw& law) {
   return kNan;
 }
 
-/// What the law itself says about the relative error of a quantity in a film of length T, for films
-/// too short to tell: draws are independent from hold to hold, and the difference of two lags has
-/// twice the error of the mean square of the draws (kurtosis of the uniform distribution 9/5, of
-/// the sum of two 2.4).
+/// The relative error of a quantity in a recording of length T that the law predicts, for
+/// recordings that are too short for block errors: draws are independent from hold to hold, and the
+/// difference of two lags has twice the error of the mean square of the draws (kurtosis of the
+/// uniform distribution 9/5, of the sum of two 2.4).
 double modelError(const ProgramLaw& law, Quantity quantity, double observed) {
   const double draws = law.epsilon > 0 ? observed / law.epsilon : kNan;
   switch (quantity) {
@@ -63,9 +64,9 @@ double modelError(const ProgramLaw& law, Quantity quantity, double observed) {
   return 0;
 }
 
-/// The 95 % interval: Student's t unless sigma does not come from the blocks' scatter
-/// (known_error). Positive quantities that are mean squares (scale) have relative errors: a film
-/// that fluctuates low also scatters less, which a symmetric interval would miss.
+/// The 95 % interval: Student's t unless sigma is known otherwise than by the scatter of blocks
+/// (known_error). Positive mean squares (scale) get an interval of the logarithm: a recording that
+/// fluctuates low also scatters less, which a symmetric interval does not take into account.
 void setInterval(Estimate& estimate, double degrees_of_freedom, bool known_error, bool scale) {
   const double half =
       studentQuantile(known_error ? kManyBlocks : degrees_of_freedom) * estimate.sigma;
@@ -113,7 +114,7 @@ Estimator::Estimator(const ProgramLaw& law, const BlockData& data) : law_(law) {
   slope_begin_ = nearestLag(data.lags, 5 * persistence / data.frame_period);
   slope_end_ = nearestLag(data.lags, 10 * persistence / data.frame_period);
   const bool reached = lag_times_[slope_end_] > 8 * persistence && slope_end_ > slope_begin_;
-  const bool enough = kFilmsPerSlope * lag_times_[slope_end_] <= data.observed();
+  const bool enough = kRecordingsPerSlope * lag_times_[slope_end_] <= data.observed();
   slope_time_ = reached && enough ? lag_times_[slope_end_] - lag_times_[slope_begin_] : 0;
 }
 
@@ -150,7 +151,7 @@ void Estimator::measureTurning(const BlockSums& sums, Quantities& q) const {
 void Estimator::measureNoise(const BlockSums& sums, Quantities& q) const {
   const double heading_noise = std::isfinite(q[kHeadingOffset]) ? 0.5 * q[kHeadingOffset] : 0;
   const double across = sums.steps > 0 ? sums.sideways2 / sums.steps : kNan;
-  // The heading's own noise turns a part of the forward step sideways.
+  // Noise of the heading turns part of the forward step sideways.
   q[kPositionOffset] = 2 * (across - 0.5 * heading_noise * (msd(sums, 0) - 2 * across));
   double correction = heading_noise / 4;
   if (law_.kind == ProgramKind::kNone) {
@@ -162,9 +163,9 @@ void Estimator::measureNoise(const BlockSums& sums, Quantities& q) const {
   q[kSpeed] = sums.forward_time > 0 ? sums.forward / sums.forward_time * (1 + correction) : kNan;
 }
 
-/// Of a motion that is not known the heading may turn evenly within a frame or at random. The one
-/// has an angular MSD of a n^2 over n frames, the other one of b n, and noise c for any n. An even
-/// turn takes a/24 off the step along the mean of both headings; a random one, as noise does, b/8.
+/// Correction of the forward step for an unknown program. The heading may turn uniformly or
+/// randomly: the angular MSD over n frames is a n^2 or b n, plus c for noise. A uniform turn
+/// shortens the step along the mean heading by a/24; a random one, like noise, by b/8.
 double Estimator::chordOfUnknownTurning(const BlockSums& sums) const {
   const double one = angular(sums, 0);
   const double even =
@@ -181,8 +182,8 @@ Quantities Estimator::operator()(const BlockSums& sums) const {
   measureNoise(sums, q);
   if (law_.kind == ProgramKind::kRtp) {
     q[kTumbleRate] = sums.run_time > 0 ? sums.tumbles / sums.run_time : kNan;
-    // Frames in which a tumble begins or ends see a part of a run at a heading half turned away:
-    // to lowest order a loss of <omega^2> dt^3 / 48 per tumble.
+    // In frames in which a tumble begins or ends, part of a run is projected on a heading that has
+    // turned: to lowest order a loss of <omega^2> dt^3 / 48 per tumble.
     const double omega2 = std::numbers::pi * std::numbers::pi / (3 * law_.tau_t * law_.tau_t);
     const double smeared = q[kTumbleRate] * omega2 * std::pow(first_lag_, 3) / 48;
     q[kSpeed] *= sums.run_time > 0 ? sums.run_span / sums.run_time * (1 + smeared) : kNan;
@@ -270,10 +271,11 @@ class Report {
 
   struct SpeedError {
     double sigma = 0;
-    bool known = false;  ///< From the tracker's noise, not from the blocks.
+    bool known = false;  ///< From the tracker noise, not from the blocks.
   };
 
-  /// Few blocks: sigma becomes the larger of theirs and the law's own. True if it is the law's.
+  /// With few blocks, sets sigma to the prediction of the law if that is larger. Returns whether it
+  /// did.
   static bool boundedByModel(Estimate& estimate, double model, double dof) {
     if (dof + 1 >= static_cast<double>(kFewBlocks) || estimate.sigma >= model) {
       return false;
@@ -282,10 +284,10 @@ class Report {
     return true;
   }
 
-  /// The error of the mean forward speed. The noise of one frame enters the step to it and the step
-  /// from it with opposite signs, so that most of it cancels, but not where the two steps fall into
-  /// different blocks: the scatter of blocks is too large by a known amount. What is left counts
-  /// only where it is more than the noise explains (draws of the wheels, real ones' unevenness).
+  /// The error of the mean forward speed. The noise of a frame enters the steps before and after it
+  /// with opposite signs and mostly cancels, except if the two steps are in different blocks: the
+  /// scatter of blocks is too large by a known amount. The remaining scatter counts only if it
+  /// exceeds the noise significantly (draws of the wheels, unevenness of real ones).
   SpeedError speedError(const Replicates& replicates, double block_sigma) const {
     const BlockSums total = data_.total();
     const Quantities q = estimator_(total);
@@ -305,7 +307,7 @@ class Report {
     const double excess = scatter - 2 * sigma2 * (blocks - tracks) - noise;
     const double resolution = 2 * std::sqrt(2 / std::max(1.0, blocks - 1)) * scatter;
     const double variance = (noise + (excess > resolution ? excess : 0)) / (time * time);
-    // The correction for chords and heading noise is of lowest order only.
+    // The correction for chords and heading noise is only of lowest order.
     const double correction = q[kSpeed] - scale * total.forward / time;
     return {std::hypot(std::sqrt(variance), kCorrectionShare * correction), excess <= resolution};
   }
@@ -338,7 +340,7 @@ class Report {
     list_.push_back(tau);
   }
 
-  /// The program with its parameters replaced by measured ones.
+  /// The program with the measured parameters.
   ProgramLaw measured(const std::vector<double>& q) const {
     ProgramLaw law = law_;
     if (law.kind == ProgramKind::kAbp) {

@@ -10,30 +10,30 @@
 
 namespace lab::analysis {
 
-/// One number with its error, SI units. Where it could not be determined value is nan and the note
-/// says why.
+/// One quantity with its error, SI units. If it could not be determined, value is nan and the note
+/// has the reason.
 struct Estimate {
   std::string name;
   std::string unit;
   double value = 0;
   double sigma = 0;  ///< Standard error.
-  double low95 = 0;  ///< 95 % interval: Student's t for few blocks.
+  double low95 = 0;  ///< 95 % interval; by Student's t for few blocks.
   double high95 = 0;
-  double theory = 0;  ///< Of the programmed parameters; nan: none.
-  double n_eff = 0;   ///< Independent blocks (or tumbles) behind sigma.
+  double theory = 0;  ///< Value of the programmed parameters; nan: none.
+  double n_eff = 0;   ///< Number of independent blocks (or tumbles) in sigma.
   std::string note;   ///< The estimator, and reservations.
 };
 
-/// What is measured directly from the sums of a program. Quantities that the program or the data do
-/// not define are nan.
+/// Quantities that are measured directly from the sums of a program; nan if the program or the data
+/// do not define them.
 enum Quantity : std::size_t {
   kRotationalDiffusivity,     ///< D_r, rad^2/s.
   kSpeed,                     ///< Mean forward speed, for RTP inside runs, m/s.
-  kPositionOffset,            ///< 4 sigma^2, what tracker noise adds to the MSD, m^2.
+  kPositionOffset,            ///< 4 sigma^2, contribution of tracker noise to the MSD, m^2.
   kHeadingOffset,             ///< 2 sigma_theta^2, rad^2.
   kAmplitude,                 ///< V, m/s.
   kTranslationalDiffusivity,  ///< D_t, m^2/s.
-  kSlopeDiffusivity,          ///< D of the MSD's slope, m^2/s.
+  kSlopeDiffusivity,          ///< D from the slope of the MSD, m^2/s.
   kTumbleRate,                ///< gamma, 1/s.
   kQuantities
 };
@@ -59,7 +59,7 @@ class Estimator {
 
   [[nodiscard]] Quantities operator()(const BlockSums& sums) const;
 
-  /// The lags (s) that a quantity needs; its blocks must be several times longer.
+  /// The longest lag (s) that a quantity needs. Blocks must be several times longer.
   [[nodiscard]] double reach(Quantity quantity) const;
 
  private:
@@ -71,19 +71,19 @@ class Estimator {
 
   ProgramLaw law_;
   double first_lag_ = 0;       ///< s.
-  std::size_t third_lag_ = 0;  ///< Which one is three frames; 0: none.
+  std::size_t third_lag_ = 0;  ///< Index of the lag of three frames; 0: none.
   std::size_t hold_ = 0;       ///< Index of the lag nearest to epsilon.
-  std::size_t two_holds_ = 0;  ///< Of the one nearest to 2 epsilon.
+  std::size_t two_holds_ = 0;  ///< Index of the lag nearest to 2 epsilon.
   std::size_t slope_begin_ = 0;
   std::size_t slope_end_ = 0;
   double slope_time_ = 0;  ///< s, 0: no slope.
   std::vector<double> lag_times_;
   std::vector<double> shape_;       ///< F: angular MSD of the law over <omega^2>.
   std::vector<double> mean_part_;   ///< MSD of unit mean wheel speed.
-  std::vector<double> noise_part_;  ///< MSD of the wheels' noise as programmed.
+  std::vector<double> noise_part_;  ///< MSD of the programmed noise of the wheels.
 };
 
-/// All estimates of a program, with theory, in the order people read them.
+/// All estimates of a program with their theoretical values, in the order of display.
 [[nodiscard]] std::vector<Estimate> estimate(const ProgramLaw& law, const BlockData& data);
 
 }  // namespace lab::analysis

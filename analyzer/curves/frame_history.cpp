@@ -2,13 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
 constexpr int kSearch = 8;  // slots
-constexpr double kLost = std::numeric_limits<double>::quiet_NaN();
+constexpr double kLost = units::kNan;
 
 }  // namespace
 
@@ -41,7 +42,7 @@ std::optional<Fix> FrameHistory::find(std::int64_t slot) const {
 
 std::optional<Fix> FrameHistory::interpolated(double time, std::int64_t guess,
                                               double period) const {
-  // Every join shifts the slots against free time by a part of a period, so correct the guess once.
+  // Every join shifts the slots against free time by a fraction of a period: correct the guess.
   std::optional<Fix> near;
   for (int back = 0; back < kSearch && !near; ++back) {
     near = find(guess - back);

@@ -16,12 +16,12 @@ struct Fix {
   double theta = 0;
 };
 
-/// Frame periods between which poses are interpolated: at most one frame was lost there.
+/// Longest gap, in frame periods, across which poses are interpolated: at most one lost frame.
 inline constexpr double kBracket = 2.2;
 
-/// The newest frames of one robot, one slot after the other: kHistory slots, some of which may have
-/// lost their frames, and after them a collection of frames of which none is lost. Positions count
-/// slots from the oldest one; the collection begins at kHistory.
+/// The newest frames of one robot, in consecutive slots: kHistory slots, some of which may lack
+/// their frames, and then a collection without lost frames. Positions count slots from the oldest
+/// one; the collection begins at kHistory.
 class FrameHistory {
  public:
   static constexpr std::size_t kHistory = 80;
@@ -41,21 +41,25 @@ class FrameHistory {
   /// Ends the collection and begins an empty one after it.
   void retire();
 
-  /// Loses the frames of the next slots; the collection must be empty.
+  /// Marks the frames of the next slots as lost. The collection must be empty.
   void lose(std::int64_t slots);
 
-  /// Forgets all frames; the collection must be empty.
+  /// Discards all frames. The collection must be empty.
   void forget();
 
-  [[nodiscard]] std::size_t count() const { return count_; }  ///< Of the collection.
+  [[nodiscard]] std::size_t count() const { return count_; }  ///< Frames in the collection.
   [[nodiscard]] bool full() const { return count_ == kCollection; }
-  [[nodiscard]] std::int64_t first() const { return first_; }  ///< Its first slot, or the next one.
-  [[nodiscard]] std::int64_t newest() const {                  ///< Its last slot.
+  [[nodiscard]] std::int64_t first() const {
+    return first_;
+  }                                            ///< Slot of its first frame, or of the next one.
+  [[nodiscard]] std::int64_t newest() const {  ///< Slot of its last frame.
     return first_ + static_cast<std::int64_t>(count_) - 1;
   }
-  [[nodiscard]] std::size_t end() const { return kHistory + count_; }  ///< A position.
+  [[nodiscard]] std::size_t end() const {
+    return kHistory + count_;
+  }  ///< Position behind the last frame.
 
-  // By position; where a frame was lost, the time is nan.
+  // By position. The time of a lost frame is nan.
   [[nodiscard]] const Values& time() const { return time_; }
   [[nodiscard]] const Values& x() const { return x_; }
   [[nodiscard]] const Values& y() const { return y_; }
@@ -71,16 +75,17 @@ class FrameHistory {
     return at(kHistory + static_cast<std::size_t>(slot - first_));
   }
 
-  /// The frame of any slot; nothing: lost, too old or yet to come.
+  /// The frame of any slot; nullopt: lost, too old or in the future.
   [[nodiscard]] std::optional<Fix> find(std::int64_t slot) const;
 
-  /// The pose at a time near the slot `guess`, between two frames at most kBracket periods apart;
-  /// its slot is that of the earlier one. Nothing: they are not there. Times in s.
+  /// The pose at a time near the slot `guess`, interpolated between two frames at most kBracket
+  /// periods apart. Its slot is that of the earlier frame. nullopt if there are no such frames.
+  /// Times in s.
   [[nodiscard]] std::optional<Fix> interpolated(double time, std::int64_t guess,
                                                 double period) const;
 
  private:
-  void shift(std::size_t slots);  ///< Drops the oldest ones.
+  void shift(std::size_t slots);  ///< Drops the oldest slots.
 
   Values time_{};
   Values x_{};

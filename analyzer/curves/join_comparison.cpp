@@ -2,19 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kLongest = 20;     // s
 constexpr double kBlockInLags = 5;  // of the longest lag
 constexpr std::size_t kLeastBlocks = 8;
 constexpr double kLeastWindows = 5;   // that straddle a join
-constexpr double kPieceShare = 0.25;  // lags up to so much of the mean piece are compared
+constexpr double kPieceShare = 0.25;  // longest compared lag, in mean pieces
 
-/// One frame, and its doublings.
+/// Lags of 1, 2, 4, ... frames.
 std::vector<int> octaves(double frame_period, double max_lag) {
   std::vector<int> lags{1};
   while (2 * lags.back() * frame_period <= std::min(kLongest, max_lag)) {
@@ -67,7 +69,7 @@ JoinLag compareLag(const JoinBlocks& data, std::size_t i, bool angular) {
   const bool enough =
       n >= static_cast<double>(kLeastBlocks) && lag.share * all.whole_windows >= kLeastWindows;
   lag.sigma = enough ? std::sqrt((n - 1) / n * (sum2 - sum * sum / n)) : kNan;
-  // What selection explains is taken off, and not added to the error: it is no scatter.
+  // The effect of selection is subtracted and not added to the error, because it is not random.
   const double left = std::max(0.0, std::abs(lag.difference) - lag.selection);
   lag.z = std::copysign(left / lag.sigma, lag.difference);
   return lag;
@@ -98,7 +100,7 @@ void JoinAccumulator::add(const Sample& sample) {
   whole_.add(sample);
   Sample piece = sample;
   piece.segment = sample.piece;
-  // Either cuts rotation; pieces and angular segments both only count up.
+  // A change of either one cuts the rotation. Both only increase, so their sum changes too.
   piece.angular_segment = sample.angular_segment + sample.piece;
   within_.add(piece);
 }

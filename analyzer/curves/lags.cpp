@@ -9,7 +9,7 @@ std::vector<int> makeLagGrid(double frame_period, double max_lag, const ProgramL
                              int count) {
   const int longest = std::max(1, static_cast<int>(std::floor(max_lag / frame_period + 1e-6)));
   std::vector<int> lags{1, longest};
-  // The first lags of a logarithmic grid fall on the same whole frames; refine until enough differ.
+  // The first points of a logarithmic grid round to the same frames: refine until enough differ.
   for (int points = count; points < 4 * count; points += 2) {
     lags.assign({1, longest});
     for (int i = 0; i < points; ++i) {

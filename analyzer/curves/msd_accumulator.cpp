@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <utility>
 
 #include "analyzer/curves/cos_sin.hpp"
@@ -12,16 +13,16 @@ namespace lab::analysis {
 namespace {
 
 constexpr double kFirstBlock = 0.25;  // s
-constexpr double kLongestStep = 0.3;  // s between frames that still counts as observed
-constexpr double kLongestGap = 2;     // s of one that is counted: the film goes on after it
-constexpr double kSameTime = 1e-3;    // frame periods: a reversal may last a whole number of them
-constexpr int kFraction = 24;         // bits of a slot behind the point
+constexpr double kLongestStep = 0.3;  // s between frames; longer gaps do not count as observed
+constexpr double kLongestGap = 2;     // s; longer gaps do not count as lost frames
+constexpr double kSameTime = 1e-3;    // frame periods; a reversal may last a whole number of frames
+constexpr int kFraction = 24;         // binary digits of a slot after the point
 constexpr std::size_t kBegin = FrameHistory::kHistory;
 
 std::int64_t wholeSlot(std::uint64_t slot) { return static_cast<std::int64_t>(slot >> kFraction); }
 
-/// Two windows side by side: registers of this size are everywhere, so that the order of additions,
-/// and with it every bit, is the same on all machines.
+/// Two windows in parallel. All machines have registers of this size, so the order of additions,
+/// and with it every bit, is the same on all.
 using Pair = double __attribute__((vector_size(16)));
 
 Pair load(const double* at) {
@@ -137,7 +138,7 @@ bool MsdAccumulator::resume(const Sample& sample, double dt) {
   flush();
   const double frames = std::round(dt / period_);
   if (frames < 1) {
-    return false;  // just after a join: nearer to the last slot than to the next one
+    return false;  // shortly after a join: closer to the last slot than to the next one
   }
   const bool is_hole = dt > std::max(kLongestStep, 1.5 * period_);
   blocks_.addTime(is_hole ? period_ : dt);
@@ -154,13 +155,14 @@ bool MsdAccumulator::resume(const Sample& sample, double dt) {
   unbroken_ = 0;
   if (join) {
     piece_first_ = frames_.first();
-    for (Cursor& cursor : cursors_) cursor.due = frames_.first();  // by slot no more, but by time
+    for (Cursor& cursor : cursors_)
+      cursor.due = frames_.first();  // ends now go by time, not by slot
   }
   if (sample.angular_segment != last_.angular_segment) angular_first_ = frames_.first();
   return true;
 }
 
-/// The step from the frame before to one that does not simply follow it.
+/// Adds the step to a frame that does not directly follow the previous one.
 void MsdAccumulator::addStep(const Fix& to, double frames, bool join) {
   const double dt = to.time - previous_.time;
   if (!join) {
@@ -171,8 +173,8 @@ void MsdAccumulator::addStep(const Fix& to, double frames, bool join) {
   if (dt > kLongestStep && frames > 1) {
     return;
   }
-  // The step across a join counts too: robots meet walls while they move, so that leaving it out
-  // would select slow steps.
+  // The step across a join counts too: robots meet walls while they move, so leaving it out would
+  // select slow steps.
   const double heading = 0.5 * (previous_.theta + to.theta);
   if (!std::isfinite(heading)) {
     return;
@@ -213,7 +215,7 @@ void MsdAccumulator::flush() {
   first_step_done_ = false;
 }
 
-/// The steps to the frames that simply follow the one before.
+/// Adds the steps between consecutive frames of the collection.
 void MsdAccumulator::addSteps() {
   const std::size_t first = kBegin + (first_step_done_ ? 1 : 0);
   const std::size_t steps = frames_.end() - first;
@@ -258,7 +260,7 @@ void MsdAccumulator::addDenseWindows() {
   for (std::size_t i = 0; i < dense_lags_; ++i) addWindows(i, ends[stepOf(lags_[i])]);
 }
 
-/// The windows of a dense lag that end at these frames.
+/// Adds the windows of a dense lag that end at these frames.
 void MsdAccumulator::addWindows(std::size_t i, const Ends& ends) {
   const auto lag = static_cast<std::size_t>(lags_[i]);
   std::size_t k = 0;
@@ -267,7 +269,7 @@ void MsdAccumulator::addWindows(std::size_t i, const Ends& ends) {
   }
   PairSums sums;
   const auto windows = static_cast<std::uint32_t>(ends.count - k);
-  if (lags_[i] < kEveryLags) {  // all frames: pairs of them as they lie in memory
+  if (lags_[i] < kEveryLags) {  // all frames: consecutive pairs in memory
     for (; k + 1 < ends.count; k += 2) {
       const std::size_t a = kBegin + k;
       const auto differences = [&](const auto& of) {
@@ -302,7 +304,7 @@ void MsdAccumulator::addWindows(std::size_t i, const Ends& ends) {
   lag_sums.a4 += sum(sums.a4);
 }
 
-/// A window that reaches back beyond the frames that are known to be unbroken.
+/// Adds a window that begins before the unbroken frames.
 void MsdAccumulator::addBrokenWindow(std::size_t i, std::size_t end_position) {
   const Fix end = frames_.at(end_position);
   const std::int64_t start_slot = end.slot - lags_[i];
@@ -335,9 +337,9 @@ inline void MsdAccumulator::addWindow(std::size_t i, const Fix& start, const Fix
   sums.a4 += a2 * a2;
 }
 
-/// Keeps the frames of the collection with which windows of the level begin.
+/// Stores the frames of the collection with which windows of the level begin.
 void MsdAccumulator::beginLongWindows(Level& level) const {
-  if (wholeSlot(level.next) < frames_.first()) {  // the frame was lost, or slots were jumped over
+  if (wholeSlot(level.next) < frames_.first()) {  // the frame was lost, or slots were skipped
     const auto now = static_cast<std::uint64_t>(frames_.first()) << kFraction;
     level.next += (now - level.next + level.stride - 1) / level.stride * level.stride;
   }
@@ -347,7 +349,7 @@ void MsdAccumulator::beginLongWindows(Level& level) const {
   }
 }
 
-/// Ends the windows of a cursor that end in the collection or were lost before it.
+/// Adds the windows of a cursor that end in the collection, and drops those whose end was lost.
 void MsdAccumulator::endLongWindows(std::size_t c) {
   Cursor& cursor = cursors_[c];
   const Level& level = levels_[cursor.level];
@@ -357,7 +359,7 @@ void MsdAccumulator::endLongWindows(std::size_t c) {
     if (start.slot >= piece_first_) {
       cursor.due = start.slot + cursor.lag;
       if (cursor.due > frames_.newest()) return;
-      if (cursor.due >= frames_.first()) {  // otherwise its end frame was lost
+      if (cursor.due >= frames_.first()) {  // else its end frame was lost
         const Fix end = frames_.collected(cursor.due);
         addWindow(dense_lags_ + c, start, end, end.time - start.time);
       }
@@ -371,10 +373,11 @@ void MsdAccumulator::endLongWindows(std::size_t c) {
     }
     addEndedAcrossJoin(dense_lags_ + c, start);
   }
-  cursor.due = std::max(wholeSlot(level.next), frames_.first()) + cursor.lag;  // not even begun
+  cursor.due = std::max(wholeSlot(level.next), frames_.first()) +
+               cursor.lag;  // the next window has not begun
 }
 
-/// The window ended in the collection, between two frames.
+/// Adds a window that ends in the collection between two frames.
 void MsdAccumulator::addEndedAcrossJoin(std::size_t i, const Fix& start) {
   const double lag = lags_[i] * period_;
   const double end_time = start.time + lag;

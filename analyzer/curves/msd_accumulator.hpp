@@ -12,71 +12,71 @@
 
 namespace lab::analysis {
 
-/// MSD and angular MSD of one robot and program, online, in less than 50 kB however long the film
-/// and its lags are: a multi-tau scheme that leaves frames out and never averages them.
+/// MSD and angular MSD of one robot and program, online, in less than 50 kB for any length of the
+/// recording and its lags: a multi-tau scheme that skips frames and does not average them.
 ///
-/// Overlapping windows; a window needs its two end frames and lies in one segment. Within a piece
-/// it joins frames that are exactly a lag apart. From 16 frames on only some windows count
-/// (window_choice.hpp), which raises errors by less than 1 %. Below 64 frames the choice is of end
-/// frames, which are all at hand. Above that it is of the frames with which windows begin, and of
-/// old frames only these are kept; as any frame may end a window, a lag need not be a multiple of
-/// anything.
+/// Windows overlap. A window needs its two end frames, and lies in one segment. Within a piece, its
+/// end frames are exactly a lag apart. From 16 frames on only some windows are used
+/// (window_choice.hpp), which increases errors by less than 1 %. Below 64 frames, end frames are
+/// chosen, and all frames are in memory. Above, the first frames of windows are chosen, and only
+/// these old frames are kept. Any frame may end a window, so lags are not restricted to multiples.
 ///
-/// Across a removed reversal frames no longer align: one end of the window is interpolated linearly
-/// between two frames so that it lasts exactly the lag, the end that the choice is not of.
+/// Across a removed reversal frames are not aligned. The end of the window that was not chosen is
+/// interpolated linearly between two frames, so that the window lasts exactly the lag.
 ///
-/// Frames are collected and their windows added lag by lag, two windows side by side. Where a
-/// collection ends depends on the samples alone: asking for data() changes nothing, not a bit.
+/// Frames are collected, and their windows added lag by lag, two windows in parallel. The end of a
+/// collection depends on the samples alone, so calls of data() do not change results.
 class MsdAccumulator {
  public:
   /// Lags in frames, ascending and positive; the nominal frame period in s.
   MsdAccumulator(std::vector<int> lags, double frame_period);
 
-  /// Takes the samples of one robot in time order. Samples of other programs must not come here;
-  /// a program that comes back does so with a new segment.
+  /// Takes the samples of one robot and program in time order. A program that runs again has a new
+  /// segment.
   void add(const Sample& sample);
 
-  /// What has been measured so far: one track.
+  /// The blocks so far, as one track.
   [[nodiscard]] BlockData data() const;
 
   /// Free time so far, s.
   [[nodiscard]] double observed() const { return blocks_.time(); }
 
-  /// Of this object and all that it holds.
+  /// Size of this object and its heap memory.
   [[nodiscard]] std::size_t memoryBytes() const;
 
  private:
-  static constexpr std::size_t kSteps = 3;   ///< From every window to every fourth one.
-  static constexpr std::size_t kFixes = 18;  ///< A level's: 16 strides, and some for joins.
+  static constexpr std::size_t kSteps = 3;   ///< All windows, every second, every fourth.
+  static constexpr std::size_t kFixes = 18;  ///< Per level: 16 strides, and some for joins.
 
-  /// Where in the history windows end, in ascending order.
+  /// Positions in the history where windows end, ascending.
   struct Ends {
     std::array<std::uint32_t, FrameHistory::kCollection> at;
     std::size_t count = 0;
   };
-  /// One octave of lags, and the frames at which their windows begin.
+  /// One octave of lags, and the frames with which their windows begin.
   struct Level {
-    std::uint64_t stride = 0;  ///< Frames between these on average, in units of 2^-24.
-    std::uint64_t next = 0;    ///< The next slot to be kept, in the same units.
-    std::uint16_t head = 0;    ///< Where it goes.
+    std::uint64_t stride = 0;  ///< Mean distance of these frames, in units of 2^-24 frames.
+    std::uint64_t next = 0;    ///< The next slot to keep, in the same units.
+    std::uint16_t head = 0;    ///< Index for it in fixes.
     std::array<Fix, kFixes> fixes;
   };
-  /// Of a lag above the dense ones.
+  /// State of a lag above the dense ones.
   struct Cursor {
-    std::int64_t due = 0;  ///< Its next window does not end before this slot.
+    std::int64_t due = 0;  ///< Earliest slot at which the next window ends.
     int lag = 0;
     std::uint16_t level = 0;
-    std::uint16_t start = 0;  ///< Where in its level its next window begins; head: not yet.
+    std::uint16_t start =
+        0;  ///< Index in its level of the beginning of the next window; head: none yet.
   };
 
   void beginSegment(const Sample& sample);
   [[nodiscard]] double segmentFrames() const;
-  /// Takes what is more than the next frame: frames lost, a join, a cut of the angle.
-  /// @return false: the sample falls onto the last slot
+  /// Continues after lost frames, a join or a cut of the angle. @return false: the sample falls on
+  /// the last slot
   bool resume(const Sample& sample, double dt);
   void addStep(const Fix& to, double frames, bool join);
 
-  /// Adds what has been collected.
+  /// Adds the collected frames to the sums.
   void flush();
   void addSteps();
   void addDenseWindows();
@@ -92,24 +92,24 @@ class MsdAccumulator {
   std::vector<double> lag_times_;
   BlockStore blocks_;
 
-  FrameHistory frames_;           ///< Collects frames of one piece and one angular segment.
-  std::size_t unbroken_ = 0;      ///< So many frames before the collection are of them, too.
-  bool first_step_done_ = false;  ///< The step to its first frame has been added.
-  std::size_t dense_lags_ = 0;    ///< Lags below kDenseLags.
+  FrameHistory frames_;           ///< The collection lies in one piece and one angular segment.
+  std::size_t unbroken_ = 0;      ///< Number of frames before the collection in the same ones.
+  bool first_step_done_ = false;  ///< The step to the first frame of the collection has been added.
+  std::size_t dense_lags_ = 0;    ///< Number of lags below kDenseLags.
   std::vector<Level> levels_;
   std::vector<Cursor> cursors_;  ///< By lag, from dense_lags_ on.
 
-  SegmentLengths segments_;  ///< That have ended.
+  SegmentLengths segments_;  ///< Segments that have ended.
   Sample last_;
   double segment_begin_ = 0;  ///< Free time, s.
-  Sample counted_;            ///< Its runs and tumbles and those before are in the blocks.
-  Fix previous_;              ///< The frame before the collection, if it lies in the same segment.
+  Sample counted_;            ///< Last sample whose runs and tumbles are in the blocks.
+  Fix previous_;              ///< The frame before the collection, if it is in the same segment.
   std::int64_t segment_first_ = 0;
   std::int64_t piece_first_ = 0;
   std::int64_t angular_first_ = 0;
   bool empty_ = true;
-  double period_time_ = 0;    ///< The frame period as measured: time per
-  double period_frames_ = 0;  ///< this many frames.
+  double period_time_ = 0;    ///< The measured frame period is this time [s]
+  double period_frames_ = 0;  ///< divided by this number of frames.
   double period_ = 0;
 };
 

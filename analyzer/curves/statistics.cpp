@@ -1,68 +1,37 @@
+// Tail probabilities are Boost's. The approximations of studentQuantile, normalDeviate and
+// poissonInterval are kept: their bits are part of the ANALYSIS messages in logs of virtual time.
 #include "analyzer/curves/statistics.hpp"
 
+#include <boost/math/special_functions/beta.hpp>
+#include <boost/math/special_functions/erf.hpp>
 #include <cmath>
 #include <limits>
+#include <numbers>
+
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
-namespace {
-
-/// The continued fraction of the incomplete beta function by Lentz's method (converges fast for
-/// x < (a + 1) / (a + b + 2)).
-double betaFraction(double a, double b, double x) {
-  constexpr double kTiny = 1e-300;
-  constexpr int kMostTerms = 500;
-  const auto safe = [](double value) { return std::abs(value) < kTiny ? kTiny : value; };
-  double c = 1;
-  double d = 1 / safe(1 - (a + b) * x / (a + 1));
-  double fraction = d;
-  for (int m = 1; m <= kMostTerms; ++m) {
-    const auto step = [&](double coefficient) {
-      d = 1 / safe(1 + coefficient * d);
-      c = safe(1 + coefficient / c);
-      fraction *= c * d;
-      return c * d;
-    };
-    step(m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m)));
-    if (std::abs(step(-(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))) - 1) < 1e-15) {
-      break;
-    }
-  }
-  return fraction;
-}
-
-/// The regularised incomplete beta function I_x(a, b).
-double incompleteBeta(double a, double b, double x) {
-  if (!(x > 0)) return 0;
-  if (!(x < 1)) return 1;
-  const double front = std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) +
-                                a * std::log(x) + b * std::log1p(-x));
-  return x < (a + 1) / (a + b + 2) ? front * betaFraction(a, b, x) / a
-                                   : 1 - front * betaFraction(b, a, 1 - x) / b;
-}
-
-}  // namespace
 
 double fisherTail(double f, double numerator_freedom, double denominator_freedom) {
-  if (!(f > 0)) return std::isnan(f) ? f : 1;
+  if (std::isnan(f)) return f;
+  if (f <= 0) return 1;
+  // cdf(complement(fisher_f)) of Boost, which refuses an infinite f.
   const double x = denominator_freedom / (denominator_freedom + numerator_freedom * f);
-  return incompleteBeta(0.5 * denominator_freedom, 0.5 * numerator_freedom, x);
+  return boost::math::ibeta(0.5 * denominator_freedom, 0.5 * numerator_freedom, x);
 }
 
 double hotellingTail(double t2, int dimensions, double degrees_of_freedom) {
   const double rest = degrees_of_freedom - dimensions + 1;
-  if (dimensions < 1 || !(rest > 0)) return std::numeric_limits<double>::quiet_NaN();
+  if (dimensions < 1 || !(rest > 0)) return units::kNan;
   return fisherTail(t2 * rest / (degrees_of_freedom * dimensions), dimensions, rest);
 }
 
 double deviateOf(double p) {
+  constexpr double kLargest = 40;
   if (std::isnan(p)) return p;
-  double low = 0;
-  double high = 40;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (std::erfc(middle / std::sqrt(2.0)) >= p ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  if (p <= 0) return kLargest;
+  if (p >= 1) return 0;
+  return std::min(kLargest, std::numbers::sqrt2 * boost::math::erfc_inv(p));
 }
 
 double studentQuantile(double degrees_of_freedom) {

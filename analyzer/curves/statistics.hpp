@@ -1,24 +1,38 @@
+/// Quantiles, tail probabilities and intervals.
 #pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <vector>
 
 namespace lab::analysis {
 
-/// The two-sided 95 % quantile of Student's t, 1.96 for many degrees of freedom; infinite below 1.
+/// The median of at least one value; of an even number of values, the upper one of the middle two.
+/// Reorders the values.
+template <typename Number>
+[[nodiscard]] Number medianOf(std::vector<Number>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// The two-sided 95 % quantile of Student's t; 1.96 for many degrees of freedom, infinite below 1.
 [[nodiscard]] double studentQuantile(double degrees_of_freedom);
 
-/// The normal deviate that is as improbable as t is for Student's t with that many degrees of
-/// freedom (Wallace's approximation).
+/// The normal deviate with the same tail probability as the value t of Student's t with that many
+/// degrees of freedom (Wallace's approximation).
 [[nodiscard]] double normalDeviate(double t, double degrees_of_freedom);
 
-/// P(F > f) of Fisher's F with these degrees of freedom (regularised incomplete beta function by
-/// its continued fraction, good to 1e-12).
+/// P(F > f) for Fisher's F with these degrees of freedom. nan if f is nan.
 [[nodiscard]] double fisherTail(double f, double numerator_freedom, double denominator_freedom);
 
-/// P(T^2 > t2) of Hotelling's T^2 in `dimensions` with a covariance estimated from other data with
-/// that many degrees of freedom: what chi-square becomes when the covariance is not known exactly.
+/// P(T^2 > t2) for Hotelling's T^2 in `dimensions`, with a covariance estimated from other data
+/// with that many degrees of freedom: chi-square, corrected for the error of the covariance. nan if
+/// there are fewer degrees of freedom than dimensions.
 [[nodiscard]] double hotellingTail(double t2, int dimensions, double degrees_of_freedom);
 
-/// The number of standard deviations that a normal deviate exceeds in size with probability p; at
-/// most 40.
+/// The number of standard deviations that a normal deviate exceeds in absolute value with
+/// probability p; at most 40.
 [[nodiscard]] double deviateOf(double p);
 
 /// An interval of a Poisson mean.
@@ -27,8 +41,8 @@ struct Interval {
   double high = 0;
 };
 
-/// The 95 % interval of the mean of a Poisson count (the chi-square quantiles in the
-/// Wilson-Hilferty approximation, good to 0.5 % from 2 counts on).
+/// The 95 % interval of the mean of a Poisson count (chi-square quantiles in the Wilson-Hilferty
+/// approximation, good to 0.5 % from 2 counts on).
 [[nodiscard]] Interval poissonInterval(double count);
 
 }  // namespace lab::analysis

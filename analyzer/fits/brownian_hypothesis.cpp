@@ -5,56 +5,61 @@
 #include <cmath>
 #include <cstdarg>
 #include <cstdio>
-#include <limits>
 
 #include "analyzer/bootstrap/kurtosis_bootstrap.hpp"
-#include "analyzer/bp_kurtosis.hpp"
 #include "analyzer/curves/estimates.hpp"
+#include "analyzer/laws/bp_kurtosis.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kShare = 1.0 / 40;  // of the film, that the longest lag may be
-constexpr int kFirstHolds = 2;       // the shortest lag
-constexpr int kIsotropicHolds = 10;  // below, even an isotropic robot's draws are not Gaussian
+using units::kNan;
+
+constexpr double kShare = 1.0 / 40;  // longest lag, as a share of the recording
+constexpr int kFirstHolds = 2;       // shortest lag, in holds
+constexpr int kIsotropicHolds = 10;  // at shorter lags even isotropic draws are not Gaussian
 constexpr double kIsotropic = 2;
 constexpr double kRejects = 0.01;
-constexpr double kSmallestP = 1e-12;     // nobody knows the tails farther
-constexpr double kLongestFilm = 4096;    // s, of the simulated ones; beyond, errors are scaled
-constexpr double kLengthsPerOctave = 2;  // of simulated films: robots of one run share theirs
+constexpr double kSmallestP = 1e-12;  // the tails are not known beyond this
+constexpr double kLongestRecording =
+    4096;  // s, of simulated recordings; for longer ones, errors are scaled
+constexpr double kLengthsPerOctave =
+    2;  // of simulated recordings, so that robots of one run share them
 
-/// What the tracker's noise adds to the MSD, m^2; 0 where it cannot be told.
+/// Contribution of the tracker noise to the MSD, m^2; 0 if it cannot be determined.
 double noiseOffset(const ProgramLaw& law, const BlockData& data) {
   const double offset = Estimator(law, data)(data.total())[kPositionOffset];
   return offset > 0 ? offset : 0;
 }
 
-double filmLength(double observed) {
+double recordingLength(double observed) {
   const double octave = std::round(std::log2(observed) * kLengthsPerOctave) / kLengthsPerOctave;
-  return std::min(kLongestFilm, std::exp2(octave));
+  return std::min(kLongestRecording, std::exp2(octave));
 }
 
-/// The deviation of every lag and what a film of the hypothesis makes of the largest.
-/// @param from the first lag that is asked
-KurtosisAnswer ask(const ProgramLaw& law, KurtosisHypothesis hypothesis, double observed,
-                   const std::vector<int>& holds, std::size_t from,
-                   std::vector<KurtosisPoint>& lags) {
+/// Computes the deviation of every lag, and the probability of the largest one under the
+/// hypothesis.
+/// @param from the first lag that is tested
+KurtosisAnswer testHypothesis(const ProgramLaw& law, KurtosisHypothesis hypothesis, double observed,
+                              const std::vector<int>& holds, std::size_t from,
+                              std::vector<KurtosisPoint>& lags) {
   KurtosisAnswer answer;
   answer.p = kNan;
   if (from >= lags.size()) return answer;
   const bool own = hypothesis == KurtosisHypothesis::kProgram;
-  const std::vector<int> asked(holds.begin() + static_cast<std::ptrdiff_t>(from), holds.end());
-  const double length = filmLength(observed);
-  const KurtosisBootstrap& films = kurtosisBootstrap(law, hypothesis, asked, length);
+  const std::vector<int> tested(holds.begin() + static_cast<std::ptrdiff_t>(from), holds.end());
+  const double length = recordingLength(observed);
+  const KurtosisBootstrap& recordings = kurtosisBootstrap(law, hypothesis, tested, length);
   const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
   double largest = 0;
   for (std::size_t i = from; i < lags.size(); ++i) {
     KurtosisPoint& lag = lags[i];
-    // Of the films' deviation from the expectation the part of a film of this length.
-    const double of_films = own ? exact.kurtosis(asked[i - from] * films.period) : kIsotropic;
-    const double bias = (films.mean[i - from] - of_films) * length / observed;
-    const double sigma = films.sigma[i - from] * std::sqrt(length / observed);
+    // Bias of a recording of this length: the bias of the simulated ones, scaled by 1/T.
+    const double of_recordings =
+        own ? exact.kurtosis(tested[i - from] * recordings.period) : kIsotropic;
+    const double bias = (recordings.mean[i - from] - of_recordings) * length / observed;
+    const double sigma = recordings.sigma[i - from] * std::sqrt(length / observed);
     const double z = (lag.kurtosis - (own ? lag.exact : kIsotropic) - bias) / sigma;
     if (own) lag.sigma = sigma;
     (own ? lag.z_exact : lag.z_isotropic) = z;
@@ -62,13 +67,14 @@ KurtosisAnswer ask(const ProgramLaw& law, KurtosisHypothesis hypothesis, double 
     largest = std::abs(z);
     answer.tau = lag.tau;
   }
-  const auto count = static_cast<double>(films.largest.size());
+  const auto count = static_cast<double>(recordings.largest.size());
   const auto above = static_cast<double>(
-      films.largest.end() - std::lower_bound(films.largest.begin(), films.largest.end(), largest));
+      recordings.largest.end() -
+      std::lower_bound(recordings.largest.begin(), recordings.largest.end(), largest));
   answer.p = (above + 1) / (count + 1);
   if (above == 0) {
-    // Beyond all films: as if the lags were independent and normal, which they are to one side.
-    const double tail = static_cast<double>(asked.size()) * std::erfc(largest / std::sqrt(2.0));
+    // Larger than in all simulations: bounded by independent normal lags.
+    const double tail = static_cast<double>(tested.size()) * std::erfc(largest / std::sqrt(2.0));
     answer.p = std::max(kSmallestP, std::min(answer.p, tail));
   }
   answer.rejected = answer.p < kRejects;
@@ -92,11 +98,11 @@ std::string verdict(const BrownianTest& test) {
   const auto at = [&test](const KurtosisAnswer& answer) {
     return *std::ranges::find(test.lags, answer.tau, &KurtosisPoint::tau);
   };
-  std::string text = "Too short to be told from Brownian motion in the plane. ";
+  std::string text = "Too short to be distinguished from Brownian motion in the plane. ";
   if (std::isfinite(test.isotropic.p)) {
     const KurtosisPoint lag = at(test.isotropic);
     text = test.isotropic.rejected ? "Not Brownian motion in the plane"
-                                   : "Not to be told from Brownian motion in the plane";
+                                   : "Not distinguishable from Brownian motion in the plane";
     text += words(": kurtosis %.2f at %.3g s, 2 expected (%s). ", lag.kurtosis, lag.tau,
                   pText(test.isotropic.p).c_str());
   }
@@ -118,8 +124,8 @@ std::optional<BrownianTest> testBrownian(const ProgramLaw& law, const BlockData&
   const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
   const double offset = noiseOffset(law, data);
   const BlockSums total = data.total();
-  // Pools are longer than the films that are simulated for them.
-  const double longest = kShare * std::min(observed, filmLength(observed));
+  // Pools may be longer than the simulated recordings.
+  const double longest = kShare * std::min(observed, recordingLength(observed));
   BrownianTest test;
   std::vector<int> holds;
   std::size_t isotropic_from = 0;
@@ -139,9 +145,9 @@ std::optional<BrownianTest> testBrownian(const ProgramLaw& law, const BlockData&
     test.lags.push_back(lag);
   }
   if (test.lags.empty()) return std::nullopt;
-  test.exact = ask(law, KurtosisHypothesis::kProgram, observed, holds, 0, test.lags);
-  test.isotropic =
-      ask(law, KurtosisHypothesis::kIsotropic, observed, holds, isotropic_from, test.lags);
+  test.exact = testHypothesis(law, KurtosisHypothesis::kProgram, observed, holds, 0, test.lags);
+  test.isotropic = testHypothesis(law, KurtosisHypothesis::kIsotropic, observed, holds,
+                                  isotropic_from, test.lags);
   test.text = verdict(test);
   return test;
 }

@@ -6,10 +6,10 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kHoldFrames = 50;     // frames of a simulated hold, at most
-constexpr double kFilmLags = 30;       // a simulated film is so many of the longest lag
-constexpr double kMostFrames = 16000;  // in a simulated film
-constexpr double kLagsPerTrack = 5;    // the longest lag goes so often into a track
+constexpr double kHoldFrames = 50;     // largest number of frames in a simulated hold
+constexpr double kRecordingLags = 30;  // length of a simulated recording, in longest lags
+constexpr double kMostFrames = 16000;  // largest number of frames in a simulated recording
+constexpr double kLagsPerTrack = 5;    // length of a track, in longest lags
 
 }  // namespace
 
@@ -43,7 +43,7 @@ FitPlan planFit(const ProgramLaw& law, const MeasuredCurves& curves, const FitOp
   }
   if (plan.lags.empty()) return plan;
   const double last = curves.lags[plan.lags.back()];
-  plan.duration = std::min(track, kFilmLags * last / curves.gaps.covered(last / dt));
+  plan.duration = std::min(track, kRecordingLags * last / curves.gaps.covered(last / dt));
   const double every = std::max({1.0, std::floor(base / kHoldFrames / dt + 1e-9),
                                  std::ceil(plan.duration / dt / kMostFrames)});
   plan.period = every * dt * kDrift;
@@ -53,18 +53,18 @@ FitPlan planFit(const ProgramLaw& law, const MeasuredCurves& curves, const FitOp
 SimulatedCurves simulateForFit(const ProgramLaw& law, double offset, double angular_offset,
                                const MeasuredCurves& curves, const FitPlan& plan,
                                const FitOptions& options) {
-  BootstrapPlan films;
-  films.law = law;
-  films.sigma = std::sqrt(std::max(0.0, offset / 4));
-  films.sigma_theta = std::sqrt(std::max(0.0, angular_offset / 2));
-  films.period = plan.period;
-  films.frame_period = curves.frame_period;
-  films.gaps = curves.gaps;
-  films.duration = plan.duration;
-  films.films = options.films;
-  films.seed = options.seed;
-  for (const std::size_t lag : plan.lags) films.lags.push_back(curves.lags[lag]);
-  return simulateCurves(films);
+  BootstrapPlan recordings;
+  recordings.law = law;
+  recordings.sigma = std::sqrt(std::max(0.0, offset / 4));
+  recordings.sigma_theta = std::sqrt(std::max(0.0, angular_offset / 2));
+  recordings.period = plan.period;
+  recordings.frame_period = curves.frame_period;
+  recordings.gaps = curves.gaps;
+  recordings.duration = plan.duration;
+  recordings.recordings = options.recordings;
+  recordings.seed = options.seed;
+  for (const std::size_t lag : plan.lags) recordings.lags.push_back(curves.lags[lag]);
+  return simulateCurves(recordings);
 }
 
 }  // namespace lab::analysis

@@ -1,4 +1,4 @@
-/// Which lags a fit of a law goes by, and the films that give their covariance.
+/// The lags of a fit of a law, and the simulated recordings for their covariance.
 #pragma once
 
 #include <cstddef>
@@ -11,38 +11,37 @@
 
 namespace lab::analysis {
 
-/// The program's time between changes, s: what its short lags are short against.
+/// The shortest time between changes of the program, s: the scale of short lags.
 [[nodiscard]] double changeTime(const ProgramLaw& law);
 
-/// The longest lag at which a fit still learns something, s.
+/// The longest lag that contributes to a fit, s.
 [[nodiscard]] double longestChange(const ProgramLaw& law);
 
-/// Frames of simulated films are so much longer than planned, so that no frame rate locks to the
-/// holds: the phase sweeps.
+/// Factor on the frame period of simulated recordings, so that the phase of the holds sweeps.
 inline constexpr double kDrift = 1.0037;
 
 struct FitOptions {
-  /// Share of the MSD that calibration and the wheels' steps may be off at each lag.
+  /// Relative error of the MSD by calibration and wheel steps, at each lag.
   double systematic_floor = 0.002;
-  int films = 500;         ///< Simulated for the covariance.
-  std::uint64_t seed = 1;  ///< Of the first of them.
-  /// RTP: fit the tumble time too. It is identified by the bend of the angular MSD at tau_t alone;
-  /// programmed and kept by a clock, it is better taken as given.
+  int recordings = 500;    ///< Number of recordings that are simulated for the covariance.
+  std::uint64_t seed = 1;  ///< Seed of the first of them.
+  /// RTP: also fit the tumble time. Only the bend of the angular MSD at tau_t determines it, so the
+  /// programmed value, kept by a clock, is more accurate.
   bool free_tumble_time = false;
-  double longest_lag = 0;  ///< s: longer ones are selected by the outcome; 0: none is.
+  double longest_lag = 0;  ///< Longer lags are selected by their outcome, s; 0: none.
 };
 
-/// The lags of `curves` that a fit uses (indices), and the films that give their covariance.
+/// The lags of `curves` that a fit uses (indices), and the parameters of the simulated recordings.
 struct FitPlan {
   std::vector<std::size_t> lags;
-  double period = 0;    ///< Of the films' frames, s.
-  double duration = 0;  ///< Of each film, s.
+  double period = 0;    ///< Frame period of the recordings, s.
+  double duration = 0;  ///< Of each recording, s.
 };
 [[nodiscard]] FitPlan planFit(const ProgramLaw& law, const MeasuredCurves& curves,
                               const FitOptions& options);
 
-/// The films behind a fit, at the parameters of `law` and the tracker's noise (offsets 4 sigma^2
-/// and 2 sigma_theta^2; negative ones count as none).
+/// Simulates the recordings for a fit, at the parameters of `law` and the tracker noise (offsets 4
+/// sigma^2 and 2 sigma_theta^2; negative ones count as 0).
 [[nodiscard]] SimulatedCurves simulateForFit(const ProgramLaw& law, double offset,
                                              double angular_offset, const MeasuredCurves& curves,
                                              const FitPlan& plan, const FitOptions& options);

@@ -4,19 +4,20 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <limits>
 
 #include "analyzer/curves/statistics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kFewestDraws = 100;  // draws of the noise, or tumbles, for a fit
-constexpr double kFurthest = 1.6;     // factor e^1.6 = 5 off the program: not its motion
+using units::kNan;
+
+constexpr double kFewestDraws = 100;  // smallest number of draws or tumbles for a fit
+constexpr double kFurthest = 1.6;     // limit of |ln(parameter / programmed)|: a factor of 5
 constexpr double kLeastPivot = 1e-9;  // of the correlation matrix
 constexpr int kMostIterations = 30;
-constexpr int kFilmsPerColumn = 4;  // for a covariance
+constexpr int kRecordingsPerColumn = 4;  // smallest number for a covariance
 constexpr double kConverged = 1e-9;
 
 using Matrix = Eigen::MatrixXd;
@@ -56,8 +57,8 @@ struct Column {
   double tau = 0;
   bool angular = false;
   double value = 0;
-  double joined = 1;         ///< Share of the offset.
-  std::size_t in_films = 0;  ///< Column of the simulated curves.
+  double joined = 1;              ///< Share of the offset.
+  std::size_t in_recordings = 0;  ///< Column of the simulated curves.
 };
 
 class Fit {
@@ -96,29 +97,31 @@ class Fit {
   [[nodiscard]] double offset() const { return theta_(index(offset_)); }
   [[nodiscard]] double angularOffset() const { return angular_ ? theta_(index(offset_ + 1)) : 0; }
 
-  /// What deviations are measured in: the law at the present parameters, noise included.
+  /// Sets the reference of relative deviations to the law at the current parameters, noise
+  /// included.
   void setReference() {
     reference_ = model(theta_);
     covariance_ = Matrix::Identity(index(columns()), index(columns()));
   }
 
-  /// The covariance of deviations, from films at (about) the present parameters. The reference
-  /// becomes their law: one that followed this film's fluctuations would weigh with them.
-  void setCovariance(const SimulatedCurves& films) {
+  /// Sets the covariance of deviations from recordings simulated near the current parameters, and
+  /// the reference to their law: a reference that follows the fluctuations of the measurement would
+  /// bias the weights.
+  void setCovariance(const SimulatedCurves& recordings) {
     const Eigen::Index n = index(columns());
     Matrix& deviations = deviations_;
-    deviations.resize(films.films, n);
+    deviations.resize(recordings.recordings, n);
     for (Eigen::Index j = 0; j < n; ++j) {
       const Column& c = columns_[static_cast<std::size_t>(j)];
-      const double scale =
-          errorScale(films, curves_.observed, curves_.segments, c.tau) / films.law[c.in_films];
-      for (int film = 0; film < films.films; ++film) {
-        deviations(film, j) = scale * films.value(film, c.in_films);
+      const double scale = errorScale(recordings, curves_.observed, curves_.segments, c.tau) /
+                           recordings.law[c.in_recordings];
+      for (int recording = 0; recording < recordings.recordings; ++recording) {
+        deviations(recording, j) = scale * recordings.value(recording, c.in_recordings);
       }
     }
     deviations.rowwise() -= deviations.colwise().mean().eval();
     for (Eigen::Index j = 0; j < n; ++j) {
-      reference_(j) = films.law[columns_[static_cast<std::size_t>(j)].in_films];
+      reference_(j) = recordings.law[columns_[static_cast<std::size_t>(j)].in_recordings];
     }
     systematic_ = Vector::Zero(n);
     for (Eigen::Index j = 0; j < n; ++j) {
@@ -127,12 +130,13 @@ class Fit {
       const double motion = 1 - offset() * c.joined / reference_(j);
       systematic_(j) = std::pow(options_.systematic_floor * motion, 2);
     }
-    covariance_ = deviations.transpose() * deviations / (films.films - 1);
+    covariance_ = deviations.transpose() * deviations / (recordings.recordings - 1);
     covariance_.diagonal() += systematic_;
     regularise();
   }
 
-  /// Gauss-Newton to the least deviation. False: it does not converge, or leaves the program far.
+  /// Minimises by Gauss-Newton. False if it does not converge, or if parameters leave the allowed
+  /// range.
   bool solve() {
     const Eigen::LLT<Matrix> factor(covariance_);
     if (factor.info() != Eigen::Success) return false;
@@ -153,10 +157,10 @@ class Fit {
       }
       if (length < kConverged) return true;
     }
-    return true;  // to a small part of a standard error: the step shrinks at every turn
+    return true;  // converged to a small fraction of a standard error
   }
 
-  void report(LawFit& fit, int films) const;
+  void report(LawFit& fit, int recordings) const;
 
  private:
   static Eigen::Index index(std::size_t i) { return static_cast<Eigen::Index>(i); }
@@ -206,14 +210,14 @@ class Fit {
     return result.array().colwise() / reference_.array();
   }
 
-  /// The x of least (A x - b)^2, the columns of A scaled by their norms first.
+  /// The x that minimises (A x - b)^2. The columns of A are scaled by their norms.
   static Matrix leastSquares(const Matrix& a, const Vector& norms, const Matrix& b) {
     const Matrix scaled = a * norms.cwiseInverse().asDiagonal();
     const Eigen::LLT<Matrix> factor(scaled.transpose() * scaled);
     return norms.cwiseInverse().asDiagonal() * factor.solve(scaled.transpose() * b);
   }
 
-  /// A covariance that is singular to rounding gets a part of its diagonal more.
+  /// Increases the diagonal of a covariance that is numerically singular.
   void regularise() {
     const Vector sd = covariance_.diagonal().cwiseSqrt();
     const Matrix correlation =
@@ -225,7 +229,7 @@ class Fit {
     if (regularised_) covariance_.diagonal() += kLeastPivot * covariance_.diagonal();
   }
 
-  /// What turns relative deviations into changes of the parameters, for a covariance.
+  /// The matrix that maps relative deviations to changes of the parameters, for a covariance.
   [[nodiscard]] Matrix weights(const Matrix& covariance) const {
     const Eigen::LLT<Matrix> factor(covariance);
     const Matrix sensitivity = factor.matrixL().solve(jacobian_);
@@ -234,18 +238,18 @@ class Fit {
     return leastSquares(sensitivity, sensitivity.colwise().norm(), whitening);
   }
 
-  /// The covariance of the parameters, by cross-validation: the scatter of films under weights made
-  /// from the others. It holds what a covariance from few and skewed films costs, which
-  /// (J^T S^-1 J)^-1 leaves out.
+  /// The covariance of the parameters by cross-validation: the scatter of recordings under weights
+  /// from the others. It includes the error of a covariance from few and skew recordings, which
+  /// (J^T S^-1 J)^-1 does not.
   [[nodiscard]] Matrix parameterErrors() const {
     constexpr Eigen::Index kFolds = 5;
-    const Eigen::Index films = deviations_.rows();
-    const auto n = static_cast<double>(films);
+    const Eigen::Index recordings = deviations_.rows();
+    const auto n = static_cast<double>(recordings);
     const Matrix sum = deviations_.transpose() * deviations_;
     Matrix errors = Matrix::Zero(index(parameters_), index(parameters_));
     for (Eigen::Index fold = 0; fold < kFolds; ++fold) {
-      const Eigen::Index first = fold * films / kFolds;
-      const Eigen::Index count = (fold + 1) * films / kFolds - first;
+      const Eigen::Index first = fold * recordings / kFolds;
+      const Eigen::Index count = (fold + 1) * recordings / kFolds - first;
       const Matrix left_out = deviations_.middleRows(first, count);
       Matrix rest = (sum - left_out.transpose() * left_out) / (n - 1 - static_cast<double>(count));
       rest.diagonal() += systematic_;
@@ -262,19 +266,20 @@ class Fit {
   const FitOptions& options_;
   std::vector<Free> free_;
   std::vector<Column> columns_;
-  std::size_t offset_ = 0;  ///< Where the tracker's offsets begin in theta.
+  std::size_t offset_ = 0;  ///< Index of the first tracker offset in theta.
   std::size_t parameters_ = 0;
   bool angular_ = false;
   bool regularised_ = false;
   Vector theta_;  ///< ln(parameter / programmed), then the offsets.
   Vector reference_;
-  Matrix deviations_;  ///< Of the films, relative, scaled to the measured time; one a row.
+  Matrix deviations_;  ///< Relative deviations of the recordings, scaled to the measured time; one
+                       ///< row each.
   Vector systematic_;  ///< Variances.
   Matrix covariance_;
   Matrix jacobian_;
 };
 
-/// Numbers of a law that follow from its parameters.
+/// A quantity that follows from the parameters of a law.
 struct Derived {
   const char* name;
   const char* unit;
@@ -307,16 +312,16 @@ Estimate positiveEstimate(const char* name, const char* unit, double value, doub
           value * factor, theory, kNan,  std::move(note)};
 }
 
-void Fit::report(LawFit& fit, int films) const {
+void Fit::report(LawFit& fit, int recordings) const {
   const Eigen::LLT<Matrix> factor(covariance_);
   const Vector left = residuals();
-  const double n = films - 1;
+  const double n = recordings - 1;
   const Matrix errors = parameterErrors();
   const double quantile = studentQuantile(n);
 
   fit.law = law();
   fit.angular = angular_;
-  fit.films = films;
+  fit.recordings = recordings;
   fit.regularised = regularised_;
   fit.freedom = static_cast<int>(columns() - parameters_);
   fit.chi2 = factor.matrixL().solve(left).squaredNorm();
@@ -355,13 +360,13 @@ void Fit::report(LawFit& fit, int films) const {
                                            std::sqrt(slope.dot(errors * slope)), quantile,
                                            derived.of(law_), note + ": " + derived.note));
   }
-  // The least-squares fit is off by ordinary * residuals, to first order.
+  // To first order, the ordinary least-squares fit differs by ordinary * residuals.
   const Matrix ordinary = weights(Matrix::Identity(index(columns()), index(columns())));
   const Matrix difference = weights(covariance_) - ordinary;
   const Vector off = ordinary * left;
   const Matrix expected = difference * covariance_ * difference.transpose();
   for (std::size_t p = 0; p < offset_; ++p) {
-    // Not a number where rounding leaves no variance: then nothing is guarded, and it says so.
+    // nan if rounding leaves no variance.
     const double z = std::abs(off(index(p))) / std::sqrt(expected(index(p), index(p)));
     fit.guard_z = std::isnan(z) || z > fit.guard_z ? z : fit.guard_z;
   }
@@ -377,7 +382,7 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
   if (draws < kFewestDraws) {
     return "only " + std::to_string(static_cast<int>(draws)) + " " +
            (isHeldNoise(law.kind) ? "draws of the noise" : "tumbles") +
-           " in the time observed; a fit needs 100: film for longer";
+           " in the time observed; a fit needs 100: record for longer";
   }
   const std::vector<Free> free = freeParameters(law, options.free_tumble_time);
   for (const Free& parameter : free) {
@@ -391,7 +396,7 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
     return "only " + std::to_string(seen) + " lags between a frame and " +
            std::to_string(static_cast<int>(std::ceil(longestChange(law)))) +
            " s were observed; a fit needs " + std::to_string(free.size() + 2) +
-           ": film longer pieces or at a higher rate";
+           ": record longer pieces or at a higher rate";
   }
   const auto last = std::find_if(plan.lags.rbegin(), plan.lags.rend(),
                                  [&](std::size_t lag) { return std::isfinite(curves.msd[lag]); });
@@ -418,7 +423,7 @@ LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves, const FitOpti
   const char* failed =
       "the curves are not like the program's: no parameters within a factor of 5 "
       "of the programmed ones describe them";
-  SimulatedCurves films;
+  SimulatedCurves recordings;
   if (given == nullptr) {
     for (int round = 0; round < 3; ++round) {
       if (!fit.solve()) {
@@ -426,15 +431,16 @@ LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves, const FitOpti
         return result;
       }
       if (round == 2) break;
-      films = simulateForFit(fit.law(), fit.offset(), fit.angularOffset(), curves, plan, options);
-      if (films.films < kFilmsPerColumn * static_cast<int>(fit.columns())) {
+      recordings =
+          simulateForFit(fit.law(), fit.offset(), fit.angularOffset(), curves, plan, options);
+      if (recordings.recordings < kRecordingsPerColumn * static_cast<int>(fit.columns())) {
         result.refusal =
-            "too few of the segments are as long as the lags: avoid contacts, or film longer";
+            "too few of the segments are as long as the lags: avoid contacts, or record longer";
         return result;
       }
-      fit.setCovariance(films);
+      fit.setCovariance(recordings);
     }
-    given = &films;
+    given = &recordings;
   } else {
     fit.setCovariance(*given);
     if (!fit.solve()) {
@@ -442,9 +448,9 @@ LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves, const FitOpti
       return result;
     }
   }
-  fit.report(result, given->films);
+  fit.report(result, given->recordings);
   result.recording_duration = given->duration;
-  if (used != nullptr && given == &films) *used = std::move(films);
+  if (used != nullptr && given == &recordings) *used = std::move(recordings);
   return result;
 }
 

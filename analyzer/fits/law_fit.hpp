@@ -14,34 +14,35 @@ namespace lab::analysis {
 
 /// The iterated generalised least squares fit of the exact law to MSD and angular MSD together.
 ///
-/// Free are the logarithms of the speed (v, or va; not the BP's) and of the noise (eta, V, gamma
-/// and perhaps tau_t), and the tracker's offsets 4 sigma^2 and 2 sigma_theta^2. Given are epsilon,
-/// wheel base and, usually, tau_t, as programmed: an error of the robot's clock is not in the
-/// intervals. Lags: some ten from max(a frame, epsilon/5) to 8
-/// epsilon (RTP: of the shorter and the longer of 1/gamma and tau_t). The covariance is that of
-/// films simulated at the fitted point: once at the least-squares fit, once more at the first
-/// generalised one; the systematic floor is added to the MSD's diagonal.
+/// Free parameters are the logarithms of the speed (v or va; none for the BP) and of the noise
+/// (eta, V, gamma and optionally tau_t), and the tracker offsets 4 sigma^2 and 2 sigma_theta^2.
+/// Fixed at the programmed values are epsilon, the wheel base and, by default, tau_t; errors of the
+/// robot's clock are not in the intervals. About ten lags are used, from max(one frame, epsilon/5)
+/// to 8 epsilon (RTP: by the shorter and the longer one of 1/gamma and tau_t). The covariance is
+/// that of recordings simulated at the fitted parameters: of the ordinary least-squares fit, then
+/// of the first generalised one. The systematic floor is added to the diagonal of the MSD.
 ///
-/// Intervals are Student's t in the logarithm. The errors are cross-validated: the scatter of films
-/// under weights made from the other films, so that they hold what a covariance known from a finite
-/// number of skewed films costs.
+/// Intervals are those of Student's t for the logarithm. Errors are cross-validated: the scatter of
+/// recordings under weights from the other recordings. So they include the error of a covariance
+/// that is known from a finite number of skew recordings only.
 struct LawFit {
-  std::string refusal;               ///< Why there is no fit; empty: there is one.
-  std::vector<Estimate> parameters;  ///< Free ones, then tracker offsets.
+  std::string refusal;               ///< Reason if there is no fit; empty: fitted.
+  std::vector<Estimate> parameters;  ///< The free ones, then the tracker offsets.
   std::vector<Estimate> derived;     ///< D_r, D_t, D, L_s of the fitted law.
   std::vector<double> correlation;   ///< Of the parameters, row by row.
-  ProgramLaw law;                    ///< With the fitted parameters.
+  ProgramLaw law;                    ///< The program with the fitted parameters.
   std::vector<double> lags;          ///< s.
-  bool angular = false;              ///< Whether headings went in.
+  bool angular = false;              ///< The angular MSD was used.
   double chi2 = 0;
   int freedom = 0;                ///< Degrees of freedom of chi2.
   double p_value = 0;             ///< Of chi2, by Hotelling's distribution.
-  int films = 0;                  ///< Behind the covariance.
+  int recordings = 0;             ///< Simulated recordings of the covariance.
   double recording_duration = 0;  ///< s.
-  /// Largest deviation of a parameter from the ordinary least squares' one, in the standard errors
-  /// that this difference has if law and covariance are right. Above 4 do not trust the fit.
+  /// Largest difference of a parameter from its ordinary least-squares value, in standard errors of
+  /// this difference if law and covariance are correct. Above 4 the fit is not reliable.
   double guard_z = 0;
-  bool regularised = false;  ///< The covariance was singular to rounding; its diagonal was raised.
+  bool regularised =
+      false;  ///< The covariance was numerically singular; its diagonal was increased.
   std::optional<LawTest> exact;      ///< Test of the exact law as programmed, both curves.
   std::optional<LawTest> exact_msd;  ///< The same, the MSD alone.
   std::optional<LawTest> paper;      ///< Test of the paper's formula for the MSD.
@@ -49,8 +50,8 @@ struct LawFit {
   [[nodiscard]] bool fitted() const { return refusal.empty(); }
 };
 
-/// Fits. With `given` (films of the same program on the same lag grid) nothing is simulated; films
-/// that were simulated are left in `used`, if asked for.
+/// Fits the law. With `given` (recordings of the same program on the same lag grid) nothing is
+/// simulated. Simulated recordings are stored in `used`, unless it is nullptr.
 [[nodiscard]] LawFit fitLaw(const ProgramLaw& law, const MeasuredCurves& curves,
                             const FitOptions& options, const SimulatedCurves* given = nullptr,
                             SimulatedCurves* used = nullptr);

@@ -3,25 +3,27 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstdint>
 
 #include "analyzer/curves/estimates.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/fits/fit_plan.hpp"
 #include "analyzer/laws/numerics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kFilmsPerLag = 36;    // longer lags are too skewed
-constexpr double kFilmsPerTrack = 3;   // of the longest lag simulated
-constexpr double kSimulatedLags = 12;  // the simulated film is so many of its longest lags
-constexpr double kLeastEvents = 400;   // in a simulated film
-constexpr double kMostEvents = 5e6;    // in all of them
+using units::kNan;
+
+constexpr double kRecordingsPerLag = 36;   // longer lags have too skew distributions
+constexpr double kRecordingsPerTrack = 3;  // length of a track, in longest simulated lags
+constexpr double kSimulatedLags = 12;      // length of a simulated recording, in its longest lags
+constexpr double kLeastEvents = 400;       // smallest number of events in a simulated recording
+constexpr double kMostEvents = 5e6;        // largest number of events in all of them
 constexpr int kFramesPerHold = 4;
-constexpr double kOffsetError = 0.05;  // of the tracker's noise, taken from the live estimate
-constexpr double kMatch = 0.1;         // a measured lag that far from a simulated one is another
+constexpr double kOffsetError = 0.05;  // relative error of the tracker noise by the live estimate
+constexpr double kMatch = 0.1;  // largest relative difference between measured and simulated lags
 constexpr int kFewestLags = 4;
 
 bool hasSpeed(const ProgramLaw& law) {
@@ -67,7 +69,7 @@ std::vector<Column> columnsOf(TestedLaw tested, const MeasuredCurves& curves,
       const double value = (angular ? curves.angular_msd : curves.msd)[best];
       const bool selected = options.longest_lag > 0 && curves.lags[best] > options.longest_lag;
       if (std::isfinite(value) && !selected && std::abs(curves.lags[best] - tau) < kMatch * tau &&
-          kFilmsPerLag * tau <= curves.observed) {
+          kRecordingsPerLag * tau <= curves.observed) {
         columns.push_back({s, best, angular});
       }
     }
@@ -95,24 +97,24 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
     curves.lags.push_back(data.lagTime(i, total));
     curves.msd.push_back(lag.windows > 0 ? lag.r2 / lag.windows : kNan);
     curves.angular_msd.push_back(lag.angular_windows > 0 ? lag.a2 / lag.angular_windows : kNan);
-    // The positions on both sides of a join are noisy too, and shared by the windows across it.
+    // Both positions at a join are noisy too, and all windows across it share them.
     curves.joined.push_back(1 + joins * std::max(0, data.lags[i] - 2));
   }
   return curves;
 }
 
-SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& curves, int films,
+SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& curves, int recordings,
                                 std::uint64_t seed) {
   const double hold = changeTime(law);
   const double track = curves.observed / curves.tracks;
-  double longest = std::min(curves.lags.back(), track / kFilmsPerTrack);
+  double longest = std::min(curves.lags.back(), track / kRecordingsPerTrack);
   const auto covered = [&] { return curves.gaps.covered(longest / curves.frame_period); };
   while (covered() < kLeastCovered) longest *= 0.9;
   const auto duration = [&] {
     return std::min(track, std::max(kSimulatedLags * longest / covered(), kLeastEvents * hold));
   };
   const double event = isHeldNoise(law.kind) ? law.epsilon : 0.5 * (1 / law.gamma + law.tau_t);
-  while (films * duration() / event > kMostEvents && longest > 8 * hold) longest /= 2;
+  while (recordings * duration() / event > kMostEvents && longest > 8 * hold) longest /= 2;
   BootstrapPlan plan;
   plan.law = law;
   plan.sigma = std::sqrt(std::max(0.0, curves.offset / 4));
@@ -121,7 +123,7 @@ SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& cur
   plan.frame_period = curves.frame_period;
   plan.gaps = curves.gaps;
   plan.duration = duration();
-  plan.films = films;
+  plan.recordings = recordings;
   plan.seed = seed;
   for (double octave = hold / 2; octave <= 1.1 * longest; octave *= 2) {
     std::size_t best = 0;
@@ -145,13 +147,13 @@ LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& c
   const std::vector<Column> columns = columnsOf(tested, curves, simulated, options);
   const auto n = static_cast<Eigen::Index>(columns.size());
   const std::size_t width = simulated.lags.size();
-  if (n < kFewestLags || simulated.films < 4 * n) return result;
+  if (n < kFewestLags || simulated.recordings < 4 * n) return result;
 
   const ExactLaw exact(law);
   Eigen::VectorXd deviation(n);
   Eigen::VectorXd speed_share(n);
   Eigen::VectorXd offset_share(n);
-  Eigen::MatrixXd films(simulated.films, n);
+  Eigen::MatrixXd recordings(simulated.recordings, n);
   for (Eigen::Index j = 0; j < n; ++j) {
     const Column& c = columns[static_cast<std::size_t>(j)];
     const double tau = curves.lags[c.measured];
@@ -169,16 +171,16 @@ LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& c
     const double truth = c.angular ? exact.angularMsd(lag) : exact.msd(lag);
     const double simulated_offset = simulated.law[column] - truth;
     const double scale = errorScale(simulated, curves.observed, curves.segments, lag);
-    for (int film = 0; film < simulated.films; ++film) {
-      // Scaled to the measured time first, so that the cube root's own shift is that time's.
-      const double ratio = (simulated.value(film, column) - simulated_offset) / truth;
-      films(film, j) = normalised(1 + scale * (ratio - 1));
+    for (int recording = 0; recording < simulated.recordings; ++recording) {
+      // Scaled to the measured time before the cube root, whose bias depends on it.
+      const double ratio = (simulated.value(recording, column) - simulated_offset) / truth;
+      recordings(recording, j) = normalised(1 + scale * (ratio - 1));
     }
   }
-  const Eigen::RowVectorXd mean = films.colwise().mean();
-  films.rowwise() -= mean;
+  const Eigen::RowVectorXd mean = recordings.colwise().mean();
+  recordings.rowwise() -= mean;
   deviation -= mean.transpose();
-  Eigen::MatrixXd covariance = films.transpose() * films / (simulated.films - 1);
+  Eigen::MatrixXd covariance = recordings.transpose() * recordings / (simulated.recordings - 1);
   covariance.diagonal().array() += options.systematic_floor * options.systematic_floor;
   covariance += offset_share * offset_share.transpose();
   const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
@@ -196,7 +198,7 @@ LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& c
       result.freedom -= 1;
     }
   }
-  result.p_value = hotellingTail(result.distance2, result.freedom, simulated.films - 1);
+  result.p_value = hotellingTail(result.distance2, result.freedom, simulated.recordings - 1);
   result.deviate = deviateOf(result.p_value);
   return result;
 }

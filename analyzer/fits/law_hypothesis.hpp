@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,31 +10,31 @@
 
 namespace lab::analysis {
 
-/// The curves of block data as fits and tests take them, SI units; nan for a lag without windows.
+/// The curves of block data as input of fits and tests, SI units; nan for lags without windows.
 struct MeasuredCurves {
   std::vector<double> lags;  ///< Mean duration of the windows, s.
   std::vector<double> msd;
   std::vector<double> angular_msd;
-  std::vector<double> joined;  ///< Share of 4 sigma^2 in each lag: above 1 across joins.
+  std::vector<double> joined;  ///< Multiple of 4 sigma^2 in each lag: above 1 with joins.
   double frame_period = 0;     ///< s.
   double observed = 0;         ///< Free time, s.
-  double tracks = 1;           ///< Of so many robots,
-  double segments = 1;         ///< in so many pieces that no window leaves.
+  double tracks = 1;           ///< Number of robots.
+  double segments = 1;         ///< Number of pieces, which windows do not leave.
   RecordingGaps gaps;
-  double offset = 0;          ///< 4 sigma^2 as the live estimator has it, m^2.
+  double offset = 0;          ///< 4 sigma^2 by the live estimator, m^2.
   double angular_offset = 0;  ///< 2 sigma_theta^2, rad^2.
 };
 
 [[nodiscard]] MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data);
 
-/// Whether the curves are those of a law whose parameters are known: the Mahalanobis distance on
-/// octave lags with the covariance of simulated films.
+/// Test whether the curves follow a law with known parameters, by the Mahalanobis distance on
+/// octave lags with the covariance of simulated recordings.
 struct LawTest {
   std::vector<double> lags;  ///< s.
-  double distance2 = 0;      ///< Squared.
-  int freedom = 0;           ///< Lags of all curves, less 1 where the speed is free.
+  double distance2 = 0;      ///< Squared Mahalanobis distance.
+  int freedom = 0;           ///< Number of lags of all curves, less 1 if the speed is free.
   double p_value = 0;        ///< By Hotelling's distribution; nan: too few lags.
-  double deviate = 0;        ///< The normal deviate as improbable as that, in standard deviations.
+  double deviate = 0;        ///< The normal deviate of equal probability, in standard deviations.
   double speed = 0;          ///< Free speed over the programmed one; 1: not free.
 };
 
@@ -43,17 +44,17 @@ enum class TestedLaw {
   kPaper,     ///< The paper's eq. 4, 5 or 6, MSD alone.
 };
 
-/// Octave lags from about epsilon/2 (RTP: half the shorter of 1/gamma and tau_t) to the film's 36th
-/// part at most, of those measured; films at the programmed parameters as long as the lags need.
-/// The speed (v, va) is free within `tolerance`, as it may be a matter of calibration; else as
-/// programmed.
+/// Simulates recordings at the programmed parameters, as long as the lags need, at octave lags from
+/// about epsilon/2 (RTP: half of the shorter of 1/gamma and tau_t) to at most a 36th of the
+/// recording.
 [[nodiscard]] SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& curves,
-                                              int films, std::uint64_t seed);
+                                              int recordings, std::uint64_t seed);
 
 struct TestOptions {
-  double systematic_floor = 0.002;  ///< Share of the law; of each lag by itself.
+  double systematic_floor =
+      0.002;  ///< Relative systematic error of each lag, independent of the others.
   double speed_tolerance = 0.05;
-  double longest_lag = 0;  ///< s: longer ones are selected by the outcome; 0: none is.
+  double longest_lag = 0;  ///< Longer lags are selected by their outcome, s; 0: none.
 };
 
 [[nodiscard]] LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& curves,

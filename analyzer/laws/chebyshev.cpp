@@ -8,7 +8,7 @@ namespace lab::analysis {
 ChebyshevSeries::ChebyshevSeries(const std::vector<double>& values, double length)
     : length_(length) {
   const std::size_t n = values.size();
-  // All angles are multiples of pi / 2n.
+  // All angles are multiples of pi / (2 n).
   std::vector<double> cosines(4 * n);
   for (std::size_t k = 0; k < 4 * n; ++k) {
     cosines[k] = std::cos(std::numbers::pi * static_cast<double>(k) / static_cast<double>(2 * n));

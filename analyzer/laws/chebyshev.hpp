@@ -1,11 +1,13 @@
+/// Chebyshev series and Gauss-Legendre rules. Own code: Boost has no series from given values and
+/// no rule whose size is chosen at run time, and the bits of the exact laws must not change.
 #pragma once
 
 #include <vector>
 
 namespace lab::analysis {
 
-/// A smooth function on an interval [0, length] as a Chebyshev series: evaluated in one short sum,
-/// integrated exactly.
+/// A smooth function on an interval [0, length] as a Chebyshev series. It is evaluated in one short
+/// sum and integrated exactly.
 class ChebyshevSeries {
  public:
   /// The zero function on [0, 1].

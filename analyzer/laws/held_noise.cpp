@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <vector>
 
 #include "analyzer/laws/geometric_sums.hpp"
 #include "analyzer/laws/numerics.hpp"
@@ -11,8 +12,8 @@
 namespace lab::analysis {
 namespace {
 
-/// The Gauss rule for half a symmetric integral that `count` points resolve; kept, since laws are
-/// built many times.
+/// The Gauss rule for half of a symmetric integral that `count` points resolve. Cached, because
+/// laws are built often.
 const GaussRule& halfRule(int count) {
   thread_local std::map<int, GaussRule> rules;
   auto found = rules.find(count);
@@ -73,9 +74,9 @@ HeldNoise::HeldNoise(Noise noise, double va, double width, double amplitude, dou
 }
 
 int HeldNoise::points() const {
-  // chi makes width * epsilon / 2 pi turns in a hold, its square two.
+  // chi makes width * epsilon / (2 pi) oscillations in a hold, its square twice as many.
   const double more = 6 * width_ * epsilon_;
-  return more < 182 ? 18 + static_cast<int>(more) : 200;  // nan as well
+  return more < 182 ? 18 + static_cast<int>(more) : 200;  // also if `more` is nan
 }
 
 double HeldNoise::chi(double t) const {

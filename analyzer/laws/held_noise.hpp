@@ -4,14 +4,14 @@
 
 namespace lab::analysis {
 
-/// The process of the ABP, the noisy ABP and the BP as the robot executes it: every epsilon a new
-/// pair of wheel speeds is drawn and held, and the robot drives exact arcs. Everything below is
-/// exact at all lags for an observation that begins at a uniformly random phase of the hold.
+/// The process of the ABP, the noisy ABP and the BP as the robot executes it: every epsilon it
+/// draws a pair of wheel speeds, holds it and drives an arc. All results are exact at all lags, for
+/// an observation that begins at a uniformly random phase of the hold.
 ///
 /// With chi(t) = <cos(omega t)> and q = chi(epsilon) the velocity correlation is
-/// C_v(s) = va^2 g(s) + (1 - s/epsilon)_+ psi(s), where g is a convolution of chi inside the first
-/// hold and a geometric continuation of one function of the phase after it. MSD(tau) =
-/// 2 int_0^tau (tau - s) C_v(s) ds, so that the sum over holds is geometric too.
+/// C_v(s) = va^2 g(s) + (1 - s/epsilon)_+ psi(s), where g is a convolution of chi within the first
+/// hold; after it, g is one function of the phase times a power of q. MSD(tau) = 2 int_0^tau (tau -
+/// s) C_v(s) ds, so the sum over holds is geometric too.
 class HeldNoise {
  public:
   /// Constant speed v (m/s), turning rate uniform in [-eta, eta] (rad/s): the ABP.
@@ -33,7 +33,7 @@ class HeldNoise {
   /// <n(t) . n(t + s)> for the heading direction n, as the ABP's velocity sees it.
   [[nodiscard]] double directionCorrelation(double s) const;
 
-  /// lim MSD / (4 tau) in m^2/s; infinite without noise.
+  /// lim MSD / (4 tau) in m^2/s; infinite if there is no noise.
   [[nodiscard]] double diffusivity() const;
 
   /// D_r = epsilon <omega^2> / 2 in rad^2/s: exact.
@@ -46,7 +46,7 @@ class HeldNoise {
   [[nodiscard]] double epsilon() const { return epsilon_; }           ///< s.
   [[nodiscard]] double meanSpeed() const { return va_; }              ///< m/s.
   [[nodiscard]] double meanSquareTurning() const { return omega2_; }  ///< <omega^2>, rad^2/s^2.
-  /// Chebyshev points that resolve everything on one hold to full precision.
+  /// Number of Chebyshev points that resolve all functions on one hold to full precision.
   [[nodiscard]] int points() const;
 
  private:

@@ -5,13 +5,13 @@
 
 namespace lab::analysis {
 
-/// What is not known counts as nothing.
+/// x, or 0 if x is not finite.
 inline double finiteOrZero(double x) { return std::isfinite(x) ? x : 0; }
 
 /// sin(x) / x.
 inline double sinc(double x) { return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x; }
 
-/// The angle from -pi to pi.
+/// The angle, wrapped to [-pi, pi].
 inline double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 }  // namespace lab::analysis

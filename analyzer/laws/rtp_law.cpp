@@ -9,15 +9,15 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kNothing = 1e-18;  // of a sum of positive terms
+constexpr double kNothing = 1e-18;  // relative size of negligible terms
 
 /// exp(-x) x^k / k!.
 double poisson(double k, double x) {
   return x > 0 ? std::exp(k * std::log(x) - x - std::lgamma(k + 1)) : (k == 0 ? 1.0 : 0.0);
 }
 
-/// E[(N - n)_+] of a Poisson number N with mean x, for n >= 1: by whichever of the two tails is the
-/// shorter one, all of whose terms are positive.
+/// E[(N - n)_+] of a Poisson number N with mean x, for n >= 1: summed over the shorter of the two
+/// tails. All terms are positive.
 double poissonExcess(double n, double x) {
   if (x < n) {
     double p = poisson(n + 1, x);
@@ -94,7 +94,7 @@ double RtpLaw::angularMsd(double tau) const {
   const double mean2 = turning_.mean * turning_.mean;
   const double scatter = (turning_.mean_square - mean2) * (1 - run_share_) * own;
   if (mean2 == 0) return scatter;
-  // The mean turns in proportion to the time spent in tumbles, tau less that spent in runs.
+  // The mean turn is proportional to the time in tumbles, which is tau less the time in runs.
   const double tumbled2 = tau * tau * (1 - 2 * run_share_) +
                           2 * run_share_ / (gamma_ * gamma_) * doubleIntegral(1, tau);
   return scatter + mean2 * tumbled2 / (t * t);

@@ -5,30 +5,30 @@
 
 namespace lab::analysis {
 
-/// How far a robot turns in a tumble: the moments of the angle D that the laws depend on.
+/// The turning angle D of a tumble, by the moments that the laws depend on.
 struct Turning {
   double mean = 0;                                               ///< <D>, rad, not wrapped.
   double mean_square = std::numbers::pi * std::numbers::pi / 3;  ///< <D^2>, rad^2.
   std::complex<double> z = 0;                                    ///< <exp(i D)>.
 
-  /// Uniform on [low, high] (rad). The default is the full circle the short way round, (-pi, pi].
+  /// Uniform on [low, high] (rad). The default is the full circle, (-pi, pi].
   static Turning uniform(double low, double high);
 
-  /// The same where the wheels turn no farther than `limit` (rad, > 0) in a tumble: angles beyond
-  /// it become the limit.
+  /// The same for wheels that turn the robot by at most `limit` (rad, > 0) in a tumble: larger
+  /// angles are clipped.
   static Turning clipped(double low, double high, double limit);
 };
 
-/// Run and tumble: runs at speed v whose durations are exponential with rate gamma, tumbles that
-/// stand on the spot for tau_t and turn at a constant rate by an angle with the moments of Turning.
-/// Exact in the stationary state at all lags.
+/// Run and tumble: runs at speed v whose durations are exponential with rate gamma, tumbles on the
+/// spot of duration tau_t at a constant turning rate, by an angle with the moments of Turning.
+/// Exact at all lags in the stationary state.
 ///
 /// A robot that is in a run at time 0 is in a run at s after k whole tumbles if and only if its run
-/// clock, which then reads s - k tau_t, has seen k tumbles begin: a Poisson number. Each tumble
-/// turns the velocity by z on average, so that
-/// C_v(s) = v^2 / (1 + gamma tau_t) Re sum_k z^k p_k(gamma (s - k tau_t)), p_k(x) = exp(-x) x^k/k!,
-/// over the k with k tau_t < s. Its double integral is the same sum over E[(N - k - 1)_+] for a
-/// Poisson number N. z = 0 leaves k = 0 alone, the paper's eq. 6.
+/// clock, which then reads s - k tau_t, has counted k beginnings of tumbles: a Poisson number. Each
+/// tumble turns the velocity by z on average, so that C_v(s) = v^2 / (1 + gamma tau_t) Re sum_k z^k
+/// p_k(gamma (s - k tau_t)), p_k(x) = exp(-x) x^k/k!, over the k with k tau_t < s. Its double
+/// integral is the same sum over E[(N - k - 1)_+] for a Poisson number N. For z = 0 only k = 0
+/// remains, which is the paper's eq. 6.
 class RtpLaw {
  public:
   /// v in m/s, gamma in 1/s and tau_t in s, both positive.
@@ -37,13 +37,13 @@ class RtpLaw {
   [[nodiscard]] double msd(double tau) const;  ///< m^2.
 
   /// <(theta(t + tau) - theta(t))^2> of the unwrapped heading, rad^2: from tau_t on
-  /// proportional to tau - tau_t/3 where <D> = 0, and ballistic in the end where it is not.
+  /// proportional to tau - tau_t/3 where <D> = 0, and ballistic at long lags otherwise.
   [[nodiscard]] double angularMsd(double tau) const;
 
   [[nodiscard]] double velocityCorrelation(double s) const;  ///< m^2/s^2.
   [[nodiscard]] double diffusivity() const;  ///< D_eq6 Re[1 / (1 - z)], m^2/s; infinite for z = 1.
   [[nodiscard]] double persistenceLength() const;  ///< v / gamma Re[1 / (1 - z)], m.
-  /// <D> / (1/gamma + tau_t): how fast the unwrapped heading drifts, rad/s.
+  /// <D> / (1/gamma + tau_t): the drift of the unwrapped heading, rad/s.
   [[nodiscard]] double drift() const { return turning_.mean / (1 / gamma_ + tau_t_); }
 
  private:
@@ -54,7 +54,7 @@ class RtpLaw {
   double gamma_;
   double tau_t_;
   Turning turning_;
-  double run_share_;  ///< Of the time.
+  double run_share_;  ///< Share of the time in runs.
 };
 
 }  // namespace lab::analysis

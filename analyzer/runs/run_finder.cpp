@@ -5,20 +5,21 @@
 #include <numbers>
 #include <span>
 
+#include "analyzer/curves/statistics.hpp"
 #include "analyzer/runs/segmented_track.hpp"
 
 namespace lab::analysis {
 namespace {
 
 constexpr double kBinsPerTumble = 10;
-constexpr double kLargestGap = 0.5;        // of a tumble: a longer one could hide one
-constexpr double kFewestFrames = 3;        // in a tumble
-constexpr double kEdgeShare = 0.03;        // of the time to cross the noise: not averaged out
-constexpr double kScaleTolerance = 0.003;  // at which cutting again changes nothing
+constexpr double kLargestGap = 0.5;        // of a tumble; a longer gap could hide one
+constexpr double kFewestFrames = 3;        // smallest number of frames in a tumble
+constexpr double kEdgeShare = 0.03;        // systematic error of edges, in times to cross the noise
+constexpr double kScaleTolerance = 0.003;  // relative change at which iterations end
 constexpr int kMostPasses = 4;
 
-/// The noise of a frame from second differences of bins, which straight motion does not have; from
-/// their median, since edges have them.
+/// The noise of a frame from second differences of bins, in which straight motion cancels. Their
+/// median ignores the edges of runs.
 double roughNoise(std::span<const TrackBin> bins) {
   std::vector<double> squares;
   for (std::size_t i = 2; i < bins.size(); ++i) {
@@ -29,9 +30,8 @@ double roughNoise(std::span<const TrackBin> bins) {
   if (squares.empty()) {
     return 0;
   }
-  const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
-  std::nth_element(squares.begin(), middle, squares.end());
-  return std::sqrt(*middle / (2 * std::numbers::ln2));  // the median of two squares' sum
+  // The sum of two squares of normal deviates has the median 2 ln 2.
+  return std::sqrt(medianOf(squares) / (2 * std::numbers::ln2));
 }
 
 }  // namespace
@@ -54,7 +54,7 @@ void RunFinder::add(const Sample& sample) {
   track.last = sample.free_time;
   const auto bin = static_cast<std::int64_t>(
       std::floor((sample.free_time - track.first) / (frames_per_bin_ * period_) + 1e-3));
-  // Where every frame is a bin, time stamps that jitter must not put two into one.
+  // If every frame is a bin, jitter of time stamps must not put two frames into one bin.
   if (frames_per_bin_ == 1 || bin != bin_) {
     bin_ = bin;
     bins_.push_back({sample.free_time, sample.x, sample.y, sample.theta, 1, sample.piece});
@@ -76,23 +76,23 @@ FoundRuns RunFinder::find() const {
   if (!found.resolved) {
     return found;
   }
-  cut::Scales scales{law_.v, law_.tau_t,         roughNoise(bins_), frames_per_bin_ * period_,
-                     0,      frames_per_bin_ > 1};
-  std::vector<cut::SegmentedTrack> cuts;
+  segmentation::Scales scales{
+      law_.v, law_.tau_t, roughNoise(bins_), frames_per_bin_ * period_, 0, frames_per_bin_ > 1};
+  std::vector<segmentation::SegmentedTrack> cuts;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     scales.setShortest(period_);
     cuts.clear();
-    cut::ScaleSums sums;
+    segmentation::ScaleSums sums;
     for (std::size_t t = 0; t < tracks_.size(); ++t) {
       const std::size_t end = t + 1 < tracks_.size() ? tracks_[t + 1].begin : bins_.size();
       const std::span<const TrackBin> bins(bins_.data() + tracks_[t].begin, end - tracks_[t].begin);
       if (tracks_[t].last > tracks_[t].first) {
         cuts.emplace_back(bins, tracks_[t].first, tracks_[t].last, scales);
-        cuts.back().gather();
+        cuts.back().mergeStops();
         cuts.back().measure(sums);
       }
     }
-    const cut::Scales before = scales;
+    const segmentation::Scales before = scales;
     found.speed = sums.speed(scales.sigma);
     found.tumble = sums.tumble();
     found.tumble.sigma = std::hypot(found.tumble.sigma, kEdgeShare * scales.sigma / scales.speed);
@@ -112,8 +112,8 @@ FoundRuns RunFinder::find() const {
     }
   }
   scales.setShortest(period_);
-  for (cut::SegmentedTrack& cut : cuts) {
-    cut.gather();
+  for (segmentation::SegmentedTrack& cut : cuts) {
+    cut.mergeStops();
     cut.collect(found);
   }
   found.shortest = scales.shortest;

@@ -2,25 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "analyzer/bootstrap/simulated_recording.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr std::size_t kFewest = 8;
 constexpr std::size_t kMostSimulated = 500;  // waiting times of a replicate
 
-/// Stephens' modified statistic of the exponential law with fitted rate. Sorts.
-double lilliefors(std::vector<Waiting>& waiting) {
+/// Stephens' modified statistic for the exponential law with fitted rate. Sorts its argument.
+double lilliefors(std::vector<WaitingTime>& waiting) {
   std::sort(waiting.begin(), waiting.end(),
-            [](const Waiting& a, const Waiting& b) { return a.time < b.time; });
+            [](const WaitingTime& a, const WaitingTime& b) { return a.time < b.time; });
   double sum = 0;
   double events = 0;
-  for (const Waiting& one : waiting) {
+  for (const WaitingTime& one : waiting) {
     sum += one.time;
     events += one.ended ? 1 : 0;
   }
@@ -28,7 +29,7 @@ double lilliefors(std::vector<Waiting>& waiting) {
   double survival = 1;
   double distance = 0;
   auto at_risk = static_cast<double>(waiting.size());
-  for (const Waiting& one : waiting) {
+  for (const WaitingTime& one : waiting) {
     if (one.ended) {
       const double law = std::exp(-rate * one.time);
       distance = std::max(distance, std::abs(survival - law));
@@ -41,11 +42,11 @@ double lilliefors(std::vector<Waiting>& waiting) {
   return (distance - 0.2 / events) * (root + 0.26 + 0.5 / root);
 }
 
-/// The time of each track, in the order of their numbers.
-std::vector<double> budgets(std::span<const Waiting> waiting) {
+/// The total time of each track, in order of their numbers.
+std::vector<double> budgets(std::span<const WaitingTime> waiting) {
   std::vector<double> all;
   int track = -1;
-  for (const Waiting& one : waiting) {
+  for (const WaitingTime& one : waiting) {
     if (one.track != track || all.empty()) {
       track = one.track;
       all.push_back(0);
@@ -57,10 +58,11 @@ std::vector<double> budgets(std::span<const Waiting> waiting) {
 
 }  // namespace
 
-TestResult exponentialTest(std::span<const Waiting> waiting, std::uint64_t seed, int replicates) {
-  std::vector<Waiting> sorted(waiting.begin(), waiting.end());
-  const auto events = static_cast<std::size_t>(
-      std::count_if(sorted.begin(), sorted.end(), [](const Waiting& one) { return one.ended; }));
+TestResult exponentialTest(std::span<const WaitingTime> waiting, std::uint64_t seed,
+                           int replicates) {
+  std::vector<WaitingTime> sorted(waiting.begin(), waiting.end());
+  const auto events = static_cast<std::size_t>(std::count_if(
+      sorted.begin(), sorted.end(), [](const WaitingTime& one) { return one.ended; }));
   if (events < kFewest) {
     return {kNan, kNan, static_cast<double>(events)};
   }
@@ -73,9 +75,9 @@ TestResult exponentialTest(std::span<const Waiting> waiting, std::uint64_t seed,
   const double rate = static_cast<double>(events) / sum;
   Random random(seed);
   int beyond = 0;
-  std::vector<Waiting> simulated;
+  std::vector<WaitingTime> simulated;
   for (int r = 0; r < replicates; ++r) {
-    // Every track is filled with waiting times until it ends. A part of the tracks will do.
+    // Fills every track with waiting times until it ends. Part of the tracks is sufficient.
     simulated.clear();
     std::size_t ended = 0;
     auto track = static_cast<std::size_t>(random.uniform() * static_cast<double>(tracks.size()));

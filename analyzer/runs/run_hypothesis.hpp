@@ -6,37 +6,39 @@
 
 namespace lab::analysis {
 
-/// A test of a hypothesis.
+/// The result of a hypothesis test.
 struct TestResult {
   double statistic = 0;  ///< nan: too little data.
-  double p = 0;          ///< Probability of so large a statistic by chance; nan with it.
-  double n = 0;          ///< Data behind it.
+  double p = 0;          ///< Probability of such a large statistic by chance; nan: too little data.
+  double n = 0;          ///< Number of data.
 };
 
-/// A waiting time, or how much of it was seen.
-struct Waiting {
+/// A waiting time, or the observed part of it.
+struct WaitingTime {
   double time = 0;  ///< Any unit.
   bool ended = false;
-  int track = 0;  ///< Waiting times that follow each other; the track's end cuts the last one off.
+  int track =
+      0;  ///< WaitingTime times that follow each other; the track's end cuts the last one off.
 };
 
-/// Are the waiting times exponential? The largest distance between the Kaplan-Meier estimate of
-/// their distribution and the exponential law of the fitted rate (Lilliefors 1969, with Stephens'
-/// correction for n). p from `replicates` simulated sets that are fitted and cut off in the same
-/// way, of at most 500 waiting times, beyond which the statistic's distribution does not change.
-/// The same seed gives the same p.
-[[nodiscard]] TestResult exponentialTest(std::span<const Waiting> waiting, std::uint64_t seed,
+/// Tests whether waiting times are exponential, by the largest distance between the Kaplan-Meier
+/// estimate of their distribution and the exponential law of the fitted rate (Lilliefors 1969, with
+/// Stephens' correction for n). p is from `replicates` simulated sets that are fitted and cut off
+/// in the same way, with at most 500 waiting times (the distribution of the statistic does not
+/// change beyond). The same seed gives the same p.
+[[nodiscard]] TestResult exponentialTest(std::span<const WaitingTime> waiting, std::uint64_t seed,
                                          int replicates = 499);
 
-/// Are angles (rad) uniform on the circle? Kuiper's V with Stephens' (1970) p, good to 1 % from 8
-/// angles on.
+/// Tests whether angles (rad) are uniform on the circle, by Kuiper's V with Stephens' (1970) p,
+/// accurate to 1 % from 8 angles on.
 [[nodiscard]] TestResult kuiperTest(std::span<const double> angles);
 
-/// The same, by the length of the mean direction: Rayleigh's test, the sharpest against one
-/// preferred direction (Zar's p).
+/// The same by the length of the mean direction: Rayleigh's test, the most powerful one against a
+/// single preferred direction (p as in the textbook Biostatistical Analysis).
 [[nodiscard]] TestResult rayleighTest(std::span<const double> angles);
 
-/// Are pairs independent? Pearson's correlation, p by the normal law of r sqrt(n - 1).
+/// Tests whether pairs are independent, by Pearson's correlation; p by the normal distribution of r
+/// sqrt(n - 1).
 [[nodiscard]] TestResult correlationTest(std::span<const double> a, std::span<const double> b);
 
 }  // namespace lab::analysis

@@ -8,10 +8,10 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kShortestStop = 0.6;        // of a tumble
-constexpr std::size_t kLongestStretch = 64;  // bins; longer ones are chained
-// Nats that a cut must gain. Stops are long against the noise, so that these hardly matter; what a
-// cut too many makes of a stop, the shortest run that counts puts together again.
+constexpr double kShortestStop = 0.6;        // shortest stop, in tumbles
+constexpr std::size_t kLongestStretch = 64;  // bins; longer stretches are concatenated
+// Log likelihood (nats) that a change point must gain. The values hardly matter, because stops are
+// long compared with the noise; stops that are split by mistake are merged again later.
 constexpr double kChange = 3;
 constexpr double kBetweenStops = 4;
 constexpr double kChain = 12;
@@ -20,7 +20,7 @@ constexpr double kHopeless = 80;
 struct Node {
   double cost = std::numeric_limits<double>::infinity();
   std::size_t begin = 0;  ///< Of the last stretch.
-  bool before = false;    ///< Whether the one before it is a run.
+  bool before = false;    ///< The stretch before it is a run.
 };
 
 using Nodes = std::array<Node, 2>;  // by whether the last stretch is a run

@@ -12,16 +12,16 @@ struct TrackBin {
   double x = 0;       ///< m.
   double y = 0;       ///< m.
   double theta = 0;   ///< Unwrapped, rad; nan: not known.
-  double frames = 0;  ///< How many.
-  int piece = 0;      ///< As Sample::piece, of the last of them.
+  double frames = 0;  ///< Number of frames.
+  int piece = 0;      ///< Sample::piece of the last frame.
 };
 
-/// What is known of a run-and-tumble motion before it is cut into runs and stops.
+/// The scales of a run-and-tumble motion, used to segment it.
 struct MotionScales {
-  double speed = 0;   ///< Of runs, m/s.
-  double tumble = 0;  ///< Duration of one, s.
+  double speed = 0;   ///< Speed of runs, m/s.
+  double tumble = 0;  ///< Duration of a tumble, s.
   double sigma = 0;   ///< Tracker noise per axis and frame, m.
-  double period = 0;  ///< Between bins, s.
+  double period = 0;  ///< Time between bins, s.
 };
 
 /// Neighbouring bins in one state of motion.
@@ -33,11 +33,12 @@ struct Stretch {
   [[nodiscard]] std::size_t size() const { return end - begin; }
 };
 
-/// Cuts a gap-free track into stops (a place) and runs (a straight line at the given speed), by the
-/// largest likelihood of the whole track under normal noise: dynamic programming over all cuts, in
-/// the manner of optimal partitioning (Jackson et al. 2005). Stops last at least 0.6 of a tumble,
-/// unless cut off by an end of the track. Two stops may follow each other (a run between them that
-/// no bin saw); two runs may not. The time goes as bins times bins in a run.
+/// Segments a gap-free track into stops (constant position) and runs (straight lines at the given
+/// speed) by maximum likelihood of the whole track under normal noise: dynamic programming over all
+/// change points, as in optimal partitioning (Jackson et al. 2005). Stops last at least 0.6 of a
+/// tumble, unless an end of the track cuts them off. Two stops may be adjacent (with a run between
+/// them that no bin resolves), two runs may not. The computing time is proportional to the number
+/// of bins times that in a run.
 [[nodiscard]] std::vector<Stretch> segmentMotion(std::span<const TrackBin> bins,
                                                  const MotionScales& scales);
 
@@ -54,9 +55,13 @@ struct StretchSums {
 
   void add(const TrackBin& bin, const TrackBin& origin);
 
-  [[nodiscard]] double time2() const { return uu - u * u / w; }  ///< About their mean, s^2.
-  [[nodiscard]] double place2() const { return q - (x * x + y * y) / w; }  ///< m^2.
-  [[nodiscard]] double driftX() const { return ux - u * x / w; }           ///< s m.
+  [[nodiscard]] double time2() const {
+    return uu - u * u / w;
+  }  ///< Sum of squares about the mean time, s^2.
+  [[nodiscard]] double place2() const {
+    return q - (x * x + y * y) / w;
+  }  ///< Sum of squares about the mean position, m^2.
+  [[nodiscard]] double driftX() const { return ux - u * x / w; }  ///< s m.
   [[nodiscard]] double driftY() const { return uy - u * y / w; }
 };
 

@@ -2,28 +2,29 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "analyzer/curves/statistics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
+
 constexpr double kNormal95 = 1.959964;
-constexpr double kBarsPerMean = 4;  // of run times
+constexpr double kBarsPerMean = 4;  // bars per mean run time
 constexpr std::size_t kMostBars = 60;
 constexpr double kFewestPerBar = 3;
 constexpr double kMostTurnBars = 36;
 constexpr double kPerTurnBar = 25;
 constexpr std::uint64_t kSeed = 0x52554e53;
 
-/// All robots' runs as the likelihood sees them.
+/// The runs of all robots, as input of the likelihood.
 struct Pool {
   double ended = 0;
-  double run_time = 0;  ///< Of visible runs.
-  double beyond = 0;    ///< The same, without the first `shortest` of each.
+  double run_time = 0;  ///< Time of detected runs, s.
+  double beyond = 0;    ///< The same, less `shortest` for each run.
   struct Hidden {
     double count;
     double shortest;
@@ -51,7 +52,7 @@ struct Pool {
   }
 };
 
-/// The mean over robots of what is the same for all, weighted by its errors.
+/// The mean over robots, weighted by the inverse variances.
 Measured weighted(const std::vector<const FoundRuns*>& robots, Measured FoundRuns::*member) {
   double weights = 0;
   double sum = 0;
@@ -79,7 +80,8 @@ Estimate normal(const char* name, const char* unit, double value, double sigma, 
           theory, count, note};
 }
 
-/// A rate from counts; `relative` is the error of the time scale, that of the speed.
+/// A rate from counts. `relative` is the relative error of the time scale, which is that of the
+/// speed.
 Estimate rateEstimate(const char* name, double rate, double count, double relative, double theory,
                       const char* note) {
   const Interval interval = poissonInterval(count);
@@ -96,12 +98,13 @@ Estimate rateEstimate(const char* name, double rate, double count, double relati
           note};
 }
 
-/// The life table (Berkson and Gage 1950): chance to end in each bar for those who came to it.
+/// The life table (Berkson and Gage 1950): the probability to end in each bar for runs that reach
+/// it.
 std::vector<DensityBar> runTimeBars(const std::vector<const FoundRuns*>& robots, double first,
                                     double rate, double hidden_share, double theory) {
   const double width = 1 / (kBarsPerMean * rate);
   std::vector<DensityBar> bars;
-  // Of all runs, those longer than `first`; a robot that sees better says so too.
+  // The share of runs longer than `first`.
   double survival = 1 - hidden_share;
   for (std::size_t i = 0; i < kMostBars; ++i) {
     DensityBar bar;
@@ -118,7 +121,7 @@ std::vector<DensityBar> runTimeBars(const std::vector<const FoundRuns*>& robots,
       }
     }
     at_risk -= 0.5 * cut_off;
-    // Behind the first bar with too few, survival is no longer known well enough to go on.
+    // After the first bar with too few runs, survival is not known well enough.
     if (bar.count < kFewestPerBar || !(at_risk > 0)) {
       break;
     }
@@ -184,7 +187,7 @@ void addDerived(const ProgramLaw& law, const Measured& speed, const Measured& tu
       [](const ExactLaw& exact) { return exact.diffusivity(); });
   add("L_s", "m", "integral of C(l), exact law at v, gamma and tau_t from poses",
       [](const ExactLaw& exact) { return exact.persistenceLength(); });
-  // The number of tumbles in a given time is that of a renewal process.
+  // The number of tumbles in a given time follows a renewal process.
   const double share = 1 - run_time / out.observed;
   const double product = law.gamma * law.tau_t;
   const double cycles = out.observed * rate / std::pow(1 + rate * tumble.value, 3);
@@ -196,7 +199,7 @@ void addDerived(const ProgramLaw& law, const Measured& speed, const Measured& tu
 }
 
 void testRuns(const std::vector<const FoundRuns*>& robots, RunStatistics& out) {
-  std::vector<Waiting> waiting;
+  std::vector<WaitingTime> waiting;
   std::vector<double> before;
   std::vector<double> after;
   int track = 0;
@@ -314,7 +317,7 @@ RunStatistics runStatistics(const ProgramLaw& law, const std::vector<const Found
   }
   addDerived(law, speed, tumble, rate, gamma.sigma, run_time, out);
 
-  // A robot that sees shorter runs than the others lets its own go below the common first bar.
+  // Robots with a better resolution than others also have runs below the common first bar.
   double below = pool.hidden_count;
   for (const FoundRuns* robot : robots) {
     for (const ObservedRun& run : robot->runs) {

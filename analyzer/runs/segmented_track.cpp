@@ -2,31 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
-namespace lab::analysis::cut {
+#include "analyzer/curves/statistics.hpp"
+#include "common/math/units.hpp"
+
+namespace lab::analysis::segmentation {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kStepErrors = 7;       // below which a step is none
-constexpr double kStraddle = 0.05;      // of a bin's way: what averaging over an edge leaves
-constexpr std::size_t kEnoughBins = 7;  // to do without two
-constexpr double kLeastNoise = 0.01;    // of a frame's way
+using units::kNan;
+
+constexpr double kStepErrors = 7;  // smallest step, in standard errors
+constexpr double kStraddle =
+    0.05;  // residual of averaging over an edge, relative to the motion in a bin
+constexpr std::size_t kEnoughBins = 7;  // to omit two of them
+constexpr double kLeastNoise = 0.01;    // relative to the motion in a frame
 constexpr double kCountSlack = 0.25;    // of a tumble
-constexpr double kTumbleScatter = 0.3;  // of tumbles about their median; two in a row are beyond
+constexpr double kTumbleScatter =
+    0.3;  // relative scatter about the median; double tumbles are beyond
 
 double distance(const Place& a, const Place& b) { return std::hypot(b.x - a.x, b.y - a.y); }
 
-/// The stretch without the bins at its edges, where enough remain: averages there are mixtures, and
-/// single frames may belong to the neighbour.
+/// The stretch without the bins at its edges, if enough remain: mean bins there are mixtures, and
+/// single frames may belong to the neighbouring stretch.
 Stretch inner(const Stretch& stretch, bool averaged, std::size_t least) {
   return stretch.size() >= (averaged ? least + 2 : kEnoughBins)
              ? Stretch{stretch.run, stretch.begin + 1, stretch.end - 1}
              : stretch;
 }
 
-/// Of one quantity of the bins, by their frames.
+/// The mean of one quantity of the bins, weighted by frames.
 double meanOf(double TrackBin::*quantity, std::span<const TrackBin> bins, const Stretch& stretch) {
   double frames = 0;
   double sum = 0;
@@ -49,7 +54,7 @@ Place meanPlace(std::span<const TrackBin> bins, const Stretch& stretch) {
   return place;
 }
 
-/// Sums over many, for a mean with its error.
+/// Sums for a mean with its error.
 struct Mean {
   double n = 0;
   double sum = 0;
@@ -87,12 +92,10 @@ Measured ScaleSums::tumble() const {
   if (tumbles.empty()) {
     return {kNan, kNan, kNan, 0};
   }
-  std::vector<double> sorted = tumbles;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  const double median = *middle;
+  std::vector<double> durations = tumbles;
+  const double median = medianOf(durations);
   Mean mean;
-  for (const double duration : sorted) {
+  for (const double duration : durations) {
     if (std::abs(duration / median - 1) < kTumbleScatter) {
       mean.add(duration);
     }
@@ -107,7 +110,7 @@ SegmentedTrack::SegmentedTrack(std::span<const TrackBin> bins, double first, dou
   stretches_ = segmentMotion(bins, {scales.speed, scales.tumble, sigma, scales.period});
 }
 
-void SegmentedTrack::gather() {
+void SegmentedTrack::mergeStops() {
   stops_.clear();
   for (const Stretch& stretch : stretches_) {
     if (stretch.run) {
@@ -140,10 +143,10 @@ void SegmentedTrack::measure(ScaleSums& sums) const {
       sums.noise2 += std::max(0.0, own.place2());
       sums.freedom += 2 * static_cast<double>(core.size() - 1);
     } else if (!joined(stretch)) {
-      // Along the direction in which it moves; noise across it has lengthened that.
-      const double way2 = own.driftX() * own.driftX() + own.driftY() * own.driftY();
+      // The drift along the direction of motion, corrected for the noise, which increases it.
+      const double drift2 = own.driftX() * own.driftX() + own.driftY() * own.driftY();
       const double noise = scales_.sigma * scales_.sigma * own.time2();
-      sums.drift += std::sqrt(std::max(0.0, way2 - noise));
+      sums.drift += std::sqrt(std::max(0.0, drift2 - noise));
       sums.time2 += own.time2();
       sums.runs += 1;
     }
@@ -166,16 +169,16 @@ void SegmentedTrack::collect(FoundRuns& found) const {
   }
   const auto arrival = [&](std::size_t i) { return *arrivalBy(i, true); };
   const auto departure = [&](std::size_t i) { return *departureBy(i, true); };
-  std::int64_t tumbles = 0;  // begun in the standing before
-  bool listed = false;       // the run before that one is the last in the list
+  std::int64_t tumbles = 0;  // tumbles that began in the stop before
+  bool listed = false;       // the run before that stop is the last in the list
   for (std::size_t i = 0; i < stops_.size(); ++i) {
     const StopInterval& here = stops_[i];
     const bool cut_before = here.begin == 0;
     const bool cut_behind = here.end == bins_.size();
     const double from = cut_before ? first_ : arrival(i);
     if (!cut_before) {
-      const double duration = i > 0 ? way(i) / scales_.speed : from - first_;
-      // A track that begins in a run too short to be seen begins in a tumble.
+      const double duration = i > 0 ? runLength(i) / scales_.speed : from - first_;
+      // A track that begins in an undetectable run counts as beginning in a tumble.
       if (i > 0 || duration >= scales_.shortest) {
         const bool single = i > 0 && tumbles == 1;
         found.runs.push_back(
@@ -200,7 +203,7 @@ void SegmentedTrack::collect(FoundRuns& found) const {
   }
 }
 
-double SegmentedTrack::way(std::size_t i) const {
+double SegmentedTrack::runLength(std::size_t i) const {
   const Place& from = stops_[i - 1].departure;
   const Place& to = stops_[i].arrival;
   const double length = distance(from, to);
@@ -212,7 +215,7 @@ Stretch SegmentedTrack::runBefore(std::size_t i) const {
   return {true, i > 0 ? stops_[i - 1].end : 0, stops_[i].begin};
 }
 
-Stretch SegmentedTrack::runBehind(std::size_t i) const {
+Stretch SegmentedTrack::runAfter(std::size_t i) const {
   return {true, stops_[i].end, i + 1 < stops_.size() ? stops_[i + 1].begin : bins_.size()};
 }
 
@@ -227,7 +230,7 @@ std::optional<double> SegmentedTrack::arrivalBy(std::size_t i, bool rough) const
 }
 
 std::optional<double> SegmentedTrack::departureBy(std::size_t i, bool rough) const {
-  const Stretch run = runBehind(i);
+  const Stretch run = runAfter(i);
   const bool last = i + 1 == stops_.size();
   return edge(run, stops_[i].departure, last ? nullptr : &stops_[i + 1].arrival, -1, rough,
               stops_[i].end);
@@ -275,8 +278,8 @@ std::int64_t SegmentedTrack::tumblesIn(double stood, bool cut_before, bool cut_b
 
 double SegmentedTrack::turn(std::size_t i) const {
   const Stretch before = runBefore(i);
-  const Stretch behind = runBehind(i);
-  // Where bins are averages, those at the edges have turned already.
+  const Stretch behind = runAfter(i);
+  // Mean bins at the edges contain part of the turn.
   const std::size_t least = scales_.averaged ? 3 : 1;
   if (before.size() < least || behind.size() < least) {
     return kNan;
@@ -297,4 +300,4 @@ double SegmentedTrack::turn(std::size_t i) const {
                         2 * std::numbers::pi);
 }
 
-}  // namespace lab::analysis::cut
+}  // namespace lab::analysis::segmentation

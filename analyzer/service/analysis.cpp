@@ -5,14 +5,15 @@
 #include <deque>
 #include <utility>
 
+#include "analyzer/curves/statistics.hpp"
 #include "analyzer/service/bootstrap_results.hpp"
 
 namespace lab::analysis {
 namespace {
 
 constexpr std::size_t kFramesForPeriod = 20;
-constexpr double kUnbiasedShare = 0.1;     // of the median stay
-constexpr std::size_t kMaxStays = 100000;  // remembered per program
+constexpr double kUnbiasedShare = 0.1;          // of the median dwell time
+constexpr std::size_t kMaxDwellTimes = 100000;  // limit of memory, per program
 
 }  // namespace
 
@@ -52,9 +53,9 @@ void Analysis::recordDwellTime(Robot& robot, const RobotTelemetry& telemetry) {
     return;
   }
   if (robot.program >= 0) {
-    std::vector<float>& stays = dwell_times_[static_cast<std::size_t>(robot.program)];
-    if (stays.size() < kMaxStays) {
-      stays.push_back(static_cast<float>(telemetry.program_start - robot.program_start));
+    std::vector<float>& durations = dwell_times_[static_cast<std::size_t>(robot.program)];
+    if (durations.size() < kMaxDwellTimes) {
+      durations.push_back(static_cast<float>(telemetry.program_start - robot.program_start));
     }
   }
   robot.epoch = telemetry.program_epoch;
@@ -87,9 +88,7 @@ void Analysis::measurePeriod(bool force) {
     first_frames_.clear();
     return;
   }
-  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2),
-                   steps.end());
-  config_.frame_period = steps[steps.size() / 2];
+  config_.frame_period = medianOf(steps);
   for (const Frame& frame : std::exchange(first_frames_, {})) {
     dispatch(frame);
   }
@@ -151,13 +150,11 @@ void Analysis::flush() {
 }
 
 double Analysis::medianDwellTime(int program) const {
-  std::vector<float> stays = dwell_times_[static_cast<std::size_t>(program)];
-  if (stays.empty()) {
+  std::vector<float> durations = dwell_times_[static_cast<std::size_t>(program)];
+  if (durations.empty()) {
     return 0;
   }
-  const auto middle = stays.begin() + static_cast<std::ptrdiff_t>(stays.size() / 2);
-  std::nth_element(stays.begin(), middle, stays.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(medianOf(durations));
 }
 
 std::vector<ProgramResult> Analysis::results(Depth depth) const {
@@ -200,7 +197,7 @@ std::vector<ProgramResult> Analysis::results(Depth depth) const {
       }
     }
     if (!each.empty()) {
-      // The pool of one robot is that robot.
+      // A pool of one robot equals that robot.
       results.push_back(each.size() == 1 ? each.front()
                                          : analyse(programs_[key], pool, sum, options, depth));
       results.back().robot = kPool;

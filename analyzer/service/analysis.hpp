@@ -21,7 +21,7 @@ struct FramePose {
   bool valid = true;
 };
 
-/// A camera frame. The frame number is kept for people; windows go by time.
+/// A camera frame. The frame number is only for display; windows are defined by time.
 struct Frame {
   double time = 0;  ///< Middle of the exposure, s.
   std::int64_t frame = 0;
@@ -34,65 +34,65 @@ struct AnalysisConfig {
   StitcherConfig stitcher;
   CurveOptions curves;
   bool compare_joins = false;  ///< Fills ProgramResult::joins; doubles the work of a frame.
-  /// Fills ProgramResult::runs. Keeps up to 20 places a second of every RTP, 3 MB an hour, so it is
-  /// for films that end, not for live displays.
+  /// Fills ProgramResult::runs. Keeps up to 20 positions per second of every RTP (3 MB per hour),
+  /// so it is for closed recordings, not for live displays.
   bool find_runs = false;
-  bool samples_only = false;  ///< Tracks are stitched and passed on; there are no results.
+  bool samples_only = false;  ///< Tracks are stitched and output as samples; there are no results.
   bool without_law =
-      false;  ///< Robots with no program (kNone) are analysed: curves, and their speed.
+      false;  ///< Robots without a program (kNone) are analysed too: curves and speed.
 };
 
 struct AnalysisCounters {
   std::int64_t frames = 0;  ///< Camera frames received.
   std::int64_t duplicate_robots =
-      0;                       ///< Poses dropped since their robot was seen twice in a frame.
-  std::int64_t telemetry = 0;  ///< Telemetry of robots received.
+      0;                       ///< Poses dropped because their robot appears twice in a frame.
+  std::int64_t telemetry = 0;  ///< Telemetry messages received.
 };
 
-/// The physics of a whole lab: takes camera frames and telemetry of many robots in the order in
-/// which they arrive, and gives curves, estimates and verdicts at any time. Online and offline are
-/// the same calls.
+/// The analysis of a whole lab: takes camera frames and telemetry of many robots in the order of
+/// arrival, and gives curves, estimates and verdicts at any time. The calls are the same online and
+/// offline.
 class Analysis {
  public:
   explicit Analysis(const AnalysisConfig& config) : config_(config) {}
 
-  /// Takes a frame. A robot seen twice in it is dropped from it.
+  /// Takes a frame. A robot that appears twice in it is dropped from it.
   void addFrame(const Frame& frame);
 
   /// Takes the telemetry of one robot and the law of the program it runs; telemetry.program is set
-  /// here. Standing and constant wheel speeds have no law and are not analysed.
+  /// by this function. Standing and constant wheel speeds have no law and are not analysed.
   void addTelemetry(int robot, const ProgramLaw& law, RobotTelemetry telemetry);
 
-  /// End of data: judges what still waits for telemetry.
+  /// End of data: processes the frames that still wait for telemetry.
   void flush();
 
-  /// Says whether the light depends on place. Then a robot leaves its program by where it goes, and
-  /// the windows of lags comparable to its stay are selected by the motion: lags above 0.1 of the
-  /// median stay are marked and get no verdict. Once set for a film it stays.
+  /// Sets whether the light depends on the position. Then the motion determines when a robot leaves
+  /// its program, which selects the windows of lags comparable to its dwell time: lags above 0.1 of
+  /// the median dwell time are marked and not judged. Once true, it remains true.
   void setSpatialLight(bool spatial) { spatial_light_ = spatial_light_ || spatial; }
 
-  /// Every sample that enters the statistics, for trajectory files.
+  /// Called with every sample of the statistics, for trajectory files.
   void onSample(std::function<void(int robot, const ProgramLaw& law, const Sample&)> sink) {
     sink_ = std::move(sink);
   }
 
-  /// Every piece of free motion once it has ended (the last ones from flush()), in time order for
-  /// each robot.
+  /// Called with every piece of free motion after its end (the last ones from flush()), in time
+  /// order for each robot.
   void onPiece(std::function<void(int robot, const ProgramLaw& law, const Piece&)> sink) {
     piece_sink_ = std::move(sink);
   }
 
-  /// Before the first frame: whether the motion around reversals is joined or cut, and whether
-  /// windows across joins are compared with those within pieces (AnalysisConfig::compare_joins).
+  /// Sets whether the track is joined or cut at reversals, and AnalysisConfig::compare_joins. Call
+  /// it before the first frame.
   void stitch(bool join, bool compare) {
     config_.stitcher.join = join;
     config_.compare_joins = compare;
   }
 
-  /// As AnalysisConfig::find_runs; to be said before the first frame.
+  /// Sets AnalysisConfig::find_runs. Call it before the first frame.
   void findRuns() { config_.find_runs = true; }
 
-  /// As AnalysisConfig::samples_only; to be said before the first frame.
+  /// Sets AnalysisConfig::samples_only. Call it before the first frame.
   void samplesOnly() { config_.samples_only = true; }
 
   /// Per program with a law, in the order of first appearance: the pool of all its robots, then
@@ -102,10 +102,10 @@ class Analysis {
   /// The programs in the order of first appearance; Sample::program is an index into them.
   [[nodiscard]] const std::vector<ProgramLaw>& programs() const { return programs_; }
   [[nodiscard]] const AnalysisCounters& counters() const { return counters_; }
-  /// Of one robot; zeros for one that never appeared.
+  /// Counters of one robot; zeros if it is unknown.
   [[nodiscard]] StitcherCounters robotCounters(int robot) const;
   [[nodiscard]] std::vector<int> robots() const;
-  /// The median stay of robots in a program before they left it, s; 0: none has left.
+  /// The median dwell time of robots in a program, s; 0: no robot has left it.
   [[nodiscard]] double medianDwellTime(int program) const;
 
  private:
@@ -130,7 +130,7 @@ class Analysis {
   std::map<int, Robot> robots_;
   std::vector<ProgramLaw> programs_;
   std::vector<std::vector<float>> dwell_times_;  ///< Per program, s.
-  std::vector<Frame> first_frames_;              ///< Wait until the frame period is known.
+  std::vector<Frame> first_frames_;  ///< Frames that wait until the frame period is known.
   std::vector<Sample> samples_;
   bool spatial_light_ = false;
   std::function<void(int, const ProgramLaw&, const Sample&)> sink_;

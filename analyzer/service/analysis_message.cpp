@@ -2,23 +2,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <vector>
 
 namespace lab::analysis {
 namespace {
 
 constexpr std::size_t kLongestNote = 160;
 constexpr std::size_t kFewestLags = 8;
-// What Node::publish() adds to the empty header: the sender's name.
+// Space for what Node::publish() adds to the empty header: the name of the sender.
 constexpr std::size_t kHeaderReserve = 64;
 
-// The verdicts of contract and core are numbered alike.
+// Messages and code number the verdicts alike.
 static_assert(analysis_t::UNDECIDED == static_cast<int>(VerdictKind::kUndecided));
 static_assert(analysis_t::AGREES == static_cast<int>(VerdictKind::kAgrees));
 static_assert(analysis_t::DISAGREES == static_cast<int>(VerdictKind::kDisagrees));
 static_assert(analysis_t::POOL == kPool);
 
-/// Which of `count` lags to keep: `most` of them, evenly, the first and the last among them.
+/// Indices of the lags to keep: at most `most` of `count`, evenly distributed, with the first and
+/// the last.
 std::vector<std::size_t> evenly(std::size_t count, std::size_t most) {
   std::vector<std::size_t> kept;
   if (count <= most) {

@@ -12,9 +12,10 @@ namespace lab::analysis {
 /// An ANALYSIS message is smaller than this [bytes].
 inline constexpr std::size_t kLargestAnalysis = 8000;
 
-/// The result as a message, header left empty. Lags without windows are left out; where the message
-/// would not fit, notes are cut short first and then lags dropped evenly, the first and last kept.
-/// @param program_name of the experiment file.
+/// The result as a message, header left empty. Lags without windows are omitted. If the message is
+/// too large, notes are truncated first, then lags are dropped evenly, except the first and the
+/// last one.
+/// @param program_name name of the program in the experiment file
 [[nodiscard]] analysis_t toMessage(const FeedResult& result, const std::string& program_name);
 
 }  // namespace lab::analysis

@@ -1,34 +1,36 @@
 #include "analyzer/service/bootstrap_results.hpp"
 
+#include <cstdint>
+
 #include "analyzer/fits/law_fit.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr int kTestFilms = 400;
+constexpr int kTestRecordings = 400;
 constexpr std::uint64_t kFitSeed = 20210;
 constexpr std::uint64_t kTestSeed = 40210;
 
-/// The films of one program, for all its robots.
-struct ProgramFilms {
+/// The simulated recordings of one program, for all its robots.
+struct ProgramRecordings {
   SimulatedCurves fit;
   SimulatedCurves test;
-  RecordingGaps gaps;  ///< That they have.
+  RecordingGaps gaps;  ///< Gaps of these recordings.
 };
 
 void complete(ProgramResult& result, const BlockData& data, CurveOptions options,
-              ProgramFilms& films, bool first) {
+              ProgramRecordings& recordings, bool first) {
   MeasuredCurves curves_now = measuredCurves(result.law, data);
-  if (first) films.gaps = curves_now.gaps;
-  curves_now.gaps = films.gaps;
+  if (first) recordings.gaps = curves_now.gaps;
+  curves_now.gaps = recordings.gaps;
   FitOptions fit_options;
   fit_options.systematic_floor = options.systematic_floor;
   fit_options.longest_lag = options.unbiased_lag;
   fit_options.seed = kFitSeed;
   if (first) {
-    result.fit = fitLaw(result.law, curves_now, fit_options, nullptr, &films.fit);
-  } else if (films.fit.films > 0) {
-    result.fit = fitLaw(result.law, curves_now, fit_options, &films.fit);
+    result.fit = fitLaw(result.law, curves_now, fit_options, nullptr, &recordings.fit);
+  } else if (recordings.fit.recordings > 0) {
+    result.fit = fitLaw(result.law, curves_now, fit_options, &recordings.fit);
   } else {
     result.fit.emplace().refusal = "there is none of all its program's robots together";
   }
@@ -37,16 +39,16 @@ void complete(ProgramResult& result, const BlockData& data, CurveOptions options
     options.offset = estimate.value;
     options.offset_sigma = estimate.sigma;
   }
-  if (first) films.test = simulateForTest(result.law, curves_now, kTestFilms, kTestSeed);
-  if (films.test.films == 0) return;
-  options.films = &films.test;
+  if (first) recordings.test = simulateForTest(result.law, curves_now, kTestRecordings, kTestSeed);
+  if (recordings.test.recordings == 0) return;
+  options.recordings = &recordings.test;
   result.curves = curves(result.law, data, options);
   result.verdict = judge(result.curves);
   if (!result.fit->fitted()) return;
   const TestOptions test_options{options.systematic_floor, options.speed_tolerance,
                                  options.unbiased_lag};
   const auto test = [&](TestedLaw tested) {
-    return testLaw(tested, result.law, curves_now, films.test, test_options);
+    return testLaw(tested, result.law, curves_now, recordings.test, test_options);
   };
   result.fit->exact = test(TestedLaw::kExact);
   result.fit->exact_msd = test(TestedLaw::kExactMsd);
@@ -60,8 +62,8 @@ void addBootstrapResults(ProgramResult& pool, const BlockData& pool_data,
                          const std::vector<const BlockData*>& robot_data,
                          const CurveOptions& options) {
   if (!ExactLaw(pool.law).exists() || !(pool.observed > 0)) return;
-  ProgramFilms films;
-  complete(pool, pool_data, options, films, true);
+  ProgramRecordings recordings;
+  complete(pool, pool_data, options, recordings, true);
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (!(robots[i].observed > 0)) continue;
     if (robots.size() == 1) {
@@ -69,7 +71,7 @@ void addBootstrapResults(ProgramResult& pool, const BlockData& pool_data,
       robots[i].curves = pool.curves;
       robots[i].verdict = pool.verdict;
     } else {
-      complete(robots[i], *robot_data[i], options, films, false);
+      complete(robots[i], *robot_data[i], options, recordings, false);
     }
   }
 }

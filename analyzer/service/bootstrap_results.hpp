@@ -6,10 +6,10 @@
 
 namespace lab::analysis {
 
-/// Adds to the results of one program what needs simulated films: the fit of the exact law, its
-/// tests, and errors of lags beyond a 180th of a film. The films are simulated once, for the pool;
-/// its robots reuse them, scaled to their time.
-/// @param pool_data of the pool, robot_data of `robots` in their order.
+/// Adds the results of one program that need simulated recordings: the fit of the exact law, its
+/// tests, and the errors of lags beyond a 180th of a recording. The recordings are simulated once,
+/// for the pool; the robots use them scaled to their time.
+/// @param pool_data blocks of the pool; robot_data: blocks of `robots`, in their order
 void addBootstrapResults(ProgramResult& pool, const BlockData& pool_data,
                          std::vector<ProgramResult>& robots,
                          const std::vector<const BlockData*>& robot_data,

@@ -1,10 +1,10 @@
-/// The programs that a run has seen, numbered.
+/// Numbers the programs of a run.
 #pragma once
 
 #include <lab/program_t.hpp>
 #include <vector>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::analysis {
 
@@ -13,7 +13,7 @@ class ProgramKeys {
  public:
   int key(const program_t& program) {
     if (program.kind == program_t::NONE) return -1;
-    // Robots keep their program for long: the key found last is mostly the one wanted.
+    // Robots keep their program for long, so the last key is tried first.
     if (last_ < programs_.size() && sameProgram(programs_[last_], program)) {
       return static_cast<int>(last_);
     }

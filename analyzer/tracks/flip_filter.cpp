@@ -11,7 +11,7 @@ namespace lab::analysis {
 namespace {
 
 constexpr double kSigmas = 7;
-constexpr double kSlack = 0.2;            // rad beyond what wheels and noise explain
+constexpr double kSlack = 0.2;            // rad beyond the possible turn and the noise
 constexpr double kLogOdds = 20.7;         // ln 1e9
 constexpr double kLeastDistance = 0.005;  // m: far beyond the noise of any tracker in use
 
@@ -51,7 +51,7 @@ void FlipFilter::accept(const Reference& reference) {
   suspect_.reset();
 }
 
-bool FlipFilter::mend(TrackPoint& point) {
+bool FlipFilter::correct(TrackPoint& point) {
   Reference now{point.time, point.theta, point.sigma_theta};
   if (turned_) now.theta = wrapped(now.theta + std::numbers::pi);
   Relation relation = last_ ? relate(*last_, now) : Relation::kSame;
@@ -65,12 +65,12 @@ bool FlipFilter::mend(TrackPoint& point) {
     now.theta = turned_ ? wrapped(point.theta + std::numbers::pi) : point.theta;
   }
   if (relation != Relation::kNone) {
-    // So long after the last frame a wheel could have made either of both jumps.
+    // After so long a gap the wheels could have made either jump.
     const bool either = last_ && reach(*last_, now) > std::numbers::pi / 2;
     chain_ += either ? 1 : 0;
     accept(now);
   } else if (suspect_ && relate(*suspect_, now) == Relation::kSame) {
-    // Two headings agree with each other and not with the track: another story begins.
+    // Two headings agree with each other and not with the track: begin a new chain.
     last_.reset();
     forward_drive_ = 0;
     ++chain_;
@@ -82,7 +82,7 @@ bool FlipFilter::mend(TrackPoint& point) {
   return turned_;
 }
 
-bool FlipFilter::drive(double forward, double sense_distance) {
+bool FlipFilter::addMotion(double forward, double sense_distance) {
   if (sense_distance == 0) return false;
   const double enough = std::abs(sense_distance);
   forward_drive_ = std::min(forward_drive_ + (sense_distance < 0 ? -forward : forward), enough);

@@ -9,46 +9,46 @@ namespace lab::analysis {
 
 struct TrackPoint;
 
-/// How fast headings can change.
+/// Limits of the change of headings.
 struct FlipConfig {
   double max_turn_rate = 7.2;  ///< rad/s: both wheels at full speed, one of them backward.
 };
 
-/// Mends the headings of one robot whose tracker takes its tail for its head now and then, for one
-/// frame or for long.
+/// Corrects the headings of one robot whose tracker sometimes confuses head and tail, for one frame
+/// or for longer.
 ///
-/// A heading that jumps by pi, within noise and within what wheels can turn in the time between the
-/// frames, is turned round; so is all that follows until it jumps back. One frame and a long
-/// stretch are the same case, and no frame is guessed: rotation by pi between two frames is beyond
-/// every wheel as long as they are less than about 0.16 s apart (max_turn_rate dt + slack < pi/2).
-/// Farther apart a jump that the wheels could have made is believed.
+/// A heading that jumps by pi, within the noise and the possible turn between the frames, is
+/// flipped; so are all following ones until the heading jumps back. One frame and a long stretch
+/// are the same case. No guess is involved: wheels cannot turn a robot by pi between frames that
+/// are less than about 0.16 s apart (max_turn_rate dt + slack < pi/2). Between more distant frames,
+/// a jump that the wheels could have made is accepted as motion.
 ///
-/// That makes headings continuous, which is all that rotation needs. Which of both ends is the head
-/// only motion tells, and only for programs that drive forward: see drive().
+/// Headings are then continuous, which is sufficient for the rotation. Only the motion shows which
+/// end is the head, and only for programs that drive forward: see addMotion().
 class FlipFilter {
  public:
   explicit FlipFilter(const FlipConfig& config) : config_(config) {}
 
-  /// Takes the frames in time order, also those of reversals, and turns round the headings that are
-  /// flipped. Returns whether it turned this one. A heading that was not flipped keeps its bits.
-  bool mend(TrackPoint& point);
+  /// Takes the frames in time order, including those of reversals, and corrects flipped headings.
+  /// Returns whether it changed this one. Other headings keep their bits.
+  bool correct(TrackPoint& point);
 
-  /// Takes what the robot drove freely between two frames along its mended heading (m, negative:
-  /// backward) and the distance that shows which end is the head (see senseDistance()). Returns
-  /// true once the motion says that the headings so far are the tail's: from now on mend() turns
-  /// them round, and nothing links headings before to those after.
-  bool drive(double forward, double sense_distance);
+  /// Takes the free displacement between two frames along the corrected heading (m, negative:
+  /// backward) and the distance that decides which end is the head (see senseDistance()). Returns
+  /// true if the motion shows that the headings so far are those of the tail. From then on
+  /// correct() flips them, and a new chain of headings begins.
+  bool addMotion(double forward, double sense_distance);
 
-  /// Times that headings jumped by pi: two for one flipped frame or stretch.
+  /// Number of jumps by pi: two for one flipped frame or stretch.
   [[nodiscard]] std::int64_t jumps() const { return jumps_; }
 
-  /// Counts what links nothing: headings of different chains may differ by pi unnoticed.
+  /// Number of the chain of headings. Headings of different chains may differ by an undetected pi.
   [[nodiscard]] int chain() const { return chain_; }
 
  private:
   struct Reference {
     double time = 0;
-    double theta = 0;  ///< mended
+    double theta = 0;  ///< rad, corrected
     double sigma = 0;
   };
   enum class Relation { kSame, kFlipped, kNone };
@@ -58,21 +58,21 @@ class FlipFilter {
   void accept(const Reference& reference);
 
   FlipConfig config_;
-  bool turned_ = false;             ///< Headings as tracked are the tail's.
-  std::optional<Reference> last_;   ///< The last heading that fitted,
-  std::optional<Reference> older_;  ///< the one before: the last may be an outlier by itself.
+  bool turned_ = false;             ///< The tracked headings are those of the tail.
+  std::optional<Reference> last_;   ///< The last heading that fitted.
+  std::optional<Reference> older_;  ///< The one before it, since the last may be an outlier.
   std::optional<Reference> suspect_;
-  double forward_drive_ = 0;  ///< m driven forward since the sense was in doubt.
+  double forward_drive_ = 0;  ///< m driven forward, limited to the deciding distance.
   std::int64_t jumps_ = 0;
   int chain_ = 0;
 };
 
-/// The net forward drive after which chance has driven the other way with probability 1e-9, m. Its
-/// sign is that of forward. 0: the program drives to both sides alike (BP), or nothing is known of
-/// it.
+/// The net forward displacement, m, that a robot whose head and tail are confused reaches with
+/// probability 1e-9. Its sign is that of the programmed speed. 0: the program drives forward and
+/// backward alike (BP), or is unknown.
 ///
-/// For a mean speed va under noise of the drive with the variance rate B = epsilon V^2 / 6 the log
-/// likelihood ratio of head and tail is 2 va S / B after a net drive S.
+/// For a mean speed va and noise with the variance rate B = epsilon V^2 / 6, the log likelihood
+/// ratio of head and tail is 2 va S / B after a net displacement S.
 [[nodiscard]] double senseDistance(const ProgramLaw& law);
 
 }  // namespace lab::analysis

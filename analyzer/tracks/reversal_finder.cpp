@@ -2,37 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 
+#include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
 #include "analyzer/tracks/flip_filter.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
-constexpr double kSpeedTolerance = 0.1;  // share: calibration of wheels and camera
+using units::kNan;
+
+constexpr double kSpeedTolerance = 0.1;  // relative error by the calibration of wheels and camera
 constexpr double kLeastSpeed = 0.01;     // m/s, of an estimated speed
-constexpr double kSureTime = 2.0;        // s of straight even motion that show a speed
-constexpr double kAlong = 0.97;          // cosine between heading and motion
+constexpr double kSureTime = 2.0;  // s of straight uniform motion, for an estimate of the speed
+constexpr double kAlong = 0.97;    // cosine between heading and motion
 constexpr double kSteadyHeading = 0.05;  // rad about its mean
 constexpr double kLeastSigma = 1e-5;     // m
 constexpr double kPositionSlack = 5e-4;  // m
 constexpr double kSigmas = 4;
-constexpr double kFalseFinds = 0.01;     // an hour, of draws that happen to be alike
-constexpr double kDistanceMargin = 1.1;  // timers and wheels are not exact
-constexpr double kHeldEdge = 0.04;       // s: what is held may be another speed sooner or later
+constexpr double kFalseFinds = 0.01;     // false finds per hour, by draws that happen to be alike
+constexpr double kDistanceMargin = 1.1;  // inaccuracy of timers and wheels
+constexpr double kHeldEdge = 0.04;       // s; beyond it the held speed may have changed
 constexpr double kMadToSigma = 1.4826;
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
+double medianOrZero(std::vector<double> values) { return values.empty() ? 0 : medianOf(values); }
 
-/// Even motion along a straight line.
+/// Uniform motion along a straight line.
 struct Line {
   double time = 0;  ///< middle, s
   double x = 0, y = 0;
@@ -51,7 +50,7 @@ struct Line {
 struct Stretch {
   std::size_t begin = 0;
   std::size_t end = 0;
-  bool backward = false;  ///< by the headings as they are mended so far
+  bool backward = false;  ///< by the headings corrected so far
 };
 
 class Finder {
@@ -60,7 +59,7 @@ class Finder {
       : track_(track), search_(search) {}
 
   TrackFindings run() {
-    if (search_.headings) mendHeadings();
+    if (search_.headings) correctHeadings();
     measureNoise();
     if (!search_.wanted || track_.size() < 2) {
       search_.speed = kNan;
@@ -85,17 +84,17 @@ class Finder {
   }
 
  private:
-  void mendHeadings() {
+  void correctHeadings() {
     FlipFilter filter({.max_turn_rate = search_.max_turn_rate});
     chain_.reserve(track_.size());
     for (TrackPoint& point : track_) {
-      found_.flips += filter.mend(point) ? 1 : 0;
+      found_.flips += filter.correct(point) ? 1 : 0;
       chain_.push_back(filter.chain());
     }
     found_.flip_jumps = filter.jumps();
   }
 
-  /// A robot does not move sideways: what it seems to is noise.
+  /// Estimates the tracker noise from the apparent sideways motion, which a robot cannot make.
   void measureNoise() {
     std::vector<double> sideways;
     for (std::size_t i = 1; i < track_.size(); ++i) {
@@ -110,7 +109,7 @@ class Finder {
         sideways.push_back(std::abs(b.x - 2 * a.x + c.x) / std::sqrt(6.0));
       }
     }
-    found_.sigma = std::max(kLeastSigma, kMadToSigma * median(std::move(sideways)));
+    found_.sigma = std::max(kLeastSigma, kMadToSigma * medianOrZero(std::move(sideways)));
   }
 
   [[nodiscard]] Line fit(std::size_t begin, std::size_t end) const {
@@ -149,21 +148,21 @@ class Finder {
     return line;
   }
 
-  /// Whether a line is a piece of a reversal; at which speed, unless it is given, is open.
+  /// Whether a line may be part of a reversal. Speed nan: any speed.
   [[nodiscard]] bool even(const Line& line, double time, double n, double speed) const {
     const double speed_error = found_.sigma * std::sqrt(12 / n) / time;
     const double least = std::max(kLeastSpeed, 5 * speed_error);
     const bool at_speed = std::isfinite(speed) ? std::abs(line.speed() - speed) <=
                                                      kSpeedTolerance * speed + kSigmas * speed_error
                                                : line.speed() > least;
-    // The scatter of few residuals is itself uncertain.
+    // The scatter of few residuals is uncertain.
     const double spread = 1 + kSigmas / std::sqrt(std::max(1.0, 4 * n - 8));
     if (!at_speed || line.rms > spread * found_.sigma + kPositionSlack / 5) return false;
     if (!search_.headings) return true;
     return line.heading_rms <= kSteadyHeading && std::abs(line.cosine()) >= kAlong;
   }
 
-  /// Stretches of windows that are even, by the time and the speed of windows.
+  /// Stretches of windows of uniform motion, for a length of the windows (s) and a speed (m/s).
   [[nodiscard]] std::vector<Stretch> evenStretches(double time, double speed) const {
     constexpr std::size_t kLeastFrames = 4;
     std::vector<Stretch> stretches;
@@ -174,11 +173,11 @@ class Finder {
         ++end;
       }
       const double span = track_[end - 1].time - track_[begin].time;
-      // A quick look first: most windows go nowhere near the speed.
-      const double way =
+      // Fast rejection: most windows are much slower.
+      const double distance =
           std::hypot(track_[end - 1].x - track_[begin].x, track_[end - 1].y - track_[begin].y);
-      if (std::isfinite(speed) && way < 0.7 * speed * span - kSigmas * found_.sigma) continue;
-      // Frames are missing, or the track ends: what is left is too short to tell.
+      if (std::isfinite(speed) && distance < 0.7 * speed * span - kSigmas * found_.sigma) continue;
+      // Frames are missing, or the track ends: the window is too short.
       if (span > 2 * time || (end == track_.size() && span < time - 1.5 * framePeriod())) continue;
       const Line line = fit(begin, end);
       if (!even(line, span, static_cast<double>(end - begin), speed)) continue;
@@ -193,7 +192,7 @@ class Finder {
     return stretches;
   }
 
-  /// The speed of the straight even motion that lasts long; nan: there is none.
+  /// The speed of long straight uniform motion; nan: there is none.
   [[nodiscard]] double estimatedSpeed() const {
     const auto timeOf = [this](const Stretch& one) {
       return track_[one.end - 1].time - track_[one.begin].time;
@@ -209,17 +208,17 @@ class Finder {
     for (const Stretch& one : stretches) {
       if (timeOf(one) > longest / 2) speeds.push_back(fit(one.begin, one.end).speed());
     }
-    return speeds.empty() ? kNan : median(speeds);
+    return speeds.empty() ? kNan : medianOf(speeds);
   }
 
   [[nodiscard]] double framePeriod() const {
     return (track_.back().time - track_.front().time) / static_cast<double>(track_.size());
   }
 
-  /// For how long no draws of the program look like a reversal, s.
+  /// The time beyond which draws of the program do not look like a reversal, s.
   [[nodiscard]] double leastTime(double speed) const {
     if (search_.hold <= 0) return 0;
-    // Both wheels are drawn evenly: the speed has a triangle for its distribution.
+    // Both wheels are drawn uniformly, so the speed has a triangular distribution.
     const double frames = std::max(4.0, search_.least_time / framePeriod());
     const double error = found_.sigma * std::sqrt(12 / frames) / search_.least_time;
     const double slowest = (1 - kSpeedTolerance) * speed - kSigmas * error;
@@ -232,7 +231,7 @@ class Finder {
     return (std::ceil(holds) + 1) * search_.hold;
   }
 
-  /// Turns round every chain of headings along which the robots drove backward on the whole.
+  /// Flips every chain of headings along which the robot drove backward in total.
   void settleSense(std::vector<Stretch>& stretches) {
     std::vector<double> driven(static_cast<std::size_t>(chain_.empty() ? 0 : chain_.back() + 1));
     std::size_t next = 0;
@@ -247,22 +246,22 @@ class Finder {
           std::copysign(1.0, search_.sense_distance) *
           ((b.x - a.x) * std::cos(theta) + (b.y - a.y) * std::sin(theta));
     }
-    const auto wrong = [&](std::size_t i) {
+    const auto is_flipped = [&](std::size_t i) {
       return driven[static_cast<std::size_t>(chain_[i])] < -std::abs(search_.sense_distance);
     };
     for (Stretch& one : stretches) {
-      if (wrong(one.begin)) one.backward = !one.backward;
+      if (is_flipped(one.begin)) one.backward = !one.backward;
     }
     for (std::size_t i = 0; i < track_.size(); ++i) {
-      if (!wrong(i)) continue;
+      if (!is_flipped(i)) continue;
       track_[i].theta = wrapped(track_[i].theta + std::numbers::pi);
     }
-    found_.sense_turns = std::count_if(driven.begin(), driven.end(), [this](double way) {
-      return way < -std::abs(search_.sense_distance);
+    found_.sense_turns = std::count_if(driven.begin(), driven.end(), [this](double distance) {
+      return distance < -std::abs(search_.sense_distance);
     });
   }
 
-  /// How far a point is ahead of the line's robot along the line, and off it.
+  /// The distance of a point from the robot on the line: along the line, and across.
   [[nodiscard]] std::pair<double, double> offLine(const Line& line, const TrackPoint& point) const {
     const double dx = point.x - line.x - line.vx * (point.time - line.time);
     const double dy = point.y - line.y - line.vy * (point.time - line.time);
@@ -270,8 +269,8 @@ class Finder {
     return {(dx * line.vx + dy * line.vy) / v, (dy * line.vx - dx * line.vy) / v};
   }
 
-  /// The time at which the free motion beside the line meets it: `outside` is the first point
-  /// beyond the line, and `step` leads away from it.
+  /// The time at which the adjacent free motion meets the line. `outside` is the first point beyond
+  /// the line, and `step` (+1 or -1) leads away from it.
   [[nodiscard]] std::optional<double> edge(const Line& line, std::size_t outside, int step) const {
     const double closing = line.speed() + search_.free_speed;
     const auto meets = [&](std::size_t i) {
@@ -295,7 +294,7 @@ class Finder {
   }
 
   void measure(const Stretch& stretch) {
-    // The windows at both ends reach a little into the free motion.
+    // The windows at both ends extend a little into the free motion.
     constexpr double kTrim = 0.1;  // s
     Stretch core = stretch;
     while (core.end - core.begin > 4 &&
@@ -312,7 +311,7 @@ class Finder {
       const auto [ahead, off] = offLine(line, track_[i]);
       return std::abs(ahead) <= allowed && std::abs(off) <= allowed;
     };
-    // Outwards to the first of two points off the line: one alone may be an outlier.
+    // Extend until two successive points are off the line: a single one may be an outlier.
     const auto leaves = [&](std::size_t i, std::size_t beyond) {
       return !on(i) && (beyond >= track_.size() || !on(beyond));
     };
@@ -350,7 +349,7 @@ ReversalSearch reversalSearch(const ProgramLaw& law, double speed, double distan
   search.max_distance = distance;
   search.sense_distance = senseDistance(law);
   if (law.kind == ProgramKind::kNoisyAbp || law.kind == ProgramKind::kBp) {
-    // Robots come to walls in proportion to their speed: <v^2> / <v> over the speeds toward it.
+    // The rate of reaching a wall is proportional to the speed: <v^2> / <v> over speeds toward it.
     search.free_speed = law.V / 2;
     search.edge_time = std::min(law.epsilon / 2, kHeldEdge);
     search.hold = law.epsilon;
@@ -364,7 +363,7 @@ ReversalSearch reversalSearch(const ProgramLaw& law, double speed, double distan
   return search;
 }
 
-void ReversalReporter::tell(RobotTelemetry& telemetry) {
+void ReversalReporter::report(RobotTelemetry& telemetry) {
   while (begun_ < reversals_.size() && reversals_[begun_].start <= telemetry.time) {
     if (begun_ > 0) before_ += reversals_[begun_ - 1].end - reversals_[begun_ - 1].start;
     ++begun_;
@@ -382,7 +381,7 @@ void ReversalReporter::tell(RobotTelemetry& telemetry) {
 }
 
 double headingNoise(const std::vector<TrackPoint>& track) {
-  constexpr double kEven = 0.1;  // share of a step's time that the next may be longer or shorter
+  constexpr double kEven = 0.1;  // relative difference between successive time steps
   std::vector<double> scatter;
   for (std::size_t i = 2; i < track.size(); ++i) {
     const double before = track[i - 1].time - track[i - 2].time;
@@ -391,7 +390,7 @@ double headingNoise(const std::vector<TrackPoint>& track) {
     scatter.push_back(
         std::abs(wrapped(track[i].theta - 2 * track[i - 1].theta + track[i - 2].theta)));
   }
-  return kMadToSigma * median(std::move(scatter)) / std::sqrt(6);  // 1 + 4 + 1 variances
+  return kMadToSigma * medianOrZero(std::move(scatter)) / std::sqrt(6);  // 1 + 4 + 1 variances
 }
 
 TrackFindings examineTrack(std::vector<TrackPoint>& track, const ReversalSearch& search) {

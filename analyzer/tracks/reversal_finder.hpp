@@ -1,93 +1,94 @@
 #pragma once
 
 #include <cstddef>
-#include <limits>
+#include <cstdint>
 #include <utility>
 #include <vector>
 
 #include "analyzer/laws.hpp"
 #include "analyzer/tracks/track_stitcher.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 
-/// What a reversal looks like. SI units.
+/// Properties of the reversals to be found. SI units.
 struct ReversalSearch {
-  bool wanted = true;  ///< False: headings are mended, and nothing is searched for.
-  double speed = std::numeric_limits<double>::quiet_NaN();  ///< m/s; nan: taken from the track.
-  double max_distance = 0.4;                                ///< m
-  double least_time = 0.4;     ///< Shorter ones are not told from free motion, s.
-  double sense_distance = 0;   ///< See senseDistance(); 0: head and tail are alike.
-  bool one_way = false;        ///< The program never drives backward: only reversals do.
-  double free_speed = 0;       ///< Mean speed with which the robot meets a wall, m/s.
-  double edge_time = 0.15;     ///< Free motion is taken for even so long before and after, s.
-  double hold = 0;             ///< epsilon of a program that draws its speed, s; 0: it does not.
+  bool wanted = true;  ///< False: headings are corrected, and reversals are not searched for.
+  double speed = units::kNan;  ///< m/s; nan: estimated from the track.
+  double max_distance = 0.4;   ///< m
+  double least_time = 0.4;     ///< Shorter ones cannot be distinguished from free motion, s.
+  double sense_distance = 0;   ///< See senseDistance(); 0: the motion does not show the head.
+  bool one_way = false;        ///< The program never drives backward.
+  double free_speed = 0;       ///< Mean speed toward a wall before a reversal, m/s.
+  double edge_time =
+      0.15;  ///< Time before and after a reversal over which free motion is taken as uniform, s.
+  double hold = 0;             ///< epsilon of a program that draws its speed, s; 0: constant speed.
   double drawn_mean = 0;       ///< m/s
-  double drawn_width = 0;      ///< Half width of each wheel's draws, m/s.
+  double drawn_width = 0;      ///< Half width of the draws of each wheel, m/s.
   double max_turn_rate = 7.2;  ///< Of the headings, rad/s.
-  bool headings = true;        ///< False: theta means nothing.
+  bool headings = true;        ///< False: theta is not used.
 };
 
-/// The search for the program's robots. `speed` and `distance` as the experiment sets them (m/s, m;
-/// nan: the speed is taken from the track).
+/// The search settings for a program. `speed` (m/s) and `distance` (m) are those of the experiment;
+/// speed nan: estimated from the track.
 [[nodiscard]] ReversalSearch reversalSearch(const ProgramLaw& law, double speed, double distance);
 
-/// A stretch of straight, even motion that the program cannot drive.
+/// A stretch of straight, uniform motion that the program cannot produce.
 struct FoundReversal {
   double start = 0;    ///< s
   double end = 0;      ///< s
-  double dx = 0;       ///< Way of it, m.
+  double dx = 0;       ///< Displacement, m.
   double dy = 0;       ///< m
-  double heading = 0;  ///< Mean over it, mended, rad.
+  double heading = 0;  ///< Mean corrected heading, rad.
 };
 
-/// What a whole track says about itself.
+/// Results for one track.
 struct TrackFindings {
   std::vector<FoundReversal> reversals;  ///< In time order.
-  double speed = 0;        ///< Of reversing as searched for or estimated, m/s; nan: none found.
-  double sigma = 0;        ///< Noise of the tracker per axis, m, as the motion across the
-                           ///< headings tells it.
-  std::int64_t flips = 0;  ///< Headings turned round.
+  double speed = 0;        ///< Speed of reversing, given or estimated, m/s; nan: none found.
+  double sigma = 0;        ///< Tracker noise per axis, m, from the motion across the headings.
+  std::int64_t flips = 0;  ///< Headings flipped.
   std::int64_t flip_jumps = 0;
-  std::int64_t sense_turns = 0;  ///< Stretches whose head was the tail all along.
+  std::int64_t sense_turns = 0;  ///< Chains of headings that were flipped as a whole.
 };
 
-/// The standard error of a track's headings as their second differences scatter, rad. Of even turns
-/// nothing is left in these, and their median heeds neither draws of another turn nor flips.
+/// The standard error of the headings of a track, rad, from the median of their second differences.
+/// Uniform turns cancel in these, and the median ignores changes of the turning rate and flips.
 /// @param track as for examineTrack()
 [[nodiscard]] double headingNoise(const std::vector<TrackPoint>& track);
 
-/// Mends the headings of a track, in place, and finds the reversals in it: for people whose robots
-/// told nothing. `track` holds one robot's valid points in strictly ascending time.
+/// Corrects the headings of a track in place, and finds its reversals, for robots without
+/// telemetry. `track` holds the valid points of one robot in strictly ascending time.
 ///
-/// A robot that backs from a wall drives straight and evenly for seconds and keeps its heading; its
-/// program turns it every epsilon. Programs that drive forward never drive backward for long, and
-/// that decides for them; the others do not draw the same speed so often that it would last.
+/// A robot that backs away from a wall drives straight and uniformly for seconds and keeps its
+/// heading, while its program turns it every epsilon. For programs that drive forward, backward
+/// motion identifies reversals. The others do not draw the same speed for long enough.
 /// 1. Headings are made continuous (FlipFilter).
-/// 2. In windows of least_time a line of constant velocity is fitted; windows that fit within noise
-///    at the speed and whose heading stands still, along the line, make stretches.
-/// 3. Which end is the head is decided for each stretch of headings as a whole by what is driven
-///    outside of these; then of programs that never drive backward only backward
-///    stretches are kept.
-/// 4. Each end is where the line meets the free motion beside it, driven at free_speed.
+/// 2. A line of constant velocity is fitted in windows of least_time. Windows that fit within the
+/// noise, have the speed, and have a constant heading along the line are joined to stretches.
+/// 3. For each chain of headings, the displacement outside of these stretches decides which end is
+/// the head. For programs that never drive backward, only backward stretches are kept.
+/// 4. The ends of a reversal are where the line meets the adjacent free motion, at free_speed.
 [[nodiscard]] TrackFindings examineTrack(std::vector<TrackPoint>& track,
                                          const ReversalSearch& search);
 
-/// The found reversals as the robot itself would tell them.
+/// Reports the found reversals as telemetry of the robot would.
 class ReversalReporter {
  public:
   explicit ReversalReporter(std::vector<FoundReversal> reversals)
       : reversals_(std::move(reversals)) {}
 
-  /// Fills in what telemetry.time needs of the reversals. Times must not go back.
-  void tell(RobotTelemetry& telemetry);
+  /// Sets the fields of the telemetry that describe reversals, for telemetry.time. Times must not
+  /// decrease.
+  void report(RobotTelemetry& telemetry);
 
-  /// How long the robot had reversed up to the time of the last telemetry, s.
+  /// Total time in reversals up to the time of the last telemetry, s.
   [[nodiscard]] double removed() const { return removed_; }
 
  private:
   std::vector<FoundReversal> reversals_;
   std::size_t begun_ = 0;
-  double before_ = 0;  ///< s, of the reversals before the last one begun.
+  double before_ = 0;  ///< s, of the reversals before the last one that began.
   double removed_ = 0;
 };
 

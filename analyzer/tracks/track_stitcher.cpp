@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "analyzer/laws/numerics.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -13,9 +14,10 @@ namespace {
 constexpr double kLogKept = 1.0;           // s of telemetry before the last sample
 constexpr std::size_t kMaxLog = 4096;      // messages
 constexpr std::size_t kMaxPending = 4096;  // frames
-constexpr int kBackwardsIsRestart = 50;    // frames in a row: the camera's clock was set back
-constexpr double kPositionSlack = 0.002;   // m beyond what wheels and noise explain
-constexpr double kHeadingSlack = 0.2;      // rad, the same
+constexpr int kBackwardsIsRestart =
+    50;  // frames in a row: then the clock of the camera was set back
+constexpr double kPositionSlack = 0.002;  // m beyond the possible displacement and the noise
+constexpr double kHeadingSlack = 0.2;     // rad beyond the possible turn and the noise
 constexpr double kSigmas = 7;
 constexpr int kBridgeSteps = 8;
 
@@ -30,10 +32,11 @@ double endOf(const RobotTelemetry& t) {
   return t.reversing ? std::numeric_limits<double>::infinity() : t.reversal_end;
 }
 
-/// The run time at a frame between two messages. A message's age would be one of 20 ms at the end
-/// of every stay in the program and not at its beginning, 0.1 % of the speed of a film of 30 s.
+/// The run time at a frame between two messages, interpolated. The run time of the last message
+/// would be up to 20 ms too small at the end of every stay in the program and not at its beginning:
+/// 0.1 % of the speed in a recording of 30 s.
 double runTimeAt(double time, const RobotTelemetry& before, const RobotTelemetry& next) {
-  // Where a program begins in between, run time grows on one side of the beginning only.
+  // If a program begins in between, run time increases on one side of the beginning only.
   double begin = before.time;
   double end = next.time;
   if (next.program_epoch != before.program_epoch && next.program_start > before.time) {
@@ -41,10 +44,10 @@ double runTimeAt(double time, const RobotTelemetry& before, const RobotTelemetry
   }
   const double grown = next.run_time - before.run_time;
   if (!(grown >= 0) || !(end > begin)) {
-    return next.run_time;  // the robot has booted
+    return next.run_time;  // the robot has rebooted
   }
-  // Not more than has grown; that it may seem to outrun the frames by the robot's last millisecond
-  // averages out, and cutting it off would not.
+  // No more than the increase. Run time may exceed the time of the frames by the last millisecond
+  // of the robot's clock; this averages out, and clipping would not.
   return before.run_time + grown * std::clamp((time - begin) / (end - begin), 0.0, 1.0);
 }
 
@@ -126,13 +129,13 @@ void TrackStitcher::processPending(bool force, std::vector<Sample>& out) {
 
 void TrackStitcher::process(TrackPoint point, std::vector<Sample>& out) {
   if (config_.headings) {
-    counters_.flips += flips_.mend(point) ? 1 : 0;
+    counters_.flips += flips_.correct(point) ? 1 : 0;
     counters_.flip_jumps = flips_.jumps();
   }
   Context context;
-  const FrameClass fate = judge(point, context);
-  if (fate != FrameClass::kFree) {
-    drop(fate, context.program);
+  const FrameClass frame_class = classify(point, context);
+  if (frame_class != FrameClass::kFree) {
+    drop(frame_class, context.program);
     return;
   }
   double gap = last_ ? point.time - last_->time : 0;
@@ -146,7 +149,7 @@ void TrackStitcher::process(TrackPoint point, std::vector<Sample>& out) {
         if (!real) {
           return;
         }
-        // Two frames agree with each other and not with the track: it did jump.
+        // Two frames agree with each other and not with the track: a real jump.
         ++counters_.jumps;
         cut(PieceEnd::kJump);
       }
@@ -173,7 +176,7 @@ void TrackStitcher::process(TrackPoint point, std::vector<Sample>& out) {
   append(point, context, gap, out);
 }
 
-TrackStitcher::FrameClass TrackStitcher::judge(const TrackPoint& point, Context& context) const {
+TrackStitcher::FrameClass TrackStitcher::classify(const TrackPoint& point, Context& context) const {
   const auto next =
       std::lower_bound(log_.begin(), log_.end(), point.time,
                        [](const RobotTelemetry& a, double time) { return a.time < time; });
@@ -182,7 +185,7 @@ TrackStitcher::FrameClass TrackStitcher::judge(const TrackPoint& point, Context&
   }
   const RobotTelemetry* before = next == log_.begin() ? nullptr : &*(next - 1);
 
-  // The epoch: that of the next message if it had begun, else the one before it.
+  // The epoch: that of the next message if it has begun, else the one before.
   const RobotTelemetry* state = &*next;
   if (point.time < next->program_start) {
     if (before == nullptr || before->program_epoch != next->program_epoch - 1) {
@@ -204,7 +207,7 @@ TrackStitcher::FrameClass TrackStitcher::judge(const TrackPoint& point, Context&
     return FrameClass::kContact;
   }
 
-  // The reversals: each message knows the last one.
+  // Each message has the times of the last reversal.
   context.reversals = next->reversal_count;
   context.after = &*next;
   if (next->reversal_count > 0 && point.time < endOf(*next)) {
@@ -247,7 +250,7 @@ bool TrackStitcher::nearReversal(double time, Log::const_iterator next) const {
   if (inside(*next)) {
     return true;
   }
-  // What an earlier message calls unfinished the next one knows better.
+  // If an earlier message reports an unfinished reversal, the next one has its end.
   if (next != log_.begin() && !(next - 1)->reversing && inside(*(next - 1))) {
     return true;
   }
@@ -292,9 +295,9 @@ bool TrackStitcher::reachable(const TrackPoint& from, const TrackPoint& to) cons
   return turns && distance <= config_.max_wheel_speed * dt + noise + kPositionSlack;
 }
 
-void TrackStitcher::drop(FrameClass fate, int program) {
+void TrackStitcher::drop(FrameClass frame_class, int program) {
   PieceEnd reason = PieceEnd::kStop;
-  switch (fate) {
+  switch (frame_class) {
     case FrameClass::kUncovered:
       ++counters_.uncovered;
       if (!cut_ && last_) {
@@ -360,7 +363,7 @@ void TrackStitcher::join(const TrackPoint& point, const RobotTelemetry& reversal
     finish();
     return;
   }
-  // Telemetry on the axis of free time since the last frame: all of a reversal is one instant.
+  // Time of telemetry on the axis of free time since the last frame: a reversal takes no time.
   const auto freeTime = [&](const RobotTelemetry& t) {
     const double since = t.time - last_->time;
     return since < before ? since : std::max(before, since - removed);
@@ -385,13 +388,13 @@ void TrackStitcher::join(const TrackPoint& point, const RobotTelemetry& reversal
   finish();
 }
 
-/// Which end of the robot is its head: programs that drive forward show it.
+/// Lets programs that drive forward show which end of the robot is its head.
 void TrackStitcher::watchSense(TrackPoint& point, double sense_distance) {
-  // Held programs turn little between frames, and the sum over many of them decides.
+  // Robots turn little between frames, and the sum over many frames decides.
   const double middle = last_->theta + 0.5 * wrapped(point.theta - last_->theta);
   const double forward =
       (point.x - last_->x) * std::cos(middle) + (point.y - last_->y) * std::sin(middle);
-  if (flips_.drive(forward, sense_distance)) {
+  if (flips_.addMotion(forward, sense_distance)) {
     ++counters_.sense_turns;
     ++sample_.angular_segment;
     point.theta = wrapped(point.theta + std::numbers::pi);
@@ -418,7 +421,7 @@ void TrackStitcher::append(TrackPoint point, const Context& context, double gap,
     sample_.theta += wrapped(point.theta - last_->theta);
   }
   if (!config_.headings) {
-    sample_.theta = std::numeric_limits<double>::quiet_NaN();
+    sample_.theta = units::kNan;
     ++sample_.angular_segment;
   }
   cut_ = false;

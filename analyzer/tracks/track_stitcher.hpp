@@ -2,12 +2,12 @@
 
 #include <cstdint>
 #include <deque>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
 
 #include "analyzer/tracks/flip_filter.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 
@@ -20,117 +20,119 @@ struct TrackPoint {
   double theta = 0;        ///< rad, any branch.
   double sigma = 0;        ///< Standard error of x and of y, m; 0: unknown.
   double sigma_theta = 0;  ///< Standard error of theta, rad; 0: unknown.
-  bool valid = true;       ///< False: the tracker itself does not trust the pose.
+  bool valid = true;       ///< False: the tracker marked the pose as unreliable.
 };
 
-/// What one robot says about itself at one time. Every message carries the whole state, so that a
-/// lost message costs nothing that the next one does not say again.
+/// The state that one robot reports for one time. Every message has the complete state, so the next
+/// one replaces a lost one.
 struct RobotTelemetry {
-  double time = 0;                  ///< When sampled, in the time of the frames, s.
-  int program = -1;                 ///< The caller's key of the program, -1: standing.
-  std::int64_t program_epoch = 0;   ///< Counts starts of programs, each with a fresh draw.
-  double program_start = 0;         ///< When this epoch began, s.
+  double time = 0;                  ///< Time of sampling, on the clock of the frames, s.
+  int program = -1;                 ///< The caller's key of the program; -1: standing.
+  std::int64_t program_epoch = 0;   ///< Counts the starts of programs; each start draws anew.
+  double program_start = 0;         ///< Beginning of this epoch, s.
   std::int64_t reversal_count = 0;  ///< Reversals begun.
   double reversal_start = 0;        ///< Of the last reversal, s.
   double reversal_end = 0;          ///< Of the last reversal, s; ignored while reversing.
-  /// How far the last reversal went, m, where a camera has measured it (ReversalFinder); nan: the
-  /// free motion around it is bridged at the held wheel speeds.
-  double reversal_dx = std::numeric_limits<double>::quiet_NaN();
-  double reversal_dy = std::numeric_limits<double>::quiet_NaN();
+  /// Displacement of the last reversal, m, if it was found in the poses (examineTrack()); nan: the
+  /// free motion around it is computed from the held wheel speeds.
+  double reversal_dx = units::kNan;
+  double reversal_dy = units::kNan;
   bool reversing = false;
   double v_l = 0;                 ///< The program's held wheel speeds, also while
   double v_r = 0;                 ///< reversing, m/s.
   bool contact = false;           ///< Touches another robot.
-  bool stopped = false;           ///< Stopped from outside.
+  bool stopped = false;           ///< Stopped by a command.
   std::int64_t tumble_count = 0;  ///< Tumbles begun (RTP).
   double run_time = 0;            ///< Time spent in runs, reversals excluded (RTP), s.
-  double sense_distance = 0;      ///< Shows head from tail, see senseDistance(), m.
+  double sense_distance = 0;      ///< See senseDistance(), m.
 };
 
-/// One point of the free motion. Free time and the stitched coordinates mean something only
-/// relative to other samples of the same segment.
+/// One point of the free motion. Free time and stitched coordinates are comparable only within a
+/// segment.
 struct Sample {
   double time = 0;       ///< Camera time, s.
   double free_time = 0;  ///< Camera time without the reversals, s.
   std::int64_t frame = 0;
   double x = 0;             ///< Stitched, m.
   double y = 0;             ///< Stitched, m.
-  double theta = 0;         ///< Unwrapped, rad; nan: headings are not known.
+  double theta = 0;         ///< Unwrapped, rad; nan: unknown.
   int segment = 0;          ///< No window may cross a change of segment.
   int angular_segment = 0;  ///< No angular window may cross a change of this one.
-  int piece = 0;     ///< Changes also where a reversal was removed: frames are aligned in it.
+  int piece =
+      0;  ///< Also changes where a reversal was removed; within a piece, frames are equally spaced.
   int program = -1;  ///< The caller's key.
   std::int64_t tumble_count = 0;
   double run_time = 0;  ///< s.
 };
 
-/// What the robots can do and how long to wait for their telemetry.
+/// Limits of the robots, and waiting times.
 struct StitcherConfig {
-  double reorder_delay = 0.5;     ///< A frame waits at most so long for telemetry, s.
-  double contact_guard = 0.1;     ///< Cut so much before and after a contact, s.
-  double reversal_guard = 0.0;    ///< Distrust frames so close to a reversal, s.
-  double max_join_gap = 0.3;      ///< Free time that the held wheel speeds may bridge, s.
-  double max_angular_gap = 0.3;   ///< Without frames for longer, the heading is ambiguous, s.
+  double reorder_delay = 0.5;   ///< Longest wait of a frame for telemetry, s.
+  double contact_guard = 0.1;   ///< Time that is cut before and after a contact, s.
+  double reversal_guard = 0.0;  ///< Frames closer to a reversal are dropped, s.
+  double max_join_gap =
+      0.3;  ///< Longest free time around a reversal that is computed from the held wheel speeds, s.
+  double max_angular_gap = 0.3;   ///< After a longer gap the heading is ambiguous, s.
   double max_wheel_speed = 0.27;  ///< m/s.
   double wheel_base = 0.075;      ///< m.
-  bool headings = true;           ///< False: theta of the frames means nothing.
-  bool join = true;               ///< False: reversals are removed, and cut.
+  bool headings = true;           ///< False: theta of the frames is not used.
+  bool join = true;               ///< False: reversals are removed, and the track is cut there.
 };
 
-/// Why a piece of free motion ended.
+/// Reason for the end of a piece of free motion.
 enum class PieceEnd : std::uint8_t {
-  kJoined,         ///< A reversal was removed and the motion after it joined.
-  kNotJoined,      ///< A reversal was removed and cuts, as StitcherConfig::join asks.
-  kLostReversal,   ///< A reversal whose times, or the frames around it, are not known.
-  kProgramSwitch,  ///< Another program, or a fresh start of the same.
+  kJoined,         ///< A reversal was removed, and the motion after it joined.
+  kNotJoined,      ///< A reversal was removed, and the track cut (StitcherConfig::join is false).
+  kLostReversal,   ///< A reversal with unknown times, or without frames close to it.
+  kProgramSwitch,  ///< Another program, or a restart of the same one.
   kContact,        ///< Touches another robot.
-  kStop,           ///< Standing, or stopped from outside.
-  kJump,           ///< Two frames or more agree with each other and not with the track.
-  kClockSetBack,   ///< The camera's time stamps went back for good.
+  kStop,           ///< Standing, or stopped by a command.
+  kJump,           ///< Two or more frames agree with each other and not with the track.
+  kClockSetBack,   ///< The time stamps of the camera were set back.
   kClockStep,      ///< The clock of a file of poses jumped.
   kEnd,            ///< End of data.
 };
 
-/// A stretch of free motion without a gap in its meaning. SI units.
+/// A stretch of free motion without a gap. SI units.
 struct Piece {
   int program = -1;  ///< As in the samples.
   int segment = 0;
   int piece = 0;
-  double begin = 0;  ///< Camera time of its first frame, s.
-  double end = 0;    ///< Of its last frame, s.
+  double begin = 0;  ///< Camera time of the first frame, s.
+  double end = 0;    ///< Camera time of the last frame, s.
   std::int64_t frames = 0;
   PieceEnd reason = PieceEnd::kEnd;
-  /// Of the reversal that ended it, where it was joined; else nan.
-  double reversal_start = std::numeric_limits<double>::quiet_NaN();  ///< s.
-  double reversal_end = std::numeric_limits<double>::quiet_NaN();    ///< s.
-  double dx = std::numeric_limits<double>::quiet_NaN();              ///< Taken out of the track, m.
-  double dy = std::numeric_limits<double>::quiet_NaN();              ///< m.
-  /// What the heading turned between the frames around it, rad. It stays in the track: the robot
-  /// keeps its heading while it reverses, and free motion up to the frames turned it.
-  double rotation = std::numeric_limits<double>::quiet_NaN();
+  /// The reversal that ended the piece, if it was joined; else nan.
+  double reversal_start = units::kNan;  ///< s.
+  double reversal_end = units::kNan;    ///< s.
+  double dx = units::kNan;              ///< Displacement removed from the track, m.
+  double dy = units::kNan;              ///< m.
+  /// Change of the heading between the frames around the reversal, rad. It stays in the track: the
+  /// robot keeps its heading while it reverses, and the free motion before and after turned it.
+  double rotation = units::kNan;
 };
 
-/// What happened to the frames, over all programs.
+/// Counts of the frames, over all programs.
 struct StitcherCounters {
   std::int64_t frames = 0;        ///< Received.
-  std::int64_t samples = 0;       ///< Passed on.
+  std::int64_t samples = 0;       ///< Output as samples.
   std::int64_t invalid = 0;       ///< Not finite, or marked invalid.
-  std::int64_t out_of_order = 0;  ///< Time stamp repeated or gone back.
-  std::int64_t uncovered = 0;     ///< No telemetry says what the robot did then.
+  std::int64_t out_of_order = 0;  ///< Time stamp repeated or earlier.
+  std::int64_t uncovered = 0;     ///< No telemetry covers their time.
   std::int64_t standing = 0;      ///< No program, or stopped.
   std::int64_t in_reversal = 0;
   std::int64_t in_contact = 0;
-  std::int64_t outliers = 0;        ///< Not reachable with the wheels.
+  std::int64_t outliers = 0;        ///< Not reachable by the wheels.
   std::int64_t bad_telemetry = 0;   ///< Repeated, too late or not finite.
   std::int64_t jumps = 0;           ///< Cuts at an unmarked jump.
   std::int64_t lost_reversals = 0;  ///< Cuts at reversals whose times were lost.
   std::int64_t reversals = 0;       ///< Removed and joined.
-  std::int64_t flips = 0;           ///< Headings turned round: the tail was taken for the head.
-  std::int64_t flip_jumps = 0;      ///< Jumps of the heading by pi that were mended.
-  std::int64_t sense_turns = 0;     ///< Times that the motion showed the head to be the tail.
+  std::int64_t flips = 0;           ///< Headings flipped, because head and tail were confused.
+  std::int64_t flip_jumps = 0;      ///< Jumps of the heading by pi that were corrected.
+  std::int64_t sense_turns = 0;     ///< Times that the motion showed head and tail to be confused.
 };
 
-/// Of one program.
+/// Counts of one program.
 struct ProgramTally {
   std::int64_t samples = 0;
   std::int64_t in_contact = 0;  ///< Frames cut for a contact.
@@ -139,35 +141,35 @@ struct ProgramTally {
   std::int64_t reversals = 0;  ///< Removed and joined.
 };
 
-/// The paper's Appendix B for one robot, online: removes the marked reversals from its track and
-/// joins the free motion around them. The robot resumes exactly (timers, wheel speeds and heading
-/// are kept), so the stitched track is statistically the free one.
+/// Appendix B of the paper, online, for one robot: removes the reported reversals from its track
+/// and joins the free motion around them. The robot resumes exactly (it keeps timers, wheel speeds
+/// and heading), so the statistics of the stitched track are those of free motion.
 ///
-/// Headings that a tracker turned round are turned back first (FlipFilter), also while reversing.
-/// Frames and telemetry come in any interleaving. A frame is judged once telemetry at or after its
-/// time is known, or after reorder_delay. Inside a reversal frames are dropped; free time stops;
-/// the motion between the last frame before and the first one after is driven at the held wheel
-/// speeds. A new program epoch, a contact, a stop, a jump that the wheels cannot make, and a
-/// reversal without its times cut: a new segment begins. A lost frame does not.
+/// Flipped headings are corrected first (FlipFilter), also while reversing. Frames and telemetry
+/// may be interleaved in any way. A frame is classified when telemetry at or after its time is
+/// known, or after reorder_delay. During a reversal, frames are dropped and free time stops; the
+/// motion between the last frame before it and the first one after it is computed from the held
+/// wheel speeds. A new segment begins at a new program epoch, a contact, a stop, a jump that the
+/// wheels cannot make, and a reversal without known times. A lost frame does not cut.
 class TrackStitcher {
  public:
   explicit TrackStitcher(const StitcherConfig& config)
       : config_(config),
         flips_({.max_turn_rate = 2 * config.max_wheel_speed / config.wheel_base}) {}
 
-  /// Takes a frame; appends to `out` the samples that can now be judged.
+  /// Takes a frame; appends the samples that are now final to `out`.
   void addFrame(const TrackPoint& point, std::vector<Sample>& out);
 
-  /// Takes telemetry; appends to `out` the samples that can now be judged.
+  /// Takes telemetry; appends the samples that are now final to `out`.
   void addTelemetry(const RobotTelemetry& telemetry, std::vector<Sample>& out);
 
-  /// End of data: judges all that waits by what is known.
+  /// End of data: processes all waiting frames.
   void flush(std::vector<Sample>& out);
 
   [[nodiscard]] const StitcherCounters& counters() const { return counters_; }
-  /// The pieces that have ended since the last call, in time order.
+  /// The pieces that ended since the last call, in time order.
   [[nodiscard]] std::vector<Piece> takePieces() { return std::exchange(pieces_, {}); }
-  /// Zeros for a key that never appeared.
+  /// Zeros for an unknown key.
   [[nodiscard]] ProgramTally tally(int program) const;
 
  private:
@@ -178,8 +180,8 @@ class TrackStitcher {
     int program = -1;
     std::int64_t epoch = 0;
     std::int64_t reversals = 0;             ///< Finished before the frame.
-    const RobotTelemetry* after = nullptr;  ///< Says when the last of them was.
-    std::int64_t tumble_count = 0;          ///< Begun before the frame.
+    const RobotTelemetry* after = nullptr;  ///< Has the times of the last of them.
+    std::int64_t tumble_count = 0;          ///< Tumbles begun before the frame.
     double run_time = 0;                    ///< At the frame, s.
     double sense_distance = 0;              ///< m.
   };
@@ -188,12 +190,12 @@ class TrackStitcher {
 
   void processPending(bool force, std::vector<Sample>& out);
   void process(TrackPoint point, std::vector<Sample>& out);
-  FrameClass judge(const TrackPoint& point, Context& context) const;
+  FrameClass classify(const TrackPoint& point, Context& context) const;
   [[nodiscard]] bool nearContact(double time, Log::const_iterator next) const;
   [[nodiscard]] bool nearReversal(double time, Log::const_iterator next) const;
   [[nodiscard]] Link linkTo(const TrackPoint& point, const Context& context) const;
   [[nodiscard]] bool reachable(const TrackPoint& from, const TrackPoint& to) const;
-  void drop(FrameClass fate, int program);
+  void drop(FrameClass frame_class, int program);
   void join(const TrackPoint& point, const RobotTelemetry& reversal);
   void append(TrackPoint point, const Context& context, double gap, std::vector<Sample>& out);
   void watchSense(TrackPoint& point, double sense_distance);
@@ -207,19 +209,19 @@ class TrackStitcher {
   StitcherCounters counters_;
   std::vector<ProgramTally> tallies_;
   std::vector<Piece> pieces_;
-  Piece piece_;  ///< The one that grows; without frames: none.
+  Piece piece_;  ///< The current piece; no frames: none.
   std::deque<TrackPoint> pending_;
   Log log_;
   double newest_frame_ = -1e300;
   double newest_ = -1e300;
   int backwards_ = 0;
 
-  bool cut_ = true;                 ///< The next sample begins a segment.
+  bool cut_ = true;                 ///< The next sample begins a new segment.
   std::optional<TrackPoint> last_;  ///< Last frame that became a sample.
   Context last_context_;
   Sample sample_;                      ///< Last sample.
-  std::optional<TrackPoint> suspect_;  ///< A frame that the last one cannot reach.
-  double removed_ = 0;                 ///< Time of the removed reversals.
+  std::optional<TrackPoint> suspect_;  ///< A frame that is not reachable from the last one.
+  double removed_ = 0;                 ///< Total time of the removed reversals, s.
   double offset_x_ = 0;
   double offset_y_ = 0;
 };

@@ -1,16 +1,16 @@
 # Completion for bash: `active-lab` where it is installed, `./lab` in a clone (. cmake/packaging/active-lab.bash).
-# What can be completed is asked of the program itself at each TAB, so it never differs from it.
+# Each TAB reads the --help of the program, so that completion and program never differ.
 
-_active_lab_help() {  # words of a command: its help; nothing where nothing is built yet
+_active_lab_help() {  # program command...: its help; nothing where it is not built yet
   local program=$1
   shift
-  # ./lab would build first; what it has built is asked.
+  # Calls the built program instead of ./lab, which would build first.
   [[ ${program##*/} != lab ]] ||
     program=$(dirname "$(readlink -f "$program")")/build/release/bin/lab
   [[ ! -e $program && $program == */* ]] || "$program" "$@" --help 2>/dev/null
 }
 
-_active_lab_experiments() {  # program: the folder of the shipped ones
+_active_lab_experiments() {  # program: the folder of the shipped experiments
   local program
   program=$(readlink -f "$(command -v "$1")") || return
   if [[ $program == */lib/active-lab/bin/lab ]]; then
@@ -23,7 +23,7 @@ _active_lab_experiments() {  # program: the folder of the shipped ones
 _active_lab() {
   local program=${COMP_WORDS[0]/#\~/$HOME} word=${COMP_WORDS[COMP_CWORD]}
   local before=${COMP_WORDS[COMP_CWORD - 1]} help file i
-  # The command is what stands before the word and is no option; `calibrate` has commands of its own.
+  # The words before this one that are not options; `calibrate` has sub-commands.
   local commands=()
   for ((i = 1; i < COMP_CWORD && i < 3; ++i)); do
     [[ ${COMP_WORDS[i]} =~ ^[a-z-]+$ && ${COMP_WORDS[i]} != -* ]] || break
@@ -33,7 +33,7 @@ _active_lab() {
   help=$(_active_lab_help "$program" "${commands[@]}")
   COMPREPLY=()
   if [[ $word == -* ]]; then
-    # "--figures,--no-figures{false} ..." are two words.
+    # "--figures,--no-figures{false} ..." holds two options.
     mapfile -t COMPREPLY < <(compgen -W "$(sed -n 's/^  \(-[^ ]*\).*/\1/p' <<<"$help" |
       tr ',' '\n' | sed 's/{.*//')" -- "$word")
     return
@@ -43,7 +43,7 @@ _active_lab() {
       <<<"$help")" -- "$word")
     return
   fi
-  # Files, and where an experiment is wanted the names of the shipped ones.
+  # Files; for a command that takes an experiment, also the names of the shipped ones.
   compopt -o filenames
   mapfile -t COMPREPLY < <(compgen -f -- "$word")
   if [[ $before != --* ]] && grep -q '^  FILE .*Experiment' <<<"$help"; then

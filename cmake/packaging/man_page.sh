@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
-# A man page out of what a program says with --help, so that neither can know more than the other.
+# Makes a man page from the --help of a program.
 #   man_page.sh NAME VERSION SOURCE PROGRAM NAME.1.gz
-# Of a program with subcommands each has a section. The date is that of the commit in SOURCE.
+# Each subcommand gets a section. The date is that of the commit in SOURCE.
 set -euo pipefail
 name=$1 version=$2 source=$3 program=$4
 date=$(git -C "$source" log -1 --format=%cs 2>/dev/null) || date=
 
-# CLI11's help as roff: its first line is the summary, lines with two spaces are options, and what is
-# indented further says what they are.
+# CLI11's help as roff: its first line is the summary, lines with two spaces are options, and lines that
+# are indented further describe them.
 format() {  # whole|part
   awk -v mode="$1" '
     function escaped(text) {
@@ -44,37 +44,37 @@ format() {  # whole|part
     }'
 }
 
-say_help() {  # words: the help of a subcommand, without what differs from user to user
+say_help() {  # words: the help of a subcommand, without parts that depend on the user
   env -u LCM_DEFAULT_URL "$program" "$@" --help | sed -E "s#active-lab-ports-[0-9]+#active-lab-ports-UID#; s#\{false\}##g"
 }
 
-subcommands() {  # words: its names, from the help on stdin
+subcommands() {  # names of subcommands, from the help on stdin
   sed -n '/^Subcommands:/,$ s/^  \([a-z-]*\) .*/\1/p'
 }
 
 page() {
   printf '.TH %s 1 "%s" "Active Lab %s" "Active Lab"\n.SH NAME\n%s \\- ' \
     "$(tr '[:lower:]' '[:upper:]' <<<"$name")" "$date" "$version" "${name//-/\\-}"
-  say_help | format whole
-  say_help | subcommands | while read -r command; do
+  print_help | format whole
+  print_help | subcommands | while read -r command; do
     printf '.SH "%s %s"\n' "${name//-/\\-}" "$command"
-    say_help "$command" | format part
-    say_help "$command" | subcommands | while read -r part; do
+    print_help "$command" | format part
+    print_help "$command" | subcommands | while read -r part; do
       printf '.SS "%s %s"\n' "$command" "$part"
-      say_help "$command" "$part" | format part
+      print_help "$command" "$part" | format part
     done
   done
   cat <<'END'
 .SH FILES
 .TP
 .I /usr/share/active\-lab/experiments
-the shipped experiments, which are known by name
+the shipped experiments, which can be given by name
 .TP
 .I /usr/share/doc/active\-lab/docs
-what there is to read
+the manual
 .SH "EXIT STATUS"
-0 done; 2 bad input, nothing was started; 3 a run was closed early, its data are kept and marked;
-1 anything else.
+0 success; 2 bad input, nothing was started; 3 a run ended early, its data are kept and marked;
+1 any other error.
 END
   [ "$name" = active-lab ] || printf '.SH "SEE ALSO"\n.BR active\\-lab (1)\n'
 }

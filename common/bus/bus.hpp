@@ -1,5 +1,5 @@
-/// The bus: bytes on named channels. Services see only this, so that the same service runs on the
-/// live network, in one process in virtual time, and from a log.
+/// The message bus: bytes on named channels. Services use only this interface, so the same service
+/// runs on the live network, in one process in virtual time, and from a log.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,7 @@ namespace lab {
 
 using Bytes = std::span<const std::uint8_t>;
 
-/// One message as it arrived. The views live only during the handler's call.
+/// One received message. The views are valid only during the handler's call.
 struct Packet {
   std::string_view channel;
   Bytes data;
@@ -30,27 +30,27 @@ class Bus {
   virtual ~Bus() = default;
 
   /// Sends `data` on `channel` (at most 63 characters).
-  /// @throws BusError when the transport refuses it.
+  /// @throws BusError if the transport cannot send it
   virtual void publish(std::string_view channel, Bytes data) = 0;
 
   /// Calls `handler` for every message on exactly this channel. A subscription lasts as long as the
-  /// bus: subscribe at start, before traffic flows.
+  /// bus: subscribe at start-up, before messages arrive.
   virtual void subscribe(std::string_view channel, PacketHandler handler) = 0;
 
-  /// Calls `handler` for every message of the lab on any channel.
+  /// Calls `handler` for every message on any channel, except LCM's own probe.
   virtual void subscribeAll(PacketHandler handler) = 0;
 };
 
-/// The message as bytes. LCM's encoder trusts the count fields: keep them equal to the sizes.
-/// @throws std::logic_error when the type cannot be encoded.
+/// Encodes a message. LCM's encoder trusts the count fields (num_...): keep them equal to the
+/// sizes.
+/// @throws std::logic_error if the message cannot be encoded
 template <class Message>
 std::vector<std::uint8_t> encode(const Message& message);
 
-/// Decodes into a fresh message (LCM leaves old vector contents in a reused one), and accepts it
-/// only when all bytes were used (LCM ignores a tail). Counts and lengths are checked before LCM's
-/// generated decoder trusts them (lcmtypes/encoding_checker.hpp). Never throws: a failed allocation
-/// is a decode error like any other.
-/// @return whether `data` is a Message.
+/// Decodes into a new object, because LCM leaves old vector elements in a reused one. Accepts the
+/// message only if all bytes were used; LCM itself ignores surplus bytes. Never throws: if a
+/// corrupt array length makes LCM's generated decoder throw, that counts as a decoding error.
+/// @return whether `data` is a Message; if not, `message` is unchanged
 template <class Message>
 [[nodiscard]] bool decode(Bytes data, Message& message) noexcept;
 

@@ -1,3 +1,4 @@
+/// The error of the message bus.
 #pragma once
 
 #include <stdexcept>
@@ -6,13 +7,14 @@
 
 namespace lab {
 
-/// The network cannot carry the lab. The text says what to do about it.
+/// The bus cannot be opened or used. what() says how to repair it.
 class BusError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// LCM's limit, kept on every bus. @throws BusError for a longer name.
+/// LCM limits channel names to 63 characters; every bus enforces this limit.
+/// @throws BusError for a longer name
 inline void checkChannelName(std::string_view channel) {
   constexpr std::size_t kLongest = 63;
   if (channel.size() <= kLongest) return;

@@ -1,4 +1,4 @@
-/// Every channel of the lab. Types, rates and owners: lcmtypes/README.md.
+/// The names of all channels. lcmtypes/README.md lists their types, rates and owners.
 #pragma once
 
 #include <array>
@@ -35,7 +35,7 @@ inline constexpr std::array kAll{
     kServiceStatus,     kExperimentEvent, kExperimentCommand, kExperimentStatus, kClock,
     kSimTruth};
 
-/// LCM's own probe, sent whenever a subscriber starts: not lab traffic.
+/// LCM's own probe, which every starting subscriber sends to itself. It is ignored.
 inline constexpr std::string_view kLcmSelfTest = "LCM_SELF_TEST";
 
 }  // namespace lab::channels

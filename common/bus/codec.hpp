@@ -1,9 +1,12 @@
-/// Encoding and decoding of the generated types: see bus.hpp.
+/// Encoding and decoding of the generated message types; bus.hpp documents the functions.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "lcmtypes/encoding_checker.hpp"
@@ -19,6 +22,9 @@ std::vector<std::uint8_t> encode(const Message& message) {
   }
   return bytes;
 }
+
+/// Longest packet [bytes]: the decoder counts in an int, with up to eight bytes per packet byte.
+inline constexpr std::size_t kMostBytes = (std::size_t{1} << 28) - 1;
 
 template <class Message>
 bool decode(Bytes data, Message& message) noexcept {

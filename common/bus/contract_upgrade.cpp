@@ -70,7 +70,7 @@ light_status_t convert(const lab_v3::light_status_t& old) {
   status.moving = old.moving;
   status.calibration_id = old.calibration_id;
   status.last_refusal = old.last_refusal;
-  // Until version 3 nothing but this was built.
+  // Up to version 3 the projector was always headless.
   status.display = "headless";
   status.vsync = "clock";
   status.sync = -1;

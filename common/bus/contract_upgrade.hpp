@@ -1,4 +1,4 @@
-/// Messages of older contract versions, read as if they were of this one.
+/// Converts messages of older contract versions.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace lab {
 
-/// The message as this version writes it, where an older version wrote it and the type has changed
-/// since; nothing where it needs no change, is damaged or is none of ours.
+/// Converts a message of an older contract version to the present one.
+/// @return nothing if the message needs no conversion, is damaged, or is of an unknown type
 [[nodiscard]] std::optional<std::vector<std::uint8_t>> upgraded(Bytes message);
 
-/// The types that upgraded() reads, as fingerprintList().
+/// The types that upgraded() converts, in the format of fingerprintList().
 [[nodiscard]] std::string olderFingerprintList();
 
 }  // namespace lab

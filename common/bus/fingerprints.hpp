@@ -1,4 +1,4 @@
-/// The contract as LCM hashes it.
+/// LCM's type hashes of all messages.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,13 @@
 
 namespace lab {
 
-/// "type hash" for every type that travels on a channel, one a line.
+/// One line "type hash" for every type that is sent on a channel.
 [[nodiscard]] std::string fingerprintList();
 
-/// "type hash" and the end of the line.
+/// One such line, with its line end.
 [[nodiscard]] std::string fingerprintLine(std::string_view type, std::int64_t hash);
 
-/// The type with this hash, empty when it is none of ours.
+/// The name of the type with this hash; empty if it is unknown.
 [[nodiscard]] std::string_view typeWithFingerprint(std::int64_t hash);
 
 }  // namespace lab

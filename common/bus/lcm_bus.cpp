@@ -2,8 +2,10 @@
 
 #include <cctype>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "common/bus/channels.hpp"
@@ -14,7 +16,7 @@ namespace {
 constexpr int kDefaultPort = 7667;
 constexpr int kMostInOneDrain = 10'000;
 
-/// LCM takes channel names for regular expressions: ROBOT.1 would also hear ROBOTX1.
+/// Escapes a channel name, which LCM takes as a regular expression: ROBOT.1 would match ROBOTX1.
 std::string literally(std::string_view channel) {
   std::string pattern;
   for (const char letter : channel) {
@@ -55,8 +57,7 @@ struct LcmBus::Subscription {
 };
 
 LcmBus::LcmBus(const std::string& url) : lcm_(lcm_create(url.c_str()), &lcm_destroy) {
-  // Asking for the descriptor makes LCM send a probe to itself, which fails where multicast does
-  // not loop back.
+  // lcm_get_fileno() makes LCM send a probe to itself, which fails if multicast does not loop back.
   if (!lcm_ || lcm_get_fileno(lcm_.get()) < 0) {
     throw BusError(
         "the LCM bus " + url +
@@ -108,7 +109,7 @@ bool LcmBus::drainFor(int timeout_ms) {
   }
   draining_ = false;
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));
-  // A signal ends the wait (EINTR): the caller looks at its stop flag.
+  // EINTR: a signal ended the wait, so that the caller can check its stop flag.
   if (result < 0 && errno != EINTR) throw BusError("LCM receives no more messages");
   return handled > 0;
 }

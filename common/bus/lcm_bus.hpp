@@ -6,6 +6,7 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/bus.hpp"
@@ -13,21 +14,23 @@
 
 namespace lab {
 
-/// The URL of a lab on `port`. ttl 0 keeps it on this machine; recv_buf_size is for every listener,
-/// lcm-logger too: the default socket buffer loses messages of more than one datagram. Only the
-/// port separates two labs: LCM 1.3.1 binds to any address, so the group does not.
+/// The URL of a bus on `port`. ttl = 0 keeps messages on this machine. recv_buf_size is needed by
+/// every subscriber, lcm-logger included: with the default socket buffer, messages of several
+/// datagrams are lost. Only different ports separate two buses, because LCM 1.3.1 binds to any
+/// address and so receives from every multicast group.
 std::string lcmUrl(int port, int ttl = 0);
 
-/// What the environment's LCM_DEFAULT_URL says, otherwise the lab's URL on LCM's usual port, 7667.
+/// The value of the environment variable LCM_DEFAULT_URL; if unset, lcmUrl() of LCM's default port
+/// 7667.
 std::string defaultLcmUrl();
 
-/// Meets the traps of LCM 1.3.1 in one place: the constructor finds a network that cannot carry
-/// multicast (LCM itself never says so), queues are unlimited instead of 31 messages, channel names
-/// are matched literally instead of as regular expressions, and no exception ever unwinds through
-/// LCM's C code: it is kept and thrown by drain().
+/// Works around four limitations of LCM 1.3.1. The constructor detects a network without multicast,
+/// which LCM does not report. Queues are unlimited instead of 31 messages long. Channel names are
+/// matched literally instead of as regular expressions. Exceptions of handlers do not unwind
+/// through LCM's C code: they are stored, and drain() throws them.
 class LcmBus final : public Bus {
  public:
-  /// @throws BusError with the line that repairs the network.
+  /// @throws BusError with the command that repairs the network
   explicit LcmBus(const std::string& url);
   ~LcmBus() override;
 
@@ -35,15 +38,16 @@ class LcmBus final : public Bus {
   void subscribe(std::string_view channel, PacketHandler handler) override;
   void subscribeAll(PacketHandler handler) override;
 
-  /// Readable while messages wait.
+  /// Readable while messages are waiting.
   [[nodiscard]] int fileDescriptor() const;
 
-  /// Handles every waiting message, or 10 000 of a flood, so that timers and signals get their
-  /// turn.
-  /// @throws whatever a handler threw, the first of them; BusError when LCM has failed.
+  /// Handles all waiting messages, at most 10 000 in one call so that timers and signals are not
+  /// starved.
+  /// @throws the first exception that a handler threw; BusError if LCM has failed
   void drain();
 
-  /// Waits for a message at most this long, then drains. @return whether there was one.
+  /// Waits at most `timeout_ms` for a message, then drains.
+  /// @return whether a message was handled
   bool drainFor(int timeout_ms);
 
  private:

@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <optional>
 #include <stdexcept>
+#include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/contract_upgrade.hpp"
@@ -20,14 +21,14 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::uint32_t kSync = 0xEDA1DA01;
-/// An event's sync word, number, time and two lengths, big-endian.
+/// The header of an event holds a sync word, its number, its time and two lengths, big-endian.
 constexpr std::size_t kHeader_bytes = 28;
 constexpr std::size_t kTime_at = 12;
 constexpr std::size_t kChannelLength_at = 20;
 constexpr std::size_t kDataLength_at = 24;
-constexpr std::int32_t kLongestChannel = 999;  // LCM's own reader takes no longer one
+constexpr std::int32_t kLongestChannel = 999;  // the limit of LCM's own reader
 
-/// A file in memory: LCM's reader copies and frees every event, which takes as long as decoding it.
+/// A file mapped into memory. LCM's reader copies every event, which takes as long as decoding it.
 class MappedFile {
  public:
   explicit MappedFile(const fs::path& path) {
@@ -65,7 +66,7 @@ Integer bigEndian(Bytes file, std::size_t at) {
 
 bool syncAt(Bytes file, std::size_t at) { return bigEndian<std::uint32_t>(file, at) == kSync; }
 
-/// The first sync word at or behind a place; the file's size: there is none.
+/// The position of the first sync word at or after `at`; the file's size if there is none.
 std::size_t findEvent(Bytes file, std::size_t at) {
   for (; at + sizeof kSync <= file.size(); ++at) {
     if (syncAt(file, at)) return at;
@@ -77,11 +78,12 @@ struct Event {
   std::string_view channel;
   Bytes data;
   std::int64_t utime = 0;
-  std::size_t end = 0;  ///< behind it in the file
+  std::size_t end = 0;  ///< position in the file after the event
 };
 
-/// The event that begins at a sync word. Nothing: its lengths cannot be, or something else than an
-/// event or the end of the file comes behind it.
+/// The event that begins at a sync word.
+/// @return nothing if its lengths are impossible, or if neither a sync word nor the end of the file
+///   follows it
 std::optional<Event> eventAt(Bytes file, std::size_t at) {
   if (file.size() - at < kHeader_bytes) return std::nullopt;
   const auto channel_length = bigEndian<std::int32_t>(file, at + kChannelLength_at);
@@ -104,7 +106,7 @@ std::optional<Event> eventAt(Bytes file, std::size_t at) {
 void readFile(const fs::path& path, const PacketHandler& handler, LogReadResult& result) {
   const MappedFile mapped(path);
   const Bytes file = mapped.bytes();
-  std::size_t whole = 0;  // everything up to here is read or counted
+  std::size_t whole = 0;  // the end of the last whole event
   std::size_t at = findEvent(file, 0);
   while (at < file.size()) {
     const std::optional<Event> event = eventAt(file, at);
@@ -128,7 +130,7 @@ void readFile(const fs::path& path, const PacketHandler& handler, LogReadResult&
 struct LogWriter::Implementation {
   lcm_eventlog_t* log = nullptr;
   std::string channel;
-  std::vector<char> buffer;  // glibc does not make one of the size asked for
+  std::vector<char> buffer;  // setvbuf(): glibc ignores the size without a buffer
 };
 
 LogWriter::LogWriter(const fs::path& path)
@@ -154,7 +156,7 @@ void LogWriter::write(const Packet& packet) {
   event.channellen = static_cast<std::int32_t>(packet.channel.size());
   event.datalen = static_cast<std::int32_t>(packet.data.size());
   event.channel = implementation_->channel.data();
-  // LCM's struct has no const; it only reads.
+  // LCM only reads the data, but its struct has no const.
   event.data = const_cast<std::uint8_t*>(packet.data.data());
   if (lcm_eventlog_write_event(implementation_->log, &event) != 0) fail();
 }

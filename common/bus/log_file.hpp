@@ -1,4 +1,4 @@
-/// Logs in stock lcm-logger's format.
+/// Message logs in the format of lcm-logger.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,21 @@
 
 namespace lab {
 
-/// Writes what lcm-logger would have written.
+/// Writes a log file as lcm-logger would.
 class LogWriter {
  public:
-  /// @throws std::runtime_error when the file exists (nothing is overwritten) or cannot be made.
+  /// @throws std::runtime_error if the file exists (logs are never overwritten) or cannot be
+  /// created
   explicit LogWriter(const std::filesystem::path& path);
   ~LogWriter();
   LogWriter(const LogWriter&) = delete;
   LogWriter& operator=(const LogWriter&) = delete;
 
-  /// @throws std::runtime_error when the disk takes no more.
+  /// @throws std::runtime_error if the disk is full or gone
   void write(const Packet& packet);
 
-  /// Hands everything written so far to the system: what the destructor does without a word.
-  /// @throws std::runtime_error when the disk takes no more.
+  /// Writes all buffered data to the file. The destructor does the same, but cannot report errors.
+  /// @throws std::runtime_error if the disk is full or gone
   void flush();
 
  private:
@@ -36,22 +37,22 @@ class LogWriter {
   std::filesystem::path path_;
 };
 
-/// What reading a log came to.
+/// The outcome of reading a log.
 struct LogReadResult {
   std::int64_t events = 0;
-  std::int64_t resyncs = 0;  ///< damaged places that were skipped, a truncated end included
+  std::int64_t resyncs = 0;  ///< damaged places that were skipped, including a truncated end
 };
 
-/// Calls `handler` for every event of the files, in the files' order. LCM's reader gives up at the
-/// first damaged byte, and a damaged length makes it swallow what follows; this goes on at the next
-/// whole event and counts the place. Messages of older contract versions come as this version
-/// writes them.
-/// @throws std::runtime_error when a file cannot be opened or read.
+/// Calls `handler` for every event of the files, in the order of `files`. LCM's own reader stops at
+/// the first damaged byte, or skips good events after a damaged length. This one continues at the
+/// next whole event and counts the damaged place. Messages of older contract versions are converted
+/// to the present one.
+/// @throws std::runtime_error if a file cannot be opened or read
 LogReadResult readLog(const std::vector<std::filesystem::path>& files,
                       const PacketHandler& handler);
 
-/// The files of one log, in order: log.lcmlog, then log.lcmlog.01, log.lcmlog.02 ... which a
-/// restarted logger wrote.
+/// The files of one log, in order: log.lcmlog, then log.lcmlog.01, log.lcmlog.02 ..., which loggers
+/// write that were restarted during the run.
 std::vector<std::filesystem::path> logSeries(const std::filesystem::path& first);
 
 }  // namespace lab

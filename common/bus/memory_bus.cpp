@@ -1,6 +1,8 @@
 #include "common/bus/memory_bus.hpp"
 
+#include <cstdint>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 namespace lab {

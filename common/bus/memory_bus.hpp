@@ -1,10 +1,12 @@
 /// A bus inside one process, for virtual time and for tests.
 #pragma once
 
+#include <cstdint>
 #include <deque>
 #include <exception>
 #include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/bus.hpp"
@@ -13,26 +15,26 @@
 
 namespace lab {
 
-/// Messages are queued by publish() and delivered, in order, by deliver(): a handler that publishes
-/// never recurses. Every listener hears every message, including the publisher's own. With a loss
-/// rate, each delivery to each listener is dropped at random, independently, as a network would.
+/// publish() queues messages and deliver() delivers them in order, so a handler that publishes does
+/// not recurse. Every subscriber receives every message, including its own. With a loss rate, each
+/// delivery to each subscriber is dropped at random and independently, as on a network.
 class MemoryBus final : public Bus {
  public:
   using Clock = std::function<std::int64_t()>;
 
-  /// @param clock gives the time of arrival [us since 1970].
+  /// @param clock returns the time of arrival [us since 1970]
   explicit MemoryBus(Clock clock) : clock_(std::move(clock)) {}
 
   void publish(std::string_view channel, Bytes data) override;
   void subscribe(std::string_view channel, PacketHandler handler) override;
   void subscribeAll(PacketHandler handler) override;
 
-  /// Delivers everything queued, and what the handlers publish meanwhile. A handler that throws
-  /// keeps nothing from the others. @throws whatever a handler threw, the first of them, when all
-  /// is done.
+  /// Delivers all queued messages, including those that handlers publish meanwhile. If a handler
+  /// throws, the others still get the message.
+  /// @throws the first exception that a handler threw, after everything is delivered
   void deliver();
 
-  /// From now on each delivery is lost with this probability.
+  /// From now on, drops each delivery with this probability.
   void loseAtRandom(double probability, std::uint64_t seed);
 
  private:

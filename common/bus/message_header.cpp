@@ -18,7 +18,7 @@ std::optional<MessageHeader> peekHeader(Bytes data) {
   constexpr std::size_t kSenderLength = 16;  // after fingerprint and utime
   constexpr std::size_t kSender = 20;
   if (data.size() < kSender) return std::nullopt;
-  const std::int64_t length = bigEndian(data.subspan(kSenderLength, 4));  // counts a closing 0
+  const std::int64_t length = bigEndian(data.subspan(kSenderLength, 4));  // includes the final 0
   if (length < 1 || length > kLongestSender) return std::nullopt;
   const auto size = static_cast<std::size_t>(length);
   if (data.size() < kSender + size + 16) return std::nullopt;

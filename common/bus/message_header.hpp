@@ -1,4 +1,4 @@
-/// What every message of the lab starts with.
+/// The common header of all messages.
 #pragma once
 
 #include <cstdint>
@@ -9,17 +9,17 @@
 
 namespace lab {
 
-/// Every type that travels on a channel begins with utime, sender, instance, seq: a listener that
-/// does not know the type can still say who sent it and what was lost.
+/// Every type that is sent on a channel begins with utime, sender, instance, seq. A receiver that
+/// does not know the type can still tell who sent it and count lost messages.
 struct MessageHeader {
   std::int64_t fingerprint = 0;  ///< LCM's hash of the type
   std::int64_t utime = 0;        ///< [us since 1970]
-  std::string_view sender;       ///< lives as long as the bytes
+  std::string_view sender;       ///< valid as long as the bytes
   std::int64_t instance = 0;
   std::int64_t seq = 0;
 };
 
-/// @return nothing when the bytes are too short or the sender's length makes no sense.
+/// @return nothing if the bytes are too short or the sender's length is impossible
 [[nodiscard]] std::optional<MessageHeader> peekHeader(Bytes data);
 
 }  // namespace lab

@@ -8,7 +8,7 @@ namespace {
 
 constexpr std::int64_t kRecent = 64;  // bits of StreamCount::recent
 
-/// @param seq at least the stream's first.
+/// @param seq not below the first of the stream
 void track(StreamCount& stream, std::int64_t seq, bool counts_messages) {
   const std::int64_t ahead = seq - stream.last_seq;
   if (ahead > 0) {

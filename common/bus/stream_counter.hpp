@@ -1,4 +1,4 @@
-/// House rule 4: say what was lost.
+/// Counts received and lost messages. Heartbeats, logs and reports show the counts.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,8 @@
 
 namespace lab {
 
-/// One stream: a channel of one run of one sender. Real and simulated senders share channels.
+/// One stream: the messages of one run (instance) of one sender on one channel. Several senders,
+/// real and simulated, may share a channel.
 struct StreamKey {
   std::string channel;
   std::string sender;
@@ -19,18 +20,19 @@ struct StreamKey {
 
 struct StreamCount {
   std::int64_t received = 0;
-  std::int64_t lost = 0;  ///< by gaps in seq since the first message heard
+  std::int64_t lost = 0;  ///< from gaps in seq since the first received message
   std::int64_t first_seq = 0;
   std::int64_t last_seq = 0;
   std::int64_t last_utime = 0;  ///< of the message, [us since 1970]
-  std::uint64_t recent = 1;     ///< bit i: last_seq - i came
+  std::uint64_t recent = 1;     ///< bit i: last_seq - i was received
 };
 
-/// Commands repeat a seq while they repeat themselves: their seq counts orders, not messages.
+/// Whether seq counts messages on this channel. A repeated command keeps its seq, which counts
+/// orders, not messages.
 [[nodiscard]] bool seqCountsMessages(std::string_view channel);
 
-/// Counts per stream what came and, by gaps in seq, what did not. A late message (at most 63
-/// behind) is a gap that closes again; one that comes twice closes nothing.
+/// Counts received messages per stream, and lost ones from gaps in seq. A late message (at most 63
+/// behind) reduces the lost count again; a duplicate does not.
 class StreamCounter {
  public:
   void count(std::string_view channel, std::string_view sender, std::int64_t instance,
@@ -46,7 +48,8 @@ class StreamCounter {
  private:
   std::map<StreamKey, StreamCount> streams_;
   std::map<std::string, std::int64_t> decode_errors_;
-  // The stream heard last: most messages come in runs, and this saves building a key for each.
+  // The stream of the last message. Messages often come in sequences of one stream, and this saves
+  // building a key for each.
   std::pair<const StreamKey, StreamCount>* last_ = nullptr;
 };
 

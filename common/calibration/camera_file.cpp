@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <vector>
 
+#include "common/calibration/lens_json.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
 #include "common/math/units.hpp"
 
@@ -14,7 +17,7 @@ namespace {
 
 constexpr const char* kCameraForm = "active-lab camera 1";
 
-/// The camera must be above the caps, and not so far up that the unit is wrong.
+/// Checks the camera's height: above the caps, and not so large that the unit must be wrong.
 void checkHeight(const JsonSection& file, const char* key, const CameraCalibration& calibration) {
   const double height = optics::CameraModel(calibration.camera).centre()[2];
   const double low = calibration.cap.height + 0.05;
@@ -26,7 +29,7 @@ void checkHeight(const JsonSection& file, const char* key, const CameraCalibrati
   }
 }
 
-/// A circle must be seen, and fit into the picture: what searches for it looks that far around.
+/// Checks that the caps' circles are visible, and small enough for the search in the picture.
 void checkScale(const JsonSection& file, const char* key, const CameraCalibration& calibration) {
   const optics::CameraParameters& camera = calibration.camera;
   const double away = optics::CameraModel(camera).centre()[2] - calibration.cap.height;

@@ -1,4 +1,4 @@
-/// Camera calibrations on disk: the camera.json that `lab calibrate camera` writes.
+/// Camera calibration files: the camera.json that `lab calibrate camera` writes.
 #pragma once
 
 #include <filesystem>
@@ -11,23 +11,23 @@
 
 namespace lab {
 
-/// What is known of a camera over an arena.
+/// The calibration of a camera over an arena.
 struct CameraCalibration {
   optics::CameraParameters camera;
   optics::CapGeometry cap;
-  std::optional<optics::Imaging> imaging;  ///< empty: nothing of it measured
+  std::optional<optics::Imaging> imaging;  ///< empty: not measured
   double arena_width = 1.20;               ///< [m]
   double arena_height = 0.90;              ///< [m]
   std::optional<double> residual;          ///< [m] root mean square over the arena, at cap height
   std::string id;                          ///< first 12 digits of the file's SHA-256
 };
 
-/// Reads either form: this lab's own, in SI units ("form": "active-lab camera 1"), or K, dist, R, t
-/// and geometry in centimetres as OpenCV users write them (docs/cameras.md).
-/// @throws ExperimentError that names the file, the key, what was found and what was expected.
+/// Reads one of two forms: the one of this software in SI units ("form": "active-lab camera 1"), or
+/// K, dist, R, t and geometry in centimetres, as OpenCV users write them (docs/cameras.md).
+/// @throws ExperimentError that names the file, the key, what was found and what was expected
 [[nodiscard]] CameraCalibration readCameraFile(const std::filesystem::path& file);
 
-/// This lab's own form, as text.
+/// The text of a file in the form of this software.
 [[nodiscard]] std::string cameraFileText(const CameraCalibration& calibration);
 
 }  // namespace lab

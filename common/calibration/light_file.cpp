@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "common/experiment/experiment_messages.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
 #include "common/math/units.hpp"
 
@@ -16,9 +17,9 @@ namespace {
 constexpr const char* kLightForm = "active-lab light 1";
 constexpr double kSameLength = 1e-4;  // [m] of an arena's side
 constexpr std::int32_t kLargestId = 9999;
-constexpr double kNarrowestBand = 0.005;  // [1] of the converter's full scale: five of its steps
+constexpr double kNarrowestBand = 0.005;  // [1] five steps of the converter
 
-/// Every robot must be able to tell the bands apart.
+/// Checks that the light bands are wide enough for every robot's sensors.
 void checkBands(const Experiment& experiment, const LightCalibration& calibration,
                 const std::string& file) {
   const robot_command_t table = withCalibratedBands(lightTableCommand(experiment), calibration);
@@ -58,7 +59,7 @@ robot_command_t withCalibratedBands(const robot_command_t& command,
       own.num_robots = 1;
       const auto sensor = static_cast<LightSensor>(own.light_sensor);
       const auto reading = [&](double light) {
-        // The table's ends stand for no light at all and for any light above.
+        // The ends of the table mean any light below or above, whatever the sensor reads.
         if (light <= 0) return 0.0;
         if (light >= 1) return 1.0;
         return std::clamp(calibration.reading(robot, sensor, light), 0.0, 1.0);

@@ -1,4 +1,4 @@
-/// Photometric calibrations on disk: the light.json that `lab calibrate light` writes.
+/// Photometric calibration files: the light.json that `lab calibrate light` writes.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace lab {
 
-/// How strongly a robot's two light sensors read, beside a middling one's 1.
+/// The gains of a robot's two light sensors, relative to the mean gain of all sensors.
 struct SensorGains {
   double front = 1;
   double back = 1;
@@ -22,8 +22,9 @@ struct SensorGains {
   bool operator==(const SensorGains&) const = default;
 };
 
-/// A sensor reads g (ambient + scale V(x, y) value^gamma) where a pixel of that value lights it
-/// (optics::ProjectorTone, light/photometry/light_fit.hpp).
+/// A photometric calibration. A sensor with gain g under a pixel of this value reads
+/// g (ambient + scale V(x, y) value^gamma); see optics::ProjectorTone and
+/// light/photometry/light_fit.hpp.
 struct LightCalibration {
   double gamma = 1;
   std::array<double, 5> vignetting{};
@@ -39,32 +40,37 @@ struct LightCalibration {
     return {gamma, vignetting, arena_width, arena_height};
   }
 
-  /// What the robot's sensor of the light table reads in light of this intensity, wherever it is.
+  /// The reading of a robot's sensor in light of this intensity. The projector compensates
+  /// vignetting, so it does not depend on the position.
   [[nodiscard]] double reading(std::int32_t robot, LightSensor sensor, double intensity) const;
 };
 
-/// The same orders with the bands of each robot where its own sensors read the light that the table
-/// says.
+/// Orders for each single robot, with the bands converted from light intensities to readings of its
+/// own sensors.
 [[nodiscard]] robot_command_t withCalibratedBands(const robot_command_t& command,
                                                   const LightCalibration& calibration);
 
-/// What LIGHT_STATUS says of the calibrations in force, either of which may be empty.
+/// The calibration_id of LIGHT_STATUS, from the two ids, either of which may be empty.
 [[nodiscard]] inline std::string joinCalibrationIds(const std::string& projector,
                                                     const std::string& light) {
   return projector.empty() || light.empty() ? projector + light : projector + " " + light;
 }
 
-/// @throws ExperimentError that names the file, the key, what was found and what was expected.
+/// Reads a file.
+/// @throws ExperimentError that names the file, the key, what was found and what was expected
 [[nodiscard]] LightCalibration readLightFile(const std::filesystem::path& file);
 
-/// The same from a file's text. @param name of the file, for messages
+/// As readLightFile(), from the text of a file.
+/// @param name of the file, for messages
 [[nodiscard]] LightCalibration parseLightFile(const std::string& name, const std::string& text);
 
+/// The text of the file that readLightFile() reads.
 [[nodiscard]] std::string lightFileText(const LightCalibration& calibration);
 
-/// The calibration that the experiment names, nothing where it names none.
+/// Reads the calibration that the experiment names.
 /// @param directory that the path is relative to
-/// @throws ExperimentError when it cannot be used: not there, of an arena of another size.
+/// @return nothing if the experiment names none
+/// @throws ExperimentError if the file is missing or wrong, or of an arena of another size
 [[nodiscard]] std::optional<LightCalibration> activeLightCalibration(
     const Experiment& experiment, const std::filesystem::path& directory);
 

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <string>
 
-#include "common/experiment/experiment_file.hpp"
+#include "common/files/experiment_error.hpp"
 #include "common/math/units.hpp"
 
 namespace lab {
@@ -26,7 +26,7 @@ class Reader {
       if (robot == nullptr) fail("robots: found a value, expected [[robots]] tables");
       const auto calibration = readRobot(*robot);
       if (!motors.emplace(calibration.robot_id, calibration).second) {
-        fail(fmt::format("robot {} stands in it twice", calibration.robot_id));
+        fail(fmt::format("robot {} occurs twice", calibration.robot_id));
       }
     }
     return motors;
@@ -57,7 +57,7 @@ class Reader {
     return *value;
   }
 
-  // The limits are those of the robots' own settings.
+  // The limits are those of the robots' firmware.
   motor_calibration_t readRobot(const toml::table& robot) const {
     motor_calibration_t motors{};
     motors.robot_id = static_cast<std::int32_t>(number(robot, "id", 1, 1e9));

@@ -1,4 +1,4 @@
-/// Motor calibrations on disk: the calibration/motors.toml that `lab calibrate motors` writes.
+/// Motor calibration files: the calibration/motors.toml that `lab calibrate motors` writes.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@ namespace lab {
 /// By robot id.
 using MotorCalibrations = std::map<std::int32_t, motor_calibration_t>;
 
-/// What each robot of the file holds. Other keys than those that a robot holds are not read.
-/// @throws ExperimentError that names the file, the robot and the key.
+/// Reads the calibrations of a file. Keys that robots do not store are ignored.
+/// @throws ExperimentError that names the file, the robot and the key
 [[nodiscard]] MotorCalibrations readMotorFile(const std::filesystem::path& file);
 
 }  // namespace lab

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "common/calibration/lens_json.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
 #include "common/math/units.hpp"
 
@@ -13,14 +15,15 @@ namespace {
 
 constexpr const char* kProjectorForm = "active-lab projector 1";
 constexpr double kSameSide = 1e-4;   // [m] of an arena's side
-constexpr double kSamePlace = 1e-6;  // [m] there and back through the lens
+constexpr double kSamePlace = 1e-6;  // [m] of a place mapped to its pixel and back
 
 std::optional<double> optionalNumber(const JsonSection& file, const char* key, double high) {
   if (!file.has(key)) return std::nullopt;
   return file.number(key, 0, high);
 }
 
-/// Every place of the arena must come back from its pixel: else the numbers are of no lens.
+/// Checks that every place of the arena is mapped to a pixel and back to itself; otherwise the
+/// numbers describe no lens.
 void checkLens(const JsonSection& file, const ProjectorCalibration& calibration) {
   constexpr int kSteps = 8;
   const optics::ProjectorModel model = calibration.model();

@@ -1,5 +1,5 @@
-/// Geometric calibrations of projectors on disk: the projector.json that `lab calibrate projector`
-/// writes, or the projector's own keys.
+/// Geometric calibration files of projectors: the projector.json that `lab calibrate projector` or
+/// projector_ctl writes.
 #pragma once
 
 #include <filesystem>
@@ -11,46 +11,48 @@
 
 namespace lab {
 
-/// What is known of where a projector's pixels fall.
+/// The geometric calibration of a projector.
 struct ProjectorCalibration {
-  /// Pixel of the display's picture for each place at `height`. A negative fx: seen in a mirror.
+  /// Maps each place at `height` to its pixel of the display's picture. fx is negative if the
+  /// picture is mirrored.
   optics::CameraParameters lens;
-  double height = 0.05;            ///< [m] above the floor at which places are meant
+  double height = 0.05;            ///< [m] of the places above the floor
   double arena_width = 1.20;       ///< [m]
   double arena_height = 0.90;      ///< [m]
-  std::string method;              ///< "camera", or "corners": by hand, without a lens's distortion
-  std::string camera_id;           ///< of the camera's calibration, empty: by hand
-  std::optional<double> residual;  ///< [m] rms over the arena of what the lens does not describe
-  std::optional<double> accuracy;  ///< [m] rms over the arena of where light falls, all told
-  std::optional<double> worst;     ///< [m] largest of the residuals' means over 10 cm squares
-  std::optional<double> covered;   ///< [1] share of the arena where the picture was measured
+  std::string method;              ///< "camera", or "corners": adjusted by hand, without distortion
+  std::string camera_id;           ///< of the camera's calibration, empty with "corners"
+  std::optional<double> residual;  ///< [m] rms error of the lens model over the arena
+  std::optional<double> accuracy;  ///< [m] rms total error of where light falls
+  std::optional<double> worst;     ///< [m] largest mean residual of a 10 cm square
+  std::optional<double> covered;   ///< [1] measured fraction of the arena
   std::string id;                  ///< first 12 digits of the file's SHA-256
 
   [[nodiscard]] optics::ProjectorModel model() const { return {lens, height}; }
 };
 
-/// @throws ExperimentError that names the file, the key, what was found and what was expected.
+/// Reads a file.
+/// @throws ExperimentError that names the file, the key, what was found and what was expected
 [[nodiscard]] ProjectorCalibration readProjectorFile(const std::filesystem::path& file);
 
-/// The same with nothing in it but what was measured: two equal calibrations are two equal texts.
+/// The text of the file that readProjectorFile() reads. It has only measured values, so equal
+/// calibrations give equal texts.
 [[nodiscard]] std::string projectorFileText(const ProjectorCalibration& calibration);
 
-/// What projector_ctl goes by, and whoever wants to know what it shows.
+/// The calibration in use by projector_ctl, and by code that predicts what it shows.
 struct ActiveProjectorCalibration {
   optics::ProjectorModel model;
-  std::string id;  ///< of the calibration, empty: there is none, the arena fills the picture
+  std::string id;  ///< empty: no calibration, the arena fills the picture
 };
 
-/// The calibration that the experiment names, for a picture of columns x rows.
+/// Reads the calibration that the experiment names, for a picture of columns x rows pixels.
 /// @param directory that the path is relative to
-/// @throws ExperimentError when it cannot be used: not there, of a picture or arena of another
-/// size.
+/// @throws ExperimentError if the file is missing or wrong, or of a picture or arena of another
+/// size
 [[nodiscard]] ActiveProjectorCalibration activeProjectorCalibration(
     const Experiment& experiment, const std::filesystem::path& directory, int columns, int rows);
 
-/// Whether the experiment's calibration can be used, as far as that shows before the display is
-/// open.
-/// @throws ExperimentError when not.
+/// Checks the experiment's calibration as far as possible before the display is open.
+/// @throws ExperimentError if it cannot be used
 void checkProjectorFile(const Experiment& experiment, const std::filesystem::path& directory);
 
 }  // namespace lab

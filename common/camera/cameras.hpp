@@ -1,6 +1,6 @@
-/// Cameras, given to a service from outside like its bus, its clock and its serial lines: devices,
-/// movies and the simulated camera in real time, memory in virtual time. Frames never travel on the
-/// bus.
+/// Interface for cameras. A service gets it from outside, like its bus, its clock and its serial
+/// lines: devices, movies and the simulated camera in real time, memory in virtual time. Frames are
+/// never sent on the bus.
 #pragma once
 
 #include <cstdint>
@@ -14,40 +14,40 @@
 
 namespace lab {
 
-/// A camera, movie or picture that cannot be used: which, what was found, what was expected, and
-/// the way out.
+/// A camera, movie or picture that cannot be used. what() names it, what was found, what was
+/// expected and what to do.
 class CameraError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What is asked of a camera, and what it turns out to do. 0: not asked, not known.
+/// What a camera is requested to do, or what it does. 0 means not requested or not known.
 struct CameraFormat {
   int width = 0;            ///< [px]
   int height = 0;           ///< [px]
   double fps = 0;           ///< [1/s]
   double exposure = 0;      ///< [s]
   double gain = 0;          ///< in the camera's own units
-  std::string pixels;       ///< as the source says it: "GREY", "YUYV", "gray8 (png)"
-  bool locked = false;      ///< exposure, gain and rate are fixed: nothing adjusts itself
-  bool compressed = false;  ///< by a codec that loses: JPEG, H.264
+  std::string pixels;       ///< as the source names it: "GREY", "YUYV", "gray8 (png)"
+  bool locked = false;      ///< exposure, gain and rate are fixed
+  bool compressed = false;  ///< by a lossy codec: JPEG, H.264
 };
 
-/// One picture. The view lives only during the handler's call.
+/// One picture. The view is valid only during the handler's call.
 struct CameraFrame {
-  std::int64_t number =
-      0;                   ///< counts the camera's frames from 0; a gap is a frame that was dropped
-  std::int64_t utime = 0;  ///< [us since 1970] middle of the exposure, in host time; of files:
-                           ///< since their first frame, from 0
+  std::int64_t number = 0;  ///< counts the camera's frames from 0; a gap means dropped frames
+  std::int64_t utime = 0;   ///< [us since 1970] middle of the exposure, in host time; of files:
+                            ///< since their first frame, from 0
   optics::GreyView grey;
 };
 
-/// Who reads a camera. All are called on the loop's thread.
+/// The callbacks of a camera's reader. They are called on the loop's thread.
 struct CameraHandlers {
   std::function<void(const CameraFrame&)> frame;
-  /// The camera is gone (a reason) or back (an empty text). It is looked for until it is back.
+  /// The camera is lost (with the reason) or found again (empty text). A lost camera is searched
+  /// for until it is found.
   std::function<void(const std::string& trouble)> trouble = [](const std::string&) {};
-  /// A movie or sequence is over; `problem` says what was wrong with its end, empty: nothing.
+  /// A movie or sequence has ended; `problem` is empty if it ended as expected.
   std::function<void(const std::string& problem)> end = [](const std::string&) {};
 };
 
@@ -59,17 +59,17 @@ class FrameSource {
   FrameSource& operator=(const FrameSource&) = delete;
   virtual ~FrameSource() = default;
 
-  /// What the camera does now.
+  /// The camera's present format.
   [[nodiscard]] virtual CameraFormat format() const = 0;
 
-  /// Frames that the camera took and nobody got, since the source was opened.
+  /// Frames since the source was opened that the camera took but no handler received.
   [[nodiscard]] virtual std::int64_t dropped() const = 0;
 
-  /// How many frames a file has, 0: not known.
+  /// The number of frames of a file, 0: not known.
   [[nodiscard]] virtual std::int64_t length() const { return 0; }
 };
 
-/// The far side of the simulated camera.
+/// The painter's side of the simulated camera.
 class FrameSink {
  public:
   FrameSink() = default;
@@ -77,17 +77,18 @@ class FrameSink {
   FrameSink& operator=(const FrameSink&) = delete;
   virtual ~FrameSink() = default;
 
-  /// Room for the next frame, width x height bytes, the top row first: paint into it, then show().
+  /// The memory of the next frame: width x height bytes, the top row first. Paint it, then call
+  /// show().
   [[nodiscard]] virtual std::span<std::uint8_t> canvas() = 0;
 
-  /// Hands the painted frame over. Without waiting: who reads too slowly loses frames.
+  /// Passes the painted frame to the readers without waiting; slow readers lose frames.
   virtual void show(std::int64_t number, std::int64_t exposure_utime) = 0;
 
-  /// Whether anybody reads: else there is no need to paint.
+  /// Whether there is a reader. Without one, frames need not be painted.
   [[nodiscard]] virtual bool isWatched() const = 0;
 };
 
-/// All cameras there are.
+/// The cameras that a process can use.
 class Cameras {
  public:
   Cameras() = default;
@@ -96,19 +97,19 @@ class Cameras {
   virtual ~Cameras() = default;
 
   /// Opens a camera (docs/cameras.md): "sim", "/dev/video0", a movie, a pattern of pictures, a
-  /// network address, ... Files are read at `wanted.fps`, or at their own rate.
-  /// @throws CameraError when it is not there or cannot do what is wanted. The simulated camera is
-  ///   waited for instead, as its process may start later.
+  /// network address, ... Files are read at `requested.fps`, or at their own rate.
+  /// @throws CameraError if the camera does not exist or cannot do what is requested. An absent
+  ///   simulated camera is no error: it is waited for, because its process may start later.
   [[nodiscard]] virtual std::unique_ptr<FrameSource> open(const std::string& source,
-                                                          const CameraFormat& wanted,
+                                                          const CameraFormat& requested,
                                                           CameraHandlers handlers) = 0;
 
-  /// The simulated camera, for as long as the sink lives.
-  /// @throws CameraError when somebody else is the simulated camera of this lab.
+  /// Offers the simulated camera until the sink is destroyed.
+  /// @throws CameraError if another process offers the simulated camera of this lab
   [[nodiscard]] virtual std::unique_ptr<FrameSink> offer(const CameraFormat& format) = 0;
 };
 
-/// No cameras at all: for what needs none.
+/// Cameras for services that use none; open() and offer() throw.
 [[nodiscard]] Cameras& noCameras();
 
 }  // namespace lab

@@ -26,12 +26,12 @@ std::size_t frameBytes(int width, int height) {
   return static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
 }
 
-/// From one slot to the next: whole pages.
+/// The distance between slots [bytes]: whole pages.
 std::size_t slotBytes(std::size_t frame) { return (frame + kPage - 1) / kPage * kPage; }
 
 std::size_t ringBytes(std::size_t frame) { return kPixelsAt + kRingSlots * slotBytes(frame); }
 
-/// Memory of a fixed size: nobody can shrink it below what others have mapped.
+/// Memory whose size is sealed, so that no process can shrink it below what others have mapped.
 FileDescriptor newMemory(std::size_t bytes) {
   FileDescriptor memory(memfd_create("active-lab-camera", MFD_CLOEXEC | MFD_ALLOW_SEALING));
   if (memory.get() < 0) fail("none to be had");
@@ -87,8 +87,8 @@ bool RingWriter::isPinned(std::size_t slot) const {
 }
 
 std::span<std::uint8_t> RingWriter::canvas() {
-  // Every reader pins one slot at most, so that a free one comes before the round is over. A reader
-  // that writes nonsense cannot stop the painter: then the last slot is taken as it is.
+  // Every reader pins at most one slot, so one round over the slots finds a free one. If a faulty
+  // reader has pinned more, the last slot of the round is used, so that the painter never waits.
   for (std::size_t tried = 1; !painting_; ++tried) {
     const std::size_t slot = next_;
     next_ = (next_ + 1) % kRingSlots;

@@ -1,4 +1,4 @@
-/// Frames in memory that several processes share: one paints, a few read, nobody waits.
+/// A ring of frames in shared memory, with one painter and a few readers, none of which waits.
 #pragma once
 
 #include <array>
@@ -9,22 +9,22 @@
 #include <span>
 
 #include "common/camera/cameras.hpp"
-#include "common/serial/serial_line.hpp"
+#include "common/process/file_descriptor.hpp"
 
 namespace lab::cameras {
 
-/// So many readers at once: each may hold one slot while it reads, and the painter needs one that
-/// is free and one that is fresh.
+/// The largest number of readers. Each may hold one slot while it reads, and the painter needs two
+/// more: one to paint and one with the latest frame.
 inline constexpr std::size_t kRingReaders = 6;
 inline constexpr std::size_t kRingSlots = kRingReaders + 2;
 
-/// What lies at the beginning of the memory. The pixels follow from kPixelsAt on, slot by slot.
+/// The beginning of the shared memory. The pixels follow, slot by slot, on page boundaries.
 ///
-/// A slot's `stamp` is odd while it is painted and grows with every frame. A reader first writes
-/// its `pin`, then compares the stamp with that of its notice; the painter first makes the stamp
-/// odd, then looks for pins, and takes another slot where there is one. In the one order of these
-/// four steps (all sequentially consistent) at least one of the two sees the other, so that no
-/// frame is painted over while it is read.
+/// A slot's `stamp` is odd while the slot is painted, and increases with every frame. A reader
+/// first writes its `pin`, then compares the stamp with that of its notice. The painter first makes
+/// the stamp odd, then checks the pins, and takes another slot if this one is pinned. All four
+/// steps are sequentially consistent, so at least one side sees the other, and no frame is
+/// overwritten while it is read.
 struct RingHeader {
   static constexpr std::uint64_t kMagic = 0x316d61636c6263ULL;  // "cblcam1"
 
@@ -39,7 +39,7 @@ struct RingHeader {
 };
 static_assert(std::atomic<std::uint64_t>::is_always_lock_free);
 
-/// Tells a reader of a frame, over its socket.
+/// Announces a frame to a reader, over its socket.
 struct RingNotice {
   std::uint64_t slot = 0;
   std::uint64_t stamp = 0;
@@ -47,11 +47,11 @@ struct RingNotice {
   std::int64_t utime = 0;
 };
 
-/// Memory that is mapped as long as this lives.
+/// Owns a memory mapping.
 class Mapping {
  public:
   Mapping() = default;
-  /// @throws CameraError when it cannot be mapped.
+  /// @throws CameraError if it cannot be mapped
   Mapping(int descriptor, std::size_t bytes, std::size_t offset, bool writable);
   Mapping(Mapping&& other) noexcept;
   Mapping& operator=(Mapping&& other) noexcept;
@@ -67,18 +67,19 @@ class Mapping {
 /// The painter's side. The memory has no name and ends with the last process that maps it.
 class RingWriter {
  public:
-  /// @throws CameraError when there is no memory for it.
+  /// @throws CameraError if there is not enough memory
   explicit RingWriter(const CameraFormat& format);
 
   [[nodiscard]] int descriptor() const { return memory_.get(); }
 
-  /// A slot that nobody reads, the one whose frame is oldest; the same until publish().
+  /// The pixels of the slot to paint: the oldest one without a reader. The same slot until
+  /// publish().
   [[nodiscard]] std::span<std::uint8_t> canvas();
 
-  /// The painted slot becomes a frame.
+  /// Makes the painted slot a frame.
   [[nodiscard]] RingNotice publish(std::int64_t number, std::int64_t utime);
 
-  /// Forgets what a reader that is gone held.
+  /// Releases the slot of a reader that has disconnected.
   void unpin(std::size_t reader);
 
  private:
@@ -97,12 +98,13 @@ class RingReader {
  public:
   /// @param memory as received from the painter
   /// @param reader its number among the readers
-  /// @throws CameraError when the memory is not what it should be.
+  /// @throws CameraError if the memory is not a ring of this version
   RingReader(const FileDescriptor& memory, std::size_t reader);
 
   [[nodiscard]] const CameraFormat& format() const { return format_; }
 
-  /// Keeps the frame of this notice for release(). @return its pixels, null: it is painted over.
+  /// Pins the frame of this notice until release().
+  /// @return its pixels; null if it has been overwritten
   [[nodiscard]] const std::uint8_t* hold(const RingNotice& notice);
   void release();
 

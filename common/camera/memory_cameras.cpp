@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -9,21 +11,21 @@
 
 namespace lab {
 
-/// What the camera and its readers share. It lives as long as one of them.
+/// State shared by the camera and its readers.
 struct MemoryCameras::Shared {
   struct Slot {
-    std::int64_t shown = -1;  ///< how many frames were shown before this one; -1: none here
+    std::int64_t shown = -1;  ///< number of frames shown before this one; -1: empty
     std::int64_t number = 0;
     std::int64_t utime = 0;
     std::vector<std::uint8_t> pixels;
   };
-  /// One reader: a call of a handler may destroy its source, so calls go through this.
+  /// One reader. Shared, because a handler may destroy its source while it runs.
   struct Reader {
-    CameraFormat wanted;
+    CameraFormat requested;
     std::shared_ptr<CameraHandlers> handlers;
     cameras::GapCounter gaps;
     bool open = true;
-    bool misfit = false;
+    bool mismatch = false;
   };
 
   explicit Shared(Loop& the_loop) : loop(the_loop) {}
@@ -42,7 +44,7 @@ struct MemoryCameras::Shared {
     }
   }
 
-  /// Gives one frame to everybody, unless it has been painted over.
+  /// Passes one frame to all readers, unless it has been overwritten.
   void deliver(std::int64_t frame) {
     const std::vector<std::shared_ptr<Reader>> now = readers;
     for (const std::shared_ptr<Reader>& reader : now) {
@@ -59,8 +61,9 @@ struct MemoryCameras::Shared {
   }
 
   [[nodiscard]] bool fits(Reader& reader) const {
-    const std::string trouble = cameras::sizeTrouble(reader.wanted, format);
-    if (!trouble.empty() && !std::exchange(reader.misfit, true)) reader.handlers->trouble(trouble);
+    const std::string trouble = cameras::sizeTrouble(reader.requested, format);
+    if (!trouble.empty() && !std::exchange(reader.mismatch, true))
+      reader.handlers->trouble(trouble);
     return trouble.empty();
   }
 
@@ -75,9 +78,9 @@ struct MemoryCameras::Shared {
 
 class MemoryCameras::Source final : public FrameSource {
  public:
-  Source(std::shared_ptr<Shared> shared, const CameraFormat& wanted, CameraHandlers handlers)
+  Source(std::shared_ptr<Shared> shared, const CameraFormat& requested, CameraHandlers handlers)
       : shared_(std::move(shared)), reader_(std::make_shared<Shared::Reader>()) {
-    reader_->wanted = wanted;
+    reader_->requested = requested;
     reader_->handlers = std::make_shared<CameraHandlers>(std::move(handlers));
     shared_->readers.push_back(reader_);
   }
@@ -101,7 +104,7 @@ class MemoryCameras::Sink final : public FrameSink {
   Sink(std::shared_ptr<Shared> shared, const CameraFormat& format) : shared_(std::move(shared)) {
     shared_->format = format;
     shared_->offered = true;
-    for (const std::shared_ptr<Shared::Reader>& reader : shared_->readers) reader->misfit = false;
+    for (const std::shared_ptr<Shared::Reader>& reader : shared_->readers) reader->mismatch = false;
     const std::size_t bytes =
         static_cast<std::size_t>(format.width) * static_cast<std::size_t>(format.height);
     for (Shared::Slot& slot : shared_->slots) slot = {-1, 0, 0, std::vector<std::uint8_t>(bytes)};
@@ -114,7 +117,7 @@ class MemoryCameras::Sink final : public FrameSink {
 
   [[nodiscard]] std::span<std::uint8_t> canvas() override {
     Shared::Slot& slot = shared_->slot(shared_->shown);
-    slot.shown = -1;  // whoever has not read it by now has lost it
+    slot.shown = -1;  // readers that have not received it yet lose it
     return slot.pixels;
   }
   void show(std::int64_t number, std::int64_t exposure_utime) override {
@@ -136,14 +139,14 @@ MemoryCameras::MemoryCameras(Loop& loop) : shared_(std::make_shared<Shared>(loop
 MemoryCameras::~MemoryCameras() = default;
 
 std::unique_ptr<FrameSource> MemoryCameras::open(const std::string& source,
-                                                 const CameraFormat& wanted,
+                                                 const CameraFormat& requested,
                                                  CameraHandlers handlers) {
   if (source != "sim") {
     throw CameraError(source +
                       ": in virtual time there is only the simulated camera, \"sim\"; "
                       "run without --virtual-time, or read a recording with lab track");
   }
-  return std::make_unique<Source>(shared_, wanted, std::move(handlers));
+  return std::make_unique<Source>(shared_, requested, std::move(handlers));
 }
 
 std::unique_ptr<FrameSink> MemoryCameras::offer(const CameraFormat& format) {

@@ -9,21 +9,21 @@
 
 namespace lab {
 
-/// Hands every frame over at the instant at which it is shown, as soon as the painter has returned.
-/// It behaves as the shared-memory ring of CameraDevices does, with the same words.
+/// Passes every frame to the readers at the time at which it is shown, after the painter's callback
+/// has returned. Behaves as the shared camera (shared_camera.hpp), with the same error texts.
 class MemoryCameras final : public Cameras {
  public:
   /// @param loop must outlive every source and sink
   explicit MemoryCameras(Loop& loop);
   ~MemoryCameras() override;
 
-  /// @throws CameraError for any source but "sim": in memory there is no other.
+  /// @throws CameraError for any source but "sim"
   [[nodiscard]] std::unique_ptr<FrameSource> open(const std::string& source,
-                                                  const CameraFormat& wanted,
+                                                  const CameraFormat& requested,
                                                   CameraHandlers handlers) override;
   [[nodiscard]] std::unique_ptr<FrameSink> offer(const CameraFormat& format) override;
 
-  /// So many frames may wait for a reader before the oldest is lost.
+  /// The number of frames that may wait for a reader before the oldest is lost.
   static constexpr std::size_t kSlots = 4;
 
  private:

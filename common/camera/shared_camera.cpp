@@ -8,7 +8,10 @@
 #include <array>
 #include <bitset>
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -20,16 +23,16 @@
 namespace lab::cameras {
 namespace {
 
-constexpr std::int64_t kLook_us = 100'000;            // how often an absent camera is looked for
-constexpr std::int64_t kPatience_us = 2'000'000;      // until its absence is worth a word
-constexpr std::size_t kMostWaiting = kRingSlots / 2;  // frames further behind are let go unread
+constexpr std::int64_t kRetry_us = 100'000;            // between attempts to connect
+constexpr std::int64_t kAbsentTimeout_us = 2'000'000;  // until its absence is reported
+constexpr std::size_t kMostWaiting = kRingSlots / 2;   // older frames are skipped
 
 struct Address {
   sockaddr_un name{};
   socklen_t length = 0;
 };
 
-/// An abstract name: nothing in the file system.
+/// An abstract socket address, which has no file.
 Address addressOf(const std::filesystem::path& folder) {
   const std::string path = std::filesystem::weakly_canonical(folder).string();
   const auto* bytes = reinterpret_cast<const std::uint8_t*>(path.data());
@@ -56,7 +59,8 @@ bool isOwnUser(int line) {
   return getsockopt(line, SOL_SOCKET, SO_PEERCRED, &peer, &length) == 0 && peer.uid == getuid();
 }
 
-/// One message: the reader's number, with the memory.
+/// Sends one message: the reader's number, with the memory's descriptor.
+/// @return whether it was sent
 bool sendMemory(int line, std::uint64_t reader, int memory) {
   iovec content{&reader, sizeof reader};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> space{};
@@ -73,7 +77,9 @@ bool sendMemory(int line, std::uint64_t reader, int memory) {
   return sendmsg(line, &message, MSG_DONTWAIT | MSG_NOSIGNAL) == sizeof reader;
 }
 
-/// The other end of sendMemory(). @return the memory, none: not this message, or no message.
+/// Receives a message of sendMemory().
+/// @param reader out: the reader's number
+/// @return the memory; no descriptor if there is no message, or one without memory
 FileDescriptor receiveMemory(int line, std::uint64_t& reader) {
   iovec content{&reader, sizeof reader};
   alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(int))> space{};
@@ -113,7 +119,7 @@ class SharedSink final : public FrameSink {
   void show(std::int64_t number, std::int64_t exposure_utime) override {
     const RingNotice notice = ring_.publish(number, exposure_utime);
     for (const std::unique_ptr<Reader>& reader : readers_) {
-      // A full socket means a reader that is far behind: this frame is lost for it.
+      // The socket is full if the reader is far behind. The reader then loses this frame.
       static_cast<void>(
           !send(reader->line.get(), &notice, sizeof notice, MSG_DONTWAIT | MSG_NOSIGNAL));
     }
@@ -125,7 +131,7 @@ class SharedSink final : public FrameSink {
   struct Reader {
     FileDescriptor line;
     std::size_t number = 0;
-    std::unique_ptr<AsioLoop::Watch> watch;  ///< ends before the line is closed
+    std::unique_ptr<AsioLoop::Watch> watch;  ///< must end before the socket is closed
   };
 
   void accept() {
@@ -134,7 +140,7 @@ class SharedSink final : public FrameSink {
     std::size_t number = 0;
     while (number < kRingReaders && taken_[number]) ++number;
     const bool has_room = number < kRingReaders;
-    // One too many gets a number without memory behind it, and so learns why.
+    // A surplus reader gets a number without memory, which tells it the reason.
     if (!has_room) {
       const std::uint64_t none = number;
       static_cast<void>(!send(line.get(), &none, sizeof none, MSG_DONTWAIT | MSG_NOSIGNAL));
@@ -146,7 +152,7 @@ class SharedSink final : public FrameSink {
     Reader* const here = reader.get();
     reader->line = std::move(line);
     reader->number = number;
-    // Readers say nothing: whatever there is to read is the end.
+    // Readers never send anything: a readable socket means that the reader has closed it.
     reader->watch = loop_.watch(reader->line.get(), [this, here] { drop(here); });
     readers_.push_back(std::move(reader));
   }
@@ -165,23 +171,24 @@ class SharedSink final : public FrameSink {
   std::vector<std::unique_ptr<Reader>> readers_;
 };
 
-/// Shared with its timers and with a call of a handler, which may destroy the source.
+/// The reader's connection. Shared with its timers and with running handlers, because a handler may
+/// destroy the source.
 class Link : public std::enable_shared_from_this<Link> {
  public:
-  Link(AsioLoop& loop, const std::filesystem::path& folder, const CameraFormat& wanted,
+  Link(AsioLoop& loop, const std::filesystem::path& folder, const CameraFormat& requested,
        CameraHandlers handlers)
       : loop_(loop),
         address_(addressOf(folder)),
-        wanted_(wanted),
+        requested_(requested),
         handlers_(std::move(handlers)),
-        complain_at_(loop.now() + kPatience_us) {}
+        report_absence_at_(loop.now() + kAbsentTimeout_us) {}
 
-  /// Tries to connect until it is connected.
-  void look() {
+  /// Tries to connect, and again until it succeeds.
+  void tryConnect() {
     if (closed_) return;
     if (!connect()) {
-      if (loop_.now() >= complain_at_ && !troubled_) trouble(kSimAbsent);
-      lookLater();
+      if (loop_.now() >= report_absence_at_ && !troubled_) trouble(kSimAbsent);
+      retryLater();
     }
   }
 
@@ -195,9 +202,9 @@ class Link : public std::enable_shared_from_this<Link> {
   [[nodiscard]] std::int64_t dropped() const { return gaps_.missing(); }
 
  private:
-  void lookLater() {
-    loop_.at(loop_.now() + kLook_us, [link = weak_from_this()] {
-      if (const std::shared_ptr<Link> here = link.lock()) here->look();
+  void retryLater() {
+    loop_.at(loop_.now() + kRetry_us, [link = weak_from_this()] {
+      if (const std::shared_ptr<Link> here = link.lock()) here->tryConnect();
     });
   }
 
@@ -229,10 +236,10 @@ class Link : public std::enable_shared_from_this<Link> {
       return;
     }
     gaps_.restart();
-    const std::string misfit = sizeTrouble(wanted_, ring_->format());
-    fits_ = misfit.empty();
+    const std::string mismatch = sizeTrouble(requested_, ring_->format());
+    fits_ = mismatch.empty();
     if (!fits_) {
-      trouble(misfit);
+      trouble(mismatch);
     } else if (troubled_) {
       troubled_ = false;
       handlers_.trouble("");
@@ -255,19 +262,20 @@ class Link : public std::enable_shared_from_this<Link> {
   void deliver(const RingNotice& notice) {
     if (!fits_) return;
     const std::uint8_t* pixels = ring_->hold(notice);
-    if (pixels == nullptr) return;  // the next one's number tells
+    if (pixels == nullptr) return;  // painted over; counted by the gap in the numbers
     gaps_.got(notice.number);
     const CameraFormat& format = ring_->format();
     handlers_.frame(
         {notice.number, notice.utime, {pixels, format.width, format.height, format.width}});
-    if (!closed_) ring_->release();  // else the painter has done it, and the pin may be another's
+    if (!closed_)
+      ring_->release();  // else the painter has unpinned, and another reader may use the pin
   }
 
   void lost(const std::string& reason) {
     watch_.reset();
     line_ = FileDescriptor();
     ring_.reset();
-    lookLater();
+    retryLater();
     trouble(reason);
   }
 
@@ -279,9 +287,9 @@ class Link : public std::enable_shared_from_this<Link> {
 
   AsioLoop& loop_;
   Address address_;
-  CameraFormat wanted_;
+  CameraFormat requested_;
   CameraHandlers handlers_;
-  std::int64_t complain_at_;
+  std::int64_t report_absence_at_;
   bool closed_ = false;
   bool troubled_ = false;
   bool fits_ = true;
@@ -294,7 +302,9 @@ class Link : public std::enable_shared_from_this<Link> {
 
 class SharedSource final : public FrameSource {
  public:
-  explicit SharedSource(std::shared_ptr<Link> link) : link_(std::move(link)) { link_->look(); }
+  explicit SharedSource(std::shared_ptr<Link> link) : link_(std::move(link)) {
+    link_->tryConnect();
+  }
   ~SharedSource() override { link_->close(); }
 
   [[nodiscard]] CameraFormat format() const override { return link_->format(); }
@@ -313,9 +323,10 @@ std::unique_ptr<FrameSink> offerSharedCamera(AsioLoop& loop, const std::filesyst
 }
 
 std::unique_ptr<FrameSource> openSharedCamera(AsioLoop& loop, const std::filesystem::path& folder,
-                                              const CameraFormat& wanted, CameraHandlers handlers) {
+                                              const CameraFormat& requested,
+                                              CameraHandlers handlers) {
   return std::make_unique<SharedSource>(
-      std::make_shared<Link>(loop, folder, wanted, std::move(handlers)));
+      std::make_shared<Link>(loop, folder, requested, std::move(handlers)));
 }
 
 }  // namespace lab::cameras

@@ -1,8 +1,9 @@
-/// The simulated camera between processes: frames in shared memory, a socket that says which.
+/// The simulated camera between processes: frames in shared memory, and a socket that announces
+/// each frame.
 ///
-/// The socket has no file: its name, made from the lab's folder, is one of the kernel's and ends
-/// with the process that listens. So a killed process leaves nothing behind, and only one can be
-/// the camera of a folder. Both sides talk only to processes of their own user.
+/// The socket has an abstract name, derived from the lab's folder, which ends with the listening
+/// process. A killed process therefore leaves no file behind, and only one process can be the
+/// camera of a folder. Both sides accept only processes of their own user.
 #pragma once
 
 #include <filesystem>
@@ -13,17 +14,17 @@
 
 namespace lab::cameras {
 
-/// Becomes the camera of the lab of this folder.
-/// @throws CameraError when another process is it already.
+/// Offers the simulated camera of the lab with this folder.
+/// @throws CameraError if another process already offers it
 [[nodiscard]] std::unique_ptr<FrameSink> offerSharedCamera(AsioLoop& loop,
                                                            const std::filesystem::path& folder,
                                                            const CameraFormat& format);
 
-/// Reads the camera of the lab of this folder, which is waited for and found again. When nobody has
-/// offered it for two seconds, that is trouble.
+/// Reads the simulated camera of the lab with this folder. Waits for an absent camera, and
+/// reconnects to a lost one. Reports trouble if it is not offered within two seconds.
 [[nodiscard]] std::unique_ptr<FrameSource> openSharedCamera(AsioLoop& loop,
                                                             const std::filesystem::path& folder,
-                                                            const CameraFormat& wanted,
+                                                            const CameraFormat& requested,
                                                             CameraHandlers handlers);
 
 }  // namespace lab::cameras

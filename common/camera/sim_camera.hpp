@@ -1,4 +1,4 @@
-/// What the simulated camera in memory and the one in shared memory have in common.
+/// Common parts of the simulated camera in memory and the one in shared memory.
 #pragma once
 
 #include <cstdint>
@@ -12,20 +12,20 @@ namespace lab::cameras {
 inline constexpr const char* kSimGone =
     "sim: the simulated camera is gone; waiting until sim_svc offers it again";
 inline constexpr const char* kSimAbsent =
-    "sim: nobody offers the simulated camera; it is painted by sim_svc of the same lab, when its "
-    "experiment says tracker = \"camera\" and camera = \"sim\"";
+    "sim: no process offers the simulated camera; sim_svc of the same lab does, if its "
+    "experiment has tracker = \"camera\" and camera = \"sim\"";
 inline constexpr const char* kSimTaken =
     "sim: the simulated camera of this lab is offered already; end the other sim_svc, or take "
     "another --ports folder";
 
-/// The format of a camera that paints, as its readers see it.
+/// The format that readers of a simulated camera see.
 [[nodiscard]] inline CameraFormat paintedFormat(CameraFormat format) {
   format.pixels = "GREY (painted)";
   format.locked = true;
   return format;
 }
 
-/// @throws CameraError unless frames of this size can be painted.
+/// @throws CameraError if frames of this size cannot be painted
 inline void checkPaintable(const CameraFormat& format) {
   constexpr int kMost = 16'384;
   if (format.width >= 1 && format.width <= kMost && format.height >= 1 && format.height <= kMost) {
@@ -36,7 +36,7 @@ inline void checkPaintable(const CameraFormat& format) {
                     std::to_string(kMost) + " each way");
 }
 
-/// Why frames of this format are not what the reader wanted; empty: they are.
+/// Why the painted frames do not have the requested size; empty if they have.
 [[nodiscard]] inline std::string sizeTrouble(const CameraFormat& wanted,
                                              const CameraFormat& painted) {
   const bool fits = (wanted.width == 0 || wanted.width == painted.width) &&
@@ -47,14 +47,14 @@ inline void checkPaintable(const CameraFormat& format) {
          std::to_string(wanted.height) + "; give both processes the same experiment";
 }
 
-/// Counts the frames that are missing between those that came.
+/// Counts missing frames from gaps in the numbers.
 class GapCounter {
  public:
   void got(std::int64_t number) {
     if (last_ && number > *last_ + 1) missing_ += number - *last_ - 1;
     last_ = number;
   }
-  /// The numbers begin anew.
+  /// The next number starts a new sequence.
   void restart() { last_.reset(); }
   [[nodiscard]] std::int64_t missing() const { return missing_; }
 

@@ -1,5 +1,5 @@
-/// An experiment: everything a run is, as plain data in SI units. The file format, key by key:
-/// docs/experiments.md. Loading and its errors: experiment_file.hpp.
+/// An experiment, which defines a run completely, as plain data in SI units. docs/experiments.md
+/// describes the file format; experiment_file.hpp loads it.
 #pragma once
 
 #include <algorithm>
@@ -11,55 +11,33 @@
 #include <vector>
 
 #include "light/field/drive.hpp"
+#include "robot/dynamics/robot_program.hpp"
 
 namespace lab {
 
-/// The paper's models (numbers as in program_t).
-enum class Model : std::int8_t {
-  kNone = 0,      ///< stands still
-  kAbp = 1,       ///< active Brownian: v, epsilon, eta
-  kNoisyAbp = 2,  ///< active Brownian with translational noise: va, V, epsilon
-  kBp = 3,        ///< Brownian: V, epsilon
-  kRtp = 4,       ///< run and tumble: v, gamma, tau_t
-  kWheels = 5,    ///< constant wheel speeds
-};
+using dynamics::ProgramKind;
+using dynamics::RobotProgram;
 
-struct ProgramSpec {
-  std::string name;
-  Model model = Model::kNone;
-  double v = 0;            ///< [m/s]
-  double va = 0;           ///< [m/s]
-  double V = 0;            ///< [m/s]
-  double epsilon = 0;      ///< [s]
-  double eta = 0;          ///< [rad/s]
-  double gamma = 0;        ///< [1/s]
-  double tau_t = 0;        ///< [s]
-  double wheel_left = 0;   ///< [m/s]
-  double wheel_right = 0;  ///< [m/s]
-
-  bool operator==(const ProgramSpec&) const = default;
-};
-
-/// What a robot is (docs/bodies.md).
+/// The body of a robot: how it is realised (docs/bodies.md).
 enum class Body : std::int8_t {
   kSim,       ///< simulated, on the bus
   kSerial,    ///< real, on a serial line
-  kFirmware,  ///< the robot's own program on a simulated chip, on a simulated line
-  kReplay,    ///< a recorded robot played back
-  kWire,      ///< the robot's own program on the host, on a simulated line
+  kFirmware,  ///< the firmware on a simulated chip, on a simulated line
+  kReplay,    ///< a recorded robot, replayed
+  kWire,      ///< the firmware's program compiled for the host, on a simulated line
 };
 
-/// Whether robot_bridge drives it.
+/// Whether robot_bridge drives such a robot.
 [[nodiscard]] constexpr bool isOnWire(Body body) {
   return body == Body::kSerial || body == Body::kFirmware || body == Body::kWire;
 }
 
-/// Whether sim_svc moves it.
+/// Whether sim_svc moves such a robot.
 [[nodiscard]] constexpr bool isSimulated(Body body) {
   return body == Body::kSim || body == Body::kFirmware || body == Body::kWire;
 }
 
-/// The number of the electronics of a simulated robot on the wire.
+/// The serial number of the electronics of a simulated robot on the wire.
 [[nodiscard]] constexpr std::uint32_t simulatedUid(std::int32_t id) {
   return 0x51000000U + static_cast<std::uint32_t>(id);
 }
@@ -75,11 +53,11 @@ struct StartPose {
 struct RobotSpec {
   std::int32_t id = 0;
   Body body = Body::kSim;
-  std::optional<StartPose> start;  ///< random, without overlap, where not given
-  std::uint32_t uid = 0;           ///< of a serial robot's electronics
-  std::string log;                 ///< of a replayed robot: path as written in the file
-  std::int32_t recorded_id = 0;    ///< of a replayed robot, in that log
-  double from = 0;                 ///< [s] of that log's script, where the replay begins
+  std::optional<StartPose> start;  ///< if not given, random without overlap
+  std::uint32_t uid = 0;           ///< serial number of a serial robot's electronics
+  std::string log;                 ///< log of a replayed robot: path as written in the file
+  std::int32_t recorded_id = 0;    ///< id of a replayed robot in that log
+  double from = 0;                 ///< [s] time of that log's script at which the replay begins
 
   bool operator==(const RobotSpec&) const = default;
 };
@@ -91,6 +69,14 @@ struct LightBand {
 
   bool operator==(const LightBand&) const = default;
 };
+
+/// Whether a light level lies in the band. Bands are half open, except that full light belongs to a
+/// band up to 1.
+/// @param widened by this much on both sides, as the band of a running program is by the hysteresis
+[[nodiscard]] inline bool contains(const LightBand& band, double light, double widened = 0) {
+  const bool full = light >= 1 && band.high >= 1;
+  return light >= band.low - widened && (light < band.high + widened || full);
+}
 
 enum class LightSensor : std::int8_t { kMean = 0, kFront = 1, kBack = 2 };
 enum class ReverseOn : std::int8_t { kNever = 0, kWalls = 1, kAny = 2 };
@@ -111,15 +97,15 @@ struct Reversal {
   bool operator==(const Reversal&) const = default;
 };
 
-/// The robots as hardware. Errors are what a simulated body has and nobody tells the others.
+/// The hardware of the robots. Errors apply to simulated bodies, and no other part knows them.
 struct RobotHardware {
-  double diameter = 0.075;           ///< [m] also the wheel base d
+  double diameter = 0.075;           ///< [m] and wheel base d
   double max_wheel_speed = 0.27;     ///< [m/s]
-  bool pwm_steps = true;             ///< 256 levels, rounded; false: ideal wheels
+  bool pwm_steps = true;             ///< wheel speeds rounded to 256 levels; false: ideal wheels
   double clock_error = 0.005;        ///< [1] standard deviation of the robots' clock rates
   double wheel_gain_error = 0;       ///< [1] standard deviation of each wheel's gain
   double wheel_base_error = 0;       ///< [1] standard deviation of the distance between the wheels
-  double motor_dead_band = 0;        ///< [1] share of full duty up to which a wheel stands
+  double motor_dead_band = 0;        ///< [1] fraction of full duty up to which a wheel stands
   double speed_noise = 0;            ///< [m/sqrt(s)] random forward displacement, off by default
   double turn_noise = 0;             ///< [rad/sqrt(s)] random rotation, off by default
   double sensor_period = 0.02;       ///< [s]
@@ -127,15 +113,19 @@ struct RobotHardware {
   double light_noise = 0;            ///< [1] standard deviation of a light reading, of full scale
   double ir_range = 0.05;            ///< [m] from the rim
   double status_rate = 50;           ///< [1/s]
-  double lease = 1.0;                ///< [s] robots stop when the host is silent for longer
-  double free_run = 0;               ///< [s] instead of the lease, where it is longer
-  bool resume_after_reboot = false;  ///< a robot on the wire that reboots goes on by itself
-  std::string motors;                ///< calibrations of simulated robots: path as in the file
+  double lease = 1.0;                ///< [s] robots stop after this time without a command
+  double free_run = 0;               ///< [s] replaces the lease if it is longer
+  bool resume_after_reboot = false;  ///< a robot on the wire continues after a reboot
+  std::string motors;                ///< calibration file of simulated robots: path as in the file
 
   bool operator==(const RobotHardware&) const = default;
 };
 
-/// The lines to real robots.
+[[nodiscard]] inline dynamics::WheelLimits wheelLimits(const RobotHardware& hardware) {
+  return {hardware.max_wheel_speed, hardware.diameter};
+}
+
+/// The serial lines of real robots.
 struct SerialLines {
   std::string ports = "/dev/serial/by-id/*";  ///< patterns with * and ?, separated by spaces
   int baud = 38400;
@@ -143,7 +133,7 @@ struct SerialLines {
   bool operator==(const SerialLines&) const = default;
 };
 
-/// As light_layer_t: kinds and their keys in light/field/layer.hpp.
+/// A layer with the fields of light_layer_t. light/field/layer.hpp lists the kinds and their keys.
 struct LayerSpec {
   std::int8_t kind = 1;
   std::int8_t blend = 0;
@@ -158,7 +148,7 @@ struct LayerSpec {
   std::uint64_t seed = 0;
   double phase = 0;    ///< [rad] or [1]
   std::string image;   ///< path as written in the file, relative to it
-  light::Drive drive;  ///< its images: paths as written in the file
+  light::Drive drive;  ///< its images are paths as written in the file
 
   bool operator==(const LayerSpec&) const = default;
 };
@@ -166,21 +156,21 @@ struct LayerSpec {
 enum class Region : std::int8_t { kNone = 0, kCircle = 1, kRectangle = 2 };
 enum class Who : std::int8_t { kAny = 0, kAll = 1 };
 
-/// What ends a step of the light before its time is up: one of region, estimate and tumbles.
+/// A condition that ends a light step early: one of region, estimate and tumbles.
 struct Until {
   Region region = Region::kNone;
-  Who who = Who::kAny;  ///< has to be in the region, where `robot` is 0
-  double x = 0;         ///< [m] its middle
+  Who who = Who::kAny;  ///< which robots must be in the region, if `robot` is 0
+  double x = 0;         ///< [m] centre of the region
   double y = 0;         ///< [m]
   double radius = 0;    ///< [m] of a circle
   double width = 0;     ///< [m] of a rectangle, along x
   double height = 0;    ///< [m]
 
-  std::string estimate;       ///< its name in analysis_t, empty: none
-  std::string program;        ///< of which it is
+  std::string estimate;       ///< name in analysis_t, empty: none
+  std::string program;        ///< of the estimate
   double relative_error = 0;  ///< [1] standard error over value
 
-  std::int64_t tumbles = 0;  ///< since the step began, 0: none
+  std::int64_t tumbles = 0;  ///< number since the step began, 0: no such condition
   std::int32_t robot = 0;    ///< 0: any or all of them
 
   [[nodiscard]] bool given() const {
@@ -189,46 +179,47 @@ struct Until {
   bool operator==(const Until&) const = default;
 };
 
-/// What ends a run before its time: a measured number that is known well enough.
+/// A rule that ends a run early: an estimate is known well enough.
 struct StopRule {
-  Until until;          ///< an estimate
-  double at_least = 0;  ///< [s] of the script, before which it does not count
+  Until until;          ///< a condition on an estimate
+  double at_least = 0;  ///< [s] time of the script before which the rule is ignored
 
   bool operator==(const StopRule&) const = default;
 };
 
-/// How many of the rules have to hold.
+/// Whether all rules must hold or any.
 enum class StopOn : std::int8_t { kAll = 0, kAny = 1 };
 
-/// What follows a step whose condition was not met in time.
+/// What follows a step whose condition is not met in time.
 enum class IfNot : std::int8_t {
   kNext = 0,  ///< the next step
   kEnd = 1,   ///< the run's end
-  kSafe = 2,  ///< the safe light, robots stand; then the run's end
+  kSafe = 2,  ///< the safe light and standing robots, then the run's end
 };
 
 struct LightStep {
-  double at = 0;    ///< [s] since the start of the script; at the latest, where that is open
+  double at = 0;    ///< [s] start since the start of the script; the latest start if times are open
   double ramp = 0;  ///< [s] cross-fade into this step
   std::string label;
   std::vector<LayerSpec> layers;
-  double hold = 0;  ///< [s] at most, in a script whose isPlanned() is false; else 0
+  double hold = 0;  ///< [s] longest duration if isPlanned() is false; else 0
   Until until;
   IfNot if_not = IfNot::kNext;
-  std::string back_to;     ///< label of an earlier step or this one, empty: on to the next one
-  std::int64_t times = 0;  ///< how often the steps from there to here are shown, 0 without back_to
+  std::string back_to;  ///< label of an earlier step or this one, empty: continue
+  std::int64_t times =
+      0;  ///< how often the steps from back_to to here are shown, 0 without back_to
 
   bool operator==(const LightStep&) const = default;
 };
 
 struct LightScript {
   double frame_rate = 60;     ///< [1/s]
-  double safe_intensity = 0;  ///< [1] shown when nobody commands
+  double safe_intensity = 0;  ///< [1] shown while no command is valid
   std::vector<LightStep> steps;
-  double length = 0;  ///< [s] of one pass, where the script repeats; at most, see `at`
+  double length = 0;  ///< [s] of one pass if the script repeats; largest value if times are open
   bool repeat = false;
 
-  /// Whether every step's time is known beforehand: none has a condition or goes back.
+  /// Whether all times are known beforehand: no step has a condition or back_to.
   [[nodiscard]] bool isPlanned() const {
     return std::none_of(steps.begin(), steps.end(), [](const LightStep& step) {
       return step.until.given() || !step.back_to.empty();
@@ -238,17 +229,18 @@ struct LightScript {
   bool operator==(const LightScript&) const = default;
 };
 
-/// The projector whose picture is seen by nobody but sim_svc.
+/// The display name of a projector without window, whose light only sim_svc uses.
 inline constexpr const char* kHeadless = "headless";
 
 struct Projector {
-  std::string display = kHeadless;  ///< or a name or number of a display
-  std::string calibration;          ///< file as written, empty: the arena fills the picture
-  std::string light_calibration;    ///< file as written, empty: light is proportional to values
-  double latency = 0;               ///< [s] from the swap of a picture to its light
+  std::string display = kHeadless;  ///< or the name or number of a display
+  std::string calibration;  ///< path as written in the file, empty: the arena fills the picture
+  std::string
+      light_calibration;  ///< path as written in the file, empty: light is proportional to values
+  double latency = 0;     ///< [s] from buffer swap to light
   bool overlay = false;
   double sync_patch = 0.015;  ///< [m] side, 0: none
-  int width = 1920;           ///< [px] of the simulated projector, as all that follows
+  int width = 1920;           ///< [px] this and all below: of the simulated projector
   int height = 1080;          ///< [px]
   double keystone = 0;        ///< [1]
   double barrel = 0;          ///< [1]
@@ -256,17 +248,17 @@ struct Projector {
   double offset_y = 0;        ///< [m]
   double gamma = 1;           ///< [1]
   double vignetting = 0;      ///< [1]
-  double sheet = 0;           ///< [m] above the floor, of a white sheet over all; 0: none
+  double sheet = 0;           ///< [m] height of a white sheet over the arena; 0: none
 
   bool operator==(const Projector&) const = default;
 };
 
 enum class Tracker : std::int8_t {
-  kSimPoses,  ///< sim_svc says where the robots are
-  kCamera,    ///< tracker_svc, from the frames of a camera
+  kSimPoses,  ///< sim_svc sends the robots' poses
+  kCamera,    ///< tracker_svc measures them with a camera
 };
 
-/// The camera that sim_svc paints.
+/// The source name of the simulated camera, whose frames sim_svc paints.
 inline constexpr const char* kSimulatedCamera = "sim";
 
 struct Camera {
@@ -276,21 +268,21 @@ struct Camera {
   int width = 1280;                       ///< [px]
   int height = 720;                       ///< [px]
   double exposure = 0.01;                 ///< [s]
-  double gain = 1;            ///< of the simulated camera a factor, of a device its own units
-  std::string calibration;    ///< file as written, empty: the simulated camera's own
-  bool handshake = true;      ///< each robot turns before the script, so that the tracker knows it
+  double gain = 1;            ///< a factor for the simulated camera, a device's own units
+  std::string calibration;    ///< path as in the file, empty: that of the simulated camera
+  bool handshake = true;      ///< each robot turns before the script, to be identified
   int debug_port = 0;         ///< of the tracker's debug view on 127.0.0.1, 0: none
   double ambient = 0.03;      ///< [1] room light in the simulated picture, of full projector light
   double position_noise = 0;  ///< [m] standard deviation per axis
   double heading_noise = 0;   ///< [rad] standard deviation
   double delay = 0.02;        ///< [s] from exposure to message
-  double dropout = 0;         ///< [1] chance that one robot is missing in one frame
-  double frame_loss = 0;      ///< [1] chance that a whole frame is missing
+  double dropout = 0;         ///< [1] probability that one robot is missing in one frame
+  double frame_loss = 0;      ///< [1] probability that a whole frame is missing
 
   bool operator==(const Camera&) const = default;
 };
 
-/// Whether sim_svc paints the pictures that tracker_svc reads.
+/// Whether tracker_svc reads the simulated camera.
 [[nodiscard]] inline bool isPainted(const Camera& camera) {
   return camera.tracker == Tracker::kCamera && camera.source == kSimulatedCamera;
 }
@@ -308,20 +300,20 @@ struct Network {
   bool operator==(const Network&) const = default;
 };
 
-/// dds_gateway towards ROS 2 (docs/ros2.md).
+/// The ROS 2 side of dds_gateway (docs/ros2.md).
 struct Gateway {
-  bool ros = false;                          ///< whether ROS 2 sees the lab
-  int domain = 0;                            ///< ROS_DOMAIN_ID
-  std::string name = "lab";                  ///< first part of every topic
-  std::string mapping;                       ///< file as written, empty: the built-in mapping
-  std::string address;                       ///< of the interface to use, empty: this machine only
-  std::vector<std::string> peers;            ///< addresses of hosts that multicast does not reach
-  std::string configuration;                 ///< Cyclone's own XML file instead of ours, as written
-  std::string security;                      ///< folder of certificates, as written; empty: none
-  bool commands = false;                     ///< whether ROS 2 may drive robots and light
-  bool unsecured_commands = false;           ///< also from other hosts without DDS Security
-  std::vector<std::int32_t> command_robots;  ///< which it may drive, empty: all
-  double command_timeout = 0.4;  ///< [s] a driven robot stands after this long without a command
+  bool ros = false;                ///< whether ROS 2 can observe the lab
+  int domain = 0;                  ///< ROS_DOMAIN_ID
+  std::string name = "lab";        ///< first part of every topic
+  std::string mapping;             ///< path as in the file, empty: the built-in mapping
+  std::string address;             ///< of the interface to use, empty: this machine only
+  std::vector<std::string> peers;  ///< addresses of hosts that multicast does not reach
+  std::string configuration;  ///< path of a Cyclone DDS XML file that replaces the built-in one
+  std::string security;       ///< folder of certificates, as in the file; empty: none
+  bool commands = false;      ///< whether ROS 2 may drive robots and light
+  bool unsecured_commands = false;  ///< accept commands from other hosts without DDS Security
+  std::vector<std::int32_t> command_robots;  ///< robots that it may drive, empty: all
+  double command_timeout = 0.4;  ///< [s] a driven robot stands after this time without a command
 
   bool operator==(const Gateway&) const = default;
 };
@@ -334,30 +326,30 @@ enum class JoinBy : std::int8_t {
 
 struct Link {
   JoinBy join = JoinBy::kDds;
-  int domain = 77;                  ///< of DDS, apart from ROS 2's
-  std::string address;              ///< of this host on the way to the others, empty: as ssh goes
-  std::string security;             ///< folder of certificates, as written; empty: none
-  bool unsecured = false;           ///< commands may pass without DDS Security
-  double max_clock_offset = 0.005;  ///< [s] between two hosts, a larger one is refused
-  double patience = 60;             ///< [s] a silent host is waited for during a run
+  int domain = 77;                  ///< of DDS; different from that of ROS 2
+  std::string address;              ///< of this host as seen from the others, empty: the one of ssh
+  std::string security;             ///< folder of certificates, as in the file; empty: none
+  bool unsecured = false;           ///< forward commands without DDS Security
+  double max_clock_offset = 0.005;  ///< [s] a host with a larger offset is refused
+  double patience = 60;             ///< [s] how long a run waits for a silent host
 
   bool operator==(const Link&) const = default;
 };
 
-/// Another computer.
+/// Another computer that runs services.
 struct HostSpec {
-  std::string name;      ///< as services name it
-  std::string ssh;       ///< as ssh takes it, empty: the name
-  std::string address;   ///< on the way to this host, empty: as ssh goes
-  std::string programs;  ///< folder of its lab programs, empty: its PATH
+  std::string name;      ///< as used in services
+  std::string ssh;       ///< argument of ssh, empty: the name
+  std::string address;   ///< as seen from this host, empty: the one of ssh
+  std::string programs;  ///< folder of the programs there, empty: its PATH
 
   bool operator==(const HostSpec&) const = default;
 };
 
-/// Where a service runs.
+/// The host on which a service runs.
 struct ServicePlacement {
   std::string service;
-  std::string host;  ///< a HostSpec's name or what ssh takes, empty: this machine
+  std::string host;  ///< name of a HostSpec or argument of ssh, empty: this machine
 
   bool operator==(const ServicePlacement&) const = default;
 };
@@ -365,15 +357,15 @@ struct ServicePlacement {
 /// The page in a browser (docs/dashboard.md).
 struct Dashboard {
   std::string address;                  ///< to listen on, empty: this machine only
-  int port = 8480;                      ///< the first one tried
-  bool control_from_elsewhere = false;  ///< else buttons work from this machine only
+  int port = 8480;                      ///< the first port that is tried
+  bool control_from_elsewhere = false;  ///< false: the buttons work on this machine only
 
   bool operator==(const Dashboard&) const = default;
 };
 
-/// For practising with what a network does.
+/// Simulated faults of a network.
 struct Faults {
-  double message_loss = 0;  ///< [1] each message to each listener, in virtual time
+  double message_loss = 0;  ///< [1] probability, per message and receiver, in virtual time
 
   bool operator==(const Faults&) const = default;
 };
@@ -391,15 +383,15 @@ struct Experiment {
   Link link;
   Dashboard dashboard;
   std::map<std::string, HostSpec> hosts;
-  std::map<std::string, ServicePlacement> services;  ///< those that are placed
+  std::map<std::string, ServicePlacement> services;  ///< services with an explicit host
   RobotHardware hardware;
   SerialLines serial;
-  std::vector<RobotSpec> robots;  ///< in order of id
-  std::map<std::string, ProgramSpec> programs;
+  std::vector<RobotSpec> robots;  ///< sorted by id
+  std::map<std::string, RobotProgram> programs;
   LightTable light_table;
   Reversal reversal;
   LightScript light;
-  std::vector<StopRule> stop_when;  ///< empty: nothing ends the run before its time
+  std::vector<StopRule> stop_when;  ///< empty: the run does not end early
   StopOn stop_on = StopOn::kAll;
   Projector projector;
   Camera camera;

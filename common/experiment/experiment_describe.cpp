@@ -1,14 +1,17 @@
+#include "common/experiment/experiment_describe.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <initializer_list>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include "common/experiment/experiment_conversions.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_log_size.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_values.hpp"
@@ -17,6 +20,7 @@
 namespace lab {
 namespace {
 
+using keys::centimetreText;
 using keys::fileText;
 using keys::numberText;
 using keys::unitOf;
@@ -34,8 +38,6 @@ std::string rounded(double value) {
   return text;
 }
 
-std::string cm(double metre) { return fileText(metre, unitOf("_cm")); }
-
 struct Quantity {
   const char* name = nullptr;
   std::string value;
@@ -49,51 +51,52 @@ std::string list(std::initializer_list<Quantity> quantities) {
   return text;
 }
 
-std::string parameters(const ProgramSpec& p) {
+std::string parameters(const RobotProgram& p) {
   const std::string epsilon = numberText(p.epsilon) + " s";
-  switch (p.model) {
-    case Model::kAbp:
-      return "active Brownian, " + list({{"v", cm(p.v) + " cm/s"},
+  switch (p.kind) {
+    case ProgramKind::kAbp:
+      return "active Brownian, " + list({{"v", centimetreText(p.v) + " cm/s"},
                                          {"epsilon", epsilon},
                                          {"eta", numberText(p.eta) + " rad/s"}});
-    case Model::kNoisyAbp:
-      return "noisy active Brownian, " +
-             list({{"va", cm(p.va) + " cm/s"}, {"V", cm(p.V) + " cm/s"}, {"epsilon", epsilon}});
-    case Model::kBp:
-      return "Brownian, " + list({{"V", cm(p.V) + " cm/s"}, {"epsilon", epsilon}});
-    case Model::kRtp:
-      return "run and tumble, " + list({{"v", cm(p.v) + " cm/s"},
+    case ProgramKind::kNoisyAbp:
+      return "noisy active Brownian, " + list({{"va", centimetreText(p.va) + " cm/s"},
+                                               {"V", centimetreText(p.V) + " cm/s"},
+                                               {"epsilon", epsilon}});
+    case ProgramKind::kBp:
+      return "Brownian, " + list({{"V", centimetreText(p.V) + " cm/s"}, {"epsilon", epsilon}});
+    case ProgramKind::kRtp:
+      return "run and tumble, " + list({{"v", centimetreText(p.v) + " cm/s"},
                                         {"gamma", numberText(p.gamma) + " /s"},
                                         {"tau_t", numberText(p.tau_t) + " s"}});
-    case Model::kWheels:
-      return "constant wheel speeds, " +
-             list({{"left", cm(p.wheel_left) + " cm/s"}, {"right", cm(p.wheel_right) + " cm/s"}});
+    case ProgramKind::kWheels:
+      return "constant wheel speeds, " + list({{"left", centimetreText(p.wheel_left) + " cm/s"},
+                                               {"right", centimetreText(p.wheel_right) + " cm/s"}});
     default:
       return "stands still";
   }
 }
 
-/// The paper's long-time numbers (below eqs. 4, 5 and 6), and L_s of the exact law: the paper's v /
-/// D_r is its limit of small epsilon.
-std::string derived(const ProgramSpec& p, double d, const PersistenceLength& length) {
+/// The paper's long-time coefficients (below eqs. 4, 5 and 6), and L_s of the exact law, whose
+/// limit for small epsilon is the paper's v / D_r.
+std::string derived(const RobotProgram& p, double d, const PersistenceLength& length) {
   const std::string diffusion = " cm^2/s";
   const std::string rotation = " rad^2/s";
   const double wheel_rotation = p.epsilon * p.V * p.V / (3 * d * d);
   const double wheel_diffusion = p.epsilon * p.V * p.V / 24;
-  switch (p.model) {
-    case Model::kAbp: {
+  switch (p.kind) {
+    case ProgramKind::kAbp: {
       const double dr = p.epsilon * p.eta * p.eta / 6;
       if (dr == 0) return "drives straight";
       return list({{"D_r", rounded(dr) + rotation}}) +
              (length ? ", " + list({{"L_s", rounded(length(p) * 100) + " cm"}}) : "");
     }
-    case Model::kNoisyAbp:
+    case ProgramKind::kNoisyAbp:
       return list({{"D_r", rounded(wheel_rotation) + rotation},
                    {"D_t", rounded(wheel_diffusion * 1e4) + diffusion}});
-    case Model::kBp:
+    case ProgramKind::kBp:
       return list({{"D_r", rounded(wheel_rotation) + rotation},
                    {"D", rounded(wheel_diffusion * 1e4) + diffusion}});
-    case Model::kRtp:
+    case ProgramKind::kRtp:
       return list(
           {{"mean run", rounded(p.v / p.gamma * 100) + " cm"},
            {"D", rounded(p.v * p.v / (2 * p.gamma * (1 + p.gamma * p.tau_t)) * 1e4) + diffusion}});
@@ -102,9 +105,9 @@ std::string derived(const ProgramSpec& p, double d, const PersistenceLength& len
   }
 }
 
-/// The fastest that a wheel ever has to turn [m/s].
-double fastestWheel(const ProgramSpec& program, const RobotHardware& hardware) {
-  const auto result = dynamics::toProgramParams(toPhysics(program), wheelLimits(hardware));
+/// The highest wheel speed of a program [m/s].
+double fastestWheel(const RobotProgram& program, const RobotHardware& hardware) {
+  const auto result = dynamics::toProgramParams(program, wheelLimits(hardware));
   const dynamics::ProgramParams& params = result.params;
   const auto size = [](std::int32_t speed) { return std::abs(static_cast<double>(speed)); };
   return 1e-6 * std::max({size(params.speed_um_s) + params.amplitude_um_s,
@@ -112,9 +115,9 @@ double fastestWheel(const ProgramSpec& program, const RobotHardware& hardware) {
                           size(params.right_um_s)});
 }
 
-/// The longest of the times in which a program draws anew, where a run has hardly three of them:
-/// then it was probably meant in ms.
-std::string slowness(const ProgramSpec& p, double duration) {
+/// A warning if the longest time between draws is more than a third of the run. Its value was
+/// probably meant in ms.
+std::string slowness(const RobotProgram& p, double duration) {
   Quantity longest{};
   double time = duration / 3;
   const auto consider = [&](const char* name, double seconds) {
@@ -122,10 +125,10 @@ std::string slowness(const ProgramSpec& p, double duration) {
     time = seconds;
     longest = {name, rounded(seconds) + " s"};
   };
-  const bool turns = p.model == Model::kAbp && p.eta > 0;
-  if (turns || p.model == Model::kNoisyAbp || p.model == Model::kBp) {
+  const bool turns = p.kind == ProgramKind::kAbp && p.eta > 0;
+  if (turns || p.kind == ProgramKind::kNoisyAbp || p.kind == ProgramKind::kBp) {
     consider("epsilon", p.epsilon);
-  } else if (p.model == Model::kRtp) {
+  } else if (p.kind == ProgramKind::kRtp) {
     if (p.gamma > 0) consider("1/gamma", 1 / p.gamma);
     consider("tau_t", p.tau_t);
   }
@@ -141,7 +144,7 @@ std::string describePrograms(const Experiment& e, const PersistenceLength& lengt
     std::string more = derived(program, e.hardware.diameter, length);
     more += (more.empty() ? "" : "; ") + std::string("fastest wheel ") +
             rounded(fastestWheel(program, e.hardware) * 100) + " of " +
-            cm(e.hardware.max_wheel_speed) + " cm/s";
+            centimetreText(e.hardware.max_wheel_speed) + " cm/s";
     text += line("", "  " + more);
     if (const std::string slow = slowness(program, e.duration); !slow.empty()) {
       text += line("", "  " + slow);
@@ -200,7 +203,7 @@ std::string describeTable(const LightTable& table) {
   return text;
 }
 
-/// The program for this light, seen for the first time.
+/// The program that this light selects, without hysteresis.
 std::string programIn(const LightTable& table, double light) {
   for (const LightBand& band : table.bands) {
     if (contains(band, light)) return band.program;
@@ -208,7 +211,7 @@ std::string programIn(const LightTable& table, double light) {
   return "no band (robots stand)";
 }
 
-/// How much of the arena each program gets.
+/// The range of light, and the fraction of the arena where each program is selected.
 std::string shares(const Experiment& e, const LightStep& step) {
   constexpr int kColumns = 48;
   constexpr int kRows = 36;
@@ -246,8 +249,8 @@ std::string shares(const Experiment& e, const LightStep& step) {
     if (pixels.size() > 1)
       text += ' ' + rounded(std::round(100.0 * count / (kColumns * kRows))) + " %";
   }
-  if (changes) text += " as it begins, then it changes";
-  if (for_robots) text += "; without what robots bring about";
+  if (changes) text += " at its start; it changes with time";
+  if (for_robots) text += "; without layers that depend on robots";
   return text;
 }
 
@@ -255,7 +258,7 @@ bool hasCondition(const std::vector<LightStep>& steps) {
   return std::ranges::any_of(steps, [](const LightStep& step) { return step.until.given(); });
 }
 
-/// What ends a step and where the script goes from there, where that is not just its time.
+/// The condition that ends a step, and where the script continues.
 std::string describeEnd(const LightStep& step) {
   std::string text;
   if (step.until.given()) {
@@ -277,7 +280,7 @@ std::string describeLight(const Experiment& e) {
   const std::string at_most = hasCondition(e.light.steps) ? "at most " : "";
   if (e.light.repeat) head += ", again every " + at_most + numberText(e.light.length) + " s";
   std::string text = line("light", head);
-  bool open = false;  // what comes before a step may be shorter
+  bool open = false;  // whether an earlier step may end early
   for (const LightStep& step : e.light.steps) {
     std::string what =
         (open ? "  by " : "  ") + numberText(step.at) + " s " + step.label + ": " + shares(e, step);
@@ -292,9 +295,10 @@ std::string describeLight(const Experiment& e) {
 
 std::string describeReversal(const Reversal& reversal) {
   if (reversal.on == ReverseOn::kNever) return line("reversal", "never");
-  return line("reversal",
-              std::string("from walls") + (reversal.on == ReverseOn::kAny ? " and robots" : "") +
-                  ", " + cm(reversal.distance) + " cm back at " + cm(reversal.speed) + " cm/s");
+  return line("reversal", std::string("from walls") +
+                              (reversal.on == ReverseOn::kAny ? " and robots" : "") + ", " +
+                              centimetreText(reversal.distance) + " cm back at " +
+                              centimetreText(reversal.speed) + " cm/s");
 }
 
 std::string describeSize(double bytes) {
@@ -311,7 +315,7 @@ std::string describeCamera(const Experiment& e) {
                               std::to_string(camera.height) + " pixels, " + name +
                               (camera.calibration.empty() ? "" : ", " + camera.calibration));
   }
-  return line("camera", frames + "noise " + cm(camera.position_noise) + " cm and " +
+  return line("camera", frames + "noise " + centimetreText(camera.position_noise) + " cm and " +
                             fileText(camera.heading_noise, unitOf("_deg")) + " degrees");
 }
 
@@ -327,7 +331,7 @@ std::string describeStop(const Experiment& e) {
   return text;
 }
 
-/// Who sees the lab, and who may drive it.
+/// How far the ROS 2 gateway reaches, and what it may command.
 std::string describeRos(const Experiment& e) {
   const Gateway& gateway = e.gateway;
   if (!gateway.ros) return {};
@@ -340,18 +344,19 @@ std::string describeRos(const Experiment& e) {
                            std::to_string(gateway.domain) + ", " + reach +
                            (gateway.security.empty() ? "" : ", secured")) +
          line("", gateway.commands ? "may set the light and drive robots:" + who
-                                   : std::string("may look, not drive"));
+                                   : std::string("may observe, but not drive"));
 }
 
-/// Who else sees the page, and may use its buttons.
+/// Who else can open the page, and use its buttons.
 std::string describeDashboard(const Dashboard& dashboard) {
   if (isLocalOnly(dashboard)) return {};
-  return line("dashboard", "listens on " + dashboard.address +
-                               ", unencrypted: who reaches it sees the lab and its runs") +
+  return line("dashboard",
+              "listens on " + dashboard.address +
+                  ", unencrypted: everyone who can reach it sees the lab and its runs") +
          line("", dashboard.control_from_elsewhere
-                      ? "warning: who has the printed address, or reads along on that network, "
-                        "drives robots and light"
-                      : "and may not drive it: buttons work on this machine only");
+                      ? "warning: everyone who has the printed address, or can read the traffic of "
+                        "that network, may drive robots and light"
+                      : "and cannot control it: buttons work on this machine only");
 }
 
 /// "bench: sim_svc, robot_bridge (ssh pi@robot-bench)"
@@ -383,7 +388,8 @@ std::string describeExperiment(const Experiment& e, const PersistenceLength& len
   const std::string at_most = mayEndEarly(e) ? "at most " : "";
   text += line("run", at_most + numberText(e.duration) + " s, seed " + std::to_string(e.seed));
   text += describeStop(e);
-  text += line("arena", cm(e.arena_width) + " cm x " + cm(e.arena_height) + " cm");
+  text += line("arena",
+               centimetreText(e.arena_width) + " cm x " + centimetreText(e.arena_height) + " cm");
   text += describeRobots(e);
   text += describePrograms(e, length);
   text += describeTable(e.light_table);

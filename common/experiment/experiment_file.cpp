@@ -1,14 +1,19 @@
 #include "common/experiment/experiment_file.hpp"
 
-#include <fstream>
+#include <cstdint>
 #include <system_error>
 #include <utility>
 
-#include "common/experiment/checks/experiment_checks.hpp"
+#include "common/experiment/checks/camera_checks.hpp"
+#include "common/experiment/checks/light_checks.hpp"
+#include "common/experiment/checks/network_checks.hpp"
+#include "common/experiment/checks/robot_checks.hpp"
+#include "common/experiment/checks/script_checks.hpp"
 #include "common/experiment/keys/experiment_form.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/experiment/keys/toml_reader.hpp"
 #include "common/files/file_problems.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/toml_document.hpp"
 
 namespace lab {
@@ -16,12 +21,6 @@ namespace {
 
 constexpr std::size_t kMostProblems = 20;
 constexpr std::uintmax_t kMostBytes = 1'000'000;
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
-  return text;
-}
 
 [[noreturn]] void refuse(const std::string& name, const std::string& why) {
   throw ExperimentError({name + ": " + why});
@@ -44,13 +43,12 @@ std::string readFile(const std::filesystem::path& file) {
     refuse(name, "found a directory, allowed an experiment file in it");
   }
   if (!std::filesystem::is_regular_file(status)) {
-    refuse(name, "found something that is no file, allowed an experiment file");
+    refuse(name, "found no regular file, allowed an experiment file");
   }
   refuseSize(name, std::filesystem::file_size(file, error));
-  std::ifstream stream(file, std::ios::binary);
-  std::string text(std::istreambuf_iterator<char>(stream), {});
-  if (!stream) refuse(name, "found a file that cannot be read, allowed one that you may read");
-  return text;
+  const std::optional<std::string> text = readWholeFile(file);
+  if (!text) refuse(name, "found a file that cannot be read, allowed one that you may read");
+  return *text;
 }
 
 void refuseOtherVersion(const keys::TomlDocument& document) {
@@ -64,9 +62,6 @@ void refuseOtherVersion(const keys::TomlDocument& document) {
 }
 
 }  // namespace
-
-ExperimentError::ExperimentError(std::vector<std::string> problems)
-    : std::runtime_error(joined(problems)), problems_(std::move(problems)) {}
 
 Experiment loadExperiment(const std::filesystem::path& file,
                           const std::vector<std::string>& overrides) {

@@ -2,58 +2,36 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/experiment/experiment.hpp"
+#include "common/files/experiment_error.hpp"
 
 namespace lab {
 
-/// An experiment file that cannot be used. what() has a line for each problem, e.g.
-/// "experiments/x.toml:12: robots[2].x_cm: found 130, allowed 3.75 to 116.25 (inside the arena)".
-class ExperimentError : public std::runtime_error {
- public:
-  explicit ExperimentError(std::vector<std::string> problems);
-
-  [[nodiscard]] const std::vector<std::string>& problems() const { return problems_; }
-
- private:
-  std::vector<std::string> problems_;
-};
-
-/// Reads and checks an experiment file. Every default is filled in, robots are in order of id, and
-/// times in the light script count from its start.
-/// @param overrides "key=value" each, as after --set: they replace what the file says before it is
-/// checked. Keys are paths ("robots[0].x_cm"); a value that is not TOML is taken as text.
-/// @throws ExperimentError with up to 20 problems.
+/// Reads and checks an experiment file. Defaults are filled in, robots are sorted by id, and times
+/// in the light script count from its start.
+/// @param overrides "key=value" each, as after --set; they replace values of the file before it is
+///   checked. Keys are paths ("robots[0].x_cm"); a value that is not TOML is taken as a text.
+/// @throws ExperimentError with up to 20 problems
 [[nodiscard]] Experiment loadExperiment(const std::filesystem::path& file,
                                         const std::vector<std::string>& overrides = {});
 
-/// loadExperiment() of a text that is already at hand, such as the one stored in a log.
-/// @param name of the text, for messages.
-/// @param directory beside which image files must lie; without it nobody looks for them.
+/// As loadExperiment(), from a text such as the one stored in a log.
+/// @param name of the text, for messages
+/// @param directory of the image files; if none is given, image files are not looked for
 /// @throws ExperimentError
 [[nodiscard]] Experiment parseExperiment(
     std::string_view text, const std::string& name, const std::vector<std::string>& overrides = {},
     const std::optional<std::filesystem::path>& directory = {});
 
-/// The experiment as a file in which every default is filled in. parseExperiment() turns it into an
-/// equal experiment, to the last bit where the numbers came from a file. (Of numbers that were made
-/// in the program about half have no decimal in cm or degrees that gives them exactly; those come
-/// back as a neighbour, and from then on unchanged.)
+/// The text of an experiment file with all defaults filled in. parseExperiment() gives an equal
+/// experiment, to the last bit if its numbers came from a file. About half of all other numbers
+/// have no decimal in cm or degrees that gives them exactly; these come back as a neighbouring
+/// double, which then remains unchanged.
 [[nodiscard]] std::string writeExperiment(const Experiment& experiment);
-
-/// The persistence length of a program [m], which only the exact laws know (analyzer/laws.hpp).
-using PersistenceLength = std::function<double(const ProgramSpec&)>;
-
-/// What would start: run, robots, programs with the numbers that follow from them, the light script
-/// with the programs that it selects, and the expected size of the log. Some twenty lines for
-/// people. @param length none: it is not said
-[[nodiscard]] std::string describeExperiment(const Experiment& experiment,
-                                             const PersistenceLength& length = {});
 
 }  // namespace lab

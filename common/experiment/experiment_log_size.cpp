@@ -1,6 +1,7 @@
 #include "common/experiment/experiment_log_size.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <lab/analysis_t.hpp>
 #include <lab/experiment_status_t.hpp>
 #include <lab/light_command_t.hpp>
@@ -21,7 +22,7 @@ namespace lab {
 namespace {
 
 constexpr double kEventHeader = 28;       // bytes of an lcm-logger event before its channel's name
-constexpr std::size_t kUsualSender = 10;  // letters of a sender's name
+constexpr std::size_t kUsualSender = 10;  // length of a sender's name
 constexpr int kUsualLags = 57;            // of the analyzer's curves
 constexpr int kUsualEstimates = 8;
 constexpr double kCommandRate = 5;  // [1/s] ROBOT_COMMAND
@@ -29,7 +30,7 @@ constexpr double kLightCommandRate = 2;
 constexpr double kLightStatusRate = 10;
 constexpr double kTruthRate = 10;
 constexpr double kExperimentStatusRate = 2;
-constexpr double kStepBytes = 70;       // of one draw in ROBOT_STEPS, with its share of the message
+constexpr double kStepBytes = 70;       // per draw in ROBOT_STEPS, with its part of the header
 constexpr double kHousekeeping = 1500;  // bytes/s of SERVICE_STATUS, EXPERIMENT_EVENT and CLOCK
 
 template <typename Message>
@@ -45,7 +46,7 @@ double frameBytes(std::int32_t robots) {
   return eventBytes(channels::kTrackedFrame, message);
 }
 
-/// What tracker_svc says beside the poses.
+/// The size of tracker_svc's TRACKED_DETAILS.
 double detailsBytes(const Experiment& experiment, std::int32_t robots) {
   if (experiment.camera.tracker != Tracker::kCamera) return 0;
   tracked_details_t message{};
@@ -93,7 +94,8 @@ double lightBytes(std::string_view channel, const LightStep& step) {
   return eventBytes(channel, message);
 }
 
-/// A LIGHT_STATUS of this step with a copy of a layer for each robot it follows, and with trails.
+/// The size of a LIGHT_STATUS of this step. A layer that follows robots is sent once for each
+/// robot, and a trail as a grid.
 double lightStatusBytes(const Experiment& experiment, const LightStep& step) {
   double bytes = lightBytes<light_status_t>(channels::kLightStatus, step);
   bool trail = false;
@@ -112,7 +114,8 @@ bool isDriven(const LightStep& step) {
                              [](const LayerSpec& layer) { return !light::isStill(layer.drive); });
 }
 
-/// Draws that robots on the wire report, all robots together: each runs the busiest program.
+/// An upper bound of the draws per second that robots on the wire report: all run the program that
+/// draws most often.
 double stepsPerSecond(const Experiment& experiment) {
   double busiest = 0;
   for (const auto& [name, program] : experiment.programs) {

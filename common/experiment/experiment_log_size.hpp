@@ -1,12 +1,12 @@
-/// How large a run's log becomes.
+/// The expected size of a run's log.
 #pragma once
 
 #include "common/experiment/experiment.hpp"
 
 namespace lab {
 
-/// Bytes of the log, from the sizes and rates of the messages that a run of this experiment sends.
-/// The analyzer's share is a guess from above: every robot runs every program, with full curves.
+/// The size of the log [bytes], from the sizes and rates of the messages of such a run. The
+/// analyzer's part is an upper bound: every robot runs every program, and all curves are complete.
 [[nodiscard]] double expectedLogBytes(const Experiment& experiment);
 
 }  // namespace lab

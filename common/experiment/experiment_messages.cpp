@@ -1,18 +1,12 @@
 #include "common/experiment/experiment_messages.hpp"
 
 #include <algorithm>
-#include <tuple>
 
-#include "common/experiment/experiment_conversions.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab {
 namespace {
-
-auto parameters(const program_t& program) {
-  return std::tie(program.kind, program.v, program.va, program.V, program.epsilon, program.eta,
-                  program.gamma, program.tau_t, program.wheel_left, program.wheel_right);
-}
 
 robot_command_t commandEveryRobot(const Experiment& experiment, robot_order_t order) {
   order.robot_ids = commandedRobots(experiment);
@@ -33,21 +27,6 @@ std::vector<std::int32_t> commandedRobots(const Experiment& experiment) {
     if (robot.body != Body::kReplay) ids.push_back(robot.id);
   }
   return ids;
-}
-
-program_t toMessage(const ProgramSpec& program) {
-  program_t message{};
-  message.kind = static_cast<std::int8_t>(program.model);
-  message.v = program.v;
-  message.va = program.va;
-  message.V = program.V;
-  message.epsilon = program.epsilon;
-  message.eta = program.eta;
-  message.gamma = program.gamma;
-  message.tau_t = program.tau_t;
-  message.wheel_left = program.wheel_left;
-  message.wheel_right = program.wheel_right;
-  return message;
 }
 
 robot_command_t lightTableCommand(const Experiment& experiment) {
@@ -87,33 +66,5 @@ std::vector<light_layer_t> toMessages(const std::vector<LayerSpec>& layers) {
   for (const LayerSpec& layer : layers) messages.push_back(toMessage(layer));
   return messages;
 }
-
-std::string programName(const Experiment& experiment, const program_t& program) {
-  for (const auto& [name, spec] : experiment.programs) {
-    if (sameProgram(toMessage(spec), program)) return name;
-  }
-  return modelName(program.kind);
-}
-
-std::string modelName(std::int8_t kind) {
-  switch (kind) {
-    case program_t::ABP:
-      return "ABP";
-    case program_t::NOISY_ABP:
-      return "noisy ABP";
-    case program_t::BP:
-      return "BP";
-    case program_t::RTP:
-      return "RTP";
-    case program_t::WHEELS:
-      return "wheels";
-    default:
-      return "standing";
-  }
-}
-
-bool sameProgram(const program_t& a, const program_t& b) { return parameters(a) == parameters(b); }
-
-bool orderedBefore(const program_t& a, const program_t& b) { return parameters(a) < parameters(b); }
 
 }  // namespace lab

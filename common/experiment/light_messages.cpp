@@ -3,15 +3,13 @@
 #include <memory>
 #include <stdexcept>
 
-#include "common/experiment/experiment_conversions.hpp"
-
 namespace lab {
 namespace {
 
 using light::Blend;
 using light::LayerKind;
 
-// The contract and the core number kinds and blends alike.
+// light_layer_t and light::Layer use the same numbers for kinds and blends.
 static_assert(light_layer_t::UNIFORM == static_cast<int>(LayerKind::kUniform));
 static_assert(light_layer_t::HALF_PLANE == static_cast<int>(LayerKind::kHalfPlane));
 static_assert(light_layer_t::DISK == static_cast<int>(LayerKind::kDisk));
@@ -92,6 +90,23 @@ light::Drive toDrive(const light_drive_t& message) {
 }
 
 }  // namespace
+
+light::Layer toLightLayer(const LayerSpec& layer) {
+  light::Layer result;
+  result.kind = static_cast<light::LayerKind>(layer.kind);
+  result.blend = static_cast<light::Blend>(layer.blend);
+  result.x = layer.x;
+  result.y = layer.y;
+  result.angle = layer.angle;
+  result.size = layer.size;
+  result.inner = layer.inner;
+  result.softness = layer.softness;
+  result.intensity = layer.intensity;
+  result.intensity2 = layer.intensity2;
+  result.seed = layer.seed;
+  result.phase = layer.phase;
+  return result;
+}
 
 light_layer_t toMessage(const light::Layer& layer) {
   light_layer_t message{};

@@ -2,35 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+
+#include "common/experiment/program_messages.hpp"
 
 namespace lab {
 namespace {
 
-/// A light of 0..1 as counts of the robot's 10-bit converter, rounded as the converter does, so
-/// that light on an edge belongs to the band above it; 1 reads 1023, and a band up to 1 contains
-/// it.
+/// Light of 0..1 in counts of the robot's 10-bit converter, rounded as the converter does, so that
+/// light on an edge belongs to the band above it. The upper edge 1 becomes 1024, because full light
+/// reads 1023 and belongs to a band up to 1.
 std::uint16_t counts(double light) {
   if (light >= 1) return dynamics::kLightCounts;
   return static_cast<std::uint16_t>(
       std::lround(std::clamp(light, 0.0, 1.0) * (dynamics::kLightCounts - 1)));
 }
 
-dynamics::RobotProgram physics(const program_t& program) {
-  dynamics::RobotProgram result;
-  result.kind = static_cast<dynamics::ProgramKind>(program.kind);
-  result.v = program.v;
-  result.va = program.va;
-  result.V = program.V;
-  result.epsilon = program.epsilon;
-  result.eta = program.eta;
-  result.gamma = program.gamma;
-  result.tau_t = program.tau_t;
-  result.wheel_left = program.wheel_left;
-  result.wheel_right = program.wheel_right;
-  return result;
-}
-
-/// Why the numbers outside the programs make no order, or nothing.
+/// Why the order's numbers other than its programs are wrong; empty if they are valid.
 std::string numbersRefusal(const robot_order_t& order, const dynamics::WheelLimits& limits) {
   if (order.mode == robot_order_t::DRIVE) {
     const bool drivable = std::abs(order.wheel_left) <= limits.v_max &&
@@ -74,7 +62,8 @@ OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimi
       return result;
     }
     light.bands[slot] = {counts(band.low), counts(band.high), slot};
-    const dynamics::ParamsResult params = dynamics::toProgramParams(physics(band.program), limits);
+    const dynamics::ParamsResult params =
+        dynamics::toProgramParams(toProgram(band.program), limits);
     if (!params.ok) {
       result.refusal = params.reason;
       return result;

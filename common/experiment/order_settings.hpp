@@ -1,4 +1,4 @@
-/// Orders on the bus, as settings of a robot's core.
+/// Converts orders on the bus to settings of a robot's core.
 #pragma once
 
 #include <lab/program_t.hpp>
@@ -11,14 +11,16 @@
 
 namespace lab {
 
-/// What an order makes of a robot.
+/// The settings that an order makes.
 struct OrderSettings {
   dynamics::CoreSettings core;
-  std::vector<program_t> programs;  ///< by slot, as ordered
-  std::string refusal;              ///< not empty: the robot cannot do this, and why
+  std::vector<program_t> programs;  ///< by slot, as in the order
+  std::string refusal;              ///< why the robot cannot execute the order; empty if it can
 };
 
-/// An order with another mode than TABLE has no programs, and its other parts are not looked at.
+/// Converts and checks an order. An order with another mode than TABLE has no programs, and its
+/// other parts are not checked.
+/// @param sensor_period [s]
 [[nodiscard]] OrderSettings settingsFrom(const robot_order_t& order,
                                          const dynamics::WheelLimits& limits, double sensor_period);
 

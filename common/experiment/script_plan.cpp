@@ -8,12 +8,11 @@
 namespace lab {
 namespace {
 
+using keys::centimetreText;
 using keys::fileText;
 using keys::unitOf;
 
-constexpr double kTicks = 1e6;  // a second, to which sums of hold times are rounded
-
-std::string inCm(double metre) { return fileText(metre, unitOf("_cm")); }
+constexpr double kTicks = 1e6;  // [1/s] sums of hold times are rounded to 1 / kTicks
 
 }  // namespace
 
@@ -32,8 +31,8 @@ std::vector<double> latestStartTimes(const std::vector<double>& holds,
                                      const std::vector<StepGroup>& groups) {
   std::vector<double> begins{0};
   for (std::size_t i = 0; i < holds.size(); ++i) {
-    // When a step begins for the first time, a group that ended before it has been shown out, and
-    // one around it is shown for the first time.
+    // When a step begins for the first time, all repetitions of an earlier group have been shown,
+    // and a group that contains the step is shown for the first time.
     double end = std::round((begins.back() + holds[i]) * kTicks) / kTicks;
     for (const StepGroup& group : groups) {
       if (group.last != i) continue;
@@ -68,10 +67,12 @@ std::string untilText(const Until& until) {
   }
   std::string who = until.who == Who::kAll ? "all robots are" : "a robot is";
   if (!robot.empty()) who = robot + " is";
-  const std::string shape = until.region == Region::kCircle
-                                ? "circle of radius " + inCm(until.radius)
-                                : "rectangle of " + inCm(until.width) + " x " + inCm(until.height);
-  return who + " in the " + shape + " cm around " + inCm(until.x) + ", " + inCm(until.y) + " cm";
+  const std::string shape =
+      until.region == Region::kCircle
+          ? "circle of radius " + centimetreText(until.radius)
+          : "rectangle of " + centimetreText(until.width) + " x " + centimetreText(until.height);
+  return who + " in the " + shape + " cm around " + centimetreText(until.x) + ", " +
+         centimetreText(until.y) + " cm";
 }
 
 ScriptCursor::ScriptCursor(const LightScript& script)
@@ -99,7 +100,7 @@ void ScriptCursor::advance() {
       index_ = group->first;
       return;
     }
-    shown = 0;  // a group around it begins it anew
+    shown = 0;  // for the next repetition of an enclosing group
   }
   if (++index_ < steps_) return;
   index_ = 0;

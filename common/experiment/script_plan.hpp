@@ -1,4 +1,4 @@
-/// In which order, and by when, the steps of a light script are shown.
+/// The order and the latest times of the steps of a light script.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace lab {
 
-/// Steps that are shown several times: LightStep::back_to and times.
+/// A group of steps that is repeated: LightStep::back_to and times.
 struct StepGroup {
   std::size_t first = 0;
   std::size_t last = 0;
@@ -22,23 +22,23 @@ struct StepGroup {
 /// The groups of a script that has passed the checks, in the order of their last steps.
 [[nodiscard]] std::vector<StepGroup> groupsOf(const LightScript& script);
 
-/// When each step of the first pass begins at the latest, for the first time [s]; the last element
-/// is when the pass ends. Rounded to the microsecond.
-/// @param holds [s] of every step, at most
+/// The latest time of the first start of each step in the first pass [s]; the last element is the
+/// end of the pass. Rounded to the microsecond.
+/// @param holds [s] largest hold time of each step
 [[nodiscard]] std::vector<double> latestStartTimes(const std::vector<double>& holds,
                                                    const std::vector<StepGroup>& groups);
 
-/// Whether the run may end before its time: with the last step of a script whose times are open, or
-/// where a condition is not met.
+/// Whether the script may end the run early: after the last step of a script with open times, or
+/// because a condition is not met in time.
 [[nodiscard]] bool mayEndEarly(const LightScript& script);
 
-/// Whether the run may end before its time, by its script or by a rule.
+/// Whether the run may end early, by its script or by a stop rule.
 [[nodiscard]] bool mayEndEarly(const Experiment& experiment);
 
-/// What a step waits for, as a sentence without its full stop: "D_r of abp is known to 5 %".
+/// A condition as a sentence without full stop: "D_r of abp is known to 5 %".
 [[nodiscard]] std::string untilText(const Until& until);
 
-/// Walks through the showings of a script.
+/// Iterates over the steps of a script in the order in which they are shown, with repetitions.
 class ScriptCursor {
  public:
   explicit ScriptCursor(const LightScript& script);
@@ -46,10 +46,10 @@ class ScriptCursor {
   [[nodiscard]] std::size_t index() const { return index_; }  ///< into LightScript::steps
   [[nodiscard]] std::int64_t pass() const { return pass_; }   ///< of the whole script, from 0
 
-  /// Whether nothing follows the showing here.
+  /// Whether no step follows the present one.
   [[nodiscard]] bool isLast() const;
 
-  /// Goes on to the next showing. Not after the last one.
+  /// Advances to the next step. Not allowed if isLast().
   void advance();
 
  private:
@@ -58,7 +58,7 @@ class ScriptCursor {
   std::size_t steps_;
   bool repeat_;
   std::vector<StepGroup> groups_;
-  std::vector<std::int64_t> shown_;  ///< by group: how often it has been shown to its end
+  std::vector<std::int64_t> shown_;  ///< by group: completed repetitions
   std::size_t index_ = 0;
   std::int64_t pass_ = 0;
 };

@@ -1,8 +1,54 @@
 #include "common/experiment/service_placement.hpp"
 
+#include <algorithm>
 #include <set>
 
 namespace lab {
+namespace {
+
+bool anyRobot(const Experiment& experiment, bool (*fits)(Body)) {
+  return std::ranges::any_of(experiment.robots,
+                             [fits](const RobotSpec& robot) { return fits(robot.body); });
+}
+
+}  // namespace
+
+bool isNeeded(const Experiment& experiment, std::string_view service) {
+  if (service == "robot_bridge") return anyRobot(experiment, isOnWire);
+  if (service == "tracker_svc") return experiment.camera.tracker == Tracker::kCamera;
+  if (service == "sim_svc") {
+    return anyRobot(experiment, [](Body body) { return body != Body::kSerial; });
+  }
+  if (service == "dds_gateway") {
+    const bool joins_hosts =
+        experiment.link.join == JoinBy::kDds && !otherHosts(experiment).empty();
+    return experiment.gateway.ros || joins_hosts;
+  }
+  return true;
+}
+
+std::vector<std::string> neededServices(const Experiment& experiment) {
+  std::vector<std::string> names;
+  for (const std::string_view name : kServiceNames) {
+    if (isNeeded(experiment, name)) names.emplace_back(name);
+  }
+  return names;
+}
+
+bool usesPorts(std::string_view service) {
+  return service == "robot_bridge" || service == "tracker_svc" || service == "sim_svc";
+}
+
+bool runsInVirtualTime(std::string_view service) { return service != "dds_gateway"; }
+
+std::vector<std::string> hostsInUse(const Experiment& experiment) {
+  std::set<std::string> hosts;
+  for (const std::string& name : neededServices(experiment)) {
+    hosts.insert(hostOf(experiment, name));
+  }
+  hosts.erase("");
+  return {hosts.begin(), hosts.end()};
+}
 
 std::string hostOf(const Experiment& experiment, std::string_view service) {
   const auto place = experiment.services.find(std::string(service));

@@ -1,4 +1,4 @@
-/// Which service of an experiment runs on which host, and who else reaches it.
+/// The services that an experiment needs, and the host of each.
 #pragma once
 
 #include <array>
@@ -10,23 +10,41 @@
 
 namespace lab {
 
-/// Every service that may be placed.
+/// Every service that may be placed on a host, in the order of starting and ending: receivers start
+/// before senders, and robot_bridge ends before the robots it commands.
 inline constexpr std::array<std::string_view, 6> kServiceNames{
     "analyzer", "projector_ctl", "robot_bridge", "tracker_svc", "sim_svc", "dds_gateway"};
 
-/// Who looks on: a lab runs as well without it.
+/// The dashboard only observes: a lab runs without it too.
 inline constexpr std::string_view kObserverService = "dashboard";
 
-/// The host that the service is placed on, as the file says it; "": this machine.
+/// Whether the experiment needs this service.
+[[nodiscard]] bool isNeeded(const Experiment& experiment, std::string_view service);
+
+/// The services that the experiment needs, in the order of kServiceNames.
+[[nodiscard]] std::vector<std::string> neededServices(const Experiment& experiment);
+
+/// Whether the command line of the service has --ports.
+[[nodiscard]] bool usesPorts(std::string_view service);
+
+/// Whether the service runs in virtual time: dds_gateway connects the lab to other programs and
+/// hosts, which run in real time.
+[[nodiscard]] bool runsInVirtualTime(std::string_view service);
+
+/// The other hosts on which the experiment places services that it needs, each once, sorted.
+[[nodiscard]] std::vector<std::string> hostsInUse(const Experiment& experiment);
+
+/// The host on which the experiment file places the service; "": this machine.
 [[nodiscard]] std::string hostOf(const Experiment& experiment, std::string_view service);
 
-/// The other hosts that services are placed on, each once, in order of name.
+/// The other hosts on which the file places services, needed or not, each once, sorted.
 [[nodiscard]] std::vector<std::string> otherHosts(const Experiment& experiment);
 
-/// The host's entry, where the file has none one that ssh alone knows. Its `ssh` is never empty.
+/// The host's entry in the file. Without one the name is what ssh knows the host by. `ssh` is never
+/// empty.
 [[nodiscard]] HostSpec hostSpec(const Experiment& experiment, const std::string& host);
 
-/// Whether no other machine reaches the page.
+/// Whether the dashboard listens on a loopback address only.
 [[nodiscard]] bool isLocalOnly(const Dashboard& dashboard);
 
 }  // namespace lab

@@ -13,7 +13,7 @@ namespace {
 constexpr int kMostDigits = std::numeric_limits<double>::max_digits10;
 constexpr double kPi = std::numbers::pi;
 
-// A longer suffix before the one it ends in.
+// Longer suffixes come before the suffixes that they end in.
 constexpr std::array<FileUnit, 14> kUnits = {{
     {"_cm_sqrt_s", "cm/sqrt(s)", 1, 100},
     {"_deg_sqrt_s", "deg/sqrt(s)", kPi, 180},
@@ -39,7 +39,7 @@ std::optional<double> shortestThatGives(double si, double near, const FileUnit& 
   return {};
 }
 
-/// The number of the file that gives exactly `si`, if there is one.
+/// The shortest number that converts to exactly `si`, if there is one.
 std::optional<double> numberFor(double si, const FileUnit& unit) {
   const double near = si * unit.divide / unit.multiply;
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -87,6 +87,10 @@ std::string fileText(double si, const FileUnit& unit) {
   if (const auto found = numberFor(si, unit)) return numberText(*found);
   const double near = si * unit.divide / unit.multiply;
   return numberText(numberFor(toSi(near, unit), unit).value_or(near));
+}
+
+std::string centimetreText(double metre) {
+  return fileText(std::round(metre * 1e9) / 1e9, unitOf("_cm"));
 }
 
 std::string tomlString(std::string_view text) {

@@ -1,4 +1,4 @@
-/// Calibration files in JSON: reading them, with one clear error for each problem.
+/// Reading JSON calibration files, with an error that names the file and the key.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,16 +11,16 @@
 #include <utility>
 #include <vector>
 
-#include "common/experiment/experiment_file.hpp"
-#include "light/optics/camera_model.hpp"
+#include "common/files/experiment_error.hpp"
 
 namespace lab {
 
-/// An object of the file and the path that leads to it, for messages.
+/// An object of the file, with its path for messages. All getters throw ExperimentError if the key
+/// is missing or its value is wrong.
 class JsonSection {
  public:
   /// @param file its name, for messages
-  /// @param help what a message about a missing key ends with: where the keys are listed
+  /// @param help the end of messages about missing keys: where the keys are listed
   JsonSection(std::string file, std::string help, const nlohmann::json& value)
       : JsonSection(std::move(file), std::move(help), "", value) {}
 
@@ -36,7 +36,7 @@ class JsonSection {
     return value.get<std::string>();
   }
 
-  /// A number within limits, times `unit`.
+  /// A number from low to high, multiplied by `unit`.
   [[nodiscard]] double number(const char* key, double low, double high, double unit = 1) const {
     const nlohmann::json& value = at(key);
     if (!value.is_number()) fail(key, "found " + shortened(value) + ", expected a number");
@@ -47,7 +47,7 @@ class JsonSection {
     return found * unit;
   }
 
-  /// number(), or `otherwise` when the key is not there.
+  /// As number(); `otherwise` if the key is missing.
   [[nodiscard]] double number(const char* key, double low, double high, double unit,
                               double otherwise) const {
     return has(key) ? number(key, low, high, unit) : otherwise;
@@ -67,7 +67,7 @@ class JsonSection {
     return found;
   }
 
-  /// numbers(), exactly N of them.
+  /// As numbers(), with exactly N elements.
   template <std::size_t N>
   [[nodiscard]] std::array<double, N> numbers(const char* key) const {
     const std::vector<double> found = numbers(key);
@@ -119,25 +119,14 @@ class JsonSection {
   const nlohmann::json& value_;
 };
 
-/// The bytes of a file. @throws ExperimentError when it cannot be read.
-[[nodiscard]] std::string readFileText(const std::string& name);
-
-/// @param expected what kind of file it should have been, for the message
-/// @throws ExperimentError that names the file and the line.
+/// Parses JSON.
+/// @param name of the file, for messages
+/// @param expected the expected kind of file, for messages
+/// @throws ExperimentError that names the file and the line
 [[nodiscard]] nlohmann::json parseJson(const std::string& name, const std::string& text,
                                        const std::string& expected);
 
-/// First 12 digits of the SHA-256 of a file's text.
+/// The id of a calibration: the first 12 digits of the SHA-256 of its file's text.
 [[nodiscard]] std::string fileId(const std::string& text);
-
-/// A rotation has orthonormal rows and keeps right hands right. @throws ExperimentError
-void checkRotation(const JsonSection& file, const char* key, const std::array<double, 9>& rotation);
-
-/// Lens and pose, as writeLens() writes them. @param mirrored whether fx may be negative
-[[nodiscard]] optics::CameraParameters readLens(const JsonSection& file, bool mirrored);
-
-/// width_px, height_px, fx_px, fy_px, cx_px, cy_px, k1, k2, p1, p2, k3, rotation (row by row),
-/// translation_m.
-void writeLens(nlohmann::ordered_json& file, const optics::CameraParameters& lens);
 
 }  // namespace lab

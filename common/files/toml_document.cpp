@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cstdint>
 #include <memory>
 #include <utility>
 #include <variant>
 
-#include "common/experiment/experiment_file.hpp"
+#include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
 
 namespace lab::keys {
@@ -30,7 +31,7 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(' ') - first + 1);
 }
 
-/// "[2]" at the beginning of the text, which it then loses.
+/// Removes "[2]" from the beginning of the text and returns the index; nothing if it is malformed.
 std::optional<std::size_t> takeIndex(std::string_view& text) {
   std::size_t index = 0;
   const char* const end = text.data() + text.size();
@@ -40,7 +41,7 @@ std::optional<std::size_t> takeIndex(std::string_view& text) {
   return index;
 }
 
-/// Nothing where the text is not of the kind a.b[2].c.
+/// Parses a path such as a.b[2].c; nothing if it is malformed.
 std::optional<Path> parsePath(std::string_view text) {
   Path path;
   while (true) {
@@ -71,7 +72,8 @@ Node* child(Node* node, const Part& part) {
   throw ExperimentError({source + ": " + why});
 }
 
-/// The value as TOML; as text where it is none. `source` names it in messages.
+/// Parses a value as TOML, or takes it as a text if it is no TOML.
+/// @param source names it in messages
 toml::table parseValue(const std::string& value, const std::string& source) {
   for (const std::string& candidate : {value, tomlString(value)}) {
     try {

@@ -1,4 +1,5 @@
-/// A TOML file with its overrides. The only header that sees toml++: include it from .cpp files.
+/// A TOML file with its overrides. Include it only from .cpp files, because toml++ is a large
+/// header.
 #pragma once
 
 #include <toml++/toml.h>
@@ -12,24 +13,24 @@
 
 namespace lab::keys {
 
-/// A parsed file whose overrides are in place.
+/// A parsed file, after its overrides.
 class TomlDocument {
  public:
-  /// @param file name for the messages.
-  /// @param overrides "key=value" each. The key is a path, "robots[0].x_cm"; tables on the way are
-  /// made where they are missing. The value is TOML, and text where it is not.
-  /// @throws ExperimentError for invalid TOML and for an override that fits nowhere.
+  /// @param file name, for messages
+  /// @param overrides "key=value" each. The key is a path, "robots[0].x_cm"; missing tables on
+  ///   the path are created. The value is TOML, or taken as a text if it is not.
+  /// @throws ExperimentError for invalid TOML and for a path that does not exist
   TomlDocument(std::string_view text, std::string file, const std::vector<std::string>& overrides);
 
   [[nodiscard]] const toml::table& root() const { return root_; }
 
-  /// Where a value stands: its line, or the override that set it.
+  /// The location of a value: its line, or the override that set it.
   [[nodiscard]] FileLocation place(const toml::node& node) const;
 
-  /// Where a key stands: its line, or the override that set its value.
+  /// The location of a key: its line, or the override that set its value.
   [[nodiscard]] FileLocation place(const toml::key& key, const toml::node& node) const;
 
-  /// Where the path stands or, if it is not there, what is around it.
+  /// The location of a path, or of the innermost existing element that contains it.
   [[nodiscard]] FileLocation place(const std::string& path) const;
 
  private:
@@ -40,13 +41,13 @@ class TomlDocument {
   toml::table root_;
 };
 
-/// A value as a message shows it: cut to some 60 characters, in one line.
+/// A value as shown in messages: in one line, cut to about 60 characters.
 [[nodiscard]] std::string shown(const toml::node& node);
 
-/// Text in quotes, cut and in one line.
+/// A text as shown in messages: in quotes, in one line, cut to about 60 characters.
 [[nodiscard]] std::string shown(std::string_view text);
 
-/// A key as it is written in a path: in quotes where it is not bare.
+/// A key as written in a path: in quotes unless it is a bare key.
 [[nodiscard]] std::string shownKey(std::string_view key);
 
 }  // namespace lab::keys

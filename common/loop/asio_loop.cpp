@@ -2,8 +2,11 @@
 
 #include <asio.hpp>
 #include <chrono>
+#include <cstdint>
 #include <list>
 #include <utility>
+
+#include "common/loop/wall_clock.hpp"
 
 namespace lab {
 namespace {
@@ -20,7 +23,7 @@ struct Repeating {
   Loop::Callback callback;
 };
 
-/// What is waiting holds a share of it: a callback may end its own watch.
+/// Shared with the pending wait, because a callback may end its own watch.
 struct Watched {
   Watched(asio::io_context& io, int fd, Loop::Callback call)
       : descriptor(io, fd), callback(std::move(call)) {}
@@ -57,9 +60,7 @@ struct Signals {
 struct AsioLoop::Implementation {
   asio::io_context io{1};
   Steady::time_point steady_start = Steady::now();
-  std::int64_t wall_start =
-      std::chrono::duration_cast<Microseconds>(std::chrono::system_clock::now().time_since_epoch())
-          .count();
+  std::int64_t wall_start = wallClock();
   std::list<Repeating> repeating;
   std::list<std::unique_ptr<Watch>> watched;
   std::list<Signals> signals;
@@ -99,7 +100,7 @@ AsioLoop::~AsioLoop() = default;
 std::int64_t AsioLoop::now() const { return implementation_->now(); }
 
 void AsioLoop::at(std::int64_t utime, Callback callback) {
-  if (utime <= now()) {  // timers that are due together would fire in any order
+  if (utime <= now()) {  // timers that expired together would fire in any order
     asio::post(implementation_->io, std::move(callback));
     return;
   }

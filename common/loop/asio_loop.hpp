@@ -1,6 +1,7 @@
 /// The live event loop, on standalone Asio.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 
@@ -13,8 +14,8 @@ class io_context;
 
 namespace lab {
 
-/// Steady clocks pace, the wall clock stamps: now() is the wall clock read once at construction
-/// plus the steady time since, so that a step of the wall clock during a run moves nothing.
+/// now() is the wall clock at construction plus the steady time since then, so a step of the wall
+/// clock during a run changes neither timers nor time stamps.
 class AsioLoop final : public Loop, public DescriptorWatcher {
  public:
   AsioLoop();
@@ -26,8 +27,8 @@ class AsioLoop final : public Loop, public DescriptorWatcher {
   void every(std::int64_t period_us, std::int64_t first_utime, Callback callback) override;
   void stop() override;
 
-  /// Calls `callback` whenever `descriptor` has something to read or is hung up, for the loop's
-  /// life. The descriptor stays its owner's.
+  /// Calls `callback` whenever `descriptor` is readable or hung up, for the loop's lifetime. The
+  /// caller keeps ownership of the descriptor.
   void onReadable(int descriptor, Callback callback);
 
   [[nodiscard]] std::unique_ptr<Watch> watch(int descriptor, Callback callback) override;
@@ -35,10 +36,10 @@ class AsioLoop final : public Loop, public DescriptorWatcher {
   /// Calls `callback(signal)` instead of the default action.
   void onSignals(std::initializer_list<int> signals, std::function<void(int)> callback);
 
-  /// Runs until stop(). An exception of a callback ends it and comes out here.
+  /// Runs until stop(). An exception of a callback ends it and is passed on to the caller.
   void run();
 
-  /// Does what is due now, without waiting: for those who wait in another way.
+  /// Handles what is due now, without waiting.
   void poll();
 
  private:

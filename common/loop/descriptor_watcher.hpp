@@ -1,4 +1,5 @@
-/// File descriptors that wake a service, given to it from outside like its bus and its clock.
+/// Interface for waiting on file descriptors. A service gets it from outside, like its bus and its
+/// clock.
 #pragma once
 
 #include <functional>
@@ -9,7 +10,7 @@ namespace lab {
 
 class DescriptorWatcher {
  public:
-  /// Ends what watch() began, when it is destroyed. The DescriptorWatcher must outlive it.
+  /// Destroying it ends the watch. The DescriptorWatcher must outlive it.
   class Watch {
    public:
     Watch() = default;
@@ -23,15 +24,14 @@ class DescriptorWatcher {
   DescriptorWatcher& operator=(const DescriptorWatcher&) = delete;
   virtual ~DescriptorWatcher() = default;
 
-  /// Calls `callback` whenever `descriptor` has something to read or is hung up, until the returned
-  /// object is destroyed, which must be before the descriptor is closed. The callback may destroy
-  /// it. The descriptor stays its owner's.
+  /// Calls `callback` whenever `descriptor` is readable or hung up, until the returned object is
+  /// destroyed, which must be before the descriptor is closed. The callback may destroy it. The
+  /// caller keeps ownership of the descriptor.
   [[nodiscard]] virtual std::unique_ptr<Watch> watch(int descriptor,
                                                      std::function<void()> callback) = 0;
 };
 
-/// Where nothing can be watched: in virtual time.
-/// @throws std::logic_error from watch().
+/// A watcher for virtual time, whose watch() throws std::logic_error.
 [[nodiscard]] DescriptorWatcher& noDescriptorWatcher();
 
 }  // namespace lab

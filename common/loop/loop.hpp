@@ -1,4 +1,5 @@
-/// Time and timers, given to every service from outside: a live event loop or virtual time.
+/// Interface for time and timers. A service gets it from outside: a live event loop or virtual
+/// time.
 #pragma once
 
 #include <cstdint>
@@ -20,21 +21,21 @@ class Loop {
   /// Now [us since 1970].
   [[nodiscard]] virtual std::int64_t now() const = 0;
 
-  /// Whether time is simulated: then nothing may depend on the host or the process.
+  /// Whether time is simulated. If so, results must not depend on the host or the process.
   [[nodiscard]] virtual bool isVirtual() const = 0;
 
-  /// Calls `callback` once at `utime`, at once when that has passed.
+  /// Calls `callback` once at `utime`, or as soon as possible if that has passed.
   virtual void at(std::int64_t utime, Callback callback) = 0;
 
-  /// Calls `callback` at `first_utime` and then every `period_us`, on that grid, for the loop's
-  /// life. A live loop that falls behind skips the missed calls.
-  /// @throws std::invalid_argument when the period is not positive.
+  /// Calls `callback` at first_utime + n period_us, n = 0, 1, 2, ..., for the loop's lifetime. A
+  /// live loop that falls behind skips the missed calls.
+  /// @throws std::invalid_argument if the period is not positive
   virtual void every(std::int64_t period_us, std::int64_t first_utime, Callback callback) = 0;
 
-  /// Calls `callback` as soon as the running one has returned.
+  /// Calls `callback` after the running callback has returned.
   void soon(Callback callback) { at(now(), std::move(callback)); }
 
-  /// Makes run() return.
+  /// Makes the loop's run() return.
   virtual void stop() = 0;
 
  protected:

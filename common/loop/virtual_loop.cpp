@@ -1,6 +1,7 @@
 #include "common/loop/virtual_loop.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 namespace lab {
@@ -30,7 +31,7 @@ void VirtualLoop::runNext() {
   const Event event = events_.top();
   events_.pop();
   now_ = event.utime;
-  // Taken out of the table while it runs: a callback may schedule and so move the table.
+  // Moved out of the table while it runs, because a callback may schedule and so reallocate it.
   Callback callback = std::move(timers_[event.timer].callback);
   const std::int64_t period = timers_[event.timer].period_us;
   if (period > 0) events_.push({event.utime + period, order_++, event.timer});

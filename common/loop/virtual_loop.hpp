@@ -1,6 +1,7 @@
-/// Virtual time: the next event is always due.
+/// Virtual time: the clock jumps to the next event.
 #pragma once
 
+#include <cstdint>
 #include <queue>
 #include <vector>
 
@@ -8,8 +9,9 @@
 
 namespace lab {
 
-/// Runs events in order of time, ties in the order they were scheduled, and lets `drain` empty the
-/// bus after each before time moves on: two runs are equal to the bit.
+/// Runs events in order of time, and simultaneous ones in the order in which they were scheduled.
+/// After each event, and before time moves on, a callback delivers all messages of the bus. Two
+/// runs are therefore equal to the bit.
 class VirtualLoop final : public Loop {
  public:
   /// Virtual time starts at a fixed epoch, 2000-01-01 00:00:00 UTC, so that logs do not depend on
@@ -18,7 +20,7 @@ class VirtualLoop final : public Loop {
 
   explicit VirtualLoop(std::int64_t start = kEpoch) : now_(start) {}
 
-  /// Called after every event.
+  /// Sets the callback that is called after every event.
   void drainWith(Callback drain) { drain_ = std::move(drain); }
 
   [[nodiscard]] std::int64_t now() const override { return now_; }
@@ -30,8 +32,8 @@ class VirtualLoop final : public Loop {
   /// Runs until stop(), or until nothing is scheduled.
   void run();
 
-  /// Runs every event up to and including `utime`, and leaves the clock there, or where stop() was
-  /// called.
+  /// Runs every event up to and including `utime`. The clock is then at `utime`, or at the event
+  /// that called stop().
   void runUntil(std::int64_t utime);
 
  private:

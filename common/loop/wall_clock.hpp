@@ -1,10 +1,10 @@
-/// What the computer's clock says, for what is not on the lab's own.
+/// The computer's wall clock, for code that has no Loop.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 
-namespace lab::runner {
+namespace lab {
 
 /// Microseconds since 1970.
 [[nodiscard]] inline std::int64_t wallClock() {
@@ -13,4 +13,4 @@ namespace lab::runner {
       .count();
 }
 
-}  // namespace lab::runner
+}  // namespace lab

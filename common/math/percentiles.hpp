@@ -1,18 +1,19 @@
-/// Delays in a few numbers.
+/// Percentiles of delays.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <vector>
+
+#include "common/math/units.hpp"
 
 namespace lab {
 
-/// In the unit of the values; nan without any. By nearest rank, so each is a value that happened.
+/// In the unit of the values; nan without values. By nearest rank, so each is one of the values.
 struct Percentiles {
   std::size_t count = 0;
-  double p50 = std::numeric_limits<double>::quiet_NaN();
+  double p50 = units::kNan;
   double p95 = p50;
   double p99 = p50;
   double max = p50;

@@ -1,4 +1,4 @@
-/// Seeds: one in the experiment file, every stream derived from it (house rule 8).
+/// Random numbers. The experiment file has one seed, from which every stream is derived.
 #pragma once
 
 #include <cmath>
@@ -17,8 +17,8 @@ constexpr std::uint64_t mix64(std::uint64_t x) {
   return x ^ (x >> 31U);
 }
 
-/// The seed of the stream for `purpose` of `owner` (a robot's id, say). Other owners and purposes
-/// get unrelated streams, so adding a robot changes no other robot's draws.
+/// The seed of the stream for `purpose` of `owner` (such as a robot's id). Different owners and
+/// purposes get independent streams, so adding a robot does not change the others' random streams.
 constexpr std::uint64_t deriveSeed(std::uint64_t seed, std::int64_t owner,
                                    std::string_view purpose) {
   std::uint64_t hash = mix64(seed);
@@ -29,8 +29,8 @@ constexpr std::uint64_t deriveSeed(std::uint64_t seed, std::int64_t owner,
   return hash;
 }
 
-/// A small stream of random numbers for the host (splitmix64): the same on every machine, which the
-/// standard library's distributions are not.
+/// A stream of random numbers (splitmix64). Unlike the standard library's distributions, it gives
+/// the same numbers on every machine.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(mix64(seed)) {}

@@ -5,7 +5,7 @@
 namespace lab {
 namespace fs = std::filesystem;
 
-/// As cmake/Packaging.cmake divides the files.
+/// The package that contains a file, as in cmake/Packaging.cmake.
 static std::string packageOf(const std::string& name) {
   if (name == "dds_gateway") return "active-lab-gateway";
   if (name == "robot_emulator" || name == "robot_firmware.elf") return "active-lab-emulator";

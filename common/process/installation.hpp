@@ -1,5 +1,6 @@
-/// How the running program came onto this machine: from a package or from a build. It decides where
-/// shipped experiments lie, what its user types to call the lab, and how what is missing is had.
+/// Whether the running program was installed from a package or built from a clone. This decides
+/// where the shipped experiments are, which command users type, and how missing parts are
+/// installed.
 #pragma once
 
 #include <filesystem>
@@ -9,20 +10,21 @@ namespace lab {
 
 struct Installation {
   bool packaged = false;
-  std::string command;                ///< as users type it: "active-lab", "./lab"
+  std::string command;                ///< what users type: "active-lab", "./lab"
   std::filesystem::path programs;     ///< folder of the services' programs
-  std::filesystem::path experiments;  ///< folder of the shipped experiment files; may not exist
+  std::filesystem::path experiments;  ///< folder of the shipped experiments; may not exist
 
-  /// What brings a file of the lab that is not there: its package, or what `build` says.
+  /// How to get a missing file of this software.
   /// @param name "dds_gateway", "robot_firmware.hex"
+  /// @param build the hint for a build from a clone, returned unless this is a package
   [[nodiscard]] std::string installHint(const std::string& name, const std::string& build) const;
 };
 
-/// By the path of a program alone: packages put it into PREFIX/lib/active-lab/bin, everything else
-/// is taken as ROOT/build/PRESET/bin of a clone.
+/// Decides by the path of a program alone: a package installs it into PREFIX/lib/active-lab/bin,
+/// and any other path is taken as ROOT/build/PRESET/bin of a clone.
 [[nodiscard]] Installation installationOf(const std::filesystem::path& program);
 
-/// Of the running program.
+/// The installation of the running program.
 [[nodiscard]] const Installation& installation();
 
 }  // namespace lab

@@ -1,4 +1,4 @@
-/// Versions that travel with every message log.
+/// Versions that are recorded in every message log.
 #pragma once
 
 namespace lab {
@@ -6,11 +6,12 @@ namespace lab {
 /// Version of this software.
 inline constexpr const char* kVersion = "0.1.0";
 
-/// Version of the message contract (lcmtypes/, CHANGELOG.md). It rises with any change of a type.
+/// Version of the message contract (lcmtypes/, CHANGELOG.md). It increases with any change of a
+/// message type.
 inline constexpr int kContractVersion = 4;
 
-/// The oldest whose logs are read: versions 2 and 3 only added types, and what version 4 changed is
-/// converted (contract_upgrade.hpp).
+/// The oldest contract version whose logs can be read. Versions 2 and 3 only added types; what
+/// version 4 changed is converted (contract_upgrade.hpp).
 inline constexpr int kOldestContractVersion = 1;
 
 }  // namespace lab

@@ -3,26 +3,28 @@
 #include <fnmatch.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <iterator>
+#include <span>
 #include <sstream>
 #include <utility>
 
 namespace lab {
 
-/// What both ends share. It lives as long as one of them.
+/// State shared by both ends of a line.
 struct MemorySerial::Line {
   struct End {
     bool there = false;
-    bool told = false;  ///< a call of the callback is scheduled
+    bool told = false;  ///< whether a call of the callback is scheduled
     std::deque<std::uint8_t> waiting;
-    /// Shared, so that a call may destroy the port that owns it.
+    /// Shared, because the callback may destroy the port that owns it.
     std::shared_ptr<Loop::Callback> callback;
   };
 
   Line(Loop& the_loop, std::string the_name) : loop(the_loop), name(std::move(the_name)) {}
 
-  /// Calls the callback of an end soon if it has something to know.
+  /// Schedules a call of an end's callback if it has bytes to read or the other end is gone.
   static void tell(const std::shared_ptr<Line>& line, End Line::*end) {
     End& reader = (*line).*end;
     if (reader.told || !reader.callback) return;
@@ -38,7 +40,7 @@ struct MemorySerial::Line {
     });
   }
 
-  /// Only a host learns that the other end is gone: a robot cannot see its cable.
+  /// Only the host is told that the other end is gone; a robot cannot detect an unplugged cable.
   [[nodiscard]] bool goneFor(End Line::*end) const { return end == &Line::host && !robot.there; }
 
   [[nodiscard]] std::size_t read(End& reader, std::span<std::uint8_t> bytes) {

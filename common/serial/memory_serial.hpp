@@ -10,21 +10,22 @@
 
 namespace lab {
 
-/// Lines without delay: who wants the speed of a real one paces what it writes. Both ends behave as
-/// those of a pseudo terminal (serial_devices.hpp): the same callbacks, the same errors.
+/// Lines without delay: a writer that simulates the speed of a real line must pace itself. Both
+/// ends behave as those of a pseudo terminal (serial_devices.hpp), with the same callbacks and
+/// errors.
 class MemorySerial final : public SerialPorts {
  public:
   /// @param loop must outlive every port
   explicit MemorySerial(Loop& loop) : loop_(loop) {}
 
   [[nodiscard]] std::vector<std::string> offered() const override;
-  /// Of the lines offered: there are no devices in memory.
+  /// Matches offered lines, because there are no devices in memory.
   [[nodiscard]] std::vector<std::string> matching(const std::string& pattern) const override;
   [[nodiscard]] std::unique_ptr<SerialPort> open(const std::string& path, int baud) override;
-  /// @throws SerialError when a line of this name exists.
+  /// @throws SerialError if a line of this name exists
   [[nodiscard]] std::unique_ptr<SerialPort> offer(const std::string& name) override;
 
-  /// How many bytes wait for one end before more is not taken, as a terminal's queue.
+  /// The capacity of each end's receive queue [bytes], as that of a terminal.
   static constexpr std::size_t kCapacity = 4096;
 
  private:

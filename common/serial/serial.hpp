@@ -1,5 +1,5 @@
-/// Serial lines to robots, given to a service from outside like its bus and its clock: devices and
-/// pseudo terminals in real time, memory in virtual time.
+/// Interface for serial lines to robots. A service gets it from outside, like its bus and its
+/// clock: devices and pseudo terminals in real time, memory in virtual time.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@
 
 namespace lab {
 
-/// A line that cannot be opened or is gone: which, what was found, and the way out.
+/// A line that cannot be opened or is gone. what() names it, what was found, and what to do.
 class SerialError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -28,23 +28,25 @@ class SerialPort {
   SerialPort& operator=(const SerialPort&) = delete;
   virtual ~SerialPort() = default;
 
-  /// Calls `callback` whenever there is something to read, or the line is gone. The callback may
+  /// Calls `callback` whenever there are bytes to read or the line is gone. The callback may
   /// destroy the port.
   virtual void onReadable(Loop::Callback callback) = 0;
 
-  /// Reads what is there without waiting. @return how many bytes, 0: nothing now.
-  /// @throws SerialError when the other end or the device is gone.
+  /// Reads without waiting.
+  /// @return the number of bytes read, 0 if none is available
+  /// @throws SerialError if the other end or the device is gone
   [[nodiscard]] virtual std::size_t read(std::span<std::uint8_t> bytes) = 0;
 
-  /// Writes without waiting. @return how many bytes the line took, possibly fewer than given.
-  /// @throws SerialError when the other end or the device is gone.
+  /// Writes without waiting.
+  /// @return the number of bytes written, possibly fewer than given
+  /// @throws SerialError if the other end or the device is gone
   [[nodiscard]] virtual std::size_t write(std::span<const std::uint8_t> bytes) = 0;
 
-  /// Whether the other end is open, as far as the line can tell: only an offered one can.
+  /// Whether the other end is open. Only an offered line can tell; others return true.
   [[nodiscard]] virtual bool isConnected() const { return true; }
 };
 
-/// All lines there are.
+/// The serial lines that a process can use.
 class SerialPorts {
  public:
   SerialPorts() = default;
@@ -52,27 +54,30 @@ class SerialPorts {
   SerialPorts& operator=(const SerialPorts&) = delete;
   virtual ~SerialPorts() = default;
 
-  /// The lines that stand-ins offer now, as open() takes them, in order. Real devices are not among
-  /// them: opening one resets what hangs on it, so they are only opened by name or pattern.
+  /// The sorted names of the lines that simulated robots offer now, for open(). Real devices are
+  /// not included: opening one resets the attached robot, so they are opened only by name or
+  /// pattern.
   [[nodiscard]] virtual std::vector<std::string> offered() const = 0;
 
-  /// The devices that fit a pattern with * and ? ("/dev/serial/by-id/*"), or one of several
-  /// separated by spaces: each device once, in order.
+  /// The devices that match a pattern with * and ? ("/dev/serial/by-id/*"), or one of several
+  /// patterns separated by spaces. Each device once, sorted.
   [[nodiscard]] virtual std::vector<std::string> matching(const std::string& pattern) const = 0;
 
-  /// Opens a line for this process alone and forgets what was waiting in it.
-  /// @throws SerialError: it does not exist, no permission, in use, no such speed.
+  /// Opens a line exclusively and discards received bytes.
+  /// @throws SerialError if it does not exist, is in use, does not support the speed, or permission
+  /// is
+  ///   missing
   [[nodiscard]] virtual std::unique_ptr<SerialPort> open(const std::string& path, int baud) = 0;
 
-  /// The robot's end of a new line, which open() finds under offered(). It exists until the port is
-  /// destroyed. Bytes that nobody reads are lost, as on a cable that is out.
+  /// Creates a line, listed by offered() until the returned port is destroyed, and returns the
+  /// robot's end. Bytes written while no host reads are lost, as on an unplugged cable.
   [[nodiscard]] virtual std::unique_ptr<SerialPort> offer(const std::string& name) = 0;
 };
 
-/// No lines at all: for what needs none.
+/// Serial lines for services that use none; open() and offer() throw.
 [[nodiscard]] SerialPorts& noSerialPorts();
 
-/// Where services started by hand meet the lines of simulated robots: a folder of this user's.
+/// The folder of the lines of simulated robots for services that are started by hand; one per user.
 [[nodiscard]] std::string defaultPortsFolder();
 
 }  // namespace lab

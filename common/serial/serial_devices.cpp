@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <set>
+#include <span>
 #include <sstream>
 #include <utility>
 
@@ -21,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kCableCheck_us = 20'000;  // how long a robot may take to see a new host
+constexpr std::int64_t kPtyPollPeriod_us = 20'000;
 
 fs::path lockFile(const fs::path& link) {
   return link.parent_path() / ("." + link.filename().string() + ".lock");
@@ -35,7 +37,7 @@ struct flock wholeFile(short kind) {
   return lock;
 }
 
-/// Whether nobody keeps the lock of a link that has one.
+/// Whether a link has a lock file that no process has locked: its process has ended.
 bool isLeftBehind(const fs::path& link) {
   const FileDescriptor file(::open(lockFile(link).c_str(), O_RDONLY | O_CLOEXEC));
   if (file.get() < 0) return false;
@@ -65,7 +67,8 @@ std::pair<FileDescriptor, std::string> newTerminal(const fs::path& link) {
       ptsname_r(master.get(), name.data(), name.size()) != 0) {
     failToOffer(link, std::string("no pseudo terminal: ") + std::strerror(errno));
   }
-  // Opened once, or it would echo, and would keep bytes for a host that has never been there.
+  // The slave is opened once and made raw; otherwise the terminal would echo, and would store bytes
+  // before a host has opened it.
   const FileDescriptor slave(::open(name.data(), O_RDWR | O_NOCTTY | O_CLOEXEC));
   if (slave.get() < 0 || makeRaw(slave.get(), 0) != 0) {
     failToOffer(link, std::string(name.data()) + ": " + std::strerror(errno));
@@ -86,7 +89,8 @@ class SerialDevices::Device final : public SerialPort {
   }
   std::size_t read(std::span<std::uint8_t> bytes) override {
     const ssize_t count = ::read(line_.get(), bytes.data(), bytes.size());
-    if (count == 0 && !bytes.empty()) throw gone();  // hung up: with VMIN=1 nothing else reads 0
+    if (count == 0 && !bytes.empty())
+      throw gone();  // with VMIN = 1, read() returns 0 only after a hang-up
     return countOrGone(count);
   }
   std::size_t write(std::span<const std::uint8_t> bytes) override {
@@ -106,40 +110,40 @@ class SerialDevices::Device final : public SerialPort {
   AsioLoop& loop_;
   std::string path_;
   FileDescriptor line_;
-  std::unique_ptr<AsioLoop::Watch> watch_;  ///< ends before the descriptor
+  std::unique_ptr<AsioLoop::Watch> watch_;  ///< must end before the descriptor is closed
 };
 
-/// Looks now and then whether somebody has opened a line whose cable was out. A terminal without
-/// host is always "ready", so it cannot be watched.
-class SerialDevices::Cables : public std::enable_shared_from_this<Cables> {
+/// Polls whether a host has opened the pseudo terminals that have none. A terminal without host is
+/// always readable (hung up), so it cannot be watched.
+class SerialDevices::PtyMonitor : public std::enable_shared_from_this<PtyMonitor> {
  public:
-  explicit Cables(AsioLoop& loop) : loop_(loop) {}
+  explicit PtyMonitor(AsioLoop& loop) : loop_(loop) {}
 
   void add(Offer* offer) {
-    out_.push_back(offer);
-    if (!looking_) lookLater();
+    hostless_.push_back(offer);
+    if (!polling_) pollLater();
   }
-  void remove(Offer* offer) { std::erase(out_, offer); }
+  void remove(Offer* offer) { std::erase(hostless_, offer); }
 
  private:
-  void look();
-  void lookLater() {
-    looking_ = true;
-    loop_.at(loop_.now() + kCableCheck_us, [cables = weak_from_this()] {
-      if (const std::shared_ptr<Cables> here = cables.lock()) here->look();
+  void poll();
+  void pollLater() {
+    polling_ = true;
+    loop_.at(loop_.now() + kPtyPollPeriod_us, [monitor = weak_from_this()] {
+      if (const std::shared_ptr<PtyMonitor> here = monitor.lock()) here->poll();
     });
   }
 
   AsioLoop& loop_;
-  std::vector<Offer*> out_;
-  bool looking_ = false;
+  std::vector<Offer*> hostless_;
+  bool polling_ = false;
 };
 
 /// The robot's end.
 class SerialDevices::Offer final : public SerialPort {
  public:
-  Offer(AsioLoop& loop, std::shared_ptr<Cables> cables, fs::path link)
-      : loop_(loop), cables_(std::move(cables)), link_(std::move(link)), lock_(takeLock(link_)) {
+  Offer(AsioLoop& loop, std::shared_ptr<PtyMonitor> monitor, fs::path link)
+      : loop_(loop), monitor_(std::move(monitor)), link_(std::move(link)), lock_(takeLock(link_)) {
     std::tie(line_, terminal_) = newTerminal(link_);
     const fs::path fresh = link_.parent_path() / ("." + link_.filename().string() + ".new");
     std::error_code error;
@@ -150,7 +154,7 @@ class SerialDevices::Offer final : public SerialPort {
   }
 
   ~Offer() override {
-    cables_->remove(this);
+    monitor_->remove(this);
     std::error_code ignored;
     fs::remove(link_, ignored);
     fs::remove(lockFile(link_), ignored);
@@ -158,18 +162,18 @@ class SerialDevices::Offer final : public SerialPort {
 
   void onReadable(Loop::Callback callback) override {
     callback_ = std::move(callback);
-    pulledOut();  // until somebody is seen
+    waitForHost();  // no host is connected yet
   }
 
   std::size_t read(std::span<std::uint8_t> bytes) override {
     const ssize_t count = ::read(line_.get(), bytes.data(), bytes.size());
     if (count > 0) return static_cast<std::size_t>(count);
-    if (count < 0 && errno == EIO && watch_) pulledOut();
+    if (count < 0 && errno == EIO && watch_) waitForHost();
     return 0;
   }
 
   std::size_t write(std::span<const std::uint8_t> bytes) override {
-    // With nobody there, or nobody reading, the line does not take it: lost.
+    // Without a host, or if it does not read, the bytes are lost.
     static_cast<void>(!::write(line_.get(), bytes.data(), bytes.size()));
     return bytes.size();
   }
@@ -180,17 +184,17 @@ class SerialDevices::Offer final : public SerialPort {
   }
 
   [[nodiscard]] int descriptor() const { return line_.get(); }
-  void plugged() { watch_ = loop_.watch(line_.get(), callback_); }
+  void onHostConnected() { watch_ = loop_.watch(line_.get(), callback_); }
 
  private:
-  void pulledOut() {
+  void waitForHost() {
     watch_.reset();
-    cables_->remove(this);
-    cables_->add(this);
+    monitor_->remove(this);
+    monitor_->add(this);
   }
 
   AsioLoop& loop_;
-  std::shared_ptr<Cables> cables_;
+  std::shared_ptr<PtyMonitor> monitor_;
   fs::path link_;
   FileDescriptor lock_;
   FileDescriptor line_;
@@ -199,21 +203,21 @@ class SerialDevices::Offer final : public SerialPort {
   std::unique_ptr<AsioLoop::Watch> watch_;
 };
 
-void SerialDevices::Cables::look() {
-  looking_ = false;
-  std::erase_if(out_, [](Offer* offer) {
+void SerialDevices::PtyMonitor::poll() {
+  polling_ = false;
+  std::erase_if(hostless_, [](Offer* offer) {
     pollfd state{offer->descriptor(), POLLIN, 0};
-    const bool polled = poll(&state, 1, 0) >= 0;
-    // Or was here, and left something behind.
+    const bool polled = ::poll(&state, 1, 0) >= 0;
+    // POLLIN with POLLHUP: a host was connected and has left bytes.
     const bool there = polled && ((state.revents & POLLHUP) == 0 || (state.revents & POLLIN) != 0);
-    if (there) offer->plugged();
+    if (there) offer->onHostConnected();
     return there;
   });
-  if (!out_.empty()) lookLater();
+  if (!hostless_.empty()) pollLater();
 }
 
 SerialDevices::SerialDevices(AsioLoop& loop, fs::path offers)
-    : loop_(loop), offers_(std::move(offers)), cables_(std::make_shared<Cables>(loop)) {}
+    : loop_(loop), offers_(std::move(offers)), monitor_(std::make_shared<PtyMonitor>(loop)) {}
 
 SerialDevices::~SerialDevices() = default;
 
@@ -256,7 +260,7 @@ std::unique_ptr<SerialPort> SerialDevices::offer(const std::string& name) {
   std::error_code error;
   fs::create_directories(offers_, error);
   if (error) failToOffer(offers_ / name, error.message());
-  return std::make_unique<Offer>(loop_, cables_, offers_ / name);
+  return std::make_unique<Offer>(loop_, monitor_, offers_ / name);
 }
 
 }  // namespace lab

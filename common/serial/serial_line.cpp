@@ -84,7 +84,8 @@ std::string groupOf(const std::string& path) {
   }
 }
 
-/// USB adapters keep bytes back for up to 16 ms unless told otherwise; other lines do not know.
+/// Requests low latency: USB adapters otherwise delay bytes by up to 16 ms. Lines without this
+/// setting ignore the request.
 void askForLowLatency(int descriptor) {
   serial_struct settings{};
   if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return;
@@ -92,7 +93,8 @@ void askForLowLatency(int descriptor) {
   static_cast<void>(ioctl(descriptor, TIOCSSERIAL, &settings));
 }
 
-/// A pseudo terminal's exclusive mode would outlast the process that set it; there the lock counts.
+/// Pseudo terminals do not get TIOCEXCL, which would outlast the process; only the lock protects
+/// them.
 bool isPseudoTerminal(int descriptor) {
   struct stat status {};
   if (fstat(descriptor, &status) != 0) return false;
@@ -107,7 +109,7 @@ std::string describeProcess(const std::string& pid) {
   return name.empty() ? "" : name + " (pid " + pid + ")";
 }
 
-/// The holder of a flock on this file, by /proc/locks.
+/// The process that holds a flock on this file, from /proc/locks.
 std::string lockHolder(const struct stat& file) {
   std::ifstream locks("/proc/locks");
   std::array<char, 64> key{};
@@ -124,24 +126,13 @@ std::string lockHolder(const struct stat& file) {
 
 }  // namespace
 
-FileDescriptor& FileDescriptor::operator=(FileDescriptor&& other) noexcept {
-  std::swap(number_, other.number_);
-  return *this;
-}
-
-FileDescriptor::~FileDescriptor() {
-  if (number_ >= 0) close(number_);
-}
-
-int FileDescriptor::release() { return std::exchange(number_, -1); }
-
 int makeRaw(int descriptor, int baud) {
   termios settings{};
   if (tcgetattr(descriptor, &settings) != 0) return ENOTTY;
   cfmakeraw(&settings);
   settings.c_cflag |= CLOCAL | CREAD;
   settings.c_cflag &= ~(HUPCL | CRTSCTS | CSTOPB);
-  settings.c_cc[VMIN] = 1;  // with 0, "nothing now" and "gone" would both read 0 bytes
+  settings.c_cc[VMIN] = 1;  // with 0, read() could not tell "no bytes" from "hung up"
   settings.c_cc[VTIME] = 0;
   if (baud != 0) {
     const speed_t speed = speedOf(baud);
@@ -150,7 +141,7 @@ int makeRaw(int descriptor, int baud) {
     cfsetospeed(&settings, speed);
   }
   if (tcsetattr(descriptor, TCSANOW, &settings) != 0) return errno;
-  termios in_force{};  // tcsetattr succeeds when it could do any of it
+  termios in_force{};  // tcsetattr() succeeds if it changed any of the settings
   if (tcgetattr(descriptor, &in_force) != 0) return errno;
   return cfgetospeed(&in_force) == cfgetospeed(&settings) ? 0 : EINVAL;
 }
@@ -158,12 +149,12 @@ int makeRaw(int descriptor, int baud) {
 FileDescriptor openSerialLine(const std::string& path, int baud) {
   FileDescriptor line(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (line.get() < 0) failToOpen(path, errno);
-  // The lock comes first: who does not get it must not touch the other's settings.
+  // The lock comes first, because a process without it must not change the line's settings.
   if (flock(line.get(), LOCK_EX | LOCK_NB) != 0) failInUse(path);
   if (isatty(line.get()) == 0) fail(path, "not a serial device");
   int exclusive = 0;
   if (ioctl(line.get(), TIOCGEXCL, &exclusive) == 0 && exclusive != 0) {
-    flock(line.get(), LOCK_UN);  // or the holder named would be this process
+    flock(line.get(), LOCK_UN);  // otherwise the error would name this process as the holder
     failInUse(path);
   }
   if (!isPseudoTerminal(line.get())) static_cast<void>(ioctl(line.get(), TIOCEXCL));
@@ -192,7 +183,7 @@ std::string lineHolder(const std::string& path) {
         pid == std::to_string(getpid())) {
       continue;
     }
-    std::error_code hidden;  // other users' processes show nothing
+    std::error_code hidden;  // processes of other users are not readable
     for (const auto& entry : fs::directory_iterator(process.path() / "fd", hidden)) {
       struct stat open_file {};
       if (stat(entry.path().c_str(), &open_file) == 0 && open_file.st_rdev == file.st_rdev &&

@@ -1,37 +1,24 @@
-/// Opening a serial line for one process alone.
+/// Opening a serial line exclusively.
 #pragma once
 
 #include <string>
 
+#include "common/process/file_descriptor.hpp"
+
 namespace lab {
 
-/// A file descriptor that closes itself.
-class FileDescriptor {
- public:
-  explicit FileDescriptor(int number = -1) : number_(number) {}
-  FileDescriptor(FileDescriptor&& other) noexcept : number_(other.release()) {}
-  FileDescriptor& operator=(FileDescriptor&& other) noexcept;
-  ~FileDescriptor();
-
-  [[nodiscard]] int get() const { return number_; }
-  int release();
-
- private:
-  int number_;
-};
-
-/// Opens a serial device or pseudo terminal: without waiting, raw, 8N1, without modem lines, for
-/// this process alone, with nothing waiting in it.
-/// @throws SerialError, one line: not there, no permission, in use and by whom, no serial device,
-/// no such speed.
+/// Opens a serial device or pseudo terminal exclusively: non-blocking, raw, 8N1, without modem
+/// control lines. Discards received bytes.
+/// @throws SerialError with one line if it does not exist, is in use (and by whom), is no serial
+///   device, does not support the speed, or permission is missing
 [[nodiscard]] FileDescriptor openSerialLine(const std::string& path, int baud);
 
-/// Makes the line of an open terminal raw, 8N1, at this speed (0: as it is).
-/// @return an errno: ENOTTY no terminal, EINVAL no such speed
+/// Sets an open terminal to raw, 8N1, at this speed (0: keep the speed).
+/// @return 0 or an errno: ENOTTY no terminal, EINVAL speed not supported
 [[nodiscard]] int makeRaw(int descriptor, int baud);
 
-/// The process that has the line open, as "minicom (pid 1234)"; empty when there is none, or none
-/// that this user may see.
+/// The process that has opened the line, as "minicom (pid 1234)"; empty if there is none, or none
+/// that is visible to this user.
 [[nodiscard]] std::string lineHolder(const std::string& path);
 
 }  // namespace lab

@@ -8,7 +8,8 @@
 namespace lab {
 namespace {
 
-/// ASCII's control characters, and those of Latin-1 (C2 80 .. C2 9F): a terminal obeys both.
+/// Whether a text has control characters of ASCII or Latin-1 (C2 80 .. C2 9F), which a terminal
+/// would execute.
 bool hasControls(std::string_view text) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     const auto byte = static_cast<unsigned char>(text[i]);
@@ -27,7 +28,8 @@ std::size_t countCharacters(std::string_view text) {
 }  // namespace
 
 std::string remarkProblem(std::string_view text) {
-  // Nobody walks through megabytes to find them too long: four bytes a character at most.
+  // The test of the bytes (at most four per character) avoids counting the characters of a huge
+  // text.
   if (text.size() > 4 * kLongestRemark || countCharacters(text) > kLongestRemark) {
     return "the text is longer than " + std::to_string(kLongestRemark) + " characters";
   }
@@ -38,9 +40,9 @@ std::string remarkProblem(std::string_view text) {
   return {};
 }
 
-ExperimentRequest::ExperimentRequest(experiment_command_t wish, const std::string& sender,
+ExperimentRequest::ExperimentRequest(experiment_command_t request, const std::string& sender,
                                      std::int64_t instance, std::int64_t seq, std::int64_t now)
-    : message_(std::move(wish)) {
+    : message_(std::move(request)) {
   message_.utime = now;
   message_.sender = sender;
   message_.instance = instance;

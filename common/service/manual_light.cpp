@@ -7,7 +7,7 @@ namespace lab {
 namespace {
 
 constexpr std::int64_t kRepeat_us = 500'000;
-constexpr int kFarewells = 3;
+constexpr int kReleaseMessages = 3;
 
 }  // namespace
 
@@ -33,7 +33,7 @@ void ManualLight::show(double intensity, double hold, const std::string& label, 
 void ManualLight::release() {
   if (!showing_) return;
   showing_ = false;
-  remaining_releases_ = kFarewells;
+  remaining_releases_ = kReleaseMessages;
   sent_utime_ = 0;
   ++command_.seq;
   command_.release = 1;

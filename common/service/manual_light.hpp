@@ -1,4 +1,4 @@
-/// One light for the whole arena, set by hand above the experiment's script: no bus, no clock.
+/// A uniform light that an operator sets, with priority over the experiment's light script.
 #pragma once
 
 #include <cstdint>
@@ -8,27 +8,29 @@
 
 namespace lab {
 
+/// Makes the light commands (LIGHT_COMMAND) of an operator. It has neither bus nor clock: the
+/// caller publishes due(). Times are us since 1970.
 class ManualLight {
  public:
   /// @param intensity [1] 0..1
-  /// @param hold [s] after which it is given back, 0: until release()
+  /// @param hold [s] after which the light is released, 0: until release()
   void show(double intensity, double hold, const std::string& label, std::int64_t now);
   void release();
 
-  /// What is to be sent now, header left empty but for seq: at once, then at 2 Hz, and when it is
-  /// given back three times that it is, as one may be lost.
+  /// The command that must be sent now, with an empty header except for seq. It is sent at once and
+  /// then at 2 Hz. A release is sent three times, because a message may be lost.
   [[nodiscard]] std::optional<light_command_t> due(std::int64_t now);
 
   [[nodiscard]] bool isShown() const { return showing_; }
 
-  /// Of the command that is sent now.
+  /// The seq of the current command.
   [[nodiscard]] std::int64_t seq() const { return command_.seq; }
 
  private:
   light_command_t command_{};
-  std::int64_t until_utime_ = 0;  ///< 0: for good
+  std::int64_t until_utime_ = 0;  ///< 0: until release()
   std::int64_t sent_utime_ = 0;
-  int remaining_releases_ = 0;  ///< that are still to be sent
+  int remaining_releases_ = 0;  ///< release messages still to be sent
   bool showing_ = false;
 };
 

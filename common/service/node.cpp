@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <cstdint>
 #include <utility>
 
 #include "common/bus/channels.hpp"
@@ -68,9 +69,9 @@ void Node::beat() {
   status.version = kVersion;
   status.contract_version = kContractVersion;
   status.start_utime = start_utime_;
-  status.last_error = last_error_.c_str();  // a text on the bus ends at its first zero
+  status.last_error = last_error_.c_str();  // LCM strings end at the first zero byte
 
-  // This message counts itself, and the closing ones count those still to come.
+  // The counts include this message, and in closing messages those still to be sent.
   const std::int64_t own = std::max<std::int64_t>(1, remaining_closing_reports_);
   auto sent = sent_;
   sent[std::string(channels::kServiceStatus)] += own;

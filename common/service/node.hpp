@@ -1,6 +1,7 @@
-/// The service shell: what every process of the lab does the same way.
+/// The messaging part that all services share: headers, counts, heartbeat.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <lab/service_status_t.hpp>
 #include <map>
@@ -15,26 +16,27 @@
 
 namespace lab {
 
-/// Who a node says it is.
+/// The identity of a node in its messages.
 struct NodeIdentity {
   std::string name;           ///< the service, "sim_svc"
   std::int8_t origin = 0;     ///< robot_state_t's REAL, SIM, REPLAY or UNKNOWN
   std::int64_t instance = 1;  ///< new at each start, fixed in virtual time
 };
 
-/// Stamps what is published, counts what is sent, received, lost and not understood, and says so in
-/// SERVICE_STATUS once a second. In virtual time nothing it says depends on host or process.
+/// Fills in the header of published messages, counts sent, received, lost and undecodable messages,
+/// and reports the counts in SERVICE_STATUS once a second. In virtual time its messages depend on
+/// neither host nor process.
 class Node {
  public:
   Node(Bus& bus, Loop& loop, NodeIdentity identity);
   Node(const Node&) = delete;
   Node& operator=(const Node&) = delete;
 
-  /// Starts the heartbeat. Subscribe before.
+  /// Starts the heartbeat. Subscribe before calling it.
   void start();
 
-  /// Stamps sender, instance and seq, and sends. A utime of 0 becomes now, and stays in `message`:
-  /// who sends it again sets the next one.
+  /// Sets sender, instance and seq, and sends the message. A utime of 0 is set to now, and remains
+  /// in `message`: set it again before sending the same object again.
   template <class Message>
   void publish(std::string_view channel, Message& message) {
     std::int64_t& sent = sentOn(channel);
@@ -42,13 +44,13 @@ class Node {
     send(channel, message, sent);
   }
 
-  /// The same for a command, whose seq the caller sets: it stays while the command repeats.
+  /// As publish() for a command, whose seq the caller sets: a repeated command keeps its seq.
   template <class Message>
   void publishCommand(std::string_view channel, Message& message) {
     send(channel, message, sentOn(channel));
   }
 
-  /// Calls `handler` with every message of this channel that decodes; what does not is counted.
+  /// Calls `handler` with every message of this channel. Undecodable messages are only counted.
   template <class Message>
   void subscribe(std::string_view channel, std::function<void(const Message&)> handler) {
     bus_.subscribe(channel, [this, handler = std::move(handler)](const Packet& packet) {
@@ -62,29 +64,29 @@ class Node {
     });
   }
 
-  /// Sends what another node stamped, unchanged: messages that come by another way than the bus.
-  /// They are not counted as sent, being nobody's on this bus.
+  /// Sends a message of another node unchanged, such as one from another host's bus. It is not
+  /// counted as sent by this node.
   void forward(std::string_view channel, Bytes data) { bus_.publish(channel, data); }
 
-  /// Calls `handler` with every message of the lab on any channel, as it is: neither decoded nor
-  /// counted.
+  /// Calls `handler` with every message on any channel, neither decoded nor counted.
   void subscribeAll(PacketHandler handler) { bus_.subscribeAll(std::move(handler)); }
 
-  /// Says that the service does its job, at once.
+  /// Reports at once that the service is ready.
   void ready();
 
-  /// Says what is wrong, at once when that is a new state (a fault that repeats itself waits for
-  /// the next heartbeat). The service goes on where it can.
+  /// Reports a fault: at once if the service had none, else with the next heartbeat. The service
+  /// continues as far as it can.
   void fault(const std::string& what);
 
-  /// Keeps an error for the heartbeat without changing the state.
+  /// Stores an error for the next heartbeat without changing the state.
   void noteError(const std::string& what) { last_error_ = what; }
 
-  /// Adds rows to the heartbeat's counts of what was received: streams that do not come by the bus,
-  /// as serial lines. They replace those given before.
+  /// Adds rows to the heartbeat's counts of received messages, for streams that do not use the bus,
+  /// such as serial lines. They replace the rows of an earlier call.
   void reportStreams(std::vector<stream_count_t> rows) { other_streams_ = std::move(rows); }
 
-  /// Says that the service ends, with the final counts, several times, as one may be lost.
+  /// Reports the end of the service with its final counts, several times because a message may be
+  /// lost.
   void close();
 
   [[nodiscard]] const NodeIdentity& identity() const { return identity_; }
@@ -101,7 +103,7 @@ class Node {
     message.instance = identity_.instance;
     if (message.utime == 0) message.utime = loop_.now();
     bus_.publish(channel, encode(message));
-    ++sent;  // only what the transport took
+    ++sent;  // not if the bus threw
   }
 
   Bus& bus_;
@@ -111,7 +113,7 @@ class Node {
   std::int8_t state_ = service_status_t::STARTING;
   std::string last_error_;
   std::map<std::string, std::int64_t, std::less<>> sent_;
-  std::int64_t remaining_closing_reports_ = 0;  ///< messages of the closing salvo still to come
+  std::int64_t remaining_closing_reports_ = 0;  ///< closing messages still to be sent
   StreamCounter streams_;
   std::vector<stream_count_t> other_streams_;
 };

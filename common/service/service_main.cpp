@@ -14,7 +14,6 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/process/version.hpp"
 #include "common/serial/serial_devices.hpp"
-#include "tracker_svc/camera_devices.hpp"
 
 namespace lab {
 namespace {
@@ -27,16 +26,17 @@ struct Options {
   std::string ports = defaultPortsFolder();
 };
 
-constexpr std::int64_t kMostPassingOn = 500'000;  // [us]
-constexpr auto kPassingOnStep = std::chrono::milliseconds(2);
+constexpr std::int64_t kForwardTimeout_us = 500'000;
+constexpr auto kForwardPoll = std::chrono::milliseconds(2);
 
-/// What the node says last comes back from the bus to who passes it on.
+/// Closes the node. A service that forwards messages then receives the closing messages from the
+/// bus, and gets time to forward them.
 void end(Node& node, AsioLoop& loop, Service& service) {
   node.close();
-  const std::int64_t deadline = loop.now() + kMostPassingOn;
+  const std::int64_t deadline = loop.now() + kForwardTimeout_us;
   while (service.isForwarding() && loop.now() < deadline) {
     loop.poll();
-    std::this_thread::sleep_for(kPassingOnStep);
+    std::this_thread::sleep_for(kForwardPoll);
   }
 }
 
@@ -46,7 +46,9 @@ void run(const ServiceDescription& description, const Options& options) {
   AsioLoop loop;
   LcmBus bus(options.lcm_url);
   SerialDevices ports(loop, options.ports);
-  CameraDevices cameras(loop, options.ports);
+  const std::unique_ptr<Cameras> own_cameras =
+      description.make_cameras ? description.make_cameras(loop, options.ports) : nullptr;
+  Cameras& cameras = own_cameras ? *own_cameras : noCameras();
   Node node(bus, loop, {description.name, description.origin, loop.now()});
   const std::unique_ptr<Service> service =
       description.make({node, loop, experiment, fs::path(options.experiment).parent_path(), ports,

@@ -1,4 +1,4 @@
-/// The main() of every service: parse, construct, run.
+/// The common main() of all services: parses the command line, constructs the service, runs it.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ class App;
 
 namespace lab {
 
-/// A component at work. It subscribes and sets its timers in its constructor.
+/// A running service. Its constructor subscribes to channels and sets timers.
 class Service {
  public:
   Service() = default;
@@ -28,40 +28,45 @@ class Service {
   Service& operator=(const Service&) = delete;
   virtual ~Service() = default;
 
-  /// Asked again and again, for a moment, after the node has said its last: whether the service has
-  /// still to pass that on.
+  /// Whether messages are still to be forwarded to other buses. serviceMain() asks this after the
+  /// node has sent its closing messages, and waits for up to 0.5 s.
   [[nodiscard]] virtual bool isForwarding() { return false; }
 };
 
-/// What a service is given from outside.
+/// What a service gets from outside.
 struct ServiceContext {
   Node& node;
   Loop& loop;
   const Experiment& experiment;
-  std::filesystem::path directory;  ///< of the experiment file: images lie beside it
+  std::filesystem::path directory;  ///< of the experiment file, which image paths are relative to
   SerialPorts& ports = noSerialPorts();
-  std::filesystem::path programs = {};  ///< folder of the lab's executables
+  std::filesystem::path programs = {};  ///< folder of the executables of this software
   Cameras& cameras = noCameras();
   DescriptorWatcher& descriptors = noDescriptorWatcher();
 };
 
+class AsioLoop;
+
+/// Makes a service's cameras.
+/// @param folder identifies the lab, see SharedCameras
+using CamerasFactory =
+    std::function<std::unique_ptr<Cameras>(AsioLoop& loop, const std::filesystem::path& folder)>;
 using ServiceFactory = std::function<std::unique_ptr<Service>(const ServiceContext&)>;
 
+/// How a service is made, and its command line.
 struct ServiceDescription {
   std::string name;
   std::string summary;           ///< one line, for --help
-  std::int8_t origin = 0;        ///< robot_state_t's
+  std::int8_t origin = 0;        ///< as in robot_state_t
   bool needs_experiment = true;  ///< false: --experiment may be left out
   ServiceFactory make;
-  std::function<void(CLI::App&)> add_options{};  ///< what its command line has beyond the others'
-  bool uses_ports = false;                       ///< its command line has --ports
-  /// Whether an experiment has work for it.
-  std::function<bool(const Experiment&)> wanted = [](const Experiment&) { return true; };
-  bool real_time_only = false;  ///< it has no place in a lab in virtual time
+  std::function<void(CLI::App&)> add_options{};  ///< adds its own command line options
+  bool uses_ports = false;                       ///< whether its command line has --ports
+  CamerasFactory make_cameras{};  ///< set by main(); empty: the service uses no cameras
 };
 
-/// Parses --experiment and --lcm-url, joins the bus, runs the service until SIGINT or SIGTERM, and
-/// ends it with its final counts.
+/// Parses the command line, joins the bus, runs the service until SIGINT or SIGTERM, and publishes
+/// its final counts.
 /// @return 0 after a clean stop, 2 for bad input or an unusable network, 1 for anything else.
 int serviceMain(int argc, char** argv, const ServiceDescription& description);
 

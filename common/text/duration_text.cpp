@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdint>
 
-namespace lab::runner {
+namespace lab {
 
 std::string remainingTimeText(double seconds) {
-  constexpr double kLongest = 1e9;  // beyond which nobody waits, nor an integer reaches
+  constexpr double kLongest = 1e9;  // [s]
   if (!(seconds < kLongest)) return "very long";
   const auto whole = static_cast<std::int64_t>(std::ceil(seconds));
   if (whole < 120) return fmt::format("{} s", whole);
@@ -16,4 +16,4 @@ std::string remainingTimeText(double seconds) {
   return fmt::format("{} h {:02} min", whole / 3600, whole / 60 % 60);
 }
 
-}  // namespace lab::runner
+}  // namespace lab

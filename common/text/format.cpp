@@ -39,7 +39,7 @@ std::string withoutTrailingZeros(std::string text) {
   return text;
 }
 
-/// Decimals that show `figures` figures of a number of this size.
+/// The number of decimals that shows `figures` significant figures of a number of this size.
 int decimalsFor(double size, int figures) {
   return std::clamp(figures - 1 - static_cast<int>(std::floor(std::log10(size))), 0, 12);
 }

@@ -1,5 +1,5 @@
-/// Numbers and texts for people: centimetres where the messages have metres, and no more digits
-/// than the error allows.
+/// Numbers as text for reports, the page and the terminal: in centimetres, and with no more digits
+/// than the error justifies.
 #pragma once
 
 #include <cstdint>
@@ -8,21 +8,21 @@
 
 namespace lab {
 
-/// A unit of the analysis as people read it.
+/// The display unit of an SI unit.
 struct DisplayUnit {
   std::string text;   ///< "cm²/s", empty for a pure number
   std::string key;    ///< in keys of summary.json: "cm2_s", empty for a pure number
-  double factor = 1;  ///< people's value = factor * SI value
+  double factor = 1;  ///< displayed value = factor * SI value
 };
 
-/// Of an SI unit as the analysis writes it: "m^2/s".
+/// @param si_unit as the analysis writes it: "m^2/s". An unknown unit is displayed as it is.
 [[nodiscard]] DisplayUnit displayUnit(const std::string& si_unit);
 
-/// "0.748": as many digits as show two figures of `error`; four figures where there is no error;
-/// "–" for a number that is none.
+/// "0.748": rounded to two significant figures of `error`, to four significant figures if there is
+/// no error; "–" if the value is not finite.
 [[nodiscard]] std::string valueText(double value, double error);
 
-/// Four significant figures, without trailing zeros; "–" for a number that is none.
+/// Four significant figures without trailing zeros; "–" if the value is not finite.
 [[nodiscard]] std::string shortText(double value);
 
 /// "3.2 s", "12 min 5 s", "1 h 0 min".
@@ -40,10 +40,11 @@ struct DisplayUnit {
 /// "D_r" as "<i>D</i><sub>r</sub>", "gamma" as "<i>γ</i>".
 [[nodiscard]] std::string symbolHtml(const std::string& name);
 
-/// Text with <, >, &, " and ' escaped, control characters other than line ends left out.
+/// Escapes <, >, &, " and ' and removes control characters other than line ends.
 [[nodiscard]] std::string escapeHtml(std::string_view text);
 
-/// Letters, digits, '-' and '_' of the text, for names of files; "program" where nothing is left.
+/// A text as part of a file name: keeps letters, digits, '-' and '_', turns spaces into '_';
+/// "program" if nothing is left.
 [[nodiscard]] std::string sanitizedFileName(std::string_view text);
 
 }  // namespace lab

@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kReplacement = "\xEF\xBF\xBD";
 
-/// What stands at the beginning of a text.
+/// The first character of a text, or the first maximal subpart of an ill-formed one.
 struct Piece {
   std::size_t size;
   bool valid;
@@ -22,7 +22,7 @@ Piece firstPiece(std::string_view text) {
   if (lead < 0x80) return {1, true};
   if (lead < 0xC2 || lead > 0xF4) return {1, false};
   const std::size_t size = lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
-  // Of the second byte: no longer form than needed, no surrogates, nothing above U+10FFFF.
+  // Limits of the second byte, which exclude overlong forms, surrogates, and all above U+10FFFF.
   std::uint8_t low = 0x80;
   std::uint8_t high = 0xBF;
   if (lead == 0xE0) low = 0xA0;
@@ -37,6 +37,7 @@ Piece firstPiece(std::string_view text) {
   return {size, true};
 }
 
+/// The length of the valid beginning of a text [bytes].
 std::size_t validPart(std::string_view text) {
   std::size_t end = 0;
   while (end < text.size()) {

@@ -9,21 +9,22 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr int kDeepest = 3;
+constexpr int kMaxDepth = 3;
 
-std::string checkedText(const nlohmann::json& value, const std::string& where, std::size_t most) {
+std::string checkedText(const nlohmann::json& value, const std::string& where,
+                        std::size_t max_length) {
   if (!value.is_string()) {
     throw JsonObjectError(fmt::format("{}: found {}, expected a text", where, value.type_name()));
   }
   const auto& text = value.get_ref<const std::string&>();
-  // Bytes that begin a character: all but those 10xxxxxx.
+  // In UTF-8 every byte except 10xxxxxx begins a character.
   const auto length = static_cast<std::size_t>(
       std::ranges::count_if(text, [](unsigned char byte) { return (byte & 0xc0) != 0x80; }));
-  if (length > most) {
+  if (length > max_length) {
     throw JsonObjectError(
-        fmt::format("{}: found {} characters, expected at most {}", where, length, most));
+        fmt::format("{}: found {} characters, expected at most {}", where, length, max_length));
   }
-  const auto is_control = [](unsigned char sign) { return sign < ' ' || sign == 0x7f; };
+  const auto is_control = [](unsigned char letter) { return letter < ' ' || letter == 0x7f; };
   if (std::ranges::any_of(text, is_control)) {
     throw JsonObjectError(where + ": found a control character, expected one line of text");
   }
@@ -33,13 +34,13 @@ std::string checkedText(const nlohmann::json& value, const std::string& where, s
 }  // namespace
 
 JsonObjectReader::JsonObjectReader(std::string_view text) {
-  // The parser takes one for the end, whatever stands behind it.
+  // The parser would take a zero byte for the end of the text and ignore what follows.
   if (text.find('\0') != std::string_view::npos)
     throw JsonObjectError("found a zero byte, expected JSON");
   std::set<std::string> keys;
   const auto check = [&keys](int depth, nlohmann::json::parse_event_t event,
                              const nlohmann::json& parsed) {
-    if (depth > kDeepest) throw JsonObjectError("found JSON within JSON, expected one object");
+    if (depth > kMaxDepth) throw JsonObjectError("found deeply nested JSON, expected one object");
     if (event == nlohmann::json::parse_event_t::key && depth == 1 &&
         !keys.insert(parsed.get<std::string>()).second) {
       throw JsonObjectError(fmt::format("found {} twice, expected it once", parsed.dump()));
@@ -49,7 +50,7 @@ JsonObjectReader::JsonObjectReader(std::string_view text) {
   try {
     json_ = nlohmann::json::parse(text, check);
   } catch (const nlohmann::json::exception& error) {
-    throw JsonObjectError(fmt::format("found no JSON (byte {})", [&] {
+    throw JsonObjectError(fmt::format("found invalid JSON (byte {})", [&] {
       const auto* parse = dynamic_cast<const nlohmann::json::parse_error*>(&error);
       return parse ? parse->byte : 0;
     }()));
@@ -61,14 +62,14 @@ JsonObjectReader::JsonObjectReader(std::string_view text) {
 
 const nlohmann::json& JsonObjectReader::at(const char* key, const char* expected) {
   known_.emplace_back(key);
-  const auto place = json_.find(key);
-  if (place == json_.end())
+  const auto found = json_.find(key);
+  if (found == json_.end())
     throw JsonObjectError(fmt::format("{}: missing, expected {}", key, expected));
-  return *place;
+  return *found;
 }
 
-std::string JsonObjectReader::text(const char* key, std::size_t most) {
-  return checkedText(at(key, "a text"), key, most);
+std::string JsonObjectReader::text(const char* key, std::size_t max_length) {
+  return checkedText(at(key, "a text"), key, max_length);
 }
 
 double JsonObjectReader::number(const char* key, double low, double high) {
@@ -78,7 +79,7 @@ double JsonObjectReader::number(const char* key, double low, double high) {
                                       value.type_name(), low, high));
   }
   const auto found = value.get<double>();
-  if (!(found >= low && found <= high)) {  // nan too
+  if (!(found >= low && found <= high)) {  // also refuses nan
     throw JsonObjectError(
         fmt::format("{}: found {}, expected a number from {} to {}", key, found, low, high));
   }
@@ -94,14 +95,14 @@ bool JsonObjectReader::flag(const char* key) {
   return value.get<bool>();
 }
 
-std::vector<std::string> JsonObjectReader::texts(const char* key, std::size_t count,
-                                                 std::size_t most) {
+std::vector<std::string> JsonObjectReader::texts(const char* key, std::size_t max_count,
+                                                 std::size_t max_length) {
   const nlohmann::json& value = at(key, "a list of texts");
-  if (!value.is_array() || value.size() > count) {
-    throw JsonObjectError(fmt::format("{}: expected a list of at most {} texts", key, count));
+  if (!value.is_array() || value.size() > max_count) {
+    throw JsonObjectError(fmt::format("{}: expected a list of at most {} texts", key, max_count));
   }
   std::vector<std::string> all;
-  for (const nlohmann::json& one : value) all.push_back(checkedText(one, key, most));
+  for (const nlohmann::json& one : value) all.push_back(checkedText(one, key, max_length));
   return all;
 }
 

@@ -1,4 +1,4 @@
-/// A JSON object of which nothing may be missing and nothing be too much.
+/// Reads JSON objects that have exactly the expected keys.
 #pragma once
 
 #include <cstddef>
@@ -10,26 +10,30 @@
 
 namespace lab::dashboard {
 
-/// What was found and what was expected.
+/// Says what was found and what was expected.
 class JsonObjectError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Each key is asked for once; finish() then says whether others were there.
+/// Each expected key is read once; finish() then refuses objects with other keys.
 class JsonObjectReader {
  public:
-  /// @throws JsonObjectError when the text is no JSON object, or a deep one, or names a key twice.
+  /// @throws JsonObjectError if the text is not a JSON object, is nested too deeply, or has a key
+  ///         twice
   explicit JsonObjectReader(std::string_view text);
 
-  // All throw JsonObjectError.
+  // All of these throw JsonObjectError if the key is missing or its value is not as expected.
 
-  /// UTF-8 without control characters, of at most `most` characters.
-  [[nodiscard]] std::string text(const char* key, std::size_t most);
+  /// A UTF-8 text without control characters, of at most `max_length` characters.
+  [[nodiscard]] std::string text(const char* key, std::size_t max_length);
+  /// A number from `low` to `high`, both included.
   [[nodiscard]] double number(const char* key, double low, double high);
   [[nodiscard]] bool flag(const char* key);
-  [[nodiscard]] std::vector<std::string> texts(const char* key, std::size_t count,
-                                               std::size_t most);
+  /// An array of at most `max_count` texts.
+  [[nodiscard]] std::vector<std::string> texts(const char* key, std::size_t max_count,
+                                               std::size_t max_length);
+  /// @throws JsonObjectError if the object has keys that were not read
   void finish() const;
 
  private:

@@ -1,4 +1,4 @@
-/// What a web server may ask of the lab behind it.
+/// The interface through which the web server reaches the lab.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,8 @@
 
 namespace lab::dashboard {
 
-/// Called from the threads of a server, answered by the lab's own.
+/// Called on the threads of the web server; implementations pass the calls to the thread of the
+/// service's loop.
 class LabRequestHandler {
  public:
   LabRequestHandler() = default;
@@ -17,16 +18,16 @@ class LabRequestHandler {
   LabRequestHandler& operator=(const LabRequestHandler&) = delete;
   virtual ~LabRequestHandler() = default;
 
-  /// Takes a wish. What became of it is told by the topics (docs/dashboard.md).
-  /// @return why it is refused, empty: it is taken.
-  [[nodiscard]] virtual std::string wish(const OperatorRequest& wish) = 0;
+  /// Accepts a request of the operator. The topics then show its effect (docs/dashboard.md).
+  /// @return why it is refused; empty if it is accepted
+  [[nodiscard]] virtual std::string request(const OperatorRequest& request) = 0;
 
-  /// JSON that is made only when somebody asks.
-  /// @param what "analysis", "trails", "robot" ...
-  /// @param which robot, program ...; may be empty
-  /// @return nothing: there is no such thing, or the lab does not answer.
-  [[nodiscard]] virtual std::optional<std::string> ask(std::string_view what,
-                                                       std::string_view which) = 0;
+  /// Returns JSON that is only made on demand.
+  /// @param what "analysis", "trails", "robot" or "speeds"
+  /// @param which the robot's id; may be empty
+  /// @return nothing if it does not exist or the loop does not answer in time
+  [[nodiscard]] virtual std::optional<std::string> query(std::string_view what,
+                                                         std::string_view which) = 0;
 };
 
 }  // namespace lab::dashboard

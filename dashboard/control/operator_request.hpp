@@ -1,4 +1,4 @@
-/// What somebody in front of the page asks for.
+/// Requests of the operator, made with the buttons of the page.
 #pragma once
 
 #include <string>
@@ -9,28 +9,30 @@ namespace lab::dashboard {
 struct StopRobots {
   std::string reason;
 };
-/// Robots may move again.
+/// Lets the robots move again.
 struct ReleaseStop {};
 struct PauseScript {};
 struct ResumeScript {};
+/// Adds a remark to the run.
 struct MarkRun {
   std::string text;
 };
 struct EndRun {
   std::string why;
 };
-/// One light for the whole arena, above the script's.
+/// Shows uniform light in the whole arena in place of the script's light.
 struct ShowLight {
   double intensity = 0;  ///< [1] 0..1
-  double hold = 0;       ///< [s], 0: until it is given back
+  double hold = 0;       ///< [s], 0: until it is released
 };
 struct ReleaseLight {};
-/// Of a log that is played.
+/// Jumps to another time of a log that is being replayed.
 struct SeekLog {
   double to = 0;  ///< [s] since its first message
 };
+/// Sets the speed of a log that is being replayed.
 struct SpeedLog {
-  double speed = 1;  ///< [1] log seconds a second
+  double speed = 1;  ///< [1] seconds of the log per second
 };
 
 using OperatorRequest = std::variant<StopRobots, ReleaseStop, PauseScript, ResumeScript, MarkRun,

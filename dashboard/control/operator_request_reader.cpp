@@ -5,35 +5,35 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr std::size_t kLongestRequestText = 500;  // characters
-constexpr double kLongestHold = 86400;            // [s]
-constexpr double kLongestLog = 1e7;               // [s]
-constexpr double kSlowest = 0.01;                 // [1] log seconds a second
-constexpr double kFastest = 1000;
+constexpr std::size_t kMaxRequestText = 500;  // characters
+constexpr double kMaxHold = 86400;            // [s]
+constexpr double kMaxLog = 1e7;               // [s]
+constexpr double kMinSpeed = 0.01;            // [1] seconds of the log per second
+constexpr double kMaxSpeed = 1000;
 
-/// What is wrong with the words is no reason not to stop.
-std::string reasonOf(JsonObjectReader& form) {
+/// Invalid text must not prevent a stop: the reason is then empty.
+std::string reasonOf(JsonObjectReader& json) {
   try {
-    return form.text("reason", kLongestRequestText);
+    return json.text("reason", kMaxRequestText);
   } catch (const JsonObjectError&) {
     return {};
   }
 }
 
-OperatorRequest operatorRequestOf(const std::string& name, JsonObjectReader& form) {
-  if (name == "stop") return StopRobots{reasonOf(form)};
+OperatorRequest operatorRequestOf(const std::string& name, JsonObjectReader& json) {
+  if (name == "stop") return StopRobots{reasonOf(json)};
   if (name == "release_stop") return ReleaseStop{};
   if (name == "pause") return PauseScript{};
   if (name == "resume") return ResumeScript{};
-  if (name == "mark") return MarkRun{form.text("text", kLongestRequestText)};
-  if (name == "end") return EndRun{form.text("why", kLongestRequestText)};
+  if (name == "mark") return MarkRun{json.text("text", kMaxRequestText)};
+  if (name == "end") return EndRun{json.text("why", kMaxRequestText)};
   if (name == "light") {
-    const double intensity = form.number("intensity", 0, 1);
-    return ShowLight{intensity, form.number("hold_s", 0, kLongestHold)};
+    const double intensity = json.number("intensity", 0, 1);
+    return ShowLight{intensity, json.number("hold_s", 0, kMaxHold)};
   }
   if (name == "release_light") return ReleaseLight{};
-  if (name == "seek") return SeekLog{form.number("to_s", 0, kLongestLog)};
-  if (name == "speed") return SpeedLog{form.number("speed", kSlowest, kFastest)};
+  if (name == "seek") return SeekLog{json.number("to_s", 0, kMaxLog)};
+  if (name == "speed") return SpeedLog{json.number("speed", kMinSpeed, kMaxSpeed)};
   throw JsonObjectError(
       "wish: expected stop, release_stop, pause, resume, mark, end, light, release_light, seek or "
       "speed");
@@ -41,12 +41,12 @@ OperatorRequest operatorRequestOf(const std::string& name, JsonObjectReader& for
 
 }  // namespace
 
-std::variant<OperatorRequest, InvalidRequest> readOperatorRequest(std::string_view json) {
+std::variant<OperatorRequest, InvalidRequest> readOperatorRequest(std::string_view text) {
   try {
-    JsonObjectReader form(json);
-    const OperatorRequest wish = operatorRequestOf(form.text("wish", kLongestRequestText), form);
-    form.finish();
-    return wish;
+    JsonObjectReader json(text);
+    const OperatorRequest request = operatorRequestOf(json.text("wish", kMaxRequestText), json);
+    json.finish();
+    return request;
   } catch (const JsonObjectError& error) {
     return InvalidRequest{error.what()};
   }

@@ -1,4 +1,4 @@
-/// A wish from the page's words.
+/// Parses operator requests from JSON.
 #pragma once
 
 #include <string>
@@ -9,13 +9,14 @@
 
 namespace lab::dashboard {
 
-/// What is wrong with a text, and what was expected.
+/// Says what was found in an invalid request and what was expected.
 struct InvalidRequest {
   std::string why;
 };
 
-/// {"wish": NAME, ...} of docs/dashboard.md. Nothing may be missing, unknown, of another type or
-/// out of range; nothing is repaired.
+/// Parses {"wish": NAME, ...} (docs/dashboard.md). A request with a key that is missing, unknown,
+/// of the wrong type or out of range is invalid; nothing is corrected. The only exception is the
+/// reason of a stop, since a stop must never fail.
 [[nodiscard]] std::variant<OperatorRequest, InvalidRequest> readOperatorRequest(
     std::string_view json);
 

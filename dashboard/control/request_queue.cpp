@@ -11,8 +11,8 @@
 
 namespace lab::dashboard {
 
-/// One who waits. The loop claims it, does it and says so; who has waited too long withdraws it,
-/// unless it has been claimed.
+/// One entry of a queue, shared by the waiting thread and the loop. The loop claims it before it
+/// does the work; the waiting thread can withdraw it only until then.
 struct RequestQueue::PendingRequest {
   enum class State { kWaiting, kClaimed, kDone, kWithdrawn };
 
@@ -27,10 +27,10 @@ struct RequestQueue::PendingRequest {
     try {
       work();
     } catch (...) {
-      become(State::kWithdrawn);
+      set(State::kWithdrawn);
       throw;
     }
-    become(State::kDone);
+    set(State::kDone);
   }
 
   void withdraw() {
@@ -39,15 +39,15 @@ struct RequestQueue::PendingRequest {
     changed.notify_all();
   }
 
-  bool wait(std::chrono::milliseconds patience) {
+  bool wait(std::chrono::milliseconds timeout) {
     std::unique_lock lock(mutex);
     const auto over = [this] { return state == State::kDone || state == State::kWithdrawn; };
-    if (changed.wait_for(lock, patience, over)) return state == State::kDone;
+    if (changed.wait_for(lock, timeout, over)) return state == State::kDone;
     if (state == State::kWaiting) {
       state = State::kWithdrawn;
       return false;
     }
-    changed.wait(lock, over);  // it is being done
+    changed.wait(lock, over);  // the loop is doing the work
     return state == State::kDone;
   }
 
@@ -56,7 +56,7 @@ struct RequestQueue::PendingRequest {
     return state == State::kWithdrawn;
   }
 
-  void become(State next) {
+  void set(State next) {
     const std::lock_guard lock(mutex);
     state = next;
     changed.notify_all();
@@ -68,9 +68,9 @@ struct RequestQueue::PendingRequest {
   State state = State::kWaiting;
 };
 
-RequestQueue::RequestQueue(Answers answers, std::chrono::milliseconds patience)
-    : answers_(std::move(answers)),
-      patience_(patience),
+RequestQueue::RequestQueue(Handlers handlers, std::chrono::milliseconds timeout)
+    : handlers_(std::move(handlers)),
+      timeout_(timeout),
       descriptor_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
   if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
 }
@@ -80,62 +80,62 @@ RequestQueue::~RequestQueue() {
   ::close(descriptor_);
 }
 
-bool RequestQueue::ring() const {
+bool RequestQueue::wakeLoop() const {
   const std::uint64_t one = 1;
   return ::write(descriptor_, &one, sizeof one) == sizeof one || errno == EAGAIN;
 }
 
 bool RequestQueue::run(Queue& queue, std::function<void()> work) {
-  const auto errand = std::make_shared<PendingRequest>(std::move(work));
+  const auto pending = std::make_shared<PendingRequest>(std::move(work));
   {
     const std::lock_guard lock(mutex_);
-    // Who has given up waiting takes no place.
+    // Withdrawn entries do not count.
     std::erase_if(queue, [](const auto& waiting) { return waiting->isWithdrawn(); });
-    if (closed_ || queue.size() >= kMostWaiting) return false;
-    queue.push_back(errand);
-    if (!ring()) return false;
+    if (closed_ || queue.size() >= kMaxPending) return false;
+    queue.push_back(pending);
+    if (!wakeLoop()) return false;
   }
-  return errand->wait(patience_);
+  return pending->wait(timeout_);
 }
 
-std::string RequestQueue::wish(const OperatorRequest& wish) {
+std::string RequestQueue::request(const OperatorRequest& request) {
   std::string refusal;
-  const bool done = run(requests_, [&] { refusal = answers_.wish(wish); });
+  const bool done = run(requests_, [&] { refusal = handlers_.request(request); });
   return done ? refusal : "the lab's loop does not answer; nothing was done";
 }
 
-std::optional<std::string> RequestQueue::ask(std::string_view what, std::string_view which) {
+std::optional<std::string> RequestQueue::query(std::string_view what, std::string_view which) {
   std::optional<std::string> answer;
-  const bool done = run(questions_, [&] { answer = answers_.ask(what, which); });
+  const bool done = run(queries_, [&] { answer = handlers_.query(what, which); });
   return done ? answer : std::nullopt;
 }
 
 void RequestQueue::serve() {
-  Queue errands;
+  Queue claimed;
   {
     const std::lock_guard lock(mutex_);
     std::uint64_t count = 0;
     if (::read(descriptor_, &count, sizeof count) < 0 && errno != EAGAIN) return;
-    errands.swap(requests_);
-    if (!questions_.empty()) {
-      errands.push_back(std::move(questions_.front()));
-      questions_.pop_front();
+    claimed.swap(requests_);
+    if (!queries_.empty()) {
+      claimed.push_back(std::move(queries_.front()));
+      queries_.pop_front();
     }
-    if (!questions_.empty()) ring();
+    if (!queries_.empty()) (void)wakeLoop();
   }
-  for (const auto& errand : errands) errand->execute();
+  for (const auto& pending : claimed) pending->execute();
 }
 
 void RequestQueue::close() {
-  Queue errands;
+  Queue claimed;
   {
     const std::lock_guard lock(mutex_);
     closed_ = true;
-    errands.swap(requests_);
-    errands.insert(errands.end(), questions_.begin(), questions_.end());
-    questions_.clear();
+    claimed.swap(requests_);
+    claimed.insert(claimed.end(), queries_.begin(), queries_.end());
+    queries_.clear();
   }
-  for (const auto& errand : errands) errand->withdraw();
+  for (const auto& pending : claimed) pending->withdraw();
 }
 
 }  // namespace lab::dashboard

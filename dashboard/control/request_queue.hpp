@@ -1,4 +1,5 @@
-/// From the threads of a web server into the lab's loop, and back.
+/// Passes requests from the threads of the web server to the loop of the service, and the results
+/// back.
 #pragma once
 
 #include <chrono>
@@ -14,53 +15,53 @@
 
 namespace lab::dashboard {
 
-/// What is asked waits until the loop serves it, at most a second: then it is withdrawn, so that
-/// nothing is done that was said to be refused. No wish waits behind more than one question: a stop
-/// may be among them.
+/// A request waits until the loop serves it. After the timeout (1 s) it is withdrawn and refused,
+/// so that nothing happens that was reported as refused. At most one query is answered before a
+/// waiting request, because the request may be a stop.
 class RequestQueue final : public LabRequestHandler {
  public:
-  struct Answers {
-    std::function<std::string(const OperatorRequest&)> wish;
-    std::function<std::optional<std::string>(std::string_view what, std::string_view which)> ask;
+  struct Handlers {
+    std::function<std::string(const OperatorRequest&)> request;
+    std::function<std::optional<std::string>(std::string_view what, std::string_view which)> query;
   };
 
-  static constexpr std::size_t kMostWaiting = 200;  ///< wishes, and as many questions
+  static constexpr std::size_t kMaxPending = 200;  ///< requests, and as many queries
 
-  /// @param answers called by serve() alone
-  /// @throws std::system_error when the machine has no descriptor left
-  explicit RequestQueue(Answers answers,
-                        std::chrono::milliseconds patience = std::chrono::seconds(1));
+  /// @param handlers are only called by serve()
+  /// @throws std::system_error if no file descriptor is available
+  explicit RequestQueue(Handlers handlers,
+                        std::chrono::milliseconds timeout = std::chrono::seconds(1));
   ~RequestQueue() override;
 
-  [[nodiscard]] std::string wish(const OperatorRequest& wish) override;
-  [[nodiscard]] std::optional<std::string> ask(std::string_view what,
-                                               std::string_view which) override;
+  [[nodiscard]] std::string request(const OperatorRequest& request) override;
+  [[nodiscard]] std::optional<std::string> query(std::string_view what,
+                                                 std::string_view which) override;
 
-  /// Readable while somebody waits.
+  /// Is readable while something is pending.
   [[nodiscard]] int descriptor() const { return descriptor_; }
 
-  /// Does all wishes and answers one question; the descriptor stays readable while others wait, so
-  /// that the loop does its other work between. For the loop.
+  /// Handles all pending requests and one query. The descriptor stays readable while more queries
+  /// wait, so that the loop can do other work in between. Call it on the loop's thread.
   void serve();
 
-  /// Nobody is answered any more: who waits is refused at once.
+  /// Refuses everything that is pending, and everything from now on, at once.
   void close();
 
  private:
   struct PendingRequest;
   using Queue = std::deque<std::shared_ptr<PendingRequest>>;
 
-  /// @return whether it was done.
+  /// @return whether the work was done
   bool run(Queue& queue, std::function<void()> work);
-  bool ring() const;
+  [[nodiscard]] bool wakeLoop() const;
 
-  Answers answers_;
-  std::chrono::milliseconds patience_;
-  int descriptor_;
+  Handlers handlers_;
+  std::chrono::milliseconds timeout_;
+  int descriptor_;  ///< an eventfd
   std::mutex mutex_;
   bool closed_ = false;
   Queue requests_;
-  Queue questions_;
+  Queue queries_;
 };
 
 }  // namespace lab::dashboard

@@ -18,89 +18,93 @@ constexpr std::int64_t kSilentRobot_us = 1'000'000;
 constexpr std::int64_t kSilentLight_us = 2'000'000;
 constexpr std::int64_t kRivals_us = 2'000'000;
 constexpr std::int32_t kManyErrors = 20;  // frames in 10 s
-constexpr std::size_t kMostNamed = 12;
+constexpr std::size_t kMaxNamed = 12;
 
-/// Robots that share a trouble are said in one line.
+/// Robots with the same problem, which share one text.
 class Group {
  public:
   void add(std::int32_t id) { ids_.push_back(id); }
-  void tell(std::vector<Advice>& out, Level level, const std::string& what,
-            const std::string& way_out) const {
+  void report(std::vector<Advice>& out, Level level, const std::string& what,
+              const std::string& remedy) const {
     if (ids_.empty()) return;
     std::string names;
-    for (std::size_t i = 0; i < std::min(ids_.size(), kMostNamed); ++i) {
+    for (std::size_t i = 0; i < std::min(ids_.size(), kMaxNamed); ++i) {
       names += (i == 0 ? "" : ", ") + std::to_string(ids_[i]);
     }
-    if (ids_.size() > kMostNamed) names += fmt::format(" and {} more", ids_.size() - kMostNamed);
-    out.push_back({level, fmt::format("robot {}: {}", names, what), way_out});
+    if (ids_.size() > kMaxNamed) names += fmt::format(" and {} more", ids_.size() - kMaxNamed);
+    out.push_back({level, fmt::format("robot {}: {}", names, what), remedy});
   }
 
  private:
   std::vector<std::int32_t> ids_;
 };
 
-std::string at(const ServiceRow& row) {
+std::string serviceName(const ServiceRow& row) {
   const service_status_t& status = row.status;
   return status.host.empty() ? status.sender : fmt::format("{} on {}", status.sender, status.host);
 }
 
-void onServices(const AdviceFacts& facts, std::vector<Advice>& out) {
+void adviseOnServices(const AdviceFacts& facts, std::vector<Advice>& out) {
   for (const auto& [key, row] : facts.health.services()) {
     const service_status_t& status = row.status;
     if (status.contract_version != kContractVersion) {
       out.push_back({Level::kError,
-                     fmt::format("{} speaks contract {}, this page {}", at(row),
+                     fmt::format("{} uses message contract {}, this page {}", serviceName(row),
                                  status.contract_version, kContractVersion),
-                     "run programs of one build on all hosts: build again, start the lab again"});
+                     "use programs of one build on all hosts, then start the lab again"});
     }
     if (row.hasEnded()) continue;
     const double silent = units::seconds(facts.now - row.heard_utime);
     if (facts.now - row.heard_utime > HealthView::kSilent_us && facts.isLive()) {
       out.push_back({Level::kError,
-                     fmt::format("{} has said nothing for {:.0f} s", at(row), silent),
-                     fmt::format("the lab starts a service that ended again; if it stays silent, "
+                     fmt::format("no message from {} for {:.0f} s", serviceName(row), silent),
+                     fmt::format("the lab restarts services that have ended; if it stays silent, "
                                  "read logs/{}.log in the run's folder, or end the run",
                                  status.sender)});
     } else if (status.state == service_status_t::FAULT) {
-      out.push_back({Level::kError, fmt::format("{} is in fault: {}", at(row), status.last_error),
-                     fmt::format("repair what it names; more is in logs/{}.log in the run's folder",
-                                 status.sender)});
+      out.push_back(
+          {Level::kError, fmt::format("{} has a fault: {}", serviceName(row), status.last_error),
+           fmt::format("repair the named cause; details are in logs/{}.log in the run's folder",
+                       status.sender)});
     } else if (!status.last_error.empty()) {
-      out.push_back({Level::kWarn, fmt::format("{} says: {}", at(row), status.last_error),
-                     "the run goes on and is marked; repair what it names"});
+      out.push_back({Level::kWarn,
+                     fmt::format("{} reports: {}", serviceName(row), status.last_error),
+                     "the run continues and is marked; repair the named cause"});
     }
     if (row.starts > 1) {
-      out.push_back({Level::kWarn, fmt::format("{} has been started {} times", at(row), row.starts),
-                     fmt::format("why is in logs/{}.log in the run's folder", status.sender)});
+      out.push_back({Level::kWarn,
+                     fmt::format("{} has been started {} times", serviceName(row), row.starts),
+                     fmt::format("logs/{}.log in the run's folder has the reason", status.sender)});
     }
   }
 }
 
-void onStreams(const AdviceFacts& facts, std::vector<Advice>& out) {
+void adviseOnStreams(const AdviceFacts& facts, std::vector<Advice>& out) {
   for (const auto& [channel, messages] : facts.health.notUnderstood()) {
     out.push_back(
         {Level::kError,
-         fmt::format("{} messages on {} are of another contract, or broken", messages, channel),
-         "somebody on this bus runs another version: end it, or give this lab a port of "
-         "its own ([network] port)"});
+         fmt::format("{} messages on {} have another contract or are damaged", messages, channel),
+         "a program on this bus has another version: end it, or give this lab its own port "
+         "([network] port)"});
   }
   for (const auto& [key, row] : facts.health.streams()) {
     if (row.new_losses <= 0 || facts.run_info.replay()) continue;
-    out.push_back({Level::kWarn,
-                   fmt::format("{} messages on {} from {} were lost in the last seconds",
-                               row.new_losses, key.channel, key.sender),
-                   "the machine is too busy or the receive buffers are small: lab doctor says "
-                   "how to enlarge them"});
+    out.push_back(
+        {Level::kWarn,
+         fmt::format("{} messages on {} from {} were lost in the last seconds", row.new_losses,
+                     key.channel, key.sender),
+         "the host is overloaded or its receive buffers are small: lab doctor explains how "
+         "to enlarge them"});
   }
   for (const auto& [sender, ahead] : facts.health.ahead()) {
-    out.push_back(
-        {Level::kError,
-         fmt::format("the clock of {} is {:.1f} s ahead of this machine's", sender, ahead),
-         "set the clocks of all hosts by NTP or PTP; a clock that jumped spoils delays"});
+    out.push_back({Level::kError,
+                   fmt::format("the clock of {} is {:.1f} s ahead of this host's", sender, ahead),
+                   "set the clocks of all hosts by NTP or PTP; a clock that jumps makes measured "
+                   "delays wrong"});
   }
 }
 
-void onRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
+void adviseOnRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
   Group missing, silent, rivals, rejected, lease, saturated, battery, errors;
   for (const RobotSpec& robot : facts.run_info.experiment().robots) {
     const auto row = facts.robots.rows().find(robot.id);
@@ -120,74 +124,76 @@ void onRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
     if (row.batteryIsLow()) battery.add(id);
     if (row.new_errors >= kManyErrors) errors.add(id);
   }
-  rivals.tell(out, Level::kError, "two processes say that they own it",
-              "end one of them, or give one robot another id");
-  missing.tell(out, Level::kError, "nothing has been heard of it",
-               "switch it on and see that its line is plugged in; lab doctor lists the lines");
-  silent.tell(out, Level::kError, "has fallen silent",
-              "look at its battery and its line; it stops by itself when its lease is over");
-  rejected.tell(out, Level::kError, "refused its last order",
-                "the service that owns it says why, under Health");
-  lease.tell(out, Level::kWarn, "stands because the host was silent",
-             "it goes on with the next order; if none comes, see that the lab runs");
-  battery.tell(out, Level::kWarn, "battery is low", "charge it");
-  errors.tell(out, Level::kWarn, "many frames on its line fail their check",
-              "try another cable or radio channel, away from motors");
-  saturated.tell(out, Level::kInfo, "a wheel was asked for more than it can do",
-                 "lower the program's speed or noise: the law is not the robot's there");
+  rivals.report(out, Level::kError, "two services report its state",
+                "end one of them, or give one of two robots another id");
+  missing.report(out, Level::kError, "no status received",
+                 "switch it on and check its serial connection; lab doctor lists the serial ports");
+  silent.report(out, Level::kError, "does not respond any more",
+                "check its battery and its connection; it stops by itself when its lease expires");
+  rejected.report(out, Level::kError, "rejected its last command",
+                  "the reason is under Health, at the service that controls the robot");
+  lease.report(out, Level::kWarn, "stopped because its lease expired without a command",
+               "it continues with the next command; if none comes, check that the lab is running");
+  battery.report(out, Level::kWarn, "battery is low", "charge it");
+  errors.report(out, Level::kWarn, "many corrupted frames on its connection",
+                "try another cable or radio channel, away from motors");
+  saturated.report(
+      out, Level::kInfo, "a commanded wheel speed exceeds the maximum",
+      "reduce the program's speed or noise: the robot does not follow its exact law now");
 }
 
-void onTracker(const AdviceFacts& facts, std::vector<Advice>& out) {
+void adviseOnTracker(const AdviceFacts& facts, std::vector<Advice>& out) {
   const auto& tracker = facts.health.tracker();
   if (!tracker || facts.ended) return;
   if (tracker->state == tracker_status_t::GONE) {
-    out.push_back({Level::kError, "the camera is gone: " + tracker->trouble,
-                   "plug it in again; the tracker takes it back by itself"});
+    out.push_back({Level::kError, "the camera is disconnected: " + tracker->trouble,
+                   "connect it again; the tracker continues by itself"});
   } else if (!tracker->trouble.empty()) {
-    out.push_back({Level::kError, "tracker: " + tracker->trouble, "see Camera"});
+    out.push_back({Level::kError, "tracker: " + tracker->trouble, "the Camera panel has details"});
   }
   if (tracker->moved != 0) {
-    out.push_back({Level::kError, "the camera is not where it was calibrated",
+    out.push_back({Level::kError, "the camera has moved since its calibration",
                    "end the run, fix the camera and calibrate it again: lab calibrate camera"});
   }
   if (!tracker->warning.empty()) out.push_back({Level::kWarn, "tracker: " + tracker->warning, ""});
   if (facts.health.newDark() > 0) {
-    out.push_back({Level::kWarn, "pictures are too dark to see robots in",
-                   "open the lens or lengthen the exposure ([camera] exposure_ms)"});
+    out.push_back({Level::kWarn, "pictures are too dark to detect robots",
+                   "open the aperture or increase the exposure time ([camera] exposure_ms)"});
   }
   if (facts.health.newSaturated() > 0) {
-    out.push_back({Level::kWarn, "pictures have more white than can be measured",
-                   "close the lens or shorten the exposure ([camera] exposure_ms)"});
+    out.push_back({Level::kWarn, "too many pixels of the pictures are saturated",
+                   "close the aperture or reduce the exposure time ([camera] exposure_ms)"});
   }
 }
 
-void onLight(const AdviceFacts& facts, std::vector<Advice>& out) {
+void adviseOnLight(const AdviceFacts& facts, std::vector<Advice>& out) {
   if (!facts.light || facts.ended) return;
   if (facts.isLive() && facts.now - facts.light_utime > kSilentLight_us) {
-    out.push_back({Level::kError, "nothing is heard of the projector's light",
+    out.push_back({Level::kError, "no status from the projector",
                    "read logs/projector_ctl.log in the run's folder"});
     return;
   }
   if (!facts.light->trouble.empty()) {
     out.push_back({Level::kError, "projector: " + facts.light->trouble,
-                   "another light than wanted is shown until that is repaired"});
+                   "until that is repaired, the projected light is not the commanded one"});
   }
   if (!facts.light->last_refusal.empty()) {
-    out.push_back({Level::kWarn, "the projector refused a light: " + facts.light->last_refusal,
-                   "who sent it must send another"});
+    out.push_back({Level::kWarn,
+                   "the projector rejected a light command: " + facts.light->last_refusal,
+                   "correct the light and send it again"});
   }
 }
 
-void onLinks(const AdviceFacts& facts, std::vector<Advice>& out) {
+void adviseOnLinks(const AdviceFacts& facts, std::vector<Advice>& out) {
   for (const auto& [host, link] : facts.health.links()) {
     for (const link_peer_t& peer : link.peers) {
       if (peer.state == link_peer_t::REFUSED) {
         out.push_back({Level::kError,
                        fmt::format("{} refuses the link to {}: {}", host, peer.host, peer.trouble),
-                       "set both clocks by NTP or PTP, and see that both run the same version"});
+                       "set both clocks by NTP or PTP, and use the same version on both hosts"});
       } else if (peer.state == link_peer_t::SILENT && facts.isLive()) {
-        out.push_back({Level::kError, fmt::format("{} hears nothing of {}", host, peer.host),
-                       "look at the cable, the host and its dds_gateway"});
+        out.push_back({Level::kError, fmt::format("{} receives nothing from {}", host, peer.host),
+                       "check the cable, the host and its dds_gateway"});
       }
     }
   }
@@ -210,27 +216,28 @@ const char* levelName(Level level) {
 std::vector<Advice> adviceOn(const AdviceFacts& facts) {
   std::vector<Advice> out;
   if (facts.bus_utime == 0) {
-    return {{Level::kInfo, "no lab is heard on this bus",
-             "start one: lab run FILE, or under Runs on this page"}};
+    return {{Level::kInfo, "no lab is active on this bus",
+             "start one with lab run FILE or under Runs on this page"}};
   }
   if (!facts.run_info.trouble().empty()) {
     out.push_back({Level::kError,
                    "the run's experiment cannot be read: " + facts.run_info.trouble(),
-                   "the lab runs another version than this page: start both from one build"});
+                   "the lab has another version than this page: start both from one build"});
   }
   if (facts.now - facts.bus_utime > kSilentBus_us && !facts.ended) {
-    out.push_back({Level::kError,
-                   fmt::format("nothing has been heard on the bus for {:.0f} s",
-                               units::seconds(facts.now - facts.bus_utime)),
-                   "what this page shows is old; see whether the lab still runs (lab spy)"});
+    out.push_back(
+        {Level::kError,
+         fmt::format("no message on the bus for {:.0f} s",
+                     units::seconds(facts.now - facts.bus_utime)),
+         "this page shows old data; check with lab spy whether the lab is still running"});
     return out;
   }
-  onServices(facts, out);
-  onStreams(facts, out);
-  onRobots(facts, out);
-  onTracker(facts, out);
-  onLight(facts, out);
-  onLinks(facts, out);
+  adviseOnServices(facts, out);
+  adviseOnStreams(facts, out);
+  adviseOnRobots(facts, out);
+  adviseOnTracker(facts, out);
+  adviseOnLight(facts, out);
+  adviseOnLinks(facts, out);
   std::ranges::stable_sort(out, {}, &Advice::level);
   return out;
 }
@@ -238,7 +245,7 @@ std::vector<Advice> adviceOn(const AdviceFacts& facts) {
 Json adviceJson(const std::vector<Advice>& advice) {
   Json json = Json::array();
   for (const Advice& a : advice) {
-    json.push_back({{"level", levelName(a.level)}, {"what", a.what}, {"do", a.way_out}});
+    json.push_back({{"level", levelName(a.level)}, {"what", a.what}, {"do", a.remedy}});
   }
   return json;
 }

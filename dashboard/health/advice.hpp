@@ -1,4 +1,4 @@
-/// What is wrong, in words, and what to do.
+/// Texts that say what is wrong in the lab and what to do.
 #pragma once
 
 #include <cstdint>
@@ -18,28 +18,28 @@ struct Advice {
 
   Level level = Level::kInfo;
   std::string what;
-  std::string way_out;
+  std::string remedy;
 };
 
-/// Of the lab as it is. Nobody is blamed for silence once the run has ended, nor for that of a
-/// played log, which is paused, jumps and is played faster.
+/// The state of the lab. After the end of a run and while a log is replayed, silence is normal and
+/// gives no advice: a replay can be paused, jump and run faster.
 struct AdviceFacts {
   const RunInfo& run_info;
   const HealthView& health;
   const RobotsView& robots;
   const std::optional<light_status_t>& light;
-  std::int64_t light_utime = 0;  ///< when it was heard
-  std::int64_t bus_utime = 0;    ///< when anything was heard from others, 0: never
+  std::int64_t light_utime = 0;  ///< when its status was received
+  std::int64_t bus_utime = 0;    ///< when the last message of another sender was received, 0: never
   bool ended = false;
   std::int64_t now = 0;
 
   [[nodiscard]] bool isLive() const { return !ended && !run_info.replay(); }
 };
 
-/// Errors first.
+/// The advice, errors first.
 [[nodiscard]] std::vector<Advice> adviceOn(const AdviceFacts& facts);
 
-/// Of topic `health`.
+/// The entry "advice" of topic `health`.
 [[nodiscard]] Json adviceJson(const std::vector<Advice>& advice);
 
 }  // namespace lab::dashboard

@@ -10,8 +10,8 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr std::size_t kMostNames = 100;  // of channels not understood, of hosts, of clocks
-constexpr double kAhead = 1;             // [s]
+constexpr std::size_t kMaxNames = 100;  // each of unknown channels, hosts and clocks
+constexpr double kClockAhead = 1;       // [s]
 
 const char* stateName(std::int8_t state) {
   switch (state) {
@@ -56,7 +56,7 @@ const char* peerStateName(std::int8_t state) {
   }
 }
 
-/// A process of a played log is none of today's, whoever has its number now.
+/// Whether it is a live process on this host. Process ids in a replayed log mean nothing now.
 bool isOurs(const ServiceRow& row, const std::string& host) {
   return row.status.host == host && row.status.pid != 0 &&
          row.status.origin != robot_state_t::REPLAY;
@@ -121,7 +121,7 @@ void HealthView::count(std::string_view channel, const MessageHeader& header, st
                     last_->first.channel == channel && last_->first.sender == header.sender;
   if (!same) {
     StreamKey key{std::string(channel), std::string(header.sender), header.instance};
-    if (rows_.size() >= kMostStreams && !rows_.contains(key)) {
+    if (rows_.size() >= kMaxStreams && !rows_.contains(key)) {
       ++streams_left_out_;
       return;
     }
@@ -129,18 +129,18 @@ void HealthView::count(std::string_view channel, const MessageHeader& header, st
   }
   last_->second.heard_utime = now;
   counter_.count(channel, header.sender, header.instance, header.seq, header.utime);
-  // A command may speak of the future; what was measured cannot.
+  // Commands may have a time in the future, measurements may not.
   const double ahead = units::seconds(header.utime - now);
-  if (ahead > kAhead && seqCountsMessages(channel) && ahead_.size() < kMostNames) {
+  if (ahead > kClockAhead && seqCountsMessages(channel) && ahead_.size() < kMaxNames) {
     ahead_[last_->first.sender] = ahead;
-  } else if (!ahead_.empty() && ahead < kAhead / 2) {
+  } else if (!ahead_.empty() && ahead < kClockAhead / 2) {
     ahead_.erase(last_->first.sender);
   }
 }
 
 void HealthView::countNotUnderstood(std::string_view channel) {
   std::string name(channel);
-  if (not_understood_.size() >= kMostNames && !not_understood_.contains(name)) return;
+  if (not_understood_.size() >= kMaxNames && !not_understood_.contains(name)) return;
   ++not_understood_[std::move(name)];
 }
 
@@ -148,13 +148,13 @@ void HealthView::take(const service_status_t& status, std::int64_t now) {
   const std::pair key{status.sender, status.host};
   const auto found = services_.find(key);
   if (found == services_.end()) {
-    // A command by hand says nothing but its last counts: it is no service.
+    // Commands of the terminal only send a last status with their counts; they are not services.
     if (status.state == service_status_t::ENDED) return;
-    if (services_.size() < kMostServices) services_[key] = {status, now};
+    if (services_.size() < kMaxServices) services_[key] = {status, now};
     return;
   }
   ServiceRow& row = found->second;
-  if (status.instance < row.status.instance) return;  // of one that is on its way out
+  if (status.instance < row.status.instance) return;  // from the previous process, which is ending
   if (status.instance > row.status.instance) ++row.starts;
   row.status = status;
   row.heard_utime = now;
@@ -166,7 +166,7 @@ void HealthView::take(const tracker_status_t& status, std::int64_t now) {
 }
 
 void HealthView::take(const link_status_t& status, std::int64_t) {
-  if (links_.size() < kMostNames || links_.contains(status.host)) links_[status.host] = status;
+  if (links_.size() < kMaxNames || links_.contains(status.host)) links_[status.host] = status;
 }
 
 void HealthView::tick(std::int64_t) {
@@ -174,7 +174,7 @@ void HealthView::tick(std::int64_t) {
     const StreamCount& stream = counter_.streams().at(key);
     const auto slot = static_cast<std::size_t>(row.ticks % static_cast<int>(row.received.size()));
     const auto seconds = std::min<std::int64_t>(row.ticks, static_cast<int>(row.received.size()));
-    // At the first tick nothing is known of how long it has been running.
+    // At the first tick the time since the first message is unknown.
     if (seconds > 0) {
       const bool full = row.ticks >= static_cast<int>(row.received.size());
       const std::size_t oldest = full ? slot : 0;

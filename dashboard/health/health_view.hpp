@@ -1,4 +1,4 @@
-/// How every process and every stream of the lab is.
+/// State of every service and every message stream of the lab.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ namespace lab::dashboard {
 struct ServiceRow {
   service_status_t status{};
   std::int64_t heard_utime = 0;
-  int starts = 1;  ///< how often it was started, as far as it was heard
+  int starts = 1;  ///< observed number of starts
 
   [[nodiscard]] bool hasEnded() const { return status.state == service_status_t::ENDED; }
 };
@@ -31,37 +31,39 @@ struct ServiceRow {
 struct StreamRow {
   std::int64_t heard_utime = 0;
   double rate = 0;                         ///< [1/s] over the last seconds
-  std::int64_t new_losses = 0;             ///< over the same time
-  std::array<std::int64_t, 5> received{};  ///< second by second
+  std::int64_t new_losses = 0;             ///< in the same time
+  std::array<std::int64_t, 5> received{};  ///< totals, one per second
   std::array<std::int64_t, 5> lost{};
   std::int64_t ticks = 0;
 };
 
+/// Collects what topic `health` shows. Times are us since 1970.
 class HealthView {
  public:
-  static constexpr std::size_t kMostServices = 200;
-  static constexpr std::size_t kMostStreams = 400;
-  static constexpr std::int64_t kSilent_us = 3'000'000;  ///< of a service
+  static constexpr std::size_t kMaxServices = 200;
+  static constexpr std::size_t kMaxStreams = 400;
+  static constexpr std::int64_t kSilent_us =
+      3'000'000;  ///< a service that sends nothing for longer is silent
 
-  /// Every message of the lab, whether it is decoded or not.
+  /// Counts a message. Call it for every message, whether it is decoded or not.
   void count(std::string_view channel, const MessageHeader& header, std::int64_t now);
 
-  /// Of a type that is not ours, or broken.
+  /// Counts a message of an unknown type or a damaged one.
   void countNotUnderstood(std::string_view channel);
 
   void take(const service_status_t& status, std::int64_t now);
   void take(const tracker_status_t& status, std::int64_t now);
   void take(const link_status_t& status, std::int64_t now);
 
-  /// Once a second: rates.
+  /// Updates the rates. Call it once per second.
   void tick(std::int64_t now);
   void clear();
 
-  /// Processes on this host.
+  /// Process ids of the lab's services on `host`.
   [[nodiscard]] std::vector<std::int32_t> pids(const std::string& host) const;
 
-  /// "services", "streams", "not_understood", "tracker", "links" of topic `health`.
-  /// @param uses of the processes on `host`
+  /// The entries "services", "streams", "not_understood", "tracker" and "links" of topic `health`.
+  /// @param uses resources used by the processes on `host`, by process id
   [[nodiscard]] Json json(std::int64_t now, const std::string& host,
                           const std::map<std::int32_t, ProcessUse>& uses) const;
 
@@ -75,10 +77,10 @@ class HealthView {
   }
   [[nodiscard]] const std::optional<tracker_status_t>& tracker() const { return tracker_; }
   [[nodiscard]] const std::map<std::string, link_status_t>& links() const { return links_; }
-  /// Pictures that the tracker found too bright, or too dark, since the tick before.
+  /// Pictures since the previous tick that the tracker reported as too bright or too dark.
   [[nodiscard]] std::int64_t newSaturated() const { return new_saturated_; }
   [[nodiscard]] std::int64_t newDark() const { return new_dark_; }
-  /// Senders whose clock is ahead of ours [s], by name: those more than a second.
+  /// Senders whose clock is more than a second ahead of this host's, by name [s].
   [[nodiscard]] const std::map<std::string, double>& ahead() const { return ahead_; }
   [[nodiscard]] std::int64_t streamsLeftOut() const { return streams_left_out_; }
 
@@ -90,10 +92,11 @@ class HealthView {
   std::map<std::pair<std::string, std::string>, ServiceRow> services_;  ///< by name and host
   StreamCounter counter_;
   std::map<StreamKey, StreamRow> rows_;
-  std::pair<const StreamKey, StreamRow>* last_ = nullptr;  ///< most messages come in runs
+  std::pair<const StreamKey, StreamRow>* last_ =
+      nullptr;  ///< cache: successive messages often belong to one stream
   std::map<std::string, std::int64_t> not_understood_;
   std::optional<tracker_status_t> tracker_;
-  std::optional<tracker_status_t> tracker_before_;  ///< at the tick before
+  std::optional<tracker_status_t> tracker_before_;  ///< at the previous tick
   std::int64_t tracker_utime_ = 0;
   std::int64_t new_saturated_ = 0;
   std::int64_t new_dark_ = 0;

@@ -15,8 +15,8 @@ std::optional<ProcessTimes> readProcess(std::int32_t pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string line;
   if (!std::getline(file, line)) return std::nullopt;
-  // The name in brackets may hold anything; what follows its last bracket is fields 3 and on
-  // (proc(5): utime 14, stime 15, starttime 22, rss 24).
+  // The process name is in parentheses and may itself contain any character. Field 3 follows the
+  // last parenthesis (proc(5): utime 14, stime 15, starttime 22, rss 24).
   const std::size_t bracket = line.rfind(')');
   if (bracket == std::string::npos) return std::nullopt;
   std::istringstream fields(line.substr(bracket + 1));

@@ -1,4 +1,4 @@
-/// What processes of this machine use.
+/// Processor time and memory of processes on this host.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +10,11 @@
 
 namespace lab::dashboard {
 
-/// One process so far.
+/// Counters of one process.
 struct ProcessTimes {
   double cpu = 0;          ///< [s] user and system
   double memory = 0;       ///< [byte] resident
-  std::int64_t begun = 0;  ///< tells two processes of one number apart
+  std::int64_t begun = 0;  ///< start time; differs when a process id is used again
 };
 
 struct ProcessUse {
@@ -22,19 +22,21 @@ struct ProcessUse {
   double memory_MB = 0;
 };
 
-/// From Linux's /proc; nothing: there is no such process.
+/// Reads them from /proc. @return nothing if there is no such process
 [[nodiscard]] std::optional<ProcessTimes> readProcess(std::int32_t pid);
 
-/// "" where the name cannot be had.
+/// The name of this host; empty on errors.
 [[nodiscard]] std::string ownHost();
 
+/// Measures the use between two calls.
 class ProcessMeter {
  public:
   using Read = std::function<std::optional<ProcessTimes>(std::int32_t pid)>;
 
   explicit ProcessMeter(Read read = readProcess) : read_(std::move(read)) {}
 
-  /// Since the call before; of a process that is new, its memory alone (cpu_percent: nan).
+  /// The use since the previous call. For a new process only the memory is known and cpu_percent is
+  /// nan.
   /// @param now of a steady clock [us]
   [[nodiscard]] std::map<std::int32_t, ProcessUse> measure(const std::vector<std::int32_t>& pids,
                                                            std::int64_t now);

@@ -4,28 +4,29 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
-#include <nlohmann/json.hpp>
 #include <set>
+
+#include "dashboard/views/json.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uintmax_t kMostOfExperiment = 1 << 20;  // bytes
+constexpr std::uintmax_t kMaxExperimentFile = 1 << 20;  // [byte]
 
-/// Fills in what the file says; false: it is no experiment.
+/// Reads name and description. @return false if the file is not an experiment
 bool readHead(ListedExperiment& experiment) {
   experiment.name = experiment.path.stem().string();
   std::error_code error;
   const std::uintmax_t size = fs::file_size(experiment.path, error);
-  if (error || size > kMostOfExperiment) return false;
+  if (error || size > kMaxExperimentFile) return false;
   try {
     const toml::table table = toml::parse_file(experiment.path.string());
     if (!table.contains("robots") && !table.contains("programs")) return false;
     experiment.name = table["name"].value_or(experiment.name);
     experiment.description = table["description"].value_or(std::string());
   } catch (const toml::parse_error& problem) {
-    experiment.description = fmt::format("no TOML from line {} on", problem.source().begin.line);
+    experiment.description = fmt::format("syntax error in line {}", problem.source().begin.line);
   }
   return true;
 }
@@ -35,8 +36,9 @@ class Listing {
   void add(const fs::path& folder, const std::string& prefix, bool shipped) {
     std::error_code error;
     const fs::path canonical = fs::canonical(folder, error);
-    if (error || !folders_.insert(canonical).second) return;  // a clone ships what lies in it
-    std::vector<ListedExperiment> found;
+    if (error || !folders_.insert(canonical).second)
+      return;  // in a source tree both are the same folder
+    std::vector<ListedExperiment> listed;
     for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
          entry.increment(error)) {
       const std::string file = entry->path().filename().string();
@@ -48,10 +50,10 @@ class Listing {
                            .name = {},
                            .description = {},
                            .shipped = shipped};
-      if (readHead(one)) found.push_back(std::move(one));
+      if (readHead(one)) listed.push_back(std::move(one));
     }
-    std::ranges::sort(found, {}, &ListedExperiment::file);
-    std::ranges::move(found, std::back_inserter(all));
+    std::ranges::sort(listed, {}, &ListedExperiment::file);
+    std::ranges::move(listed, std::back_inserter(all));
   }
 
   std::vector<ListedExperiment> all;
@@ -71,21 +73,21 @@ std::vector<ListedExperiment> listExperiments(const fs::path& shipped, const fs:
 }
 
 std::string experimentsJson(const std::vector<ListedExperiment>& experiments) {
-  auto all = nlohmann::ordered_json::array();
+  Json all = Json::array();
   for (const ListedExperiment& one : experiments) {
     all.push_back({{"file", one.file},
                    {"name", one.name},
                    {"description", one.description},
                    {"shipped", one.shipped}});
   }
-  return all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return toText(all);
 }
 
 std::optional<fs::path> experimentPath(const std::vector<ListedExperiment>& experiments,
                                        std::string_view file) {
-  const auto place = std::ranges::find(experiments, file, &ListedExperiment::file);
-  if (place == experiments.end()) return std::nullopt;
-  return place->path;
+  const auto found = std::ranges::find(experiments, file, &ListedExperiment::file);
+  if (found == experiments.end()) return std::nullopt;
+  return found->path;
 }
 
 }  // namespace lab::dashboard

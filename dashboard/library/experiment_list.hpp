@@ -1,4 +1,4 @@
-/// Experiment files that can be started: the shipped ones, and those where the server was started.
+/// Lists the experiment files that can be started: the shipped ones and the user's.
 #pragma once
 
 #include <filesystem>
@@ -10,24 +10,24 @@
 namespace lab::dashboard {
 
 struct ListedExperiment {
-  std::string
-      file;  ///< "shipped/abp.toml", "mine.toml", "experiments/mine.toml": what it is asked by
+  /// Its key in requests: "shipped/abp.toml", "mine.toml", "experiments/mine.toml".
+  std::string file;
   std::filesystem::path path;
   std::string name;
-  std::string description;  ///< empty: the file says none
+  std::string description;  ///< empty if the file has none
   bool shipped = false;
 };
 
-/// The shipped files, then *.toml of `own` and of `own`/experiments, by name. Files of TOML that
-/// are no experiments are left out; broken ones are not, since `lab check` says what is wrong with
-/// them.
+/// The shipped files, then *.toml of `own` and of `own`/experiments, each sorted by name. TOML
+/// files that are not experiments are left out. Files with syntax errors are listed, because `lab
+/// check` explains the errors.
 [[nodiscard]] std::vector<ListedExperiment> listExperiments(const std::filesystem::path& shipped,
                                                             const std::filesystem::path& own);
 
-/// Of `GET /api/experiments`.
+/// The response to GET /api/experiments.
 [[nodiscard]] std::string experimentsJson(const std::vector<ListedExperiment>& experiments);
 
-/// The path of a listed file; nothing where it is not listed.
+/// The path of a listed file; nothing if it is not listed.
 [[nodiscard]] std::optional<std::filesystem::path> experimentPath(
     const std::vector<ListedExperiment>& experiments, std::string_view file);
 

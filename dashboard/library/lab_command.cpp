@@ -23,17 +23,18 @@ using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 namespace {
 
-constexpr std::size_t kMostOutput = 16 * 1024;  // bytes
+constexpr std::size_t kMaxOutput = 16 * 1024;  // bytes
 constexpr const char* kOutput = "output.txt";
-constexpr int kRuns = std::numeric_limits<int>::min();  // in place of an exit code
-constexpr std::chrono::milliseconds kLook{100};         // whether it is to stop
+constexpr int kRunning = std::numeric_limits<int>::min();  // in place of an exit code
+constexpr std::chrono::milliseconds kPollPeriod{100};      // for the flag `stop`
 
 int codeOf(int status) {
   return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
 }
 
-/// Starts a program in a session of its own, with empty input and its output at `output`. None of
-/// this server's sockets goes along: it would keep the port.
+/// Starts a program in a new session, with empty input and its output going to `output`. It
+/// inherits no other descriptors: an inherited listening socket would keep the server's port
+/// occupied.
 pid_t startSession(const std::vector<std::string>& arguments, int output) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -80,9 +81,9 @@ std::string tailOf(std::string text, std::size_t bytes) {
 }
 
 CommandResult runCommand(const std::vector<std::string>& arguments,
-                         std::chrono::milliseconds patience, const std::atomic<bool>& stop) {
+                         std::chrono::milliseconds timeout, const std::atomic<bool>& stop) {
   std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("no pipe is to be had");
+  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("cannot create a pipe");
   pid_t pid = -1;
   try {
     pid = startSession(arguments, ends[1]);
@@ -93,24 +94,25 @@ CommandResult runCommand(const std::vector<std::string>& arguments,
   }
   close(ends[1]);
   CommandResult result;
-  const auto deadline = Clock::now() + patience;
+  const auto deadline = Clock::now() + timeout;
   std::array<char, 4096> buffer{};
   while (true) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-    pollfd place{ends[0], POLLIN, 0};
+    pollfd entry{ends[0], POLLIN, 0};
     const bool over = left <= 0ms || stop;
-    const int ready = over ? 0 : poll(&place, 1, static_cast<int>(std::min(left, kLook).count()));
+    const int ready =
+        over ? 0 : poll(&entry, 1, static_cast<int>(std::min(left, kPollPeriod).count()));
     if ((ready < 0 && errno == EINTR) || (ready == 0 && !over)) continue;
     if (ready == 0) {
-      result.late = true;
-      kill(-pid, SIGKILL);  // its whole session
+      result.was_killed = true;
+      kill(-pid, SIGKILL);  // the whole process group
     }
     if (ready <= 0) break;
     const ssize_t count = read(ends[0], buffer.data(), buffer.size());
     if (count <= 0) break;
     result.output.append(buffer.data(), static_cast<std::size_t>(count));
-    if (result.output.size() > 4 * kMostOutput) {
-      result.output = tailOf(std::move(result.output), kMostOutput);
+    if (result.output.size() > 4 * kMaxOutput) {
+      result.output = tailOf(std::move(result.output), kMaxOutput);
     }
   }
   close(ends[0]);
@@ -118,20 +120,20 @@ CommandResult runCommand(const std::vector<std::string>& arguments,
   while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
   }
   result.code = codeOf(status);
-  result.output = tailOf(std::move(result.output), kMostOutput);
+  result.output = tailOf(std::move(result.output), kMaxOutput);
   return result;
 }
 
 fs::path DetachedCommand::makeFolder() {
   std::string name = (fs::temp_directory_path() / "active-lab-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr) {
-    throw std::runtime_error("cannot make a folder in " + fs::temp_directory_path().string());
+    throw std::runtime_error("cannot create a folder in " + fs::temp_directory_path().string());
   }
   return name;
 }
 
 DetachedCommand::DetachedCommand(fs::path folder, const std::vector<std::string>& arguments)
-    : folder_(std::move(folder)), code_(std::make_shared<std::atomic<int>>(kRuns)) {
+    : folder_(std::move(folder)), code_(std::make_shared<std::atomic<int>>(kRunning)) {
   const int file = open((folder_ / kOutput).c_str(),
                         O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
   if (file < 0) throw std::runtime_error("cannot write in " + folder_.string());
@@ -144,8 +146,8 @@ DetachedCommand::DetachedCommand(fs::path folder, const std::vector<std::string>
     throw;
   }
   close(file);
-  // Waited for, whether anybody asks or not: else its entry would stay in the table of processes.
-  // The thread outlives this object where the command does.
+  // Without waitpid() the ended process would remain as a zombie. The thread may outlive this
+  // object.
   std::thread([pid, code = code_] {
     int status = 0;
     pid_t found = -1;
@@ -163,18 +165,18 @@ DetachedCommand::~DetachedCommand() {
 
 std::optional<int> DetachedCommand::code() const {
   const int code = *code_;
-  return code == kRuns ? std::nullopt : std::optional(code);
+  return code == kRunning ? std::nullopt : std::optional(code);
 }
 
 std::string DetachedCommand::output() const {
   std::ifstream file(folder_ / kOutput, std::ios::binary | std::ios::ate);
   const auto size = static_cast<std::size_t>(std::max<std::streamoff>(0, file.tellg()));
-  const std::size_t wanted = std::min(size, 2 * kMostOutput);
+  const std::size_t wanted = std::min(size, 2 * kMaxOutput);
   file.seekg(static_cast<std::streamoff>(size - wanted));
   std::string text(wanted, '\0');
   file.read(text.data(), static_cast<std::streamsize>(wanted));
   text.resize(static_cast<std::size_t>(std::max<std::streamsize>(0, file.gcount())));
-  return tailOf(std::move(text), kMostOutput);
+  return tailOf(std::move(text), kMaxOutput);
 }
 
 }  // namespace lab::dashboard

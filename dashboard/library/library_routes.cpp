@@ -8,66 +8,65 @@
 #include <fstream>
 #include <iterator>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 
 #include "dashboard/library/run_compare.hpp"
+#include "dashboard/views/json.hpp"
 #include "dashboard/web/http_response.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::size_t kMostCompared = 8;
-constexpr std::uintmax_t kLargestSummary = 20'000'000;  // bytes; in memory several times that
+constexpr std::size_t kMaxCompared = 8;
+constexpr std::uintmax_t kMaxSummary = 20'000'000;  // [byte]; several times that in memory
 
-/// A file comes from a run and may hold anything: it runs no script in the page's own name.
-void shieldFile(const std::string& name, httplib::Response& response) {
+/// Restricts a file of a run. Its content is not trusted: it must not run scripts with the rights
+/// of the page.
+void restrictFile(const std::string& name, HttpResponse& response) {
   if (name.ends_with(".html")) {
-    replaceHeader(
-        response, "Content-Security-Policy",
+    response.setHeader(
+        "Content-Security-Policy",
         "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src "
         "'unsafe-inline'; img-src 'self' data: blob:; font-src data:; frame-ancestors "
         "'self'");
-    replaceHeader(response, "X-Frame-Options", "SAMEORIGIN");
+    response.setHeader("X-Frame-Options", "SAMEORIGIN");
   } else if (name.ends_with(".pdf")) {
-    replaceHeader(response, "Content-Disposition", "attachment");  // viewers do not run sandboxed
+    // The browsers' viewers do not work in a sandbox.
+    response.setHeader("Content-Disposition", "attachment");
   } else {
-    replaceHeader(response, "Content-Security-Policy",
-                  "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:");
+    response.setHeader("Content-Security-Policy",
+                       "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:");
   }
 }
 
-/// By pieces: trajectories of a long run do not go through memory.
-void sendFile(const fs::path& path, httplib::Response& response) {
+/// Sends a file in pieces, because trajectories of long runs can be larger than the memory.
+void sendFile(const fs::path& path, HttpResponse& response) {
   const auto file = std::make_shared<std::ifstream>(path, std::ios::binary);
+  response.setHeader("Content-Type", contentType(path.filename().string()));
   const std::uintmax_t size = fs::file_size(path);
-  const std::string type = contentType(path.filename().string());
-  if (size == 0) {
-    response.set_content("", type);
-    return;
-  }
-  response.set_content_provider(
-      static_cast<std::size_t>(size), type,
-      [file](std::size_t, std::size_t length, httplib::DataSink& sink) {
-        std::array<char, 65536> piece{};
-        file->read(piece.data(), static_cast<std::streamsize>(std::min(length, piece.size())));
-        const std::streamsize count = file->gcount();
-        return count > 0 && sink.write(piece.data(), static_cast<std::size_t>(count));
-      });
+  response.source_length = size;
+  response.source = [file, left = size](ClientStream& client) mutable {
+    std::array<char, 65536> piece{};
+    const auto wanted = std::min<std::uintmax_t>(left, piece.size());
+    file->read(piece.data(), static_cast<std::streamsize>(wanted));
+    const auto count = static_cast<std::size_t>(file->gcount());
+    left -= count;
+    return count > 0 && client.write({piece.data(), count}) && left > 0;
+  };
 }
 
 }  // namespace
 
-LibraryRoutes::LibraryRoutes(RunLauncher::Places places)
-    : runs_(places.runs), launcher_(std::move(places)) {}
+LibraryRoutes::LibraryRoutes(RunLauncher::Folders folders)
+    : runs_(folders.runs), launcher_(std::move(folders)) {}
 
-Decision LibraryRoutes::get(const httplib::Request& request, bool control,
-                            httplib::Response& response) {
+Decision LibraryRoutes::get(const HttpRequest& request, bool control, HttpResponse& response) {
   constexpr std::string_view kRuns = "/api/runs/";
-  const std::string& path = request.path;
+  const std::string path = request.path();
   if (path == "/api/compare") return compare(request, response);
   if (path.starts_with(kRuns)) return file(path.substr(kRuns.size()), response);
   if (path == "/api/runs") {
@@ -77,36 +76,37 @@ Decision LibraryRoutes::get(const httplib::Request& request, bool control,
   } else if (path == "/api/started") {
     respondJson(response, launcher_.started(control));
   } else {
-    return {Refusal::kPath, 404, "there is no such path; docs/dashboard.md lists all"};
+    return {Refusal::kPath, 404, "there is no such path; docs/dashboard.md lists all paths"};
   }
   return {};
 }
 
-void LibraryRoutes::post(const httplib::Request& request, httplib::Response& response) {
-  RunLauncher::Answer answer =
-      request.path == "/api/start" ? launcher_.start(request.body) : launcher_.check(request.body);
-  respondJson(response, std::move(answer.json), answer.status);
+void LibraryRoutes::post(const HttpRequest& request, HttpResponse& response) {
+  RunLauncher::Response result = request.path() == "/api/start" ? launcher_.start(request.body)
+                                                                : launcher_.check(request.body);
+  respondJson(response, std::move(result.json), result.status);
 }
 
-Decision LibraryRoutes::compare(const httplib::Request& request, httplib::Response& response) {
-  auto all = nlohmann::ordered_json::array();
-  std::istringstream names(request.get_param_value("runs"));
+Decision LibraryRoutes::compare(const HttpRequest& request, HttpResponse& response) {
+  Json all = Json::array();
+  std::istringstream names(request.query("runs"));
   std::size_t count = 0;
   for (std::string name; std::getline(names, name, ',');) {
-    if (++count > kMostCompared) {
-      return {Refusal::kMalformed, 400, fmt::format("runs: expected at most {}", kMostCompared)};
+    if (++count > kMaxCompared) {
+      return {Refusal::kMalformed, 400, fmt::format("runs: expected at most {}", kMaxCompared)};
     }
     if (!runs_.folderOf(name)) return {Refusal::kPath, 404, "runs: there is no run " + name};
     const auto summary = runs_.file(name, "summary.json");
     if (!summary) {
       respondError(response, 409,
-                   name + " has no summary.json; lab analyze makes one from its log");
+                   name + " has no summary.json; lab analyze creates one from its log");
       return {};
     }
-    if (fs::file_size(*summary) > kLargestSummary) {
-      respondError(response, 409,
-                   fmt::format("{}: its summary.json has more than {} MB; compare by lab report",
-                               name, kLargestSummary / 1'000'000));
+    if (fs::file_size(*summary) > kMaxSummary) {
+      respondError(
+          response, 409,
+          fmt::format("{}: its summary.json is larger than {} MB; use lab report to compare", name,
+                      kMaxSummary / 1'000'000));
       return {};
     }
     std::ifstream stream(*summary, std::ios::binary);
@@ -118,21 +118,21 @@ Decision LibraryRoutes::compare(const httplib::Request& request, httplib::Respon
       return {};
     }
   }
-  respondJson(response, all.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+  respondJson(response, toText(all));
   return {};
 }
 
-Decision LibraryRoutes::file(const std::string& run_and_name, httplib::Response& response) {
+Decision LibraryRoutes::file(const std::string& run_and_name, HttpResponse& response) {
   const std::size_t slash = run_and_name.find('/');
   if (slash != std::string::npos) {
     const std::string name = run_and_name.substr(slash + 1);
     if (const auto path = runs_.file(run_and_name.substr(0, slash), name)) {
-      shieldFile(name, response);
+      restrictFile(name, response);
       sendFile(*path, response);
       return {};
     }
   }
-  return {Refusal::kPath, 404, "there is no such file of a run, or it is none of its report"};
+  return {Refusal::kPath, 404, "there is no such run, or the file is not part of its report"};
 }
 
 }  // namespace lab::dashboard

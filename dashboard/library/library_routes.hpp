@@ -1,37 +1,36 @@
-/// What the web server shows of past runs and of experiments that could be run.
+/// The part of the web server that serves past runs and experiment files.
 #pragma once
-
-#include <httplib.h>
 
 #include <string>
 
+#include "common/http/http_message.hpp"
 #include "dashboard/library/run_launcher.hpp"
 #include "dashboard/library/run_list.hpp"
 #include "dashboard/web/http_guard.hpp"
 
 namespace lab::dashboard {
 
-/// The paths /api/runs, /api/compare, /api/experiments, /api/started, /api/check and /api/start.
-/// From any thread.
+/// Serves the paths /api/runs, /api/compare, /api/experiments, /api/started, /api/check and
+/// /api/start. Thread-safe.
 class LibraryRoutes {
  public:
-  explicit LibraryRoutes(RunLauncher::Places places);
+  explicit LibraryRoutes(RunLauncher::Folders folders);
 
-  /// Answers a GET.
-  /// @param control whether who asks may use the buttons
-  /// @return why there is nothing of that path; yes() where the response is made.
-  [[nodiscard]] Decision get(const httplib::Request& request, bool control,
-                             httplib::Response& response);
+  /// Fills in the response to a GET.
+  /// @param control whether the client may control the lab
+  /// @return yes(), or why nothing is served
+  [[nodiscard]] Decision get(const HttpRequest& request, bool control, HttpResponse& response);
 
-  /// Answers a POST to /api/check or /api/start. @throws JsonObjectError
-  void post(const httplib::Request& request, httplib::Response& response);
+  /// Fills in the response to a POST to /api/check or /api/start.
+  /// @throws JsonObjectError if the body is not the expected JSON object
+  void post(const HttpRequest& request, HttpResponse& response);
 
-  /// What is under way ends soon.
+  /// Ends running commands.
   void close() { launcher_.close(); }
 
  private:
-  [[nodiscard]] Decision compare(const httplib::Request& request, httplib::Response& response);
-  [[nodiscard]] Decision file(const std::string& run_and_name, httplib::Response& response);
+  [[nodiscard]] Decision compare(const HttpRequest& request, HttpResponse& response);
+  [[nodiscard]] Decision file(const std::string& run_and_name, HttpResponse& response);
 
   RunList runs_;
   RunLauncher launcher_;

@@ -12,7 +12,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using lab::DisplayUnit;
 
-/// A key of summary.json: "D_r_rad2_s" is D_r in rad²/s. The longest unit that fits is meant.
+/// A key of summary.json split into name and unit: "D_r_rad2_s" is D_r in rad²/s. If several units
+/// fit, it is the longest one.
 struct NamedUnit {
   std::string name;
   std::string unit;
@@ -33,8 +34,8 @@ NamedUnit splitKey(const std::string& key) {
 }
 
 Json valueOr(const Json& object, const std::string& key, Json otherwise) {
-  const auto place = object.find(key);
-  return place == object.end() ? std::move(otherwise) : *place;
+  const auto found = object.find(key);
+  return found == object.end() ? std::move(otherwise) : *found;
 }
 
 Json curve(const char* name, const char* si_unit, const Json& columns) {
@@ -55,9 +56,9 @@ Json curve(const char* name, const char* si_unit, const Json& columns) {
 
 Json estimates(const Json& pool) {
   Json all = Json::array();
-  const auto place = pool.find("estimates");
-  if (place == pool.end() || !place->is_object()) return all;
-  for (const auto& [key, estimate] : place->items()) {
+  const auto found = pool.find("estimates");
+  if (found == pool.end() || !found->is_object()) return all;
+  for (const auto& [key, estimate] : found->items()) {
     if (!estimate.is_object()) continue;
     const NamedUnit named = splitKey(key);
     all.push_back({{"name", named.name},
@@ -77,7 +78,8 @@ Json estimates(const Json& pool) {
 Json curvesOf(const std::string& run, const std::string& summary) {
   const Json json = Json::parse(summary, nullptr, false);
   if (!json.is_object() || !json.contains("programs") || !json["programs"].is_array()) {
-    throw std::runtime_error(run + ": its summary.json cannot be read; lab analyze makes it again");
+    throw std::runtime_error(run +
+                             ": its summary.json cannot be read; lab analyze creates it again");
   }
   Json all = Json::array();
   for (const Json& program : json["programs"]) {

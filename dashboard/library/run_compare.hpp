@@ -1,4 +1,4 @@
-/// The curves of several runs beside each other.
+/// Reads the curves of past runs for comparison.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -6,8 +6,10 @@
 
 namespace lab::dashboard {
 
-/// Of `GET /api/compare`: one entry for each program of a run's summary.json, in the form of topic
-/// `pool/...`. @throws std::runtime_error where the text is no summary.json.
+/// One entry of the response to GET /api/compare for each program in a run's summary.json, in the
+/// form of topic `pool/...`.
+/// @param summary the text of the file
+/// @throws std::runtime_error if it is not a summary.json
 [[nodiscard]] nlohmann::ordered_json curvesOf(const std::string& run, const std::string& summary);
 
 }  // namespace lab::dashboard

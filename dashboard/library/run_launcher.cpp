@@ -3,41 +3,37 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <sstream>
 #include <stdexcept>
 #include <vector>
 
 #include "dashboard/control/json_object_reader.hpp"
 #include "dashboard/library/experiment_list.hpp"
+#include "dashboard/views/json.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-constexpr std::size_t kMostSettings = 64;
-constexpr std::size_t kLongestText = 1000;  // bytes
-constexpr std::chrono::seconds kCheckPatience{20};
+constexpr std::size_t kMaxSettings = 64;
+constexpr std::size_t kMaxSettingText = 1000;  // characters
+constexpr std::chrono::seconds kCheckTimeout{20};
 constexpr const char* kAddress = "address.txt";
 
-std::string dump(const Json& json) {
-  return json.dump(-1, ' ', false, Json::error_handler_t::replace);
+RunLauncher::Response refusal(int status, const std::string& why) {
+  return {status, toText(Json{{"error", why}})};
 }
 
-RunLauncher::Answer refusal(int status, const std::string& why) {
-  return {status, dump(Json{{"error", why}})};
-}
-
-/// What the user wants to start.
-struct Order {
+/// The experiment file and the settings that are to be checked or run.
+struct Selection {
   std::string file;
   std::vector<std::string> set;
 
-  explicit Order(JsonObjectReader& form)
-      : file(form.text("file", kLongestText)), set(form.texts("set", kMostSettings, kLongestText)) {
+  explicit Selection(JsonObjectReader& json)
+      : file(json.text("file", kMaxSettingText)),
+        set(json.texts("set", kMaxSettings, kMaxSettingText)) {
     for (const std::string& one : set) {
       if (one.find('=') == std::string::npos || one.starts_with('=')) {
         throw JsonObjectError(fmt::format("set: found \"{}\", expected key=value", one));
@@ -45,7 +41,7 @@ struct Order {
     }
   }
 
-  /// `lab` COMMAND and what was ordered.
+  /// The command line `lab COMMAND FILE --set=KEY=VALUE ...`.
   [[nodiscard]] std::vector<std::string> arguments(const fs::path& programs, const char* command,
                                                    const fs::path& path) const {
     std::vector<std::string> all{(programs / "lab").string(), command, path.string()};
@@ -54,11 +50,11 @@ struct Order {
   }
 };
 
-std::string unlisted(const std::string& file) {
-  return fmt::format("file: found \"{}\", expected one of GET /api/experiments", file);
+std::string notListed(const std::string& file) {
+  return fmt::format("file: found \"{}\", expected a file of GET /api/experiments", file);
 }
 
-/// The name of the run's folder, from the line "run      FOLDER"; null: not said yet.
+/// The name of the run's folder, from the output line "run      FOLDER"; null until it is printed.
 Json runOf(const std::string& output) {
   std::istringstream lines(output);
   for (std::string line; std::getline(lines, line);) {
@@ -70,7 +66,7 @@ Json runOf(const std::string& output) {
   return {};
 }
 
-/// Null: not written yet.
+/// Null until the file is written.
 Json addressIn(const fs::path& file) {
   std::ifstream stream(file);
   std::string line;
@@ -78,7 +74,7 @@ Json addressIn(const fs::path& file) {
   return line;
 }
 
-/// The output may be read by who must not have the token.
+/// Removes the token: clients without it may read the output too.
 std::string withoutToken(std::string text) {
   constexpr std::string_view kToken = "#token=";
   for (std::size_t at = 0; (at = text.find(kToken, at)) != std::string::npos;) {
@@ -92,37 +88,39 @@ std::string withoutToken(std::string text) {
 }  // namespace
 
 std::string RunLauncher::experiments() const {
-  return experimentsJson(listExperiments(places_.experiments, places_.own));
+  return experimentsJson(listExperiments(folders_.experiments, folders_.own));
 }
 
-RunLauncher::Answer RunLauncher::check(std::string_view body) {
-  JsonObjectReader form(body);
-  const Order order(form);
-  form.finish();
-  const auto path = experimentPath(listExperiments(places_.experiments, places_.own), order.file);
-  if (!path) return refusal(404, unlisted(order.file));
+RunLauncher::Response RunLauncher::check(std::string_view body) {
+  JsonObjectReader json(body);
+  const Selection selection(json);
+  json.finish();
+  const auto path =
+      experimentPath(listExperiments(folders_.experiments, folders_.own), selection.file);
+  if (!path) return refusal(404, notListed(selection.file));
   const std::lock_guard lock(checking_);
   const CommandResult result =
-      runCommand(order.arguments(places_.programs, "check", *path), kCheckPatience, closing_);
-  const std::string late = result.late ? "stopped: it took longer than 20 s\n" : "";
-  return {200, dump(Json{{"ok", result.code == 0}, {"text", result.output + late}})};
+      runCommand(selection.arguments(folders_.programs, "check", *path), kCheckTimeout, closing_);
+  const std::string killed = result.was_killed ? "ended because it took longer than 20 s\n" : "";
+  return {200, toText(Json{{"ok", result.code == 0}, {"text", result.output + killed}})};
 }
 
-RunLauncher::Answer RunLauncher::start(std::string_view body) {
-  JsonObjectReader form(body);
-  const Order order(form);
-  const bool virtual_time = form.flag("virtual_time");
-  form.finish();
-  const auto path = experimentPath(listExperiments(places_.experiments, places_.own), order.file);
-  if (!path) return refusal(404, unlisted(order.file));
+RunLauncher::Response RunLauncher::start(std::string_view body) {
+  JsonObjectReader json(body);
+  const Selection selection(json);
+  const bool virtual_time = json.flag("virtual_time");
+  json.finish();
+  const auto path =
+      experimentPath(listExperiments(folders_.experiments, folders_.own), selection.file);
+  if (!path) return refusal(404, notListed(selection.file));
   const std::lock_guard lock(mutex_);
   if (run_ && !run_->code()) {
-    return refusal(409, "a run that was started here has not ended; wait, or end it on its page");
+    return refusal(409, "the run that was started here has not ended; wait, or end it on its page");
   }
   run_.reset();
   const fs::path folder = DetachedCommand::makeFolder();
-  std::vector<std::string> arguments = order.arguments(places_.programs, "run", *path);
-  arguments.push_back("--out=" + places_.runs.string());
+  std::vector<std::string> arguments = selection.arguments(folders_.programs, "run", *path);
+  arguments.push_back("--out=" + folders_.runs.string());
   if (virtual_time) {
     arguments.emplace_back("--virtual-time");
   } else {
@@ -136,16 +134,16 @@ RunLauncher::Answer RunLauncher::start(std::string_view body) {
 std::string RunLauncher::started(bool control) {
   const std::lock_guard lock(mutex_);
   if (!run_) {
-    return dump(
+    return toText(
         Json{{"state", "none"}, {"code", {}}, {"output", ""}, {"address", {}}, {"run", {}}});
   }
   const std::optional<int> code = run_->code();
   const std::string output = withoutToken(run_->output());
-  return dump(Json{{"state", code ? "ended" : "running"},
-                   {"code", code ? Json(*code) : Json()},
-                   {"output", output},
-                   {"address", control ? addressIn(run_->folder() / kAddress) : Json()},
-                   {"run", runOf(output)}});
+  return toText(Json{{"state", code ? "ended" : "running"},
+                     {"code", code ? Json(*code) : Json()},
+                     {"output", output},
+                     {"address", control ? addressIn(run_->folder() / kAddress) : Json()},
+                     {"run", runOf(output)}});
 }
 
 }  // namespace lab::dashboard

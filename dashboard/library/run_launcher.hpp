@@ -1,4 +1,4 @@
-/// Checks experiments and starts one, as the page asks.
+/// Checks experiment files and starts runs for the page.
 #pragma once
 
 #include <atomic>
@@ -13,40 +13,42 @@
 
 namespace lab::dashboard {
 
-/// From any thread.
+/// Runs the program `lab`. Thread-safe. At most one run that was started here exists at a time.
 class RunLauncher {
  public:
-  struct Places {
-    std::filesystem::path programs;     ///< where `lab` is
-    std::filesystem::path experiments;  ///< the shipped ones
-    std::filesystem::path runs;         ///< where runs are made
-    std::filesystem::path own;          ///< the user's: files of experiments, and where runs start
+  struct Folders {
+    std::filesystem::path programs;     ///< of the executable `lab`
+    std::filesystem::path experiments;  ///< the shipped files
+    std::filesystem::path runs;         ///< where runs are created
+    std::filesystem::path own;          ///< the user's folder with experiment files
   };
 
-  struct Answer {
+  struct Response {
     int status = 200;  ///< of HTTP
     std::string json;
   };
 
-  explicit RunLauncher(Places places) : places_(std::move(places)) {}
+  explicit RunLauncher(Folders folders) : folders_(std::move(folders)) {}
 
+  /// The response to GET /api/experiments.
   [[nodiscard]] std::string experiments() const;
 
-  // Both take the body of the request. @throws JsonObjectError for what it must not be.
-  [[nodiscard]] Answer check(std::string_view body);
-  [[nodiscard]] Answer start(std::string_view body);
+  // Both take the body of the request. @throws JsonObjectError if it is not the expected object
+  [[nodiscard]] Response check(std::string_view body);
+  [[nodiscard]] Response start(std::string_view body);
 
-  /// Ends a check that is under way, and those to come. A run goes on.
+  /// Ends the running check and all later ones. A run goes on.
   void close() { closing_ = true; }
 
-  /// Of `GET /api/started`.
-  /// @param control whether who asks may use this page's buttons, and so those of the run's own.
+  /// The response to GET /api/started.
+  /// @param control whether the client may control this lab; only then the response has the address
+  ///        of the new run's page, which includes its token
   [[nodiscard]] std::string started(bool control);
 
  private:
-  Places places_;
+  Folders folders_;
   std::atomic<bool> closing_ = false;
-  std::mutex checking_;  ///< one at a time: a check takes a core for a second
+  std::mutex checking_;  ///< one check at a time: each takes a core for a second
   std::mutex mutex_;
   std::unique_ptr<DetachedCommand> run_;
 };

@@ -9,6 +9,7 @@
 #include <regex>
 
 #include "dashboard/library/summary_scan.hpp"
+#include "dashboard/views/json.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;
@@ -17,11 +18,11 @@ namespace {
 constexpr const char* kSummary = "summary.json";
 constexpr const char* kProvenance = "provenance.json";
 constexpr const char* kThumbnail = "trajectory_program.svg";
-constexpr std::uintmax_t kMostOfSummary = 64 << 20;  // bytes
+constexpr std::uintmax_t kMaxSummaryFile = 64 << 20;  // [byte]
 constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
                                                    ".json", ".toml", ".pdf"};
 
-/// [ns]; 0: there is no such file.
+/// [ns]; 0 if there is no such file.
 std::int64_t changeTime(const fs::path& path) {
   struct stat facts {};
   if (stat(path.c_str(), &facts) != 0) return 0;
@@ -31,7 +32,7 @@ std::int64_t changeTime(const fs::path& path) {
 std::optional<std::string> readFile(const fs::path& path) {
   std::error_code error;
   const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > kMostOfSummary) return std::nullopt;
+  if (error || size > kMaxSummaryFile) return std::nullopt;
   std::ifstream file(path, std::ios::binary);
   std::string text(static_cast<std::size_t>(size), '\0');
   file.read(text.data(), static_cast<std::streamsize>(size));
@@ -45,7 +46,7 @@ bool isRun(const fs::path& folder) {
          fs::exists(folder / "log.lcmlog", error);
 }
 
-/// By the name that the runner gives: abp-20260131T120000Z.
+/// The start time from the folder's name as the runner creates it: abp-20260131T120000Z.
 std::string startOfName(const std::string& name) {
   static const std::regex form(R"(-(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(\d\d)Z(-\d+)?$)");
   std::smatch found;
@@ -71,12 +72,14 @@ void takeSummary(const fs::path& folder, PastRun& run) {
   const std::optional<std::string> text = readFile(folder / kSummary);
   if (!text) {
     run.problem =
-        "no summary.json: it still runs or was cut short; lab analyze makes one from its log";
+        "no summary.json: the run is still active or was interrupted; lab analyze creates one from "
+        "its "
+        "log";
     return;
   }
   std::optional<SummaryFacts> facts = scanSummary(*text);
   if (!facts) {
-    run.problem = "its summary.json cannot be read; lab analyze makes it again from the log";
+    run.problem = "its summary.json cannot be read; lab analyze creates it again from the log";
     return;
   }
   run.experiment = std::move(facts->experiment);
@@ -162,13 +165,13 @@ std::vector<PastRun> RunList::runs() {
 std::string RunList::json() {
   auto all = nlohmann::ordered_json::array();
   for (const PastRun& run : runs()) all.push_back(toJson(run));
-  return all.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+  return toText(all);
 }
 
 std::optional<fs::path> RunList::folderOf(std::string_view run) const {
-  const bool tricky = run.empty() || run.starts_with('.') ||
-                      run.find_first_of(std::string_view("/\\\0", 3)) != std::string_view::npos;
-  if (tricky) return std::nullopt;
+  const bool suspicious = run.empty() || run.starts_with('.') ||
+                          run.find_first_of(std::string_view("/\\\0", 3)) != std::string_view::npos;
+  if (suspicious) return std::nullopt;
   fs::path path = folder_ / run;
   std::error_code error;
   if (!fs::is_directory(path, error) || !isRun(path)) return std::nullopt;
@@ -181,13 +184,13 @@ std::optional<fs::path> RunList::file(std::string_view run, std::string_view nam
   const std::string_view last = name.starts_with(kFigures) ? name.substr(kFigures.size()) : name;
   const bool known = std::ranges::any_of(
       kEndings, [last](std::string_view ending) { return last.ends_with(ending); });
-  const bool tricky = last.starts_with('.') ||
-                      last.find_first_of(std::string_view("/\\\0", 3)) != std::string_view::npos;
-  if (!folder || !known || tricky) return std::nullopt;
+  const bool suspicious = last.starts_with('.') || last.find_first_of(std::string_view(
+                                                       "/\\\0", 3)) != std::string_view::npos;
+  if (!folder || !known || suspicious) return std::nullopt;
   std::error_code error;
   const fs::path path = fs::canonical(*folder / name, error);
   if (error || !fs::is_regular_file(path, error)) return std::nullopt;
-  // A link may lead out of the run.
+  // A symbolic link may lead out of the run's folder.
   const fs::path home = fs::canonical(*folder, error);
   const auto [rest, ignored] = std::ranges::mismatch(home, path);
   if (error || rest != home.end()) return std::nullopt;

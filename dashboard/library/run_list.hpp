@@ -1,4 +1,4 @@
-/// Past runs, from what lies in their folder.
+/// Lists past runs from the files in their folders.
 #pragma once
 
 #include <array>
@@ -20,39 +20,39 @@ struct RunVerdict {
 };
 
 struct PastRun {
-  std::string name;        ///< of its folder
-  std::string experiment;  ///< empty: not known
+  std::string name;        ///< of the run's folder
+  std::string experiment;  ///< empty if unknown
   std::string start_utc;   ///< "2026-01-31T12:00:00Z"
   std::optional<double> duration_s;
-  bool marked = false;               ///< it has faults
-  std::optional<std::int64_t> lost;  ///< messages that its log lacks
+  bool marked = false;               ///< whether it has faults
+  std::optional<std::int64_t> lost;  ///< messages missing in its log
   std::vector<RunVerdict> verdicts;
-  std::string thumbnail;  ///< a figure; empty: none
-  bool report = false;    ///< there is a report.html
-  std::string problem;    ///< why something is not known, and what to do; empty: all is
+  std::string thumbnail;  ///< file name of a figure; empty if there is none
+  bool report = false;    ///< whether there is a report.html
+  std::string problem;    ///< why facts are missing and what to do; else empty
 };
 
-/// The folder of runs. What was read once is read again only when it changed. From any thread.
+/// The runs in a folder. Files are read again only after they have changed. Thread-safe.
 class RunList {
  public:
   explicit RunList(std::filesystem::path folder) : folder_(std::move(folder)) {}
 
-  /// Newest first. Half-written and broken runs are among them and say so.
+  /// All runs, the newest first. Incomplete and damaged runs are included, with a problem.
   [[nodiscard]] std::vector<PastRun> runs();
 
-  /// Of `GET /api/runs`.
+  /// The response to GET /api/runs.
   [[nodiscard]] std::string json();
 
-  /// The folder of a run; nothing where the name is not one of the list's.
+  /// The folder of a run; nothing if there is no such run.
   [[nodiscard]] std::optional<std::filesystem::path> folderOf(std::string_view run) const;
 
-  /// A file that belongs to the run's report ("msd_abp.svg", "figures/msd_abp.csv"); nothing where
-  /// there is no such file, or one of another kind, or one that lies elsewhere.
+  /// The path of a file of the run's report ("msd_abp.svg", "figures/msd_abp.csv"). Nothing if it
+  /// does not exist, is of another type, or is a link to a file outside the run's folder.
   [[nodiscard]] std::optional<std::filesystem::path> file(std::string_view run,
                                                           std::string_view name) const;
 
  private:
-  /// When what is read last changed.
+  /// Times of the last changes of the folder and of the files that are read.
   using Stamps = std::array<std::int64_t, 3>;
   struct Known {
     Stamps stamps{};
@@ -64,7 +64,7 @@ class RunList {
   std::map<std::string, Known> known_;
 };
 
-/// Reads one run's folder. Never throws for what is in it.
+/// Reads the folder of one run. Does not throw because of its content.
 [[nodiscard]] PastRun readRun(const std::filesystem::path& folder);
 
 }  // namespace lab::dashboard

@@ -5,7 +5,7 @@
 namespace lab::dashboard {
 namespace {
 
-/// Follows the place in the document as "/programs[]/pool/max_z".
+/// Keeps the current position in the document as a path: "/programs[]/pool/max_z".
 class Scanner final : public nlohmann::json_sax<nlohmann::json> {
  public:
   [[nodiscard]] SummaryFacts& facts() { return facts_; }
@@ -23,28 +23,29 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
   bool binary(binary_t&) override { return true; }
 
   bool string(string_t& value) override {
-    if (!near()) return true;
-    if (place_ == "/experiment") facts_.experiment = value;
-    if (program() && place_ == "/programs[]/name") facts_.programs.back().name = value;
-    if (program() && place_ == "/programs[]/pool/verdict") facts_.programs.back().verdict = value;
+    if (isDeep()) return true;
+    if (path_ == "/experiment") facts_.experiment = value;
+    if (isInProgram() && path_ == "/programs[]/name") facts_.programs.back().name = value;
+    if (isInProgram() && path_ == "/programs[]/pool/verdict")
+      facts_.programs.back().verdict = value;
     return true;
   }
 
   bool start_object(std::size_t) override {
-    ends_.push_back(place_.size());
-    if (place_ == "/programs[]") facts_.programs.emplace_back();
-    if (place_ == "/faults[]") ++facts_.faults;
+    ends_.push_back(path_.size());
+    if (path_ == "/programs[]") facts_.programs.emplace_back();
+    if (path_ == "/faults[]") ++facts_.faults;
     return true;
   }
   bool key(string_t& name) override {
-    place_.resize(ends_.back());
-    place_.append("/").append(name);
+    path_.resize(ends_.back());
+    path_.append("/").append(name);
     return true;
   }
   bool end_object() override { return leave(); }
   bool start_array(std::size_t) override {
-    ends_.push_back(place_.size());
-    place_ += "[]";
+    ends_.push_back(path_.size());
+    path_ += "[]";
     return true;
   }
   bool end_array() override { return leave(); }
@@ -53,29 +54,29 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
   }
 
  private:
-  /// Everything of interest lies there; the many numbers of the curves lie deeper.
-  [[nodiscard]] bool near() const { return ends_.size() <= 4; }
-  [[nodiscard]] bool program() const { return !facts_.programs.empty(); }
+  /// The numbers of the curves, which are most of the file, are at deeper levels than all facts.
+  [[nodiscard]] bool isDeep() const { return ends_.size() > 4; }
+  [[nodiscard]] bool isInProgram() const { return !facts_.programs.empty(); }
 
   bool number(double value) {
-    if (!near()) return true;
-    if (place_ == "/format") format_ = true;
-    if (place_ == "/duration_s") facts_.duration_s = value;
-    if (place_ == "/losses/log[]/lost") facts_.lost += static_cast<std::int64_t>(value);
-    if (program() && place_ == "/programs[]/pool/max_z") facts_.programs.back().max_z = value;
+    if (isDeep()) return true;
+    if (path_ == "/format") format_ = true;
+    if (path_ == "/duration_s") facts_.duration_s = value;
+    if (path_ == "/losses/log[]/lost") facts_.lost += static_cast<std::int64_t>(value);
+    if (isInProgram() && path_ == "/programs[]/pool/max_z") facts_.programs.back().max_z = value;
     return true;
   }
 
   bool leave() {
-    place_.resize(ends_.back());
+    path_.resize(ends_.back());
     ends_.pop_back();
     return true;
   }
 
   SummaryFacts facts_;
   bool format_ = false;
-  std::string place_;
-  std::vector<std::size_t> ends_;  ///< of the place, where each level began
+  std::string path_;
+  std::vector<std::size_t> ends_;  ///< lengths of path_ at which the open levels began
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// The few numbers of a summary.json that a list of runs shows.
+/// Reads from a summary.json what the list of runs shows.
 #pragma once
 
 #include <cstdint>
@@ -19,11 +19,12 @@ struct SummaryFacts {
   std::string experiment;
   std::optional<double> duration_s;
   std::int64_t faults = 0;
-  std::int64_t lost = 0;  ///< messages that the log lacks
+  std::int64_t lost = 0;  ///< messages missing in the log
   std::vector<Program> programs;
 };
 
-/// Reads on the fly, for a thousand of them: no document is built. Nothing: it is no summary.json.
+/// Parses without building a document, so that a thousand summaries are read quickly.
+/// @return nothing if the text is not a summary.json
 [[nodiscard]] std::optional<SummaryFacts> scanSummary(std::string_view text);
 
 }  // namespace lab::dashboard

@@ -1,4 +1,4 @@
-// Questions to the server, and wishes.
+// Requests to the server.
 
 function tokenOfAddress() {
   const given = new URLSearchParams(location.hash.slice(1)).get("token");
@@ -11,22 +11,22 @@ addEventListener("hashchange", () => {
   token = tokenOfAddress();
 });
 
-function request(path, options = {}, patience = 4000) {
+function request(path, options = {}, timeout = 4000) {
   return fetch(path, {
     ...options,
     cache: "no-store",
     headers: {"X-Lab-Token": token, ...options.headers},
-    signal: AbortSignal.timeout(patience),
+    signal: AbortSignal.timeout(timeout),
   });
 }
 
-/** @return the JSON, null: there is none, or nobody answers. */
+/** @return the JSON; null if there is none or the server does not respond */
 export async function get(path) {
   const {ok, answer} = await ask(path);
   return ok ? answer : null;
 }
 
-/** @return the bytes, null: there are none. */
+/** @return the bytes; null if there are none */
 export async function getBytes(path) {
   try {
     const response = await request(path);
@@ -36,28 +36,36 @@ export async function getBytes(path) {
   }
 }
 
-/** @return {ok, answer, error}: `error` in words when it was not given or not taken. */
-export async function ask(path, options = {}, patience = 4000) {
+/** @return {ok, answer, error}; `error` is a text for the user if the request failed */
+export async function ask(path, options = {}, timeout = 4000) {
   try {
-    const response = await request(path, options, patience);
+    const response = await request(path, options, timeout);
     const answer = await response.json().catch(() => null);
     if (response.ok) return {ok: true, answer};
-    return {ok: false, answer, error: answer?.error ?? `the server answers ${response.status}`};
+    return {
+      ok: false,
+      answer,
+      error: answer?.error ?? `the server responds with status ${response.status}`
+    };
   } catch (error) {
     const late = error.name === "TimeoutError";
-    return {ok: false, error: late ? "the server does not answer" : "the server cannot be reached"};
+    return {
+      ok: false,
+      error: late ? "the server does not respond" : "the server cannot be reached"
+    };
   }
 }
 
-export const post = (path, body, patience) =>
+export const post = (path, body, timeout) =>
     ask(path, {
       method: "POST",
       headers: {"Content-Type": "application/json"},
       body: JSON.stringify(body),
-      keepalive: true,   // a wish survives the page that sent it
-      priority: "high",  // and waits behind no question
+      keepalive: true,   // the request is completed even if the page is closed
+      priority: "high",  // it goes before the queries
     },
-        patience);
+        timeout);
 
-export const wish = (name, fields = {}, patience = 4000) =>
-    post("/api/wish", {wish: name, ...fields}, patience);
+/** Sends a request of the operator (docs/dashboard.md). */
+export const sendRequest = (name, fields = {}, timeout = 4000) =>
+    post("/api/wish", {wish: name, ...fields}, timeout);

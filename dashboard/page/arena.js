@@ -1,4 +1,5 @@
-// Where the robots are between two frames, and where they were. No drawing, no document.
+// Positions of the robots, interpolated between frames, and their trails. Independent of drawing
+// and of the document.
 
 export const FLAG = {
   reversing: 1,
@@ -12,9 +13,11 @@ export const FLAG = {
 };
 const TRAIL_POINTS = 240;
 const TRAIL_STEP_US = 250000;
-const FLASH_MS = 400;  // what lasted one frame is seen by people for so long
+const FLASH_MS = 400;  // how long an event of a single frame is shown
 
-/** Ring of the last places: x, y [cm] and the program of then; a NaN breaks the line. */
+/**
+ * Ring buffer of the last positions: x, y [cm] and the program at that time. NaN breaks the line.
+ */
 class Trail {
   x = new Float32Array(TRAIL_POINTS);
   y = new Float32Array(TRAIL_POINTS);
@@ -30,7 +33,7 @@ class Trail {
     this.count = Math.min(this.count + 1, TRAIL_POINTS);
   }
 
-  /** Place in the arrays of the i-th oldest. */
+  /** The array index of the i-th oldest position. */
   at(i) {
     return (this.#next - this.count + i + TRAIL_POINTS) % TRAIL_POINTS;
   }
@@ -47,9 +50,9 @@ export class Arena {
   radius = 3.75;
   robots = new Map();
   unidentified = [];
-  trailVersion = 0;  // of the newest pieces
-  wholeTrails = 0;   // of more than the newest pieces
-  arrived = -1;      // [ms] when the newest frame came; -1: none yet
+  trailVersion = 0;  // changes when positions were added
+  wholeTrails = 0;   // changes when the trails must be drawn again completely
+  arrived = -1;      // [ms] when the newest frame arrived, -1: none yet
   t_us = 0;
   frames = 0;
   #interval = 50;  // [ms] between frames, smoothed
@@ -60,8 +63,8 @@ export class Arena {
     this.radius = (lab.robot_diameter_cm ?? 7.5) / 2;
   }
 
-  /** Another run, or another place of a recorded one: what was seen before is void. */
-  forget() {
+  /** Removes all robots: another run began, or a recorded run was moved to another time. */
+  clear() {
     this.robots.clear();
     this.unidentified = [];
     this.#trailAt = 0;
@@ -70,7 +73,7 @@ export class Arena {
 
   /** @param now [ms] of the display's clock */
   takeFrame(frame, now) {
-    if (frame.t_us < this.t_us - 1e6) this.forget();
+    if (frame.t_us < this.t_us - 1e6) this.clear();
     const passed = now - this.arrived;
     if (this.arrived >= 0 && passed < 1000)
       this.#interval += 0.1 * (Math.min(passed, 250) - this.#interval);
@@ -108,7 +111,7 @@ export class Arena {
     this.frames += 1;
   }
 
-  /** The last minute, told on demand: it takes the place of what was gathered so far. */
+  /** Replaces the trails by those of the last minute from the server. */
   takeTrails(trails) {
     for (const [id, places] of Object.entries(trails.robots ?? {})) {
       const robot = this.robots.get(Number(id));
@@ -121,13 +124,13 @@ export class Arena {
     this.wholeTrails += 1;
   }
 
-  /** Robots of the newest frame. */
+  /** The robots of the newest frame. */
   * present() {
     for (const robot of this.robots.values())
       if (robot.frame === this.frames) yield robot;
   }
 
-  /** Where a robot is shown: one frame late, on the way to its newest place. */
+  /** The displayed pose, interpolated from the previous frame to the newest one. */
   pose(robot, now, out) {
     const share = Math.min(1, Math.max(0, (now - this.arrived) / this.#interval));
     const turn = robot.angle - robot.a0;
@@ -137,7 +140,7 @@ export class Arena {
     return out;
   }
 
-  /** @return the robot at a place, null: there is none. */
+  /** @return the robot nearest to a point within `reach`; null if there is none */
   nearest(x, y, now, reach) {
     let best = null;
     let least = reach;

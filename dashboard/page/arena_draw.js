@@ -1,5 +1,5 @@
-// Paints the arena: light, trails, robots; each on a canvas of its own that is repainted when it
-// must be. The arena's face is the same in the light and in the dark theme: it shows light.
+// Draws light, trails and robots on three canvases, each of which is redrawn only when it changes.
+// The arena looks the same in the light and the dark theme, because its brightness shows the light.
 
 import {FLAG} from "./arena.js";
 import {allPrograms, programAt} from "./programs.js";
@@ -14,7 +14,7 @@ export const ORIGIN_DASH = {
   3: [1.5, 3]
 };
 
-/** The raster of the light as a small picture. @param bytes top row first */
+/** The raster of the light as a small picture. @param bytes the top row first */
 export function lightPicture(bytes, columns, rows) {
   const canvas = new OffscreenCanvas(columns, rows);
   const context = canvas.getContext("2d");
@@ -42,7 +42,7 @@ export function drawUnder(context, view, arena, picture) {
   context.strokeRect(left, top, width, height);
 }
 
-/** One path for each program and half of the minute: a hundred robots cost a handful of strokes. */
+/** One path per program and half minute, so that a hundred robots need only a few strokes. */
 export function drawTrails(context, view, arena) {
   context.clearRect(0, 0, context.canvas.width, context.canvas.height);
   context.lineWidth = 1.5 * view.ratio;
@@ -173,21 +173,21 @@ function strokeNoses(context, noses, ratio) {
   }
 }
 
-/** The heading: a nose beyond the rim. */
+/** The heading, drawn as a nose beyond the rim. */
 function addNose(noses, x, y, angle, radius) {
   const [c, s] = [Math.cos(angle), -Math.sin(angle)];
   noses.moveTo(x + 0.55 * radius * c, y + 0.55 * radius * s);
   noses.lineTo(x + 1.35 * radius * c, y + 1.35 * radius * s);
 }
 
-/** One robot; `look`: {program, origin, flags, contact, reversed, chosen}. */
+/** Draws one robot. `look`: {program, origin, flags, contact, reversed, chosen}. */
 export function drawRobot(context, x, y, angle, radius, ratio, look) {
   const stamp = body(look, radius, ratio);
   context.drawImage(stamp, Math.round(x - stamp.width / 2), Math.round(y - stamp.height / 2));
   if (look.reversed) chevrons(context, x, y, angle, radius, ratio);
 }
 
-/** The same with its heading, for the legend. */
+/** Draws it with its heading, for the legend. */
 export function drawSample(context, x, y, radius, ratio, look) {
   const noses = new Path2D();
   drawRobot(context, x, y, 0, radius, ratio, look);
@@ -226,7 +226,7 @@ export function drawRobots(context, view, arena, now, {chosen, ids}) {
   const noses = new Path2D();
   for (const [x, y] of arena.unidentified)
     cross(context, view.px(x), view.py(y), radius * 0.7, view.ratio);
-  const last = (robot) => robot.id === chosen;  // on top of the others
+  const last = (robot) => robot.id === chosen;  // drawn above the others
   for (const robot of [...arena.present()].sort((a, b) => last(a) - last(b))) {
     arena.pose(robot, now, place);
     const [x, y] = [view.px(place.x), view.py(place.y)];

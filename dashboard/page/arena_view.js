@@ -1,4 +1,4 @@
-// The arena on the page: what part of it is seen, who is chosen, and when it is painted.
+// The arena on the page: its visible part, the selected robot and the times of drawing.
 
 import {get, getBytes} from "./api.js";
 import {Arena} from "./arena.js";
@@ -7,18 +7,18 @@ import {el, find, setText} from "./dom.js";
 import {allPrograms, programAt} from "./programs.js";
 
 const MARGIN_CM = 3;
-const TRAILS_MS = 4000;  // trails fade in so long steps
+const TRAILS_MS = 4000;  // period in which the trails fade by one step
 const MOVING_TRAILS_MS = 200;
 const LIGHT_AGAIN_MS = 1000;
-const GROUND = "#2a2d33";  // behind the samples of the legend
+const GROUND = "#2a2d33";  // background of the samples in the legend
 
-/** From the arena [cm] to the canvas [device pixels]. */
+/** Converts from the arena [cm] to the canvas [device pixels]. */
 class View {
   scale = 1;
-  x = 0;  // the arena's place in the middle of the canvas [cm]
+  x = 0;  // the point of the arena in the centre of the canvas [cm]
   y = 0;
-  zoom = 1;   // 1: the whole arena is seen
-  ratio = 1;  // device pixels a CSS pixel
+  zoom = 1;   // 1: the whole arena is visible
+  ratio = 1;  // device pixels per CSS pixel
   width = 1;
   height = 1;
   version = 0;
@@ -45,7 +45,7 @@ export class ArenaView {
   chosen = null;  // id
   following = false;
   fps = 0;
-  drawMs = 0;  // of one picture, smoothed
+  drawMs = 0;  // duration of drawing one frame, smoothed
   pictures = 0;
   #view = new View();
   #holder = find("arena");
@@ -66,7 +66,7 @@ export class ArenaView {
     let run = null;
     stream.on("lab", (lab) => {
       this.arena.takeLab(lab);
-      if (run !== null && run !== lab.run) this.arena.forget();
+      if (run !== null && run !== lab.run) this.arena.clear();
       run = lab.run;
       this.#resize();
       this.#drawLegend();
@@ -82,7 +82,7 @@ export class ArenaView {
     });
     let jumps = null;
     stream.on("player", (player) => {
-      if (jumps !== null && jumps !== player.jumps) this.arena.forget();
+      if (jumps !== null && jumps !== player.jumps) this.arena.clear();
       jumps = player.jumps;
     });
     stream.on("light", (light) => this.#fetchLight(light));
@@ -91,7 +91,7 @@ export class ArenaView {
     this.#animate();
   }
 
-  /** Calls call(id) when another robot is chosen, null: none. */
+  /** Calls call(id) when another robot is selected; null if none. */
   onChoice(call) {
     this.#listeners.push(call);
   }
@@ -109,11 +109,11 @@ export class ArenaView {
   #announce() {
     setText(
         find("arena-say"),
-        this.chosen === null ? "no robot chosen" :
-                               `robot ${this.chosen} ${this.following ? "followed" : "chosen"}`);
+        this.chosen === null ? "no robot selected" :
+                               `robot ${this.chosen} ${this.following ? "followed" : "selected"}`);
   }
 
-  /** The next robot by number, -1: the one before. */
+  /** Selects the next robot by id; -1: the previous one. */
   chooseNext(step) {
     const ids = [...this.arena.present()].map((robot) => robot.id).sort((a, b) => a - b);
     if (!ids.length) return;
@@ -147,7 +147,7 @@ export class ArenaView {
     this.zoomBy(1);
   }
 
-  /** For tests: where a robot is on the page [CSS pixels from the arena's corner]. */
+  /** For tests: the position of a robot on the page [CSS pixels from the arena's corner]. */
   placeOf(id) {
     const robot = this.arena.robots.get(id);
     if (!robot) return null;
@@ -161,12 +161,13 @@ export class ArenaView {
 
   #resize() {
     const view = this.#view;
-    view.ratio = Math.min(2, devicePixelRatio || 1);  // finer is not seen, but costs
+    view.ratio =
+        Math.min(2, devicePixelRatio || 1);  // a finer resolution is not visible, but slower
     view.width = Math.max(1, Math.round(this.#holder.clientWidth * view.ratio));
     view.height = Math.max(1, Math.round(this.#holder.clientHeight * view.ratio));
     for (const canvas of this.#canvases) [canvas.width, canvas.height] = [view.width, view.height];
     view.settle(this.arena);
-    this.#trails.when = -Infinity;  // a canvas of another size is empty
+    this.#trails.when = -Infinity;  // a resized canvas is empty
   }
 
   async #fetchLight(light) {
@@ -176,7 +177,8 @@ export class ArenaView {
     const asked = this.#light.wanted;
     const size = (asked.columns || 0) * (asked.rows || 0);
     const bytes = size ? await getBytes("/api/light") : new Uint8Array(0);
-    const whole = bytes?.length === size;  // else of another light, or none: it is asked for again
+    const whole =
+        bytes?.length === size;  // else they belong to another light; they are requested again
     if (whole) {
       this.#picture?.close();
       this.#picture = size ? lightPicture(bytes, asked.columns, asked.rows) : null;
@@ -191,7 +193,7 @@ export class ArenaView {
 
   #animate() {
     let seen = false;
-    let running = false;  // nobody sees it: nothing is painted
+    let running = false;  // not visible: nothing is drawn
     const paint = () => {
       running = seen;
       if (!running) return;
@@ -281,7 +283,7 @@ export class ArenaView {
     };
     holder.addEventListener("wheel", (event) => {
       if (event.deltaY > 0 && this.#view.zoom === 1)
-        return;  // nothing to zoom out of: the page scrolls
+        return;  // fully zoomed out: let the page scroll
       event.preventDefault();
       this.zoomBy(Math.exp(-event.deltaY * 0.0015), ...at(event));
     }, {passive: false});
@@ -358,12 +360,12 @@ export class ArenaView {
           cross(context, size / 2, size / 2, 14, 2);
         }), el("span", {
           class: "quiet",
-          text: "thin blue ring: standard error of the place, where it can be seen"
+          text: "thin blue ring: standard error of the position, if large enough to be visible"
         }));
   }
 }
 
 function counted(frame) {
   const unknown = frame.unidentified?.length ?? 0;
-  return `${frame.robots.length} robots seen${unknown ? `, ${unknown} not identified` : ""}`;
+  return `${frame.robots.length} robots detected${unknown ? `, ${unknown} not identified` : ""}`;
 }

@@ -1,4 +1,4 @@
-// The tracker's picture, while somebody looks at it.
+// The tracker's picture. It is requested only while it is visible.
 
 import {find, pollWhileSeen, setText} from "./dom.js";
 import {number} from "./format.js";
@@ -6,21 +6,22 @@ import {number} from "./format.js";
 export class CameraPicture {
   constructor(stream) {
     const picture = find("camera-picture");
-    let there = false;
+    let available = false;
     stream.on(
         "camera",
         (camera) => {
-          there = camera.picture === true;
+          available = camera.picture === true;
           find("show-camera-label").hidden = false;
           setText(
               find("camera-text"),
               `${camera.state ?? ""} ${camera.width_px ?? "?"} × ${camera.height_px ?? "?"} px, ` +
-                  `${number(camera.fps)} pictures a second${
-                      camera.trouble ? `; ${camera.trouble}` : ""}${there ? "" : "; no picture"}`);
-          picture.hidden = !there;
+                  `${number(camera.fps)} frames per second${
+                      camera.trouble ? `; ${camera.trouble}` :
+                                       ""}${available ? "" : "; no picture"}`);
+          picture.hidden = !available;
         },
         () => {
-          there = false;
+          available = false;
           find("show-camera").checked = false;
           find("show-camera-label").hidden = find("camera").hidden = true;
         });
@@ -29,12 +30,12 @@ export class CameraPicture {
     });
     let count = 0;
     pollWhileSeen(find("camera"), 200, async () => {
-      if (!there || !stream.connected) return;
+      if (!available || !stream.connected) return;
       count += 1;
       await new Promise((done) => {
         picture.onload = picture.onerror = done;
-        picture.src =
-            `/api/camera.jpg?n=${count}`;  // another address: else the browser shows the old one
+        picture.src = `/api/camera.jpg?n=${
+            count}`;  // a new address, or the browser would show the cached one
       });
     });
   }

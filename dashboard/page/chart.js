@@ -1,4 +1,4 @@
-// One chart: axes, points with error bars, lines, bands, bars; drawn with d3 when it can be seen
+// A chart with axes, points with error bars, lines, bands and bars. d3 draws it when it is visible
 // and has changed.
 
 import {drawWhenSeen, el, setText} from "./dom.js";
@@ -58,7 +58,7 @@ export class Chart {
     }).observe(holder);
   }
 
-  /** @param table {columns, rows} of the CSV; note: a line below the chart */
+  /** @param table {columns, rows} of the CSV file @param note a line below the chart */
   show(series, table, note = "") {
     this.#series = series;
     this.#table = table;
@@ -118,7 +118,7 @@ export class Chart {
     return `${this.title.textContent}: ${names.length ? [...new Set(names)].join(", ") : "empty"}`;
   }
 
-  /** @return [least, greatest], null: there is nothing to show. */
+  /** @return [minimum, maximum]; null if there are no values */
   #domain(axis, {log, zero}) {
     let [least, greatest] = [Infinity, -Infinity];
     const take = (value) => {
@@ -278,7 +278,7 @@ const DRAW = {
   },
 };
 
-/** Decades, with 2 and 5 where there are few. */
+/** Ticks at decades, and at 2 and 5 if there are few decades. */
 function logTicks([least, greatest]) {
   const decades = Math.log10(greatest / least);
   const steps = decades > 6 ? [1] : decades > 2.5 ? [1] : decades > 1.2 ? [1, 3] : [1, 2, 5];

@@ -1,4 +1,4 @@
-// Whether the page is told anything, in words.
+// Shows whether the page receives data from the server and the server from the lab.
 
 import {find, setText} from "./dom.js";
 import {seconds} from "./format.js";
@@ -41,23 +41,23 @@ function state(stream, silent, bus) {
   if (ended && !topics.has("player")) {
     const why = topics.get("timeline")?.end?.text;
     const folder = topics.get("lab")?.run ?? "";
-    const next = "lab web shows it here, lab run FILE starts another.";
+    const next = "lab web shows it here, lab run FILE starts another run.";
     const text = `the run has ended${why ? `: ${why}` : ""}.`;
     return [
-      "ended", `${text} Its report stands in the run's folder ${folder}; ${next}`, "run has ended"
+      "ended", `${text} Its report is in the run's folder ${folder}; ${next}`, "run has ended"
     ];
   }
   if (silent > PULSE_MS) {
     const since = new Date(Date.now() - silent).toLocaleTimeString([], {hour12: false});
     const heard = stream.lastPulse ?
-        `no word from the server since ${since}, trying again; what is shown is old` :
-        "the server has not said anything yet, trying again";
+        `no message from the server since ${since}, connecting again; this page shows old data` :
+        "no message from the server yet, connecting again";
     return ["bad", heard, "no server"];
   }
   if (bus > BUS_S && !topics.has("lab")) return ["quiet", "", "no lab is running"];
   if (bus > BUS_S) {
-    const next = "lab spy shows who speaks, lab doctor what is wrong with this machine";
-    const text = `the lab is silent for ${seconds(bus)}: what is shown is old. ${next}`;
+    const next = "lab spy lists the senders on the bus, lab doctor checks this host";
+    const text = `no message from the lab for ${seconds(bus)}: this page shows old data. ${next}`;
     return ["bad", text, "lab is silent"];
   }
   return ["good", "", topics.has("lab") ? "live" : "connected"];

@@ -1,46 +1,47 @@
-// The buttons. A button says what was asked; only the robots' own status says that it was done.
+// The buttons of the operator. A click only shows that the request was sent; its success is shown
+// when the robots' status confirms it.
 
-import {ask, wish} from "./api.js";
+import {ask, sendRequest} from "./api.js";
 import {confirmButton, el, find, setText} from "./dom.js";
 import {list, timeOfDay} from "./format.js";
 
-const STOP_PATIENCE_MS = 1500;
-const STOP_CROWDED_MS = 300;  // no answer for so long: perhaps no connection is free
+const STOP_TIMEOUT_MS = 1500;
+const STOP_CROWDED_MS = 300;  // without a response: perhaps no connection is free
 const STOP_AGAIN_MS = 300;
 const STOP_TRIES_MS = 10000;
 const OTHER_WAYS = "Use the robots' own switches, or lab stop in a terminal.";
 
-const words = (wished) => String(wished ?? "").replaceAll("_", " ");
+const words = (name) => String(name ?? "").replaceAll("_", " ");
 
 export class Controls {
-  control = null;  // whether the server takes wishes from here; null: it has not said yet
+  control = null;  // whether the server accepts requests from this page; null: unknown
   stopText = "";
   #stream;
   #why = "";
-  #stop = null;  // topic
-  #since = 0;    // [ms] when the stop began, as far as this page knows
-  #asked = "";   // what was asked of the server and is not yet told back
+  #stop = null;  // topic `stop`
+  #since = 0;    // [ms] when the stop began, as observed here
+  #asked = "";   // text while a sent stop has no effect yet
   #failure = "";
-  #unsent = false;  // the failure is a stop that was not taken
+  #unsent = false;  // whether the failure is a stop that was not accepted
   #sending = null;  // the stop that is being sent
-  #attempt = -1;    // of the stream, when the server said what may be done from here
+  #attempt = -1;    // of the stream, at which the permissions were requested
   #questions = 0;
 
   constructor(stream) {
     this.#stream = stream;
     find("stop").addEventListener("click", () => this.stop("button on the page"));
     confirmButton(
-        find("release-place"), "release the stop …", "Robots will move again.", "release",
+        find("release-place"), "release the stop …", "The robots will move again.", "release",
         () => this.#release());
     confirmButton(
-        find("end-place"), "end the run …", "The run ends now, its data are kept.", "end the run",
-        () => this.#wish("end", {why: "from the page"}));
+        find("end-place"), "end the run …", "The run ends now and its data are kept.",
+        "end the run", () => this.#send("end", {why: "from the page"}));
     const pause = el("button", {type: "button", id: "pause", text: "pause the script"});
-    pause.addEventListener("click", () => this.#wish(this.#paused() ? "resume" : "pause"));
+    pause.addEventListener("click", () => this.#send(this.#paused() ? "resume" : "pause"));
     find("pause-place").append(pause);
     this.#form("mark-form", async () => {
       const text = find("mark-text").value.trim();
-      if (text && await this.#wish("mark", {text})) find("mark-text").value = "";
+      if (text && await this.#send("mark", {text})) find("mark-text").value = "";
     });
     const level = find("light-level");
     level.addEventListener("input", () => {
@@ -48,10 +49,10 @@ export class Controls {
     });
     this.#form(
         "light-form",
-        () => this.#wish(
+        () => this.#send(
             "light",
             {intensity: Number(level.value) / 100, hold_s: Number(find("light-hold").value)}));
-    find("light-release").addEventListener("click", () => this.#wish("release_light"));
+    find("light-release").addEventListener("click", () => this.#send("release_light"));
     stream.on("stop", (stop) => this.#takeStop(stop), () => this.#takeStop(null));
     stream.on(
         "note", (note) => this.#say(`${timeOfDay(note.t_us)} ${words(note.wish)}: ${note.text}`));
@@ -64,23 +65,24 @@ export class Controls {
     stream.on("pulse", () => {
       if (this.#attempt === stream.attempts) return;
       this.#attempt = stream.attempts;
-      this.#askMe();
+      this.#loadPermissions();
     });
-    addEventListener("hashchange", () => this.#askMe());
+    addEventListener("hashchange", () => this.#loadPermissions());
     this.#enable();
     setInterval(() => this.#showStop(), 100);
   }
 
   /**
-   * Emergency stop, sent until the server takes it. The robots' status tells what came of it (topic
-   * `stop`).
+   * Sends an emergency stop until the server accepts it. Topic `stop` then shows the confirmations
+   * of the robots.
    */
   async stop(reason) {
-    if (this.#replay()) return this.#fail("A recorded run: no robot listens, nothing was sent.");
+    if (this.#replay())
+      return this.#fail("This is a recorded run without robots; nothing was sent.");
     if (this.control === false)
       return this.#fail(`This page cannot stop the robots: ${this.#why}. ${OTHER_WAYS}`);
-    const sending = this.#sending = {};  // a later one, or a release, takes its place
-    this.#asked = "stop asked for, waiting for the robots";
+    const sending = this.#sending = {};  // a later stop or a release replaces it
+    this.#asked = "stop requested, waiting for the robots";
     this.#fail("");
     if (this.#stop?.state !== "stopping") this.#since = performance.now();
     const end = performance.now() + STOP_TRIES_MS;
@@ -90,9 +92,9 @@ export class Controls {
       const again = !ok && performance.now() < end;
       if (!again) this.#sending = null;
       if (again)
-        this.#asked = "the stop is sent again";
+        this.#asked = "the stop is being sent again";
       else if (!ok || this.#stop?.state === "stopped")
-        this.#asked = "";  // stopped already: there is no news to wait for
+        this.#asked = "";  // stopped already: the topic will not change
       this.#fail(ok ? "" : `STOP NOT SENT: ${error}. ${OTHER_WAYS}`, !ok);
       if (!again) return;
       await new Promise((done) => setTimeout(done, STOP_AGAIN_MS));
@@ -103,7 +105,7 @@ export class Controls {
   async #sendStop(reason) {
     const crowded = setTimeout(() => this.#stream.makeRoom(), STOP_CROWDED_MS);
     try {
-      return await wish("stop", {reason}, STOP_PATIENCE_MS);
+      return await sendRequest("stop", {reason}, STOP_TIMEOUT_MS);
     } finally {
       clearTimeout(crowded);
     }
@@ -113,7 +115,7 @@ export class Controls {
     this.#sending = null;
     this.#asked = "";
     this.#fail("");
-    this.#wish("release_stop");
+    this.#send("release_stop");
   }
 
   #fail(text, unsent = false) {
@@ -122,9 +124,9 @@ export class Controls {
     this.#showStop();
   }
 
-  async #wish(name, fields = {}) {
-    this.#say(`${words(name)} asked for`);
-    const {ok, error} = await wish(name, fields);
+  async #send(name, fields = {}) {
+    this.#say(`${words(name)} requested`);
+    const {ok, error} = await sendRequest(name, fields);
     if (!ok) this.#say(`${words(name)}: ${error}`, "bad");
     return ok;
   }
@@ -144,14 +146,17 @@ export class Controls {
 
   #replay = () => this.#stream.topics.get("lab")?.replay === true;
 
-  /** What the server does not say stays as it was, and is asked again with the next pulse. */
-  async #askMe() {
+  /**
+   * Without a response, the permissions stay as they were and are requested again at the next
+   * pulse.
+   */
+  async #loadPermissions() {
     const question = ++this.#questions;
     const {ok, answer: me, error} = await ask("/api/me");
     if (question !== this.#questions) return;
     if (ok) {
       this.control = me?.control === true;
-      this.#why = me?.why || "the server does not say why";
+      this.#why = me?.why || "the server gives no reason";
       if (this.control && !this.#unsent) this.#failure = "";
     } else {
       this.#attempt = -1;
@@ -162,15 +167,17 @@ export class Controls {
 
   #enable() {
     const replay = this.#replay();
-    const said = find("read-only");
-    said.hidden = !replay && (this.control === true || !this.#why);
+    const hint = find("read-only");
+    hint.hidden = !replay && (this.control === true || !this.#why);
     if (replay)
       setText(
-          said, "A recorded run: no robot listens. The slider below the arena plays it.", "warn");
+          hint, "This is a recorded run without robots. Play it with the slider below the arena.",
+          "warn");
     else if (this.control === null)
-      setText(said, `May this page command? ${this.#why}. A stop is sent all the same.`, "warn");
+      setText(
+          hint, `Permissions unknown: ${this.#why}. The stop button works nevertheless.`, "warn");
     else
-      setText(said, `Read-only: ${this.#why}.`, "warn");
+      setText(hint, `Read-only: ${this.#why}.`, "warn");
     for (const button of find("controls").querySelectorAll("button, input, select"))
       button.disabled = this.control !== true || replay;
     find("stop").disabled = this.control === false || replay;
@@ -195,13 +202,13 @@ export class Controls {
     const stop = this.#stop;
     const late = performance.now() - this.#since > 1000;
     const missing = stop?.unconfirmed ?? [];
-    let text = "no robot has been heard yet";
+    let text = "no robot has reported yet";
     let alarm = this.#failure;
     if (this.#replay())
-      text = "a recorded run: nobody obeys";
+      text = "recorded run: no robots to stop";
     else if (this.#asked) {
       text = this.#asked;
-      if (late && !alarm) alarm = `No word from the robots yet. ${OTHER_WAYS}`;
+      if (late && !alarm) alarm = `The robots have not confirmed yet. ${OTHER_WAYS}`;
     } else if (stop) {
       text = stopWords(stop);
       if (late && !alarm && missing.length &&
@@ -223,7 +230,7 @@ function stopWords(stop) {
   const robots = stop.total === 1 ? "the robot" : `all ${stop.total} robots`;
   if (stop.state === "free")
     return stop.total ? `${stop.total === 1 ? "the robot is" : robots + " are"} free to move` :
-                        "no robot has been heard yet";
+                        "no robot has reported yet";
   if (stop.state === "stopping")
     return `stopping: ${stop.confirmed} of ${stop.total} confirmed${by}`;
   if (stop.state === "stopped") return `stopped: ${robots}${took}${by}`;

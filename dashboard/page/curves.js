@@ -1,5 +1,5 @@
-// The physics of the pools (or of one robot): MSD, angular MSD, C(l), run times; measured, exact
-// law, paper's formula.
+// Measured curves of all robots or of one robot (MSD, angular MSD, C(l), run times), with the exact
+// laws and the formulas of the paper.
 
 import {get} from "./api.js";
 import {Chart} from "./chart.js";
@@ -9,7 +9,7 @@ import {programNamed} from "./programs.js";
 
 const PAPER_DASH = "6 4";
 
-/** Series of one curve and its rows of the CSV. @param look {color, symbol, ink, label} */
+/** The series of one curve for a chart. @param look {color, symbol, ink, label} */
 export function curveSeries(curve, look, paper) {
   const lag = curve.lag ?? curve.lag_cm;
   const note = (i) =>
@@ -54,7 +54,7 @@ export function curveTable(list) {
   const first = list[0]?.curve;
   const name = (key) => (first?.unit && first.unit !== "1" ? `${key} (${first.unit})` : key);
   const columns = [
-    "of", `lag (${first ? lagUnit(first) : "s"})`, name("value"), name("sigma"), name("exact"),
+    "program", `lag (${first ? lagUnit(first) : "s"})`, name("value"), name("sigma"), name("exact"),
     name("paper"), "windows", "biased"
   ];
   const rows = list.flatMap(
@@ -72,7 +72,7 @@ export class Curves {
   #charts;
   #runtimes;
   #hidden = new Set();
-  #single = null;  // pools of one robot
+  #single = null;  // the curves of one robot, null: not loaded
   #listeners = [];
 
   constructor(stream) {
@@ -98,13 +98,13 @@ export class Curves {
     });
     stream.on("lab", () => {
       this.#programs();
-      this.#pools();  // of another run: there are none
+      this.#pools();  // another run has no curves yet
       this.#runTimes();
     });
-    // Each pool comes once a second by itself: all of them are drawn together.
+    // The pools arrive one by one, each once per second; they are drawn together.
     const pools = drawWhenSeen(find("curves-section"), () => this.#pools(), 500);
     stream.on("pool/", pools, () => {
-      this.#single = null;  // of the same robot and the same time
+      this.#single = null;  // load the robot's curves of the same time too
       pools();
     });
     stream.on("runtimes/", drawWhenSeen(find("curves-section"), () => this.#runTimes(), 500));
@@ -114,14 +114,14 @@ export class Curves {
                         ]));
     find("curves-source").addEventListener("change", () => {
       this.#single = null;
-      this.#askSingle();
+      this.#loadSingle();
       this.#pools();
     });
     find("curves-paper").addEventListener("change", () => this.#pools());
-    pollWhileSeen(find("curves-section"), 2000, () => this.#askSingle());
+    pollWhileSeen(find("curves-section"), 2000, () => this.#loadSingle());
   }
 
-  /** Calls call(pools) when what is shown has changed. */
+  /** Calls call(pools) when the displayed pools have changed. */
   onChange(call) {
     this.#listeners.push(call);
   }
@@ -130,7 +130,7 @@ export class Curves {
 
   shows = (program) => !this.#hidden.has(program);
 
-  async #askSingle() {
+  async #loadSingle() {
     const id = find("curves-source").value;
     if (!id) return;
     const found = await get(`/api/ask/analysis?which=${encodeURIComponent(id)}`);
@@ -165,9 +165,7 @@ export class Curves {
     const pools = all.filter((pool) => pool && this.shows(pool.program));
     setText(
         find("curves-missing"),
-        pools.length ?
-            "" :
-            "nothing has been analysed yet: curves come after some seconds of free motion");
+        pools.length ? "" : "no curves yet: they appear after some seconds of free motion");
     this.#verdicts(pools);
     const paper = find("curves-paper").checked;
     for (const [name, chart] of Object.entries(this.#charts)) {
@@ -206,11 +204,12 @@ export class Curves {
     const series = [];
     const rows = [];
     const notes = [];
-    for (const [, told] of this.#stream.all("runtimes/")) {
-      if (!told || !this.shows(told.program)) continue;
-      const {color} = programNamed(told.program);
-      const {edges_s: edges, counts, gamma_per_s: gamma, runs, mean_s: mean} = told;
-      series.push({kind: "bars", label: `${told.program}, ${runs} runs`, color, edges, y: counts});
+    for (const [, histogram] of this.#stream.all("runtimes/")) {
+      if (!histogram || !this.shows(histogram.program)) continue;
+      const {color} = programNamed(histogram.program);
+      const {edges_s: edges, counts, gamma_per_s: gamma, runs, mean_s: mean} = histogram;
+      series.push(
+          {kind: "bars", label: `${histogram.program}, ${runs} runs`, color, edges, y: counts});
       const law = counts.map(
           (_, i) => runs * (Math.exp(-gamma * edges[i]) - Math.exp(-gamma * edges[i + 1])));
       if (gamma > 0) {
@@ -221,12 +220,14 @@ export class Curves {
           x: counts.map((_, i) => (edges[i] + edges[i + 1]) / 2),
           y: law
         });
-        notes.push(`${told.program}: mean ${number(mean)} s, programmed ${number(1 / gamma)} s`);
+        notes.push(
+            `${histogram.program}: mean ${number(mean)} s, programmed ${number(1 / gamma)} s`);
       }
       counts.forEach(
-          (count, i) => rows.push([told.program, edges[i], edges[i + 1], count, law[i]]));
+          (count, i) => rows.push([histogram.program, edges[i], edges[i + 1], count, law[i]]));
     }
     this.#runtimes.show(
-        series, {columns: ["of", "from (s)", "to (s)", "runs", "law"], rows}, notes.join("; "));
+        series, {columns: ["program", "from (s)", "to (s)", "runs", "law"], rows},
+        notes.join("; "));
   }
 }

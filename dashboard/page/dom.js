@@ -1,9 +1,9 @@
-// Small helpers around the document. Text that comes from the lab is foreign: it enters as text
-// only.
+// Helpers for the document. Text from the lab is not trusted: it is only set as text, never as
+// HTML.
 
 export const find = (id) => document.getElementById(id);
 
-/** An element: attributes by name, `class`, `text`, `on: {event: call}`. */
+/** Creates an element. `text` sets its text, `on: {event: call}` adds listeners. */
 export function el(tag, attributes = {}, ...children) {
   const made = document.createElement(tag);
   for (const [name, value] of Object.entries(attributes)) {
@@ -20,7 +20,8 @@ export function el(tag, attributes = {}, ...children) {
 }
 
 /**
- * Sets a text only where it differs: a live region would be read out again, a selection be lost.
+ * Sets a text only if it differs. Otherwise screen readers would read it again, and a selection
+ * would be lost.
  */
 export function setText(element, text, className) {
   if (element.textContent !== text) element.textContent = text;
@@ -72,7 +73,7 @@ export function fillFacts(list, facts) {
   });
 }
 
-/** Fills a <select> with [[value, text], ...]; keeps what was chosen where it is still there. */
+/** Fills a <select> with [[value, text], ...] and keeps the selection if it still exists. */
 export function fillSelect(select, options) {
   const key = JSON.stringify(options);
   if (select.key === key) return;
@@ -83,21 +84,20 @@ export function fillSelect(select, options) {
 }
 
 /**
- * @return a function that asks for `draw`: in the next frame if the element can be seen, else when
- *     it can; once however
- * often it is asked, and not again before `period` [ms].
+ * @return a function that schedules `draw` for the next frame, or for when the element becomes
+ *     visible. Several calls draw once, and `draw` runs at most once per `period` [ms].
  */
 export function drawWhenSeen(element, draw, period = 0) {
   let dirty = false;
   let seen = false;
-  let asked = false;
+  let scheduled = false;
   let next = 0;
   const later = () => {
-    if (!dirty || !seen || asked) return;
-    asked = true;
+    if (!dirty || !seen || scheduled) return;
+    scheduled = true;
     setTimeout(
         () => requestAnimationFrame(() => {
-          asked = false;
+          scheduled = false;
           dirty = false;
           next = performance.now() + period;
           draw();
@@ -114,7 +114,9 @@ export function drawWhenSeen(element, draw, period = 0) {
   };
 }
 
-/** Calls `work` each `period` ms while the element can be seen and nothing of it is under way. */
+/**
+ * Calls `work` every `period` ms while the element is visible and the previous call has finished.
+ */
 export function pollWhileSeen(element, period, work) {
   let seen = false;
   let busy = false;
@@ -132,7 +134,7 @@ export function pollWhileSeen(element, period, work) {
   }, period);
 }
 
-/** A button that does what it says only after a second one: `place` is emptied. */
+/** Puts a button into `place` (replacing its content) that acts only after a confirmation. */
 export function confirmButton(place, text, question, yes, act) {
   const first = el("button", {type: "button", text});
   const ask = el("span", {class: "row", hidden: true});

@@ -1,4 +1,4 @@
-// Estimates with their intervals: a table, and one of them against time.
+// A table of estimates with confidence intervals, and a chart of one of them against time.
 
 import {Chart} from "./chart.js";
 import {el, fillSelect, fillTable, find} from "./dom.js";
@@ -25,7 +25,7 @@ const COLUMNS = [
     text: (row) => number(deviation(row), 2),
     kind: (row) => (Math.abs(deviation(row)) > 3 ? "bad" : "")
   },
-  {head: "how, and what to mind", text: (row) => row.note || ""},
+  {head: "method and remarks", text: (row) => row.note || ""},
 ];
 
 export class Estimates {
@@ -59,17 +59,17 @@ export class Estimates {
   chart = () => this.#chart;
 
   #draw() {
-    const told = this.#stream.all("history/")
-                     .map(([, history]) => history)
-                     .filter((history) => history && this.#curves.shows(history.program));
-    const names =
-        [...new Set(told.flatMap((history) => history.estimates.map((estimate) => estimate.name)))];
+    const histories = this.#stream.all("history/")
+                          .map(([, history]) => history)
+                          .filter((history) => history && this.#curves.shows(history.program));
+    const names = [...new Set(
+        histories.flatMap((history) => history.estimates.map((estimate) => estimate.name)))];
     fillSelect(this.#choice, names.map((name) => [name, name]));
     const name = this.#choice.value;
     const series = [];
     const rows = [];
     let named = "";
-    for (const history of told) {
+    for (const history of histories) {
       const estimate = history.estimates.find((one) => one.name === name);
       if (!estimate) continue;
       named = unit(estimate.unit);
@@ -106,7 +106,8 @@ export class Estimates {
     this.#chart.setY({label: named ? `${name} (${named})` : name});
     const head = (key) => (named ? `${key} (${named})` : key);
     this.#chart.show(series, {
-      columns: ["of", "time (s)", head(`${name} value`), head("low"), head("high"), head("theory")],
+      columns:
+          ["program", "time (s)", head(`${name} value`), head("low"), head("high"), head("theory")],
       rows
     });
   }

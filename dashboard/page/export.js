@@ -1,4 +1,4 @@
-// Charts as files, made here: nothing is asked of the server.
+// Exports charts as files without the server.
 
 import {el} from "./dom.js";
 
@@ -8,8 +8,8 @@ const LOOKS = [
 ];
 
 /**
- * A chart that stands alone: what the page's style sheets say is written into it; white ground,
- * light face.
+ * An SVG file that does not need the page: the style sheets' values become attributes. It uses the
+ * light theme on a white background.
  */
 export function standaloneSvg(svg) {
   const root = document.documentElement;
@@ -21,7 +21,7 @@ export function standaloneSvg(svg) {
     const style = getComputedStyle(originals[number]);
     for (const look of LOOKS) element.setAttribute(look, style.getPropertyValue(look));
     element.removeAttribute("class");
-    element.removeAttribute("style");  // d3 writes some; they are among LOOKS
+    element.removeAttribute("style");  // those that d3 sets are among LOOKS
   });
   if (theme === undefined)
     delete root.dataset.theme;
@@ -37,7 +37,7 @@ export function standaloneSvg(svg) {
   return `<?xml version="1.0" encoding="UTF-8"?>\n${new XMLSerializer().serializeToString(copy)}\n`;
 }
 
-/** @param table {columns: [name with its unit], rows: [[value]]}; what is not known stays empty. */
+/** @param table {columns: [name with unit], rows: [[value]]}; unknown values become empty cells */
 export function csvText(table) {
   const cell = (value) => {
     if (value === null || value === undefined || Number.isNaN(value)) return "";

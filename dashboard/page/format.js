@@ -1,9 +1,9 @@
-// Numbers and times as people read them. What is not known is a dash.
+// Numbers and times as text. Unknown values become a dash.
 
 export const DASH = "–";
 const known = (value) => typeof value === "number" && Number.isFinite(value);
 
-/** A number with so many significant digits, no exponent between 1e-3 and 1e5. */
+/** A number with `digits` significant digits, without an exponent between 1e-3 and 1e5. */
 export function number(value, digits = 3) {
   if (!known(value)) return DASH;
   if (value === 0) return "0";
@@ -13,7 +13,7 @@ export function number(value, digits = 3) {
   return value.toFixed(places);
 }
 
-/** "0.752 ± 0.012": as many places as two digits of the error. */
+/** "0.752 ± 0.012": the error has two significant digits. */
 export function withError(value, sigma) {
   if (!known(value)) return DASH;
   if (!known(sigma) || sigma <= 0) return number(value, 4);
@@ -33,7 +33,7 @@ export function seconds(value) {
   return hours ? `${sign}${hours} h ${two(minutes)} min` : `${sign}${minutes} min ${two(rest)} s`;
 }
 
-/** "3:05" or "1:03:05" for clocks that run. */
+/** "3:05" or "1:03:05". */
 export function stopwatch(value) {
   if (!known(value)) return DASH;
   const left = Math.max(0, Math.floor(value));
@@ -47,7 +47,7 @@ export function timeOfDay(us) {
   return known(us) && us > 0 ? new Date(us / 1000).toLocaleTimeString([], {hour12: false}) : DASH;
 }
 
-/** Digits as an exponent. */
+/** A number in superscript digits. */
 export const raised = (power) =>
     String(power).replace("-", "⁻").replace(/\d/g, (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit]);
 
@@ -73,7 +73,7 @@ export function heading(key) {
   return key.replaceAll("_", " ");
 }
 
-/** Any value of the JSON as text; its key says what it is. */
+/** Any JSON value as text; its key gives the unit. */
 export function plain(value, key = "") {
   if (value === null || value === undefined || value === "") return DASH;
   if (key.endsWith("_us")) return timeOfDay(value);

@@ -1,4 +1,4 @@
-// How every process, robot and stream is; first of all what is wrong and what to do.
+// The state of all processes, robots and message streams, and advice about problems.
 
 import {drawWhenSeen, el, fillFacts, fillTable, find, setText} from "./dom.js";
 import {DASH, heading, number, plain, seconds} from "./format.js";
@@ -33,9 +33,9 @@ const SERVICES = [
   fact("host", false),
   fact("pid"),
   fact("starts"),
-  {head: "up", right: true, text: (row) => seconds(row.uptime_s)},
+  {head: "uptime", right: true, text: (row) => seconds(row.uptime_s)},
   {
-    head: "heard",
+    head: "last message",
     right: true,
     text: (row) => `${seconds(row.age_s)} ago`,
     kind: (row) => (row.age_s > 3 ? "bad" : "")
@@ -51,7 +51,7 @@ const STREAMS = [
   fact("channel", false),
   fact("sender", false),
   {head: "rate (Hz)", right: true, text: (row) => number(row.rate_Hz)},
-  {head: "heard", right: true, text: (row) => `${seconds(row.age_s)} ago`},
+  {head: "last message", right: true, text: (row) => `${seconds(row.age_s)} ago`},
   fact("received"),
   count("lost"),
 ];
@@ -73,7 +73,7 @@ const ROBOTS = [
   fact("link_received"),
   count("link_errors"),
   {
-    head: "heard",
+    head: "last message",
     right: true,
     text: (row) => `${seconds(row.age_s)} ago`,
     kind: (row) => (row.age_s > 1 ? "bad" : "")
@@ -86,7 +86,7 @@ const ROBOTS = [
 
 export class Health {
   constructor(stream) {
-    const tell = drawWhenSeen(find("health-section"), () => {  // news of two topics
+    const draw = drawWhenSeen(find("health-section"), () => {  // drawn after changes of two topics
       const health = stream.topics.get("health") ?? {};
       fillTable(find("robots"), ROBOTS, stream.topics.get("robots") ?? []);
       fillTable(find("services"), SERVICES, health.services ?? []);
@@ -102,14 +102,14 @@ export class Health {
     }, 500);
     stream.on("health", (health) => {
       this.#advise(health.advice ?? []);
-      tell();
-    }, tell);
-    stream.on("robots", tell, tell);
+      draw();
+    }, draw);
+    stream.on("robots", draw, draw);
     stream.on("light", (light) => {
-      const who = light.manual ? "held by hand" : `by ${plain(light.commander)}`;
+      const who = light.manual ? "manual override" : `by ${plain(light.commander)}`;
       find("light-now").textContent =
           `light: ${plain(light.label)}, mean ${number(100 * light.mean, 2)} %, ${who}` +
-          `${light.moving ? ", moving" : ""}${light.trouble ? `; trouble: ${light.trouble}` : ""}`;
+          `${light.moving ? ", moving" : ""}${light.trouble ? `; problem: ${light.trouble}` : ""}`;
     }, () => setText(find("light-now"), ""));
   }
 
@@ -121,15 +121,15 @@ export class Health {
     const order = ["error", "warn", "info"];
     const sorted = [...advice].sort((a, b) => order.indexOf(a.level) - order.indexOf(b.level));
     const lines = sorted.map(({level, what, do: next}) => {
-      const said = el("span", {class: LEVELS[level] ?? "", text: `${MARKS[level] ?? "·"} ${what}`});
-      return el("li", {}, said, next ? el("div", {class: "quiet", text: `→ ${next}`}) : null);
+      const text = el("span", {class: LEVELS[level] ?? "", text: `${MARKS[level] ?? "·"} ${what}`});
+      return el("li", {}, text, next ? el("div", {class: "quiet", text: `→ ${next}`}) : null);
     });
-    if (!lines.length) lines.push(el("li", {class: "good", text: "nothing"}));
+    if (!lines.length) lines.push(el("li", {class: "good", text: "no problems"}));
     holder.replaceChildren(...lines);
   }
 }
 
-/** Columns for rows whose keys only their maker knows. */
+/** Columns from the keys of the first row. */
 function columnsOf(rows) {
   return Object.keys(rows[0] ?? {}).map((key) => ({
                                           head: heading(key),
@@ -138,8 +138,8 @@ function columnsOf(rows) {
                                         }));
 }
 
-function factsOf(name, told) {
-  return Object.entries(told ?? {}).map(([
-                                          key, value
-                                        ]) => [`${name}: ${heading(key)}`, plain(value, key)]);
+function factsOf(name, values) {
+  return Object.entries(values ?? {}).map(([
+                                            key, value
+                                          ]) => [`${name}: ${heading(key)}`, plain(value, key)]);
 }

@@ -1,5 +1,4 @@
-// Keys that work everywhere. Space is the emergency stop and nothing else: a button is pressed with
-// Enter.
+// Keyboard shortcuts. The space bar is only the emergency stop; buttons are pressed with Enter.
 
 import {find} from "./dom.js";
 
@@ -11,7 +10,8 @@ function typing(target) {
 }
 
 export function listenToKeys(view, controls) {
-  // Before all others, and on both edges: browsers press a button at one or the other.
+  // In the capture phase, and for both events: depending on the browser, one of them presses the
+  // focused button.
   for (const edge of ["keydown", "keyup"]) {
     addEventListener(edge, (event) => {
       if (event.key !== " " || typing(event.target) || event.ctrlKey || event.altKey ||
@@ -30,7 +30,7 @@ export function listenToKeys(view, controls) {
       return;
     }
     if (key === "Enter" && target instanceof HTMLInputElement && target.type === "checkbox") {
-      event.preventDefault();  // Space would do it elsewhere
+      event.preventDefault();  // usually the space bar toggles it
       target.click();
       return;
     }

@@ -1,4 +1,4 @@
-// Puts the page together.
+// Creates all parts of the page.
 
 import {ArenaView} from "./arena_view.js";
 import {CameraPicture} from "./camera.js";
@@ -32,16 +32,16 @@ function listenToTheme() {
 listenToTheme();
 const stream = new Stream();
 let run = null;
-const forgetCurves = () => ["pool/", "history/", "runtimes/"].forEach((old) => stream.forget(old));
+const removeCurves = () => ["pool/", "history/", "runtimes/"].forEach((old) => stream.remove(old));
 stream.on("lab", (lab) => {
-  if (run !== null && run !== lab.run) forgetCurves();
-  if (!lab.replay) stream.forget("player");
+  if (run !== null && run !== lab.run) removeCurves();
+  if (!lab.replay) stream.remove("player");
   run = lab.run;
   setPrograms(lab.programs ?? []);
 });
-let jumps = null;  // of the player: what was measured elsewhere in the run is void
+let jumps = null;  // number of jumps in a recorded run; curves from before a jump are discarded
 stream.on("player", (player) => {
-  if (jumps !== null && jumps !== player.jumps) forgetCurves();
+  if (jumps !== null && jumps !== player.jumps) removeCurves();
   jumps = player.jumps;
 });
 const view = new ArenaView(stream);
@@ -59,7 +59,7 @@ new Start(stream, controls);
 listenToKeys(view, controls);
 stream.run();
 
-/** What tests look at. */
+/** Access for tests. */
 window.labPage = {
   stream,
   view,

@@ -1,13 +1,13 @@
-// The slider of a recorded run.
+// Controls for playing a recorded run.
 
-import {wish} from "./api.js";
+import {sendRequest} from "./api.js";
 import {find, setText} from "./dom.js";
 import {stopwatch} from "./format.js";
 
 export class Player {
   constructor(stream) {
     const [at, go, speed] = ["player-at", "player-go", "player-speed"].map(find);
-    let held = 0;  // [ms] until when the slider belongs to the hand
+    let held = 0;  // [ms] until then the user is moving the slider
     let paused = false;
     stream.on(
         "player",
@@ -25,8 +25,8 @@ export class Player {
         () => {
           find("player").hidden = true;
         });
-    const tell = async (name, fields) => {
-      const {ok, error} = await wish(name, fields);
+    const send = async (name, fields) => {
+      const {ok, error} = await sendRequest(name, fields);
       setText(find("player-say"), ok ? "" : `${name}: ${error}`);
     };
     at.addEventListener("input", () => {
@@ -36,9 +36,9 @@ export class Player {
     });
     at.addEventListener("change", () => {
       held = performance.now() + 800;
-      tell("seek", {to_s: Number(at.value)});
+      send("seek", {to_s: Number(at.value)});
     });
-    go.addEventListener("click", () => tell(paused ? "resume" : "pause"));
-    speed.addEventListener("change", () => tell("speed", {speed: Number(speed.value)}));
+    go.addEventListener("click", () => send(paused ? "resume" : "pause"));
+    speed.addEventListener("change", () => send("speed", {speed: Number(speed.value)}));
   }
 }

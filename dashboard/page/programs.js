@@ -1,8 +1,8 @@
-// How programs are told apart: colour (Okabe and Ito's, safe for the colour-blind), letter, mark
-// and dash.
+// Distinguishes programs by colour (Okabe and Ito's palette, safe for colour-blind readers), letter
+// and symbol.
 
 const COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8C8C8C"];
-const INKS = ["#fff", "#fff", "#fff", "#000", "#000", "#000", "#000"];  // on the colour
+const INKS = ["#fff", "#fff", "#fff", "#000", "#000", "#000", "#000"];  // text colours on them
 const SYMBOLS = ["circle", "square", "triangle-up", "diamond", "triangle-down", "cross"];
 const NONE = {
   name: "no program",
@@ -14,7 +14,7 @@ const NONE = {
 
 let programs = [];
 
-/** @param list of topic `lab` */
+/** @param list the programs of topic `lab` */
 export function setPrograms(list) {
   const taken = new Set();
   programs = list.map((program, place) => {
@@ -35,7 +35,7 @@ export function setPrograms(list) {
 
 export const allPrograms = () => programs;
 
-/** By place in lab.programs, -1: none. */
+/** The program by its index in lab.programs, -1: none. */
 export const programAt = (place) => programs[place] ?? NONE;
 
 export const programNamed = (name) =>

@@ -1,4 +1,5 @@
-// The chosen robot: everything it tells, five times a second, and its speed of the last minute.
+// The selected robot: everything it reports, five times per second, and its speed in the last
+// minute.
 
 import {get} from "./api.js";
 import {Chart} from "./chart.js";
@@ -7,8 +8,8 @@ import {DASH, heading, number, plain, seconds, unit} from "./format.js";
 import {programNamed} from "./programs.js";
 
 const FLAGS = [
-  "reversing", "stopped", "host silent: standing", "wheel saturated", "tumbling", "touches a robot",
-  "touches a wall", "last order refused"
+  "reversing", "stopped", "lease expired: stopped", "wheel saturated", "tumbling",
+  "touches a robot", "touches a wall", "last command rejected"
 ];
 const ORIGINS = ["unknown", "real", "simulated", "recorded"];
 
@@ -16,7 +17,7 @@ export const flagWords = (flags) =>
     FLAGS.filter((_, bit) => flags & (1 << bit)).join(", ") || "none";
 export const originWord = (origin) => ORIGINS[origin] ?? String(origin);
 
-/** "abp: v 5.00 cm/s, ..."; what a program does not have is 0 and left out. */
+/** "abp: v 5.00 cm/s, ..."; parameters that a program does not have are 0 and are omitted. */
 function programWords({program, program_running: running}) {
   const {model, ...values} = running ?? {};
   const parts = Object.entries(values).filter(([, value]) => value).map(([key, value]) => {
@@ -33,17 +34,17 @@ const ago = (age) => (age < 0.1 ? "now" : `${seconds(age)} ago`);
 const place = ({x_cm: x, y_cm: y, theta_deg: theta, seen_age_s: age}) =>
     (typeof x === "number" ? `${x.toFixed(1)}, ${y?.toFixed(1)} cm, ${theta?.toFixed(0)}°${
                                  age > 1 ? `, ${ago(age)}` : ""}` :
-                                           "not seen");
+                                           "not detected");
 
-/** What people read of a robot: [name, the keys it takes, text]. */
+/** The facts of a robot: [name, the JSON keys that they use, text]. */
 const FACTS = [
-  ["seen at", ["x_cm", "y_cm", "theta_deg", "seen_age_s"], place],
+  ["pose", ["x_cm", "y_cm", "theta_deg", "seen_age_s"], place],
   [
     "standard error", ["sigma_cm", "sigma_theta_deg"],
     (r) => `${number(r.sigma_cm, 2)} cm, ${number(r.sigma_theta_deg, 2)}°`
   ],
   ["confidence", ["confidence"], (r) => number(r.confidence, 2)],
-  ["does", ["flags"], (r) => (r.flags ? flagWords(r.flags) : "as its program says")],
+  ["state", ["flags"], (r) => (r.flags ? flagWords(r.flags) : "follows its program")],
   ["program", ["program", "program_running"], programWords],
   ["program started", ["program_age_s"], (r) => ago(r.program_age_s)],
   [
@@ -51,7 +52,7 @@ const FACTS = [
     (r) => pair(r.wheel_left_cm_s, r.wheel_right_cm_s, "cm/s")
   ],
   [
-    "wheels by program", ["program_left_cm_s", "program_right_cm_s"],
+    "wheels, program", ["program_left_cm_s", "program_right_cm_s"],
     (r) => pair(r.program_left_cm_s, r.program_right_cm_s, "cm/s")
   ],
   ["light front, back", ["light_front", "light_back"], (r) => pair(r.light_front, r.light_back)],
@@ -65,32 +66,32 @@ const FACTS = [
   ["battery", ["battery_V"], (r) => (r.battery_V ? `${number(r.battery_V)} V` : DASH)],
   [
     "messages", ["link_sent", "link_received", "link_errors"],
-    (r) => `${plain(r.link_sent)} to it, ${plain(r.link_received)} from it, ` +
+    (r) => `${plain(r.link_sent)} sent, ${plain(r.link_received)} received, ` +
         `${plain(r.link_errors)} damaged`
   ],
   [
     "body", ["origin", "owner"],
     (r) => `${typeof r.origin === "number" ? originWord(r.origin) : plain(r.origin)}` +
-        `${r.owner ? `, of ${r.owner}` : ""}`
+        `${r.owner ? `, service ${r.owner}` : ""}`
   ],
-  ["heard", ["age_s"], (r) => ago(r.age_s)],
-  ["electronics' number", ["uid"], (r) => plain(r.uid)],
+  ["last message", ["age_s"], (r) => ago(r.age_s)],
+  ["serial number", ["uid"], (r) => plain(r.uid)],
   ["light band", ["band"], (r) => (r.band >= 0 ? plain(r.band) : DASH)],
-  ["starts of programs", ["program_epoch"], (r) => plain(r.program_epoch)],
+  ["program starts", ["program_epoch"], (r) => plain(r.program_epoch)],
   [
-    "last order, stop", ["command_seq", "stop_seq"],
+    "last command, stop", ["command_seq", "stop_seq"],
     (r) => `${plain(r.command_seq || null)}, ${plain(r.stop_seq || null)}`
   ],
 ];
-const TOLD = new Set(["id", ...FACTS.flatMap(([, keys]) => keys)]);
+const USED_KEYS = new Set(["id", ...FACTS.flatMap(([, keys]) => keys)]);
 
-/** @param told {...} of one robot @param low whether its battery is @return rows of fillFacts */
-function factsOf(told, low) {
+/** @param robot its JSON @param low whether its battery is low @return rows for fillFacts */
+function factsOf(robot, low) {
   return [
-    ...FACTS.filter(([, keys]) => keys.some((key) => key in told && (key !== "uid" || told.uid)))
-        .map(([name, , text]) => [name, text(told), name === "battery" && low ? "bad" : ""]),
-    ...Object.entries(told)
-        .filter(([key]) => !TOLD.has(key))
+    ...FACTS.filter(([, keys]) => keys.some((key) => key in robot && (key !== "uid" || robot.uid)))
+        .map(([name, , text]) => [name, text(robot), name === "battery" && low ? "bad" : ""]),
+    ...Object.entries(robot)
+        .filter(([key]) => !USED_KEYS.has(key))
         .map(([key, value]) => [heading(key), plain(value, key)])
   ];
 }
@@ -103,7 +104,7 @@ export class RobotPanel {
     title: "Speed",
     x: {label: "time (s)"},
     y: {label: "speed (cm/s)", zero: true},
-    empty: "choose a robot in the arena"
+    empty: "select a robot in the arena"
   });
 
   constructor(stream, view) {
@@ -122,44 +123,44 @@ export class RobotPanel {
       choice.value = id === null ? "" : String(id);
       fillFacts(find("robot-facts"), []);
       this.#speed.show([], {columns: [], rows: []});
-      this.#askRobot();
-      this.#askSpeeds();
+      this.#loadRobot();
+      this.#loadSpeeds();
     });
-    pollWhileSeen(find("robot-section"), 200, () => this.#askRobot());
-    pollWhileSeen(find("chart-speed"), 1000, () => this.#askSpeeds());
+    pollWhileSeen(find("robot-section"), 200, () => this.#loadRobot());
+    pollWhileSeen(find("chart-speed"), 1000, () => this.#loadSpeeds());
   }
 
   chart = () => this.#speed;
 
-  /** Nobody is asked about a robot that is not heard: an answer would be an error. */
-  #askable = () =>
+  /** A query for a robot that has not reported would be answered with an error. */
+  #isKnown = () =>
       this.#stream.connected && this.#view.chosen !== null && this.#known.has(this.#view.chosen);
 
-  async #askRobot() {
+  async #loadRobot() {
     const id = this.#view.chosen;
-    if (!this.#askable()) {
-      if (id !== null) fillFacts(find("robot-facts"), [["state", "not heard"]]);
+    if (!this.#isKnown()) {
+      if (id !== null) fillFacts(find("robot-facts"), [["state", "no status received"]]);
       return;
     }
-    const told = await get(`/api/ask/robot?which=${id}`);
-    if (id !== this.#view.chosen || !told) return;
+    const found = await get(`/api/ask/robot?which=${id}`);
+    if (id !== this.#view.chosen || !found) return;
     const row = this.#stream.topics.get("robots")?.find((robot) => robot.id === id);
-    fillFacts(find("robot-facts"), factsOf(told, row?.battery_low));
+    fillFacts(find("robot-facts"), factsOf(found, row?.battery_low));
   }
 
-  async #askSpeeds() {
-    if (!this.#askable()) return;
+  async #loadSpeeds() {
+    if (!this.#isKnown()) return;
     const id = this.#view.chosen;
-    const told = await get(`/api/ask/speeds?which=${id}`);
-    if (id !== this.#view.chosen || !told) return;
+    const found = await get(`/api/ask/speeds?which=${id}`);
+    if (id !== this.#view.chosen || !found) return;
     const robot = this.#view.arena.robots.get(id);
     const name = this.#stream.topics.get("lab")?.programs?.[robot?.program]?.name;
     this.#speed.setTitle(`Speed of robot ${id}`);
     this.#speed.show(
-        [{kind: "line", color: programNamed(name).color, x: told.t_s, y: told.speed_cm_s}], {
+        [{kind: "line", color: programNamed(name).color, x: found.t_s, y: found.speed_cm_s}], {
           columns: ["time (s)", "speed (cm/s)"],
-          rows: told.t_s.map((t, i) => [t, told.speed_cm_s[i]])
+          rows: found.t_s.map((t, i) => [t, found.speed_cm_s[i]])
         },
-        "over 0.2 s, the last minute");
+        "means over 0.2 s, last minute");
   }
 }

@@ -1,4 +1,4 @@
-// Past runs: what came of them, their reports, two of them on one plot.
+// Past runs with their verdicts and reports, and a comparison of two runs.
 
 import {ask, get} from "./api.js";
 import {Chart} from "./chart.js";
@@ -32,7 +32,7 @@ export class Runs {
     let ended = false;
     stream.on("script", (script) => {
       if (script.phase === "ended" && !ended)
-        setTimeout(() => this.load(), 5000);  // its report takes a moment
+        setTimeout(() => this.load(), 5000);  // its report takes some seconds
       ended = script.phase === "ended";
     });
     let asked = false;
@@ -46,10 +46,10 @@ export class Runs {
 
   async load() {
     const runs = await get("/api/runs");
-    if (!runs) return setText(find("runs-text"), "the server does not tell of runs");
+    if (!runs) return setText(find("runs-text"), "the server does not list the runs");
     setText(
         find("runs-text"),
-        runs.length ? `${runs.length} runs` : "no runs yet: lab run FILE makes one");
+        runs.length ? `${runs.length} runs` : "no runs yet: create one with lab run FILE");
     fillTable(
         find("runs"),
         [
@@ -57,13 +57,13 @@ export class Runs {
           {head: "", fill: (cell, run) => picture(cell, run)},
           {head: "run", text: (run) => run.name},
           {
-            head: "began (UTC)",
+            head: "start (UTC)",
             text: (run) => (run.start_utc ?? DASH).replace("T", " ").replace("Z", "")
           },
-          {head: "lasted", right: true, text: (run) => seconds(run.duration_s)},
+          {head: "duration", right: true, text: (run) => seconds(run.duration_s)},
           {head: "verdicts", fill: (cell, run) => verdicts(cell, run)},
           {
-            head: "lost",
+            head: "lost messages",
             right: true,
             text: (run) => (run.lost === null ? DASH : String(run.lost)),
             kind: (run) => (run.lost > 0 ? "bad" : "")
@@ -129,7 +129,8 @@ function picture(cell, run) {
   if (cell.source === source) return;
   cell.source = source;
   cell.replaceChildren(
-      ...(source ? [el("img", {src: source, alt: `paths of ${run.name}`, loading: "lazy"})] : []));
+      ...(source ? [el("img", {src: source, alt: `trajectories of ${run.name}`, loading: "lazy"})] :
+                   []));
 }
 
 function verdicts(cell, run) {

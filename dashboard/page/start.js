@@ -1,9 +1,9 @@
-// Starting an experiment: choose, set, check, start.
+// Checks and starts experiments.
 
 import {get, post} from "./api.js";
 import {el, fillSelect, find, pollWhileSeen, setText} from "./dom.js";
 
-const CHECK_PATIENCE_MS = 30000;
+const CHECK_TIMEOUT_MS = 30000;
 
 export class Start {
   #experiments = [];
@@ -23,7 +23,7 @@ export class Start {
       event.preventDefault();
       this.#start();
     });
-    pollWhileSeen(find("start-form"), 1000, () => this.#running && this.#look());
+    pollWhileSeen(find("start-form"), 1000, () => this.#running && this.#update());
   }
 
   async #load() {
@@ -33,17 +33,17 @@ export class Start {
         this.#experiments.map(
             (one) => [one.file, `${one.name}${one.shipped ? "" : ` (${one.file})`}`]));
     this.#describe();
-    this.#look();
+    this.#update();
   }
 
   #describe() {
     const chosen = this.#experiments.find((one) => one.file === find("start-file").value);
     setText(
         find("start-description"),
-        chosen ? `${chosen.description ?? ""} (${chosen.file})` : "no experiment file was found");
+        chosen ? `${chosen.description ?? ""} (${chosen.file})` : "no experiment files found");
   }
 
-  #order = () => ({
+  #selection = () => ({
     file: find("start-file").value,
     set: find("start-set").value.split("\n").map((line) => line.trim()).filter((line) => line),
   });
@@ -54,12 +54,12 @@ export class Start {
 
   async #check() {
     this.#say("checking");
-    const {ok, answer, error} = await post("/api/check", this.#order(), CHECK_PATIENCE_MS);
+    const {ok, answer, error} = await post("/api/check", this.#selection(), CHECK_TIMEOUT_MS);
     if (!ok)
       this.#say(error, "bad");
     else
       this.#say(
-          answer.text || (answer.ok ? "nothing to say against it" : "not sound"),
+          answer.text || (answer.ok ? "no problems found" : "the experiment has errors"),
           answer.ok ? "" : "bad");
     return ok && answer.ok;
   }
@@ -67,30 +67,31 @@ export class Start {
   async #start() {
     if (!await this.#check()) return;
     const {ok, error} = await post(
-        "/api/start", {...this.#order(), virtual_time: find("start-virtual").checked},
-        CHECK_PATIENCE_MS);
+        "/api/start", {...this.#selection(), virtual_time: find("start-virtual").checked},
+        CHECK_TIMEOUT_MS);
     if (!ok) return this.#say(error, "bad");
     this.#running = true;
-    return this.#look();
+    return this.#update();
   }
 
-  async #look() {
-    const told = await get("/api/started");
-    if (!told || told.state === "none") return;
-    this.#running = told.state === "running";
-    const end = told.state === "ended" ?
-        `\nended with code ${told.code ?? "?"}${told.run ? `: ${told.run}` : ""}` :
-                                                           "";
-    this.#say(`${told.output ?? ""}${end}`, told.state === "ended" && told.code ? "bad" : "");
-    const sound = this.#running && /^https?:\/\//.test(told.address ?? "");
+  async #update() {
+    const started = await get("/api/started");
+    if (!started || started.state === "none") return;
+    this.#running = started.state === "running";
+    const end = started.state === "ended" ?
+        `\nended with code ${started.code ?? "?"}${started.run ? `: ${started.run}` : ""}` :
+                                                                 "";
+    this.#say(
+        `${started.output ?? ""}${end}`, started.state === "ended" && started.code ? "bad" : "");
+    const has_page = this.#running && /^https?:\/\//.test(started.address ?? "");
     find("start-link")
         .replaceChildren(
-            ...(sound ? [el("a", {
-              href: told.address,
+            ...(has_page ? [el("a", {
+              href: started.address,
               target: "_blank",
               rel: "noopener",
-              text: "the page of this experiment"
+              text: "page of this experiment"
             })] :
-                        []));
+                           []));
   }
 }

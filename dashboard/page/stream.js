@@ -1,27 +1,26 @@
-// The lab's state by topic, as /api/stream tells it.
+// The lab's state by topic, received from /api/stream.
 //
-// Read with fetch, not EventSource: topics need no list in advance, a refusal (503) is tried again,
-// and a page that is too slow leaves bytes with the server, which then skips states instead of
-// queueing them here.
+// Uses fetch instead of EventSource: topics need not be listed in advance, a refusal (503) is tried
+// again, and a slow page does not queue states; it leaves them to the server, which skips old ones.
 
 const SILENT_MS =
-    6000;  // the server speaks once a second; beyond this the connection is taken for dead
+    6000;  // the server sends once per second; after this time the connection counts as dead
 
 export class Stream {
   topics = new Map();
   connected = false;
   lastPulse = 0;  // [ms] performance.now()
   attempts = 0;
-  hiddenPatience = 20000;  // [ms] a page that nobody sees gives its connection back: a browser has
-                           // six for a server
+  hiddenTimeout = 20000;  // [ms] a hidden page then closes its connection, because a browser has
+                          // only six per server
   #listeners = [];
   #abort = null;
   #lastBytes = 0;
   #hidden = false;
 
   /**
-   * Calls call(value, topic) for each news of a topic; "pool/" stands for all that begin so.
-   * gone(topic): it is there no longer. Who listens to a family looks at all of it anyway.
+   * Calls call(value, topic) after each change of a topic, and gone(topic) when it is removed.
+   * "pool/" stands for all topics that begin with it.
    */
   on(topic, call, gone = topic.endsWith("/") ? () => call() : () => {}) {
     this.#listeners.push({topic, call, gone});
@@ -34,12 +33,12 @@ export class Stream {
     return [...this.topics].filter(([topic]) => topic.startsWith(start));
   }
 
-  /** Forgets all topics that begin with `start`: they told of an earlier run or place. */
-  forget(start) {
+  /** Removes all topics that begin with `start`, because they belong to an earlier run or time. */
+  remove(start) {
     for (const [topic] of this.all(start)) this.#drop(topic);
   }
 
-  /** Frees a connection for what cannot wait: a browser has six for a server. */
+  /** Frees a connection for an urgent request: a browser has only six per server. */
   makeRoom() {
     this.#abort?.abort();
   }
@@ -57,7 +56,7 @@ export class Stream {
         timer = setTimeout(() => {
           this.#hidden = true;
           this.#abort?.abort();
-        }, this.hiddenPatience);
+        }, this.hiddenTimeout);
     });
     this.#keepListening();
   }
@@ -71,7 +70,7 @@ export class Stream {
       try {
         await this.#listen();
       } catch {
-        // The banner says it (connection.js); what matters here is to try again.
+        // connection.js shows the problem; here the connection is only tried again.
       }
       if (this.connected) pause = 300;
       this.connected = false;
@@ -101,9 +100,9 @@ export class Stream {
     }
   }
 
-  /** Of what came at once only a topic's newest counts. */
+  /** Of events that arrive together, only the newest of each topic is used. */
   #take(text) {
-    const news = new Map();
+    const changes = new Map();
     for (const event of text.split("\n\n")) {
       let topic = "";
       const data = [];
@@ -114,13 +113,13 @@ export class Stream {
           data.push(line.slice(5));
       }
       if (!topic || !data.length) continue;
-      news.delete(topic);
-      news.set(topic, data.join("\n"));
+      changes.delete(topic);
+      changes.set(topic, data.join("\n"));
     }
-    for (const [topic, data] of news) this.#tell(topic, data);
+    for (const [topic, data] of changes) this.#update(topic, data);
   }
 
-  #tell(topic, data) {
+  #update(topic, data) {
     let value;
     try {
       value = JSON.parse(data);
@@ -141,11 +140,11 @@ export class Stream {
     if (this.topics.delete(topic)) this.#each(topic, ({gone}) => gone(topic));
   }
 
-  #each(topic, tell) {
+  #each(topic, notify) {
     for (const listener of this.#listeners) {
       if (!matches(listener.topic, topic)) continue;
       try {
-        tell(listener);  // one part that fails must not silence the others
+        notify(listener);  // a part that fails must not stop the others
       } catch (error) {
         console.error(`topic ${topic}:`, error);
       }

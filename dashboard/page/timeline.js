@@ -1,5 +1,5 @@
-// What the run has done and will do: steps, how fast the light arrived, marks, faults, the time
-// left.
+// The timeline of the run: past and planned steps, delays of the light, marks, faults and the
+// remaining time.
 
 import {drawWhenSeen, el, fillTable, find, setText} from "./dom.js";
 import {DASH, seconds, stopwatch, timeOfDay} from "./format.js";
@@ -19,16 +19,16 @@ const STEP_COLUMNS = [
   {head: "label", text: (s) => s.label},
   {head: "commanded", text: (s) => timeOfDay(s.commanded_us)},
   {head: "presented after", right: true, text: (s) => after(s.presented_us, s.commanded_us)},
-  {head: "seen after", right: true, text: (s) => after(s.seen_us, s.commanded_us)},
-  {head: "first acted after", right: true, text: (s) => after(s.first_acted_us, s.commanded_us)},
-  {head: "last acted after", right: true, text: (s) => after(s.last_acted_us, s.commanded_us)},
+  {head: "seen by camera after", right: true, text: (s) => after(s.seen_us, s.commanded_us)},
+  {head: "first robot after", right: true, text: (s) => after(s.first_acted_us, s.commanded_us)},
+  {head: "last robot after", right: true, text: (s) => after(s.last_acted_us, s.commanded_us)},
   {
     head: "robots",
     right: true,
     text: (s) => `${s.robots_acted ?? DASH} of ${s.robots_expected ?? DASH}`,
     kind: (s) => (s.robots_acted < s.robots_expected ? "warn" : "")
   },
-  {head: "the one before ended by", text: (s) => s.ended_by || "its time"},
+  {head: "previous step ended by", text: (s) => s.ended_by || "time"},
 ];
 const DELAY_COLUMNS = [
   {head: "delay until", text: (d) => d.until},
@@ -101,8 +101,8 @@ export class Timeline {
     const phases = {
       preparing: "preparing",
       script: replay ? "played" : "running",
-      paused: replay ? "the player stands" : "PAUSED",
-      leaving: "leaving: the robots are told to stand",
+      paused: replay ? "playback paused" : "PAUSED",
+      leaving: "ending: the robots are being stopped",
       ended: "the run has ended"
     };
     const step = script.step >= 0 ? `, step ${script.step}: ${script.label}` : "";
@@ -116,7 +116,7 @@ export class Timeline {
         find("script-left"),
         script.phase === "ended" ?
             "" :
-            `${stopwatch(script.elapsed_s)} gone, ${script.at_most ? "at most " : ""}` +
+            `${stopwatch(script.elapsed_s)} elapsed, ${script.at_most ? "at most " : ""}` +
                 `${stopwatch(script.left_s)} left${next}`);
     setText(find("script-stop"), script.stop ? `ends when: ${script.stop}` : "");
   }
@@ -141,7 +141,7 @@ export class Timeline {
     const sx = d3.scale.linear().domain([0, total]).range([18, width - 30]);
     this.#svg.attr("aria-label", `time line of ${stopwatch(total)}, now at ${stopwatch(now)}`);
     const done = timeline.steps ?? [];
-    // Planned steps that are still to come stand after what has really happened.
+    // Planned steps follow the steps that have really happened.
     const shift = done.length ? since(done[done.length - 1].commanded_us) -
             (planned[done[done.length - 1].number]?.at_s ?? 0) :
                                 0;

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::dashboard {
@@ -13,23 +12,23 @@ namespace {
 
 using units::kNan;
 
-constexpr double kFrame = 0.05;  // [s] between the frames that are taken
-constexpr double kLeastStep = 2 * kFrame;
-constexpr double kTolerance = 0.3;        // of a step, for the time between two headings
-constexpr double kFirstBlock = 2;         // times the longest lag
-constexpr std::size_t kFewestBlocks = 6;  // for an error
-constexpr double kFewestPairs = 10;
+constexpr double kFrame = 0.05;  // [s] between the frames that are used
+constexpr double kMinStep = 2 * kFrame;
+constexpr double kTolerance = 0.3;     // of the time between two headings, in steps
+constexpr double kFirstBlock = 2;      // in units of the longest lag
+constexpr std::size_t kMinBlocks = 6;  // for a standard error
+constexpr double kMinPairs = 10;
 
 bool isPersistent(const analysis::ProgramLaw& law) {
   return law.kind == analysis::ProgramKind::kAbp && law.v > 0 &&
          analysis::rotationalDiffusivity(law) > 0;
 }
 
-/// A whole number of frames, so that lags are what they are taken for.
+/// A multiple of the frame period, so that the lags are exact.
 double stepOf(const analysis::ProgramLaw& law) {
   const double step =
       HeadingCorrelation::kReach / analysis::rotationalDiffusivity(law) / HeadingCorrelation::kLags;
-  return std::max(kLeastStep, std::round(step / kFrame) * kFrame);
+  return std::max(kMinStep, std::round(step / kFrame) * kFrame);
 }
 
 }  // namespace
@@ -50,7 +49,7 @@ HeadingCorrelation::Row& HeadingCorrelation::rowAt(double time) {
   const auto number = [&] {
     return static_cast<std::size_t>(std::max(0.0, (time - begin_) / block_));
   };
-  while (number() >= kMostTimes) {
+  while (number() >= kMaxTimes) {
     for (std::size_t i = 0; 2 * i < rows_.size(); ++i) {
       Row merged = rows_[2 * i];
       for (std::size_t g = 0; g < kGroups && 2 * i + 1 < rows_.size(); ++g) {
@@ -70,7 +69,7 @@ void HeadingCorrelation::add(int robot, const analysis::Sample& sample) {
   std::deque<Heading>& before = headings_[robot];
   const Heading now{sample.free_time, sample.theta, sample.angular_segment};
   if (!before.empty() && before.back().segment != now.segment) before.clear();
-  constexpr double kJitter = 0.02;  // [s] a frame may come a little early
+  constexpr double kJitter = 0.02;  // [s] a frame may be a little early
   if (!before.empty() && now.time - before.back().time < step_ - kJitter) return;
   Sums& sums = rowAt(sample.time)[static_cast<std::size_t>(robot < 0 ? -robot : robot) % kGroups];
   for (const Heading& then : before) {
@@ -99,10 +98,10 @@ LengthCurve HeadingCorrelation::curve(double speed) const {
   LengthCurve curve;
   const double programmed = law_.program().v;
   for (std::size_t k = 0; k < kLags; ++k) {
-    if (all.pairs[k] < kFewestPairs) continue;
+    if (all.pairs[k] < kMinPairs) continue;
     const double value = all.cosines[k] / all.pairs[k];
     const double lag = all.times[k] / all.pairs[k];
-    // The jackknife, for blocks of unequal sizes: sum over blocks of (what it adds to the mean)^2.
+    // Jackknife for blocks of unequal size: the sum of the squared contributions to the mean.
     double sum = 0;
     std::size_t used = 0;
     for (const Sums* block : blocks) {
@@ -114,7 +113,7 @@ LengthCurve HeadingCorrelation::curve(double speed) const {
     const double count = static_cast<double>(used);
     curve.length.push_back(speed * lag);
     curve.value.push_back(value);
-    curve.sigma.push_back(used < kFewestBlocks ? kNan : std::sqrt(sum * count / (count - 1)));
+    curve.sigma.push_back(used < kMinBlocks ? kNan : std::sqrt(sum * count / (count - 1)));
     curve.exact.push_back(law_.velocityCorrelation(speed * lag / programmed) /
                           (programmed * programmed));
     curve.windows.push_back(all.pairs[k]);
@@ -128,7 +127,7 @@ analysis::AnalysisFeed* CorrelationView::feed() {
   const double wheel_base = experiment.hardware.diameter;
   std::vector<std::pair<analysis::ProgramLaw, std::string>> laws;
   for (const auto& [name, program] : experiment.programs) {
-    const analysis::ProgramLaw law = analysis::toLaw(toMessage(program), wheel_base);
+    const analysis::ProgramLaw law = analysis::toLaw(program, wheel_base);
     if (isPersistent(law)) laws.emplace_back(law, name);
   }
   wanted_ = !laws.empty();
@@ -164,7 +163,7 @@ std::optional<LengthCurve> CorrelationView::curve(const std::string& program, do
   if (found == programs_.end()) return std::nullopt;
   const auto& programs = run_info_.experiment().programs;
   const auto spec = programs.find(program);
-  if (spec == programs.end()) return std::nullopt;  // of an experiment before
+  if (spec == programs.end()) return std::nullopt;  // it belongs to the previous experiment
   LengthCurve curve = found->second.curve(speed > 0 ? speed : spec->second.v);
   if (curve.length.empty()) return std::nullopt;
   return curve;

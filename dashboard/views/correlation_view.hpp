@@ -1,4 +1,5 @@
-/// C(l) = <n(0) . n(l)>: how the heading is forgotten along the path, of active Brownian programs.
+/// C(l) = <n(0) . n(l)>: the correlation of the heading n along the path, for active Brownian
+/// particles (ABP).
 #pragma once
 
 #include <array>
@@ -19,29 +20,30 @@
 
 namespace lab::dashboard {
 
-/// Of one program: sums over pairs of headings, some multiple of a step apart in free time. Errors
-/// by the jackknife over blocks of time and robots; where these are many, blocks of time are
-/// merged.
+/// The correlation for one program: averages over pairs of headings whose distance in free time is
+/// a multiple of a step. Standard errors come from the jackknife over blocks of time and robots.
+/// Blocks of time are merged when there are too many, so that memory is bounded.
 class HeadingCorrelation {
  public:
   static constexpr std::size_t kLags = 24;
-  static constexpr double kReach = 4;        ///< persistence times up to which it is measured
-  static constexpr std::size_t kGroups = 8;  ///< of robots
-  static constexpr std::size_t kMostTimes = 16;
+  static constexpr double kReach = 4;        ///< longest lag in persistence times
+  static constexpr std::size_t kGroups = 8;  ///< groups of robots
+  static constexpr std::size_t kMaxTimes = 16;
 
-  /// @param law of an ABP with a turning rate above 0
+  /// @param law of an ABP with a rotational diffusivity above 0
   explicit HeadingCorrelation(const analysis::ProgramLaw& law);
 
+  /// Adds a heading of a robot's track.
   void add(int robot, const analysis::Sample& sample);
 
-  /// An ABP's speed is constant, so that l is speed times time: a path length summed from frames
-  /// would be that of the tracker's noise.
-  /// @param speed [m/s] as measured
+  /// The speed of an ABP is constant, so l is speed times time. A path length summed over frames
+  /// would mostly be noise of the tracker.
+  /// @param speed [m/s] measured
   [[nodiscard]] LengthCurve curve(double speed) const;
 
  private:
   struct Heading {
-    double time = 0;   ///< [s] free
+    double time = 0;   ///< [s] free time
     double theta = 0;  ///< [rad]
     int segment = 0;
   };
@@ -57,13 +59,13 @@ class HeadingCorrelation {
 
   analysis::ExactLaw law_;
   double step_;        ///< [s] between lags
-  double block_ = 0;   ///< [s] of a row
-  double begin_ = -1;  ///< [s] of the first row, -1: none yet
+  double block_ = 0;   ///< [s] duration of a row
+  double begin_ = -1;  ///< [s] begin of the first row, -1: none yet
   std::vector<Row> rows_;
   std::map<int, std::deque<Heading>> headings_;
 };
 
-/// Of all ABP programs of the experiment, with the analyzer's own stitched tracks.
+/// The correlation for each ABP program of the experiment. Uses the analyzer's code for tracks.
 class CorrelationView {
  public:
   explicit CorrelationView(const RunInfo& run_info) : run_info_(run_info) {}
@@ -72,8 +74,8 @@ class CorrelationView {
   void take(const tracked_frame_t& frame);
   void clear();
 
-  /// @param speed [m/s] as measured; not above 0: the programmed one
-  /// @return nothing: no ABP, or too little was seen.
+  /// @param speed [m/s] measured; if it is not above 0, the programmed speed is used
+  /// @return nothing if the program is not an ABP or there are too few data
   [[nodiscard]] std::optional<LengthCurve> curve(const std::string& program, double speed) const;
 
  private:
@@ -81,7 +83,7 @@ class CorrelationView {
 
   const RunInfo& run_info_;
   std::unique_ptr<analysis::AnalysisFeed> feed_;
-  bool wanted_ = true;  ///< the experiment has such a program
+  bool wanted_ = true;  ///< false if the experiment has no ABP program
   std::map<std::string, HeadingCorrelation> programs_;
 };
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
@@ -85,7 +85,7 @@ Json analysisJson(const analysis_t& analysis) {
 
 void CurvesView::take(const analysis_t& analysis) {
   if (analysis.robot_id == analysis_t::POOL) {
-    if (pools_.size() >= kMostPools && !pools_.contains(analysis.program_name)) {
+    if (pools_.size() >= kMaxPools && !pools_.contains(analysis.program_name)) {
       ++left_out_;
       return;
     }
@@ -93,7 +93,7 @@ void CurvesView::take(const analysis_t& analysis) {
     return;
   }
   const std::pair key{analysis.robot_id, analysis.program_name};
-  if (robots_.size() >= kMostOfRobots && !robots_.contains(key)) {
+  if (robots_.size() >= kMaxOfRobots && !robots_.contains(key)) {
     ++left_out_;
     return;
   }

@@ -1,4 +1,4 @@
-/// What the analyzer says, as the page draws it.
+/// Results of the analyzer as JSON for the page.
 #pragma once
 
 #include <cstdint>
@@ -13,37 +13,37 @@
 
 namespace lab::dashboard {
 
-/// A curve that the dashboard measures itself: C(l).
+/// A curve that the dashboard measures itself: the heading correlation C(l).
 struct LengthCurve {
   std::vector<double> length;  ///< [m]
   std::vector<double> value;   ///< [1]
   std::vector<double> sigma;   ///< [1]
-  std::vector<double> exact;   ///< [1] nan: no law
+  std::vector<double> exact;   ///< [1] nan if there is no exact law
   std::vector<double> windows;
 };
 
-/// Of topic `pool/...`, and the same of one robot. Lengths in cm.
+/// The text of topic `pool/...`, or the same for one robot. Lengths are in cm.
 [[nodiscard]] Json analysisJson(const analysis_t& analysis);
 
-/// As an element of "curves".
+/// An element of "curves".
 [[nodiscard]] Json curveJson(const LengthCurve& curve);
 
-/// The newest ANALYSIS of each pool, and of each robot and program.
+/// Keeps the newest ANALYSIS of each pool, and of each robot and program.
 class CurvesView {
  public:
-  static constexpr std::size_t kMostPools = 64;
-  static constexpr std::size_t kMostOfRobots = 2000;  ///< some 8 KB each
+  static constexpr std::size_t kMaxPools = 64;
+  static constexpr std::size_t kMaxOfRobots = 2000;  ///< about 8 KB each
 
   void take(const analysis_t& analysis);
   void clear();
 
-  /// Programs whose pool is newer than when this was asked last.
+  /// Programs whose pool has changed since the previous call.
   [[nodiscard]] std::vector<std::string> takeChanged();
 
-  /// The pool of a program; null: none was heard of.
+  /// The pool of a program; null if none was received.
   [[nodiscard]] const analysis_t* pool(const std::string& program) const;
 
-  /// Of `analysis`: all programs of one robot.
+  /// The response to the query `analysis`: all programs of one robot.
   [[nodiscard]] std::string robotJson(std::int32_t robot) const;
 
   [[nodiscard]] std::size_t size() const { return pools_.size() + robots_.size(); }

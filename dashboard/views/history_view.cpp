@@ -12,7 +12,7 @@ namespace {
 
 using units::kNan;
 
-constexpr std::size_t kMostLines = 40;
+constexpr std::size_t kMaxLines = 40;
 
 template <class Value>
 void halve(std::vector<Value>& values) {
@@ -23,16 +23,16 @@ void halve(std::vector<Value>& values) {
 }  // namespace
 
 bool HistoryView::take(const analysis_t& analysis, std::int64_t start) {
-  if (pools_.size() >= kMostPools && !pools_.contains(analysis.program_name)) return false;
+  if (pools_.size() >= kMaxPools && !pools_.contains(analysis.program_name)) return false;
   Pool& pool = pools_[analysis.program_name];
   if (pool.times.empty()) pool.begin_utime = start != 0 ? start : analysis.utime;
   if (analysis.utime < pool.next_utime) return false;
   pool.next_utime = analysis.utime + pool.step_us;
-  if (pool.times.size() >= kMostPoints) thin(pool);
+  if (pool.times.size() >= kMaxPoints) thin(pool);
   const std::size_t before = pool.times.size();
   pool.times.push_back(units::seconds(analysis.utime - pool.begin_utime));
   for (const estimate_t& estimate : analysis.estimates) {
-    if (pool.lines.size() >= kMostLines && !pool.lines.contains(estimate.name)) continue;
+    if (pool.lines.size() >= kMaxLines && !pool.lines.contains(estimate.name)) continue;
     Line& line = pool.lines[estimate.name];
     line.unit = estimate.unit;
     line.theory = estimate.theory;

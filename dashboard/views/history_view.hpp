@@ -1,4 +1,4 @@
-/// Estimates of the pools against time.
+/// Estimates of the pools as functions of time.
 #pragma once
 
 #include <cstdint>
@@ -9,20 +9,20 @@
 
 namespace lab::dashboard {
 
-/// A point each 5 s; at 600 points every second one goes, and from then on points come half as
-/// often.
+/// Adds a point every 5 s. When there are 600 points, every second one is dropped and the time
+/// between points doubles.
 class HistoryView {
  public:
-  static constexpr std::size_t kMostPoints = 600;
-  static constexpr std::size_t kMostPools = 64;
+  static constexpr std::size_t kMaxPoints = 600;
+  static constexpr std::size_t kMaxPools = 64;
   static constexpr std::int64_t kStep_us = 5'000'000;
 
-  /// @param start of the run [us since 1970], 0: not known: time counts from the first point.
-  /// @return whether there is a new point.
+  /// @param start of the run [us since 1970]; if 0 (unknown), time counts from the first point
+  /// @return whether a point was added
   bool take(const analysis_t& pool, std::int64_t start);
   void clear() { pools_.clear(); }
 
-  /// Of topic `history/...`; empty: none of that program.
+  /// The text of topic `history/...`; empty if there is none for the program.
   [[nodiscard]] std::string json(const std::string& program) const;
 
   [[nodiscard]] std::size_t points(const std::string& program) const;
@@ -36,7 +36,7 @@ class HistoryView {
   struct Line {
     std::string unit;
     double theory = 0;
-    std::vector<Point> points;  ///< one for each time
+    std::vector<Point> points;  ///< one per time
   };
   struct Pool {
     std::int64_t begin_utime = 0;

@@ -1,4 +1,4 @@
-/// JSON as the page gets it.
+/// Helpers for JSON that is sent to the page.
 #pragma once
 
 #include <cstdint>
@@ -12,23 +12,22 @@ namespace lab::dashboard {
 
 using Json = nlohmann::ordered_json;
 
-/// Rounded to six figures; null where it is no number.
 using lab::number;
 
-/// A time of day, null where it is 0: not known.
+/// A time [us since 1970]; null if it is 0, which means unknown.
 [[nodiscard]] inline Json timeOrNull(std::int64_t utime) {
   return utime == 0 ? Json() : Json(utime);
 }
 
-/// Seconds since then; null where it never was.
+/// Seconds from `then` to `now`; null if `then` is 0, which means never.
 [[nodiscard]] inline Json age(std::int64_t then, std::int64_t now) {
   return then == 0 ? Json() : number(units::seconds(now - then));
 }
 
-/// [cm]
+/// Converts m to cm.
 [[nodiscard]] constexpr double cm(double metres) { return metres / units::kCentimetre; }
 
-/// The text of a document. Strings come from the bus: what is no UTF-8 in them is replaced.
+/// Serializes a document. Invalid UTF-8 is replaced, because texts come from the bus.
 [[nodiscard]] inline std::string toText(const Json& json) {
   return json.dump(-1, ' ', false, Json::error_handler_t::replace);
 }

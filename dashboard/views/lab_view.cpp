@@ -12,8 +12,8 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr std::int64_t kUnwatched_us = 1'000'000;  // between frames that nobody looks at
-constexpr std::size_t kMostSenders = 16;           // of frames
+constexpr std::int64_t kUnwatched_us = 1'000'000;  // between frames while no page is open
+constexpr std::size_t kMaxSenders = 16;            // of frames
 constexpr const char* kPool = "pool";
 constexpr const char* kRuns = "runtimes";
 constexpr const char* kHistory = "history";
@@ -25,7 +25,7 @@ std::optional<std::int32_t> idOf(std::string_view text) {
   return id;
 }
 
-/// nan: there is none of that name.
+/// The value of an estimate; nan if there is none of that name.
 double estimateOf(const analysis_t& analysis, std::string_view name) {
   for (const estimate_t& estimate : analysis.estimates) {
     if (estimate.name == name) return estimate.value;
@@ -111,10 +111,10 @@ void LabView::useExperiment() {
 
 bool LabView::isWanted(std::string_view channel, const MessageHeader& header) {
   if (channel != channels::kTrackedFrame) return true;
-  // A camera may be faster than anybody can look: one frame for each of the page's.
+  // The camera may be faster than the page: use at most one frame per period of the page.
   auto last = frames_.find(header.sender);
   if (last == frames_.end()) {
-    if (frames_.size() >= kMostSenders) return false;
+    if (frames_.size() >= kMaxSenders) return false;
     last = frames_.emplace(header.sender, -1).first;
   }
   return std::exchange(last->second, header.utime / kFrame_us) != header.utime / kFrame_us;
@@ -140,14 +140,15 @@ void LabView::take(const Packet& packet, std::int64_t now) {
 void LabView::take(const experiment_event_t& event, std::int64_t) {
   if (event.kind == experiment_event_t::START) {
     const std::string before = run_info_.text();
-    const RunInfo::RunChange news = run_info_.take(event);
-    if (run_info_.text() != before) correlation_.clear();  // its laws are of those programs
-    if (news == RunInfo::RunChange::kOtherRun) {
+    const RunInfo::RunChange change = run_info_.take(event);
+    if (run_info_.text() != before)
+      correlation_.clear();  // its laws belong to the previous programs
+    if (change == RunInfo::RunChange::kOtherRun) {
       health_.clear();
       clearRun();
-      controls_.forget();
+      controls_.beginRun();
     }
-    if (news != RunInfo::RunChange::kNone) useExperiment();
+    if (change != RunInfo::RunChange::kNone) useExperiment();
   }
   timeline_.take(event);
 }
@@ -211,7 +212,7 @@ void LabView::publishMoving(std::int64_t now, bool watched) {
     publish("frame", robots_.frameJson(now));
   }
   if ((watched || light_.pixels().empty()) && light_.paint(now)) {
-    // The bytes are no text of a stream: they are asked for when the picture's number is another.
+    // The event stream carries text only. The page requests these bytes when the version changes.
     hub_.publishQuietly(".light", {light_.pixels().begin(), light_.pixels().end()});
     publish("light", light_.json(run_info_.conductor()));
   }
@@ -290,8 +291,8 @@ std::string LabView::cameraJson() const {
        {"picture", !run_info_.replay() && run_info_.experiment().camera.debug_port != 0}});
 }
 
-std::optional<std::string> LabView::ask(std::string_view what, std::string_view which,
-                                        std::int64_t now) {
+std::optional<std::string> LabView::query(std::string_view what, std::string_view which,
+                                          std::int64_t now) {
   if (what == "trails") {
     if (trails_.empty() || now - trails_utime_ >= kTrails_us) {
       trails_ = tracks_.trailsJson();

@@ -1,4 +1,4 @@
-/// The lab as the page shows it: from messages to topics. No bus, no clock.
+/// Turns messages of the bus into the topics of the page. Independent of bus and clock.
 #pragma once
 
 #include <cstdint>
@@ -24,48 +24,49 @@
 #include "dashboard/views/run_times.hpp"
 #include "dashboard/views/timeline_view.hpp"
 #include "dashboard/views/tracks_view.hpp"
+#include "dashboard/web/http_guard.hpp"
 #include "dashboard/web/hub.hpp"
-#include "dashboard/web/web_server.hpp"
 
 namespace lab::dashboard {
 
-/// What topic `health` says of the server itself.
+/// The state of the web server in topic `health`.
 struct ServerFacts {
   std::string host;
   std::int32_t pid = 0;
   int viewers = 0;
   Refusals refusals;
-  std::map<std::int32_t, ProcessUse> uses;  ///< of processes on this host
+  std::map<std::int32_t, ProcessUse> uses;  ///< by process id, on this host
 };
 
-/// Takes every message of the bus, and puts what follows from it into the hub. Its memory is
-/// bounded, however long the lab runs. Times are us since 1970.
+/// Takes every message of the bus and publishes topics to the hub. Its memory is bounded. Times are
+/// us since 1970.
 class LabView {
  public:
-  static constexpr std::int64_t kFrame_us = 50'000;    ///< 20 Hz
-  static constexpr std::int64_t kTrails_us = 500'000;  ///< one answer for all who ask within it
+  static constexpr std::int64_t kFrame_us = 50'000;  ///< 20 Hz
+  static constexpr std::int64_t kTrails_us =
+      500'000;  ///< queries within this time share one response
 
-  /// The images of an experiment's light, by the name of its run.
+  /// Loads the images of an experiment's light. @param run the name of the run
   using Images = std::function<light::ImageStore(const Experiment&, const std::string& run)>;
 
-  /// @param sender, instance of the dashboard itself: its own messages come back from the bus
+  /// @param sender,instance of the dashboard, which receives its own messages from the bus too
   LabView(Hub& hub, std::string sender, std::int64_t instance, Images images);
 
-  /// The experiment by its file, before anything was heard.
+  /// Sets the experiment from its file, before the first message.
   void begin(const Experiment& experiment, const std::string& run);
 
   void take(const Packet& packet, std::int64_t now);
 
-  /// At 40 Hz: what moves, at 20 Hz at most, and what changed.
-  /// @param watched somebody looks at the page
+  /// Publishes moving things, at most at 20 Hz, and everything that changed. Call it at 40 Hz.
+  /// @param watched whether a page is open
   void publishMoving(std::int64_t now, bool watched);
 
-  /// Every second: what adds up.
+  /// Publishes totals. Call it once per second.
   void publishTotals(std::int64_t now, const ServerFacts& server);
 
-  /// Of LabRequestHandler::ask().
-  [[nodiscard]] std::optional<std::string> ask(std::string_view what, std::string_view which,
-                                               std::int64_t now);
+  /// See LabRequestHandler::query().
+  [[nodiscard]] std::optional<std::string> query(std::string_view what, std::string_view which,
+                                                 std::int64_t now);
 
   [[nodiscard]] Controls& controls() { return controls_; }
   [[nodiscard]] const HealthView& health() const { return health_; }
@@ -107,13 +108,14 @@ class LabView {
   std::optional<experiment_status_t> script_;
   std::optional<light_delivery_t> delivery_;
 
-  std::map<std::string, std::int64_t, std::less<>> frames_;  ///< number of the last one, by sender
-  std::set<std::string> named_topics_;                       ///< topics with a name in them
-  std::string trails_;                                       ///< the last answer, empty: none
+  std::map<std::string, std::int64_t, std::less<>>
+      frames_;                          ///< number of the last frame, by sender
+  std::set<std::string> named_topics_;  ///< topics that contain the name of a program
+  std::string trails_;                  ///< the last response, or empty
   std::int64_t trails_utime_ = 0;
-  std::int64_t bus_utime_ = 0;  ///< others were heard, 0: never
+  std::int64_t bus_utime_ = 0;  ///< last message of another sender, 0: none
   std::int64_t light_utime_ = 0;
-  std::int64_t frame_utime_ = 0;  ///< when topic `frame` was made
+  std::int64_t frame_utime_ = 0;  ///< when topic `frame` was published
   std::uint64_t frame_count_ = 0;
   std::uint64_t timeline_version_ = 0;
   bool run_info_changed_ = true;

@@ -10,8 +10,8 @@
 namespace lab::dashboard {
 namespace {
 
-/// What the words beside the picture are made of.
-bool sameWords(const light_status_t& a, const light_status_t& b) {
+/// Whether everything is equal that the text of the topic shows.
+bool sameText(const light_status_t& a, const light_status_t& b) {
   return a.label == b.label && a.commander == b.commander && a.moving == b.moving &&
          a.display == b.display && a.trouble == b.trouble;
 }
@@ -38,7 +38,7 @@ int LightPicture::rows() const {
 }
 
 void LightPicture::take(const light_status_t& status) {
-  const bool same = status_ && sameWords(*status_, status) && status.moving == 0 &&
+  const bool same = status_ && sameText(*status_, status) && status.moving == 0 &&
                     status_->command_seq == status.command_seq &&
                     status_->command_instance == status.command_instance &&
                     status_->mix == status.mix &&
@@ -55,8 +55,8 @@ void LightPicture::clear() {
 }
 
 bool LightPicture::paint(std::int64_t now) {
-  const bool young = painted_utime_ != 0 && now - painted_utime_ < kPeriod_us;
-  if (!status_ || !changed_ || young) return false;
+  const bool is_recent = painted_utime_ != 0 && now - painted_utime_ < kPeriod_us;
+  if (!status_ || !changed_ || is_recent) return false;
   changed_ = false;
   painted_utime_ = now;
   ++version_;
@@ -65,7 +65,7 @@ bool LightPicture::paint(std::int64_t now) {
   if (!problem && field.mix < 1) problem = light::validate(field.previous);
   trouble_ = problem.value_or("");
   if (problem) return true;
-  if (painted_ == field) return true;  // the words are new
+  if (painted_ == field) return true;  // only the text is new
   if (!painter_) painter_.emplace(width_, height_, kColumns, rows());
   const light::Raster& raster = painter_->paint(field);
   pixels_ = light::toGrey(raster);

@@ -1,4 +1,4 @@
-/// The light on the arena as a small picture.
+/// The light in the arena as a small picture.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,7 @@
 
 namespace lab::dashboard {
 
+/// Paints the newest LIGHT_STATUS.
 class LightPicture {
  public:
   static constexpr std::int64_t kPeriod_us = 200'000;  ///< 5 Hz
@@ -24,18 +25,18 @@ class LightPicture {
   void take(const light_status_t& status);
   void clear();
 
-  /// Paints where the light is another than in the picture and the picture is old enough.
-  /// @return whether there is a new picture.
+  /// Paints the light if it has changed and the last picture is at least kPeriod_us old.
+  /// @return whether picture or text are new
   bool paint(std::int64_t now);
 
   [[nodiscard]] bool known() const { return status_.has_value(); }
   [[nodiscard]] const std::optional<light_status_t>& status() const { return status_; }
 
-  /// Of topic `light`.
+  /// The text of topic `light`.
   /// @param conductor sender of the script's light
   [[nodiscard]] std::string json(const std::string& conductor) const;
 
-  /// columns x rows bytes, the top row first.
+  /// kColumns x rows bytes, 0 is dark, the top row first.
   [[nodiscard]] const std::vector<std::uint8_t>& pixels() const { return pixels_; }
 
  private:

@@ -1,4 +1,4 @@
-/// Poses that can be shown.
+/// Checks poses before they are shown.
 #pragma once
 
 #include <cmath>
@@ -6,10 +6,10 @@
 
 namespace lab::dashboard {
 
-/// Numbers, of a place that an arena may have: nothing beyond becomes infinite in other units.
+/// Whether a pose is finite and within 1 km, so that it stays finite in other units.
 [[nodiscard]] inline bool isPlausiblePose(const tracked_pose_t& pose) {
-  constexpr double kFarthest = 1e3;  // [m]
-  return std::abs(pose.x) <= kFarthest && std::abs(pose.y) <= kFarthest &&
+  constexpr double kMaxDistance = 1e3;  // [m]
+  return std::abs(pose.x) <= kMaxDistance && std::abs(pose.y) <= kMaxDistance &&
          std::isfinite(pose.theta);
 }
 

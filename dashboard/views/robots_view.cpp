@@ -7,7 +7,7 @@
 #include <cmath>
 #include <iterator>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "dashboard/views/json.hpp"
 #include "dashboard/views/plausible_pose.hpp"
@@ -17,52 +17,52 @@ namespace {
 
 constexpr std::int64_t kSeen_us = 1'000'000;
 constexpr std::int64_t kErrorSpan_us = 10'000'000;
-constexpr std::size_t kMostUnidentified = 100;
+constexpr std::size_t kMaxUnidentified = 100;
 
 double degrees(double angle) { return angle / units::kDegree; }
 
-/// Standard error of a place [m], 0: not known.
+/// Standard error of a position [m], 0 if unknown.
 double sigmaOf(const tracked_pose_t& pose) {
   const double variance = (pose.covariance[0] + pose.covariance[3]) / 2;
   return variance > 0 && std::isfinite(variance) ? std::sqrt(variance) : 0;
 }
 
-/// To three figures, as people read; null where it is no number.
+/// Rounds to three significant figures; null if not finite.
 Json readable(double value) {
   constexpr int kFigures = 3;
   return std::isfinite(value) ? Json(std::stod(fmt::format("{:.{}g}", value, kFigures))) : Json();
 }
 
-/// To the tenth: of places and angles, whose figures before the point count.
+/// Rounds positions and angles to a tenth; null if not finite.
 Json tenths(double value) {
   constexpr double kTenth = 0.1;
-  // Adding 0 takes the sign from a zero.
+  // Adding 0 turns -0 into 0.
   return std::isfinite(value) ? Json(std::round(value / kTenth) / 10 + 0.0) : Json();
 }
 
-/// What a program's model does not have is 0, and left out.
+/// Parameters that the model does not have are 0 and are omitted.
 Json programJson(const program_t& p) {
   Json json = {{"model", modelName(p.kind)}};
-  const auto tell = [&json](const char* key, double value) {
+  const auto add = [&json](const char* key, double value) {
     if (value != 0) json[key] = readable(value);
   };
-  tell("v_cm_s", cm(p.v));
-  tell("va_cm_s", cm(p.va));
-  tell("V_cm_s", cm(p.V));
-  tell("epsilon_s", p.epsilon);
-  tell("eta_rad_s", p.eta);
-  tell("gamma_per_s", p.gamma);
-  tell("tau_t_s", p.tau_t);
-  tell("wheel_left_cm_s", cm(p.wheel_left));
-  tell("wheel_right_cm_s", cm(p.wheel_right));
+  add("v_cm_s", cm(p.v));
+  add("va_cm_s", cm(p.va));
+  add("V_cm_s", cm(p.V));
+  add("epsilon_s", p.epsilon);
+  add("eta_rad_s", p.eta);
+  add("gamma_per_s", p.gamma);
+  add("tau_t_s", p.tau_t);
+  add("wheel_left_cm_s", cm(p.wheel_left));
+  add("wheel_right_cm_s", cm(p.wheel_right));
   return json;
 }
 
 }  // namespace
 
 bool RobotRow::batteryIsLow() const {
-  constexpr double kLowCell = 3.4;  // [V] of a lithium cell
-  constexpr double kTwoCells = 5;   // [V] more is a pack of two
+  constexpr double kLowCell = 3.4;  // [V] one lithium cell
+  constexpr double kTwoCells = 5;   // [V] above, the battery has two cells
   const double volts = static_cast<double>(state.battery);
   return volts > 0 && volts < (volts > kTwoCells ? 2 : 1) * kLowCell;
 }
@@ -75,7 +75,7 @@ std::string RobotsView::nameOf(const RobotRow& row) const {
 RobotRow* RobotsView::rowOf(std::int32_t id) {
   const auto found = rows_.find(id);
   if (found != rows_.end()) return &found->second;
-  if (rows_.size() >= kMostRobots) {
+  if (rows_.size() >= kMaxRobots) {
     ++left_out_;
     return nullptr;
   }
@@ -121,7 +121,7 @@ void RobotsView::take(const tracked_frame_t& frame, std::int64_t now) {
   }
   unidentified_ = frame.unidentified;
   std::erase_if(unidentified_, [](const tracked_pose_t& pose) { return !isPlausiblePose(pose); });
-  if (unidentified_.size() > kMostUnidentified) unidentified_.resize(kMostUnidentified);
+  if (unidentified_.size() > kMaxUnidentified) unidentified_.resize(kMaxUnidentified);
   unidentified_utime_ = now;
 }
 

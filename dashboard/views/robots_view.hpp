@@ -1,4 +1,4 @@
-/// The robots: where they are, and what they say about themselves.
+/// Poses of the robots and the states that they report.
 #pragma once
 
 #include <cstdint>
@@ -13,57 +13,58 @@
 
 namespace lab::dashboard {
 
-/// One robot as it was heard and seen last. Times are us since 1970.
+/// The newest state and pose of one robot. Times are us since 1970.
 struct RobotRow {
   robot_state_t state{};
-  std::string owner;  ///< sender of its status, empty: nothing was heard of it
+  std::string owner;  ///< sender of its status; empty if none was received
   std::int64_t heard_utime = 0;
-  std::string rival;  ///< another sender of the same robot
+  std::string rival;  ///< another service that reports the same robot
   std::int64_t rival_utime = 0;
-  int program = -1;  ///< as RunInfo::indexOf()
+  int program = -1;  ///< from RunInfo::indexOf()
 
   tracked_pose_t pose{};
   std::int8_t pose_origin = 0;
   std::int64_t seen_utime = 0;  ///< 0: never
 
-  std::int32_t errors_before = 0;  ///< link_errors at the beginning of ...
-  std::int64_t errors_utime = 0;   ///< ... the running span of 10 s
-  std::int32_t new_errors = 0;     ///< in the span before
+  std::int32_t errors_before = 0;  ///< link_errors at the begin of the current span of 10 s
+  std::int64_t errors_utime = 0;   ///< begin of that span
+  std::int32_t new_errors = 0;     ///< in the previous span
 
   [[nodiscard]] std::int8_t origin() const { return owner.empty() ? pose_origin : state.origin; }
   [[nodiscard]] bool batteryIsLow() const;
 };
 
+/// Keeps all robots of the run.
 class RobotsView {
  public:
-  static constexpr std::size_t kMostRobots = 500;
+  static constexpr std::size_t kMaxRobots = 500;
 
   explicit RobotsView(const RunInfo& run_info) : run_info_(run_info) {}
 
   void take(const robot_status_t& status, std::int64_t now);
   void take(const tracked_frame_t& frame, std::int64_t now);
 
-  /// Another run, or another part of it.
+  /// Forgets all robots: another run begins, or a replayed log jumps.
   void clear();
 
-  /// The programs of the experiment are others.
+  /// Updates the rows' program indices after the experiment has changed.
   void renumber();
 
-  /// Of topic `frame`; a robot that has not been seen for a second is left out.
+  /// The text of topic `frame`. Robots that were not detected for a second are omitted.
   [[nodiscard]] std::string frameJson(std::int64_t now) const;
 
-  /// Of topic `robots`.
+  /// The text of topic `robots`.
   [[nodiscard]] std::string robotsJson(std::int64_t now) const;
 
-  /// Of `robot`: all that one robot says; nothing: there is none of that id.
+  /// The response to the query `robot`: everything one robot reports; nothing if it is unknown.
   [[nodiscard]] std::optional<std::string> robotJson(std::int32_t id, std::int64_t now) const;
 
   [[nodiscard]] const std::map<std::int32_t, RobotRow>& rows() const { return rows_; }
 
-  /// Robots that were left out because there are too many.
+  /// The number of poses and states that were dropped because there are too many robots.
   [[nodiscard]] std::int64_t leftOut() const { return left_out_; }
 
-  /// Counts frames that were taken.
+  /// The number of frames received; changes with every frame.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
 
  private:
@@ -73,7 +74,7 @@ class RobotsView {
   const RunInfo& run_info_;
   std::map<std::int32_t, RobotRow> rows_;
   std::vector<tracked_pose_t> unidentified_;
-  std::int64_t unidentified_utime_ = 0;  ///< when they were seen
+  std::int64_t unidentified_utime_ = 0;  ///< when they were received
   std::int64_t frame_utime_ = 0;         ///< of the newest frame
   std::int64_t left_out_ = 0;
   std::uint64_t frames_ = 0;

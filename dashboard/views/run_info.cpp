@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
@@ -30,17 +30,17 @@ const char* bodyName(Body body) {
   return "";
 }
 
-std::string parameters(const ProgramSpec& p) {
-  switch (p.model) {
-    case Model::kAbp:
+std::string parameters(const RobotProgram& p) {
+  switch (p.kind) {
+    case ProgramKind::kAbp:
       return fmt::format("v {:.4g} cm/s, ε {:.4g} s, η {:.4g} rad/s", cm(p.v), p.epsilon, p.eta);
-    case Model::kNoisyAbp:
+    case ProgramKind::kNoisyAbp:
       return fmt::format("va {:.4g} cm/s, V {:.4g} cm/s, ε {:.4g} s", cm(p.va), cm(p.V), p.epsilon);
-    case Model::kBp:
+    case ProgramKind::kBp:
       return fmt::format("V {:.4g} cm/s, ε {:.4g} s", cm(p.V), p.epsilon);
-    case Model::kRtp:
+    case ProgramKind::kRtp:
       return fmt::format("v {:.4g} cm/s, γ {:.4g} /s, τt {:.4g} s", cm(p.v), p.gamma, p.tau_t);
-    case Model::kWheels:
+    case ProgramKind::kWheels:
       return fmt::format("left {:.4g} cm/s, right {:.4g} cm/s", cm(p.wheel_left),
                          cm(p.wheel_right));
     default:
@@ -52,7 +52,7 @@ Json programsJson(const Experiment& experiment) {
   Json programs = Json::array();
   for (const auto& [name, program] : experiment.programs) {
     programs.push_back({{"name", name},
-                        {"model", modelName(static_cast<std::int8_t>(program.model))},
+                        {"model", modelName(toMessage(program).kind)},
                         {"text", parameters(program)},
                         {"color", programs.size()}});
   }

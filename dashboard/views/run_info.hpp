@@ -1,6 +1,7 @@
-/// What is known of a run before anything moves: its experiment.
+/// The experiment of the run that is shown.
 #pragma once
 
+#include <cstdint>
 #include <lab/experiment_event_t.hpp>
 #include <lab/program_t.hpp>
 #include <optional>
@@ -11,38 +12,40 @@
 
 namespace lab::dashboard {
 
+/// Comes from a file, or from START of EXPERIMENT_EVENT.
 class RunInfo {
  public:
-  /// The experiment by its file.
+  /// Sets the experiment from its file.
   void set(const Experiment& experiment, const std::string& run);
 
   enum class RunChange { kNone, kFirst, kOtherRun };
 
-  /// START, which is said again each minute.
+  /// Takes the event START, which is repeated every minute.
   RunChange take(const experiment_event_t& start);
 
-  /// Of EXPERIMENT_STATUS.
+  /// Sets the facts of EXPERIMENT_STATUS.
   void setRun(const std::string& run, bool replay);
 
   [[nodiscard]] bool known() const { return experiment_.has_value(); }
 
-  /// Defaults where none is known.
+  /// The default experiment if none is known.
   [[nodiscard]] const Experiment& experiment() const;
-  [[nodiscard]] const std::string& text() const { return text_; }  ///< the same as TOML
+  [[nodiscard]] const std::string& text() const { return text_; }  ///< of the experiment file
   [[nodiscard]] const std::string& run() const { return run_; }
   [[nodiscard]] bool replay() const { return replay_; }
 
-  /// Who conducts: sender of START, empty: not heard yet.
+  /// Sender of START, which controls the run; empty before the first one.
   [[nodiscard]] const std::string& conductor() const { return conductor_; }
 
-  /// Why the experiment that was announced cannot be read; empty: it can.
+  /// Why the text of START is not a valid experiment; else empty.
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
 
-  /// Place among the experiment's programs in order of name, -1: none of them.
+  /// The index of a program in programs(), -1 if it is not one of them.
   [[nodiscard]] int indexOf(const program_t& program) const;
+  /// Names of the experiment's programs, sorted.
   [[nodiscard]] const std::vector<std::string>& programs() const { return names_; }
 
-  /// Of topic `lab`.
+  /// The text of topic `lab`.
   [[nodiscard]] std::string json() const;
 
  private:
@@ -50,8 +53,8 @@ class RunInfo {
 
   std::optional<Experiment> experiment_;
   std::vector<std::string> names_;
-  std::vector<program_t> messages_;  ///< of the same programs
-  std::string text_;                 ///< TOML
+  std::vector<program_t> messages_;  ///< the same programs as messages
+  std::string text_;                 ///< the experiment file as TOML
   std::string run_;
   std::string version_;
   std::string conductor_;

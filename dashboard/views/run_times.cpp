@@ -7,7 +7,7 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr std::size_t kMostRobots = 500;
+constexpr std::size_t kMaxRobots = 500;
 
 }  // namespace
 
@@ -26,7 +26,7 @@ void RunTimes::take(const robot_state_t& state) {
   const bool known = found != robots_.end() && found->second.epoch == state.program_epoch &&
                      state.run_time >= found->second.before;
   if (!known) {
-    if (found != robots_.end() || robots_.size() < kMostRobots) {
+    if (found != robots_.end() || robots_.size() < kMaxRobots) {
       robots_[state.robot_id] = {state.program_epoch, state.tumble_count, state.run_time};
     }
     return;
@@ -37,7 +37,7 @@ void RunTimes::take(const robot_state_t& state) {
     return;
   }
   const bool next = state.tumble_count == robot.tumbles + 1;
-  // A run lies between the tumble under the last count, whose beginning was seen, and this one.
+  // The run between the previous tumble, whose begin was observed, and this one.
   if (next && robot.whole) add(state.program, state.run_time - robot.run_time);
   robot.before = robot.run_time;
   robot.run_time = state.run_time;

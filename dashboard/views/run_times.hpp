@@ -1,4 +1,4 @@
-/// Run times of run-and-tumble robots, as they count them themselves.
+/// Histograms of the run times of run-and-tumble robots.
 #pragma once
 
 #include <array>
@@ -12,10 +12,10 @@
 
 namespace lab::dashboard {
 
-/// A robot counts a tumble as it begins, and its run time stands still while it tumbles: the least
-/// run time heard under one count is that of all runs before this tumble, exactly where a message
-/// was sampled within the tumble. Only runs between two counted tumbles that follow each other
-/// count.
+/// A robot reports its number of tumbles and its total run time. It counts a tumble when it begins,
+/// and the run time does not grow during a tumble. Therefore the smallest run time reported with
+/// one count is the total of all runs before that tumble; it is exact if a message was sent during
+/// the tumble. Only runs between two consecutive observed counts are used.
 class RunTimes {
  public:
   static constexpr std::size_t kBins = 24;
@@ -26,19 +26,20 @@ class RunTimes {
   void take(const robot_status_t& status);
   void clear();
 
-  /// Programs with runs that are newer than when this was asked last.
+  /// Programs with new runs since the previous call.
   [[nodiscard]] std::vector<std::string> takeChanged();
 
-  /// Of topic `runtimes/...`; runs beyond the last edge are in "runs" and "mean_s" alone.
+  /// The text of topic `runtimes/...`. Runs beyond the last edge are only part of "runs" and
+  /// "mean_s".
   [[nodiscard]] std::string json(const std::string& program) const;
 
  private:
   struct Robot {
     std::int32_t epoch = 0;
     std::int32_t tumbles = 0;
-    double run_time = 0;  ///< [s] the least under this count
-    double before = -1;   ///< [s] the same under the count before; -1: not known
-    bool whole = false;   ///< the count began in sight
+    double run_time = 0;  ///< [s] smallest value reported with this count
+    double before = -1;   ///< [s] the same with the previous count, -1: unknown
+    bool whole = false;   ///< the begin of this count was observed
   };
   struct Histogram {
     double gamma = 0;

@@ -55,7 +55,7 @@ bool TimelineView::Remarks::add(const experiment_event_t& event) {
   const Remark remark{event.utime, event.text};
   if (std::ranges::find(newest, remark) != newest.end()) return false;
   newest.push_back(remark);
-  if (newest.size() > kMostRemarks) {
+  if (newest.size() > kMaxRemarks) {
     newest.pop_front();
     ++before;
   }
@@ -70,10 +70,10 @@ void TimelineView::take(const experiment_event_t& event) {
       if (changed) start_utime_ = event.utime;
       break;
     case experiment_event_t::STEP:
-      // One that was left out already comes again for a while.
-      if (steps_.size() == kMostSteps && event.step < steps_.begin()->first) return;
+      // A step that was omitted already may be repeated.
+      if (steps_.size() == kMaxSteps && event.step < steps_.begin()->first) return;
       steps_[event.step] = event;
-      if (steps_.size() > kMostSteps) {
+      if (steps_.size() > kMaxSteps) {
         steps_.erase(steps_.begin());
         ++steps_before_;
       }

@@ -1,4 +1,4 @@
-/// What happened in the run: steps of the light, marks, faults, its end; and how the script stands.
+/// The events of the run: light steps, marks, faults, its end; and the state of the script.
 #pragma once
 
 #include <cstdint>
@@ -12,25 +12,28 @@
 
 namespace lab::dashboard {
 
+/// Collects EXPERIMENT_EVENT and the start of the script.
 class TimelineView {
  public:
-  static constexpr std::size_t kMostSteps = 500;
-  static constexpr std::size_t kMostRemarks = 500;
+  static constexpr std::size_t kMaxSteps = 500;
+  static constexpr std::size_t kMaxRemarks = 500;
 
-  /// Everything is said several times, because a message may be lost; STEP with more each time.
+  /// Events are sent several times because LCM may drop messages. Later STEP events of the same
+  /// step have more facts.
   void take(const experiment_event_t& event);
 
-  /// How long the script has run says when it began, also to who came late. Pauses are not in it:
-  /// the earliest answer holds.
+  /// Derives the start of the script from its elapsed time, also when the dashboard was started
+  /// later. The elapsed time does not include pauses, so the earliest start is right.
   void take(const experiment_status_t& status);
   void clear();
 
-  /// Of topic `timeline`. Of remarks that are too many, the oldest are left out and counted.
+  /// The text of topic `timeline`. If there are too many events, the oldest are omitted and
+  /// counted.
   [[nodiscard]] std::string json() const;
 
   [[nodiscard]] std::int64_t startUtime() const { return start_utime_; }
   [[nodiscard]] bool ended() const { return end_.has_value(); }
-  /// Counts changes.
+  /// Changes with every change of the timeline.
   [[nodiscard]] std::uint64_t version() const { return version_; }
 
  private:
@@ -41,12 +44,13 @@ class TimelineView {
   };
   struct Remarks {
     std::deque<Remark> newest;
-    std::int64_t before = 0;  ///< left out
+    std::int64_t before = 0;  ///< number of omitted remarks
     bool add(const experiment_event_t& event);
   };
 
   std::int64_t start_utime_ = 0;
-  bool counted_back_ = false;  ///< else the start is when START was heard first
+  bool counted_back_ = false;  ///< whether the start comes from the elapsed time; else it is that
+                               ///< of the first START
   std::map<std::int32_t, experiment_event_t> steps_;
   std::int64_t steps_before_ = 0;
   Remarks marks_;
@@ -55,16 +59,16 @@ class TimelineView {
   std::uint64_t version_ = 0;
 };
 
-/// Of topic `delivery`.
+/// The text of topic `delivery`.
 [[nodiscard]] std::string deliveryJson(const light_delivery_t& delivery);
 
-/// Of topic `script`.
+/// The text of topic `script`.
 [[nodiscard]] std::string scriptJson(const experiment_status_t& status);
 
-/// Of topic `player`.
+/// The text of topic `player`.
 [[nodiscard]] std::string playerJson(const experiment_status_t& status);
 
-/// Whether the status is of a log that is played.
+/// Whether the status comes from the replay of a log.
 [[nodiscard]] bool isPlayed(const experiment_status_t& status);
 
 }  // namespace lab::dashboard

@@ -29,7 +29,7 @@ void TracksView::take(const tracked_frame_t& frame) {
   step.number = number;
   step.utime = frame.utime;
   for (const tracked_pose_t& pose : frame.robots) {
-    if (step.places.size() == kMostRobots) break;
+    if (step.places.size() == kMaxRobots) break;
     if (!isPlausiblePose(pose)) continue;
     step.places.push_back({pose.robot_id, static_cast<float>(pose.x), static_cast<float>(pose.y)});
   }

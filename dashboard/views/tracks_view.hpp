@@ -1,4 +1,4 @@
-/// Where the robots were during the last minute.
+/// Positions of the robots during the last minute.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,22 @@
 
 namespace lab::dashboard {
 
-/// One place of each robot for each fifth of a second.
+/// Keeps one position per robot and 0.2 s.
 class TracksView {
  public:
   static constexpr std::int64_t kStep_us = 200'000;
   static constexpr std::size_t kSteps = 301;  ///< 60 s
-  static constexpr std::size_t kMostRobots = 500;
+  static constexpr std::size_t kMaxRobots = 500;
 
   void take(const tracked_frame_t& frame);
   void clear() { steps_.clear(); }
 
-  /// Of `trails`: `{"step_s", "robots": {"ID": [x_cm, y_cm, ...]}}`, newest last, null where a
-  /// robot was not seen.
+  /// The response to the query `trails`: `{"step_s", "robots": {"ID": [x_cm, y_cm, ...]}}`, the
+  /// newest last, null while a robot was not detected.
   [[nodiscard]] std::string trailsJson() const;
 
-  /// Of `speeds`: `{"t_s": [], "speed_cm_s": []}`, each over one step, t_s at its middle.
+  /// The response to the query `speeds`: `{"t_s": [], "speed_cm_s": []}`. Each speed is the mean
+  /// over one step; t_s is the middle of the step.
   [[nodiscard]] std::string speedsJson(std::int32_t robot) const;
 
   [[nodiscard]] std::size_t steps() const { return steps_.size(); }

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::string_view kToken = "/#token=";
 constexpr std::size_t kTokenLength = 32;  // newToken()
-constexpr int kLargestPort = 65535;
+constexpr int kMaxPort = 65535;
 
 }  // namespace
 
@@ -28,15 +28,15 @@ std::optional<PageAddress> parseAddress(std::string_view address) {
   const std::string_view token = address.substr(mark + kToken.size());
   const bool hexadecimal = token.find_first_not_of("0123456789abcdef") == std::string_view::npos;
   if (token.size() != kTokenLength || !hexadecimal) return std::nullopt;
-  const std::string_view place = address.substr(0, mark);
-  const std::size_t colon = place.rfind(':');
+  const std::string_view endpoint = address.substr(0, mark);
+  const std::size_t colon = endpoint.rfind(':');
   if (colon == std::string_view::npos) return std::nullopt;
   PageAddress found{0, std::string(token)};
-  const char* const begin = place.data() + colon + 1;
-  const char* const end = place.data() + place.size();
+  const char* const begin = endpoint.data() + colon + 1;
+  const char* const end = endpoint.data() + endpoint.size();
   const auto [stop, error] = std::from_chars(begin, end, found.port);
   const bool valid = error == std::errc() && stop == end && found.port > 0;
-  if (!valid || found.port > kLargestPort) return std::nullopt;
+  if (!valid || found.port > kMaxPort) return std::nullopt;
   return found;
 }
 

@@ -1,4 +1,5 @@
-/// The page's address in a file, for those who start the dashboard, and for its next start.
+/// The file with the page's address: read by the program that starts the dashboard, and by the
+/// dashboard itself when it is restarted.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +14,14 @@ struct PageAddress {
   std::string token;
 };
 
-/// Of "http://127.0.0.1:8480/#token=..."; nothing: it is no such address.
+/// Parses "http://127.0.0.1:8480/#token=...". @return nothing if it is not such an address
 [[nodiscard]] std::optional<PageAddress> parseAddress(std::string_view address);
 
-/// Nothing: there is no such file, or it holds no address.
+/// @return nothing if there is no such file or it does not contain an address
 [[nodiscard]] std::optional<PageAddress> readAddressFile(const std::filesystem::path& file);
 
-/// Readable by its owner alone, from its first moment; a reader finds all of it or nothing.
-/// @throws std::runtime_error when it cannot be written.
+/// Writes the file atomically. Only its owner can read it, because of the token.
+/// @throws std::runtime_error if it cannot be written
 void writeAddressFile(const std::filesystem::path& file, const std::string& address);
 
 }  // namespace lab::dashboard

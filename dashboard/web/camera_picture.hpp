@@ -1,4 +1,4 @@
-/// The tracker's picture, fetched once for all who look.
+/// The tracker's newest picture, fetched once for all viewers.
 #pragma once
 
 #include <chrono>
@@ -8,16 +8,16 @@
 
 namespace lab::dashboard {
 
-/// A still of the tracker's debug view on this machine, at most ten a second however many ask, and
-/// within a second or not at all. From any thread.
+/// Fetches stills from the tracker's debug view on this host, at most ten per second for any number
+/// of callers. Thread-safe.
 class CameraPicture {
  public:
   using Text = std::shared_ptr<const std::string>;
 
-  /// @param port of the debug view
+  /// @param port of the debug view on 127.0.0.1
   explicit CameraPicture(int port) : port_(port) {}
 
-  /// JPEG, a tenth of a second old at most; null: none came.
+  /// A JPEG that was fetched at most 0.1 s ago; null if none arrives within a second.
   [[nodiscard]] Text newest();
 
  private:

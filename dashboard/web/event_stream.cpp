@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <string_view>
 #include <thread>
 
 namespace lab::dashboard {
@@ -9,15 +10,16 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr auto kPatience = 250ms;  // until somebody asks whether the server still wants this
-constexpr auto kSilence = 10s;     // before a sign of life
-constexpr auto kGather = 10ms;     // between two writings: what changes together goes out together
+constexpr auto kMaxWait = 250ms;  // then the caller checks whether the client is still there
+constexpr auto kSilence = 10s;    // before a comment is sent
+constexpr auto kGather =
+    10ms;  // between two writes, so that simultaneous changes are sent together
 
 }  // namespace
 
 void appendEvent(std::string& to, std::string_view topic, std::string_view text) {
   to.append("event: ");
-  // A name comes from the bus: a line of its own would be another event.
+  // Names of topics contain text from the bus. A line break in them would begin another event.
   for (const char letter : topic) {
     const bool is_control = static_cast<unsigned char>(letter) < ' ' || letter == 0x7f;
     to.push_back(is_control ? '?' : letter);
@@ -35,7 +37,7 @@ void appendEvent(std::string& to, std::string_view topic, std::string_view text)
 std::string EventStream::next() {
   std::string text;
   if (!begun_) text = "retry: 1000\n\n";
-  std::vector<Hub::Change> changes = hub_.changesSince(seen_, begun_ ? kPatience : 0ms);
+  std::vector<Hub::Change> changes = hub_.changesSince(seen_, begun_ ? kMaxWait : 0ms);
   if (begun_ && !changes.empty() && Clock::now() < written_ + kGather) {
     std::this_thread::sleep_until(written_ + kGather);
     std::vector<Hub::Change> newer = hub_.changesSince(seen_, 0ms);

@@ -1,23 +1,24 @@
-/// The hub's changes as server-sent events, for one client.
+/// The changes of the hub as server-sent events, for one client.
 #pragma once
 
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "dashboard/web/hub.hpp"
 
 namespace lab::dashboard {
 
-/// What is to be written next; a comment where nothing changed for long, so that a client that has
-/// gone is noticed and one that listens knows that the server lives.
+/// Returns the text to write next. After 10 s without a change this is a comment, so that the
+/// server notices a client that has gone, and the client knows that the server is alive.
 class EventStream {
  public:
   explicit EventStream(const Hub& hub) : hub_(hub) {}
 
-  /// Waits for it, a quarter of a second at most; empty: nothing is due.
+  /// Waits for a change, at most 0.25 s. @return empty if nothing is to be written
   [[nodiscard]] std::string next();
 
  private:
@@ -29,7 +30,7 @@ class EventStream {
   Clock::time_point written_ = Clock::now();
 };
 
-/// One event; a text of several lines stays one.
+/// Appends one event. A text of several lines remains one event.
 void appendEvent(std::string& to, std::string_view topic, std::string_view text);
 
 }  // namespace lab::dashboard

@@ -1,13 +1,15 @@
 #include "dashboard/web/http_response.hpp"
 
 #include <array>
-#include <nlohmann/json.hpp>
 #include <utility>
+
+#include "dashboard/views/json.hpp"
 
 namespace lab::dashboard {
 
-httplib::Headers commonHeaders() {
-  return {
+HttpResponse emptyResponse() {
+  HttpResponse response;
+  response.headers = {
       {"Content-Security-Policy",
        "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
        "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
@@ -18,23 +20,16 @@ httplib::Headers commonHeaders() {
       {"Cross-Origin-Opener-Policy", "same-origin"},
       {"Cache-Control", "no-store"},
   };
+  return response;
 }
 
-void replaceHeader(httplib::Response& response, const std::string& name, const std::string& value) {
-  response.headers.erase(name);
-  response.headers.emplace(name, value);
-}
-
-void respondJson(httplib::Response& response, std::string text, int status) {
+void respondJson(HttpResponse& response, std::string text, int status) {
   response.status = status;
-  response.body = std::move(text);
-  replaceHeader(response, "Content-Type", "application/json");
+  response.setBody("application/json", std::move(text));
 }
 
-void respondError(httplib::Response& response, int status, std::string_view why) {
-  const nlohmann::json json{{"error", why}};
-  respondJson(response, json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
-              status);
+void respondError(HttpResponse& response, int status, std::string_view why) {
+  respondJson(response, toText({{"error", why}}), status);
 }
 
 std::string contentType(std::string_view name) {

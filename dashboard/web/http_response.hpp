@@ -1,25 +1,23 @@
-/// Answers of the web server, with what every one of them says to the browser.
+/// Contents and headers that the responses of the web server share.
 #pragma once
-
-#include <httplib.h>
 
 #include <string>
 #include <string_view>
 
+#include "common/http/http_message.hpp"
+
 namespace lab::dashboard {
 
-/// Of every answer: nothing is taken from elsewhere, framed elsewhere, guessed or kept.
-[[nodiscard]] httplib::Headers commonHeaders();
+/// A response with status 200 and the security headers: the browser loads nothing from other sites,
+/// does not let other sites frame the page, does not guess content types and does not cache.
+[[nodiscard]] HttpResponse emptyResponse();
 
-/// Instead of the common one of that name.
-void replaceHeader(httplib::Response& response, const std::string& name, const std::string& value);
+void respondJson(HttpResponse& response, std::string text, int status = 200);
 
-void respondJson(httplib::Response& response, std::string text, int status = 200);
+/// Responds with {"error": why}.
+void respondError(HttpResponse& response, int status, std::string_view why);
 
-/// {"error": why}
-void respondError(httplib::Response& response, int status, std::string_view why);
-
-/// By its ending; for what has none of the known, bytes.
+/// The content type by the file name's extension; "application/octet-stream" for unknown ones.
 [[nodiscard]] std::string contentType(std::string_view name);
 
 }  // namespace lab::dashboard

@@ -1,4 +1,4 @@
-/// What the page shows, newest state by topic, between the lab's loop and those who look.
+/// The newest text of each topic, written by the lab's loop and read by the threads of the viewers.
 #pragma once
 
 #include <chrono>
@@ -14,13 +14,12 @@
 
 namespace lab::dashboard {
 
-/// State, not events: each topic holds its newest text. A reader is given every topic that changed
-/// since it last looked, once, in the order of the changes; what changed twice meanwhile comes
-/// once. A slow reader therefore skips, and no reader costs the publisher memory. A text is made
-/// once, however many read it. Safe to use from any thread.
+/// Holds state, not events: only the newest text of a topic. A reader receives every topic that
+/// changed since its last call, once, in the order of the changes. A slow reader therefore skips
+/// texts, and readers cost no memory. All readers share one text. Thread-safe.
 ///
-/// A topic whose name begins with a dot is not sent to the page by itself, which has to ask:
-/// ".light", the raster of topic `light` as bytes (GET /api/light).
+/// A topic whose name begins with a dot is not part of the event stream; the page requests it:
+/// ".light" holds the raster of topic `light` as bytes (GET /api/light).
 class Hub {
  public:
   using Text = std::shared_ptr<const std::string>;
@@ -34,22 +33,23 @@ class Hub {
   /// Replaces a topic's text and wakes the readers.
   void publish(std::string_view topic, std::string text);
 
-  /// The same for what nobody is to be woken for: it is seen with the next change or by newest().
+  /// Replaces a topic's text without waking the readers. They see it with the next change.
   void publishQuietly(std::string_view topic, std::string text);
 
-  /// Forgets a topic: who has seen it is told the text `null` once, late comers nothing.
+  /// Removes a topic. Readers that have seen it receive the text `null` once, new readers nothing.
   void remove(std::string_view topic);
 
-  /// The newest text of a topic; null: there is none.
+  /// The newest text of a topic; null if there is none.
   [[nodiscard]] Text newest(std::string_view topic) const;
 
-  /// What changed after `seen`, which is set to the newest version. Waits for a change for at most
-  /// `patience`; empty: nothing changed, or the hub is closed. A reader that begins with seen = 0
-  /// is given everything.
+  /// The topics that changed after version `seen`, which is then set to the newest version. Waits
+  /// for a change at most until the timeout. A reader that begins with seen = 0 receives all
+  /// topics.
+  /// @return empty if nothing changed or the hub is closed
   [[nodiscard]] std::vector<Change> changesSince(std::uint64_t& seen,
-                                                 std::chrono::milliseconds patience) const;
+                                                 std::chrono::milliseconds timeout) const;
 
-  /// Wakes all readers for good.
+  /// Wakes all readers; from now on they receive nothing.
   void close();
   [[nodiscard]] bool closed() const;
 
@@ -60,8 +60,8 @@ class Hub {
     bool removed = false;
   };
 
-  /// Those that are remembered for readers who have not been told yet.
-  static constexpr std::ptrdiff_t kMostRemoved = 200;
+  /// Removed topics that are remembered for readers that have not received `null` yet.
+  static constexpr std::ptrdiff_t kMaxRemoved = 200;
 
   mutable std::mutex mutex_;
   mutable std::condition_variable changed_;

@@ -1,4 +1,4 @@
-/// The page's own files, which the program carries inside.
+/// The files of the page, which are compiled into the program.
 #pragma once
 
 #include <string_view>
@@ -8,10 +8,10 @@ namespace lab::dashboard {
 
 struct PageFile {
   std::string_view name;     ///< "index.html"
-  std::string_view content;  ///< as on disk when the program was built
+  std::string_view content;  ///< bytes of the file at build time
 };
 
-/// All of dashboard/page/, D3 and the licences.
+/// All files of dashboard/page/, D3 and its licence.
 [[nodiscard]] const std::vector<PageFile>& pageFiles();
 
 }  // namespace lab::dashboard

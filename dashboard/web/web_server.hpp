@@ -1,42 +1,31 @@
-/// The page, its live stream and its buttons over HTTP.
+/// The HTTP server of the page: its files, the event stream, the requests of its buttons.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
 #include <string>
 
 #include "dashboard/control/lab_request_handler.hpp"
+#include "dashboard/web/http_guard.hpp"
 #include "dashboard/web/hub.hpp"
 
 namespace lab::dashboard {
 
 struct WebOptions {
   std::string address = "127.0.0.1";    ///< to listen on
-  int port = 8480;                      ///< the next free one is taken, within 100
-  std::string token;                    ///< in the page's address: who has it may use the buttons
-  bool control_from_elsewhere = false;  ///< else only from this machine, token or not
+  int port = 8480;                      ///< if taken, the next free one of 100
+  std::string token;                    ///< part of the page's address, required for control
+  bool control_from_elsewhere = false;  ///< whether other hosts may control the lab with the token
   std::filesystem::path runs;           ///< folder of past runs
-  std::filesystem::path programs;       ///< folder of the lab's programs
+  std::filesystem::path programs;       ///< folder of the lab's executables
   std::filesystem::path experiments;    ///< folder of the shipped experiments
-  int camera_port = 0;                  ///< of the tracker's debug view, 0: none
+  int camera_port = 0;                  ///< of the tracker's debug view on this host, 0: none
 };
 
-/// What was turned away since the start.
-struct Refusals {
-  std::int64_t host = 0;       ///< a Host that is not ours: DNS rebinding
-  std::int64_t origin = 0;     ///< another site's page
-  std::int64_t token = 0;      ///< missing or wrong, for what needs it
-  std::int64_t path = 0;       ///< outside what is served
-  std::int64_t malformed = 0;  ///< no HTTP, no JSON, not a wish
-  std::int64_t oversized = 0;
-  std::int64_t crowded = 0;  ///< more clients than are served at once
-};
-
-/// Listens from construction to destruction, on threads of its own; costs the caller nothing.
+/// Listens from construction to destruction, on threads of its own.
 class WebServer {
  public:
-  /// @throws std::runtime_error when no port is free or the address is not one of this machine.
+  /// @throws std::runtime_error if no port is free or the address does not belong to this host
   WebServer(const WebOptions& options, Hub& hub, LabRequestHandler& lab);
   ~WebServer();
   WebServer(const WebServer&) = delete;
@@ -44,12 +33,12 @@ class WebServer {
 
   [[nodiscard]] int port() const;
 
-  /// "http://127.0.0.1:8480/#token=..."
+  /// The page's address with the token: "http://127.0.0.1:8480/#token=...".
   [[nodiscard]] std::string address() const;
 
   [[nodiscard]] Refusals refusals() const;
 
-  /// Streams that are open.
+  /// The number of open event streams.
   [[nodiscard]] int viewers() const;
 
  private:
@@ -57,7 +46,8 @@ class WebServer {
   std::unique_ptr<Server> server_;
 };
 
-/// 128 random bits in hexadecimal, from the system's generator.
+/// 128 random bits in hexadecimal digits, from the operating system.
+/// @throws std::runtime_error if the system has no random numbers
 [[nodiscard]] std::string newToken();
 
 }  // namespace lab::dashboard

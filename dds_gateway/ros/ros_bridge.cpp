@@ -2,12 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <utility>
 
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "dds_gateway/dds/error.hpp"
 #include "dds_gateway/gateway_domain.hpp"

@@ -1,6 +1,9 @@
 /// RosBridge's word about itself and the lab: /diagnostics.
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <string>
+
 #include "common/math/units.hpp"
 #include "dds_gateway/ros/ros_bridge.hpp"
 

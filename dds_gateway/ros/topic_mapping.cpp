@@ -3,12 +3,15 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
+#include <cstdint>
 #include <iterator>
+#include <optional>
 #include <set>
+#include <stdexcept>
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/files/file_problems.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/toml_document.hpp"
 #include "dds_gateway/ros/ros_names.hpp"
 
@@ -180,12 +183,11 @@ void TopicMapping::take(const std::string& name, const Taken& wanted) {
 }
 
 TopicMapping readTopicMappingFile(const std::filesystem::path& file) {
-  std::ifstream stream(file);
-  if (!stream) {
+  const std::optional<std::string> text = readWholeFile(file);
+  if (!text) {
     throw ExperimentError({file.string() + ": gateway.mapping cannot be read: is it there?"});
   }
-  const std::string text{std::istreambuf_iterator<char>(stream), {}};
-  return {text, file.string()};
+  return {*text, file.string()};
 }
 
 }  // namespace lab::gateway

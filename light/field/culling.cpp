@@ -1,6 +1,8 @@
-// What is left of a light field inside a small disc: most layers have no edge there.
+// Simplifies a light field inside a small disc, where most layers have no edge.
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 
 #include "light/field/field.hpp"
 #include "light/field/image.hpp"
@@ -9,15 +11,15 @@ namespace lab::light {
 
 namespace {
 
-constexpr double kGuard = 1e-9;  // [m] by which rounding may misplace an edge
+constexpr double kGuard = 1e-9;  // [m] displacement of an edge by rounding
 
-/// Least and most of a quantity over the disc.
+/// Range of a quantity over the disc.
 struct Span {
   double least = 0;
   double most = 0;
 };
 
-/// Whether something is everywhere, nowhere, or has an edge to look at.
+/// Whether a layer covers all of the disc, nothing of it, or has an edge in it.
 enum class Share : std::int8_t { kNone, kSome, kAll };
 
 Share both(Share a, Share b) {
@@ -33,16 +35,16 @@ struct CompiledLayers::Culling {
   const Disc& disc;
   double radius;
 
-  /// Of anything that changes by at most one metre a metre.
+  /// Range of a quantity with a slope of at most 1.
   [[nodiscard]] Span around(double middle) const { return {middle - radius, middle + radius}; }
 
-  /// Of E between signed distances.
+  /// Of E over a range of signed distances.
   static Share edge(const Entry& entry, const Span& distance) {
     if (entry.slope * distance.least + entry.offset >= 1) return Share::kAll;
     return entry.slope * distance.most + entry.offset <= 0 ? Share::kNone : Share::kSome;
   }
 
-  /// Of a straight line that is 0 at `from` and 1 at `from + length`.
+  /// Of a ramp that is 0 at `from` and 1 at `from + length`.
   static Share run(const Span& place, double from, double length) {
     if (place.least >= from + length) return Share::kAll;
     return place.most <= from ? Share::kNone : Share::kSome;
@@ -56,7 +58,7 @@ struct CompiledLayers::Culling {
     return out;
   }
 
-  /// Of a layer of cover 1 that is value2 where `second` says.
+  /// A layer of cover 1 that has value2 where `second` is set.
   static std::optional<Entry> oneOf(const Entry& entry, Share second) {
     if (second == Share::kNone) return uniform(entry, entry.value);
     if (second == Share::kAll)
@@ -69,14 +71,14 @@ struct CompiledLayers::Culling {
     return cover == Share::kAll ? uniform(entry, entry.value) : entry;
   }
 
-  /// Whether a square of side `half_period` around a multiple of the period is there, along one
+  /// Whether a band of half width `half` around a multiple of the period covers the disc, along one
   /// axis.
   [[nodiscard]] Share inStripe(const Entry& entry, double place, double period, double half) const {
     const double off = std::abs(place - period * std::floor(place / period + 0.5));
     return edge(entry, around(half - off));
   }
 
-  /// Grey values that bilinear interpolation may touch: one of them only, or nothing.
+  /// The grey value if bilinear interpolation reads only one; else empty.
   [[nodiscard]] std::optional<std::uint8_t> oneGrey(const Entry& entry, double across,
                                                     double up) const {
     const Image& image = *entry.pixels;
@@ -116,7 +118,7 @@ struct CompiledLayers::Culling {
     return entry;
   }
 
-  /// What is left of one layer; empty: nothing.
+  /// The remainder of one layer; empty if nothing is left.
   [[nodiscard]] std::optional<Entry> part(const Entry& entry) const {
     const double from_x = disc.x - entry.x;
     const double from_y = disc.y - entry.y;
@@ -180,7 +182,7 @@ CompiledLayers CompiledLayers::within(const Disc& disc) const {
   const Culling culling(disc);
   CompiledLayers out;
   out.entries_.reserve(entries_.size());
-  std::size_t bottom = 0;  // of the picture that is being composed
+  std::size_t bottom = 0;  // start of the picture that is being composed
   for (const Entry& entry : entries_) {
     if (entry.kind == LayerKind::kFade) {
       out.entries_.push_back(entry);
@@ -196,7 +198,7 @@ CompiledLayers CompiledLayers::within(const Disc& disc) const {
     out.entries_.push_back(*part);
   }
   out.noteUniform();
-  if (out.uniform_) {  // so that equal light is equal whatever it is made of
+  if (out.uniform_) {  // equal light gives equal results whatever its layers are
     Entry entry{};
     entry.kind = LayerKind::kUniform;
     entry.value = out.uniform_value_;

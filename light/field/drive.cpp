@@ -15,13 +15,14 @@ using Problem = std::optional<std::string>;
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
-// The telegraph is cut into blocks of ten periods. Over a block it changes 20 times on average, so
-// that its values at both ends of one are independent to exp(-40): the values at the blocks' ends
-// are coins, and a block is a path between its two coins. Any time is then as cheap as any other.
+// The telegraph signal is divided into blocks of ten periods. Over a block it changes 20 times on
+// average, so that its values at both ends are independent to exp(-40): the values at the ends are
+// independent random bits, and the block is a path conditioned on its two ends. The cost is
+// therefore the same for any time.
 constexpr double kBlockPeriods = 10;
 constexpr double kChangesPerPeriod = 2;
 
-/// The coin of a block's beginning.
+/// Random bit at the start of a block.
 bool brightAt(std::uint64_t seed, std::int64_t block) {
   if (block == 0) return true;
   std::uint64_t state = seed;
@@ -29,8 +30,8 @@ bool brightAt(std::uint64_t seed, std::int64_t block) {
   return (dynamics::splitMix64(state) >> 63U) != 0;
 }
 
-/// Paths from the block's beginning are drawn until one ends as the next block begins: every second
-/// one does, and those are distributed as paths between these two values are.
+/// Rejection sampling: paths from the block's start are drawn until one ends with the next block's
+/// start value. Every second one does.
 bool telegraph(std::uint64_t seed, double periods) {
   const double block = std::floor(periods / kBlockPeriods);
   const double wanted = periods - block * kBlockPeriods;
@@ -61,7 +62,7 @@ std::string text(double value) {
   return buffer;
 }
 
-/// Nothing when low <= value <= high; NaN is outside every range.
+/// Empty if low <= value <= high; NaN is outside every range.
 Problem outside(const char* field, double value, double low, double high, const char* unit = "") {
   if (value >= low && value <= high) return {};
   const std::string allowed = low < high ? text(low) + " to " + text(high) : "0";
@@ -183,7 +184,7 @@ Layer driven(const DrivenLayer& layer, double time) {
   const Drive& drive = layer.drive;
   shown.x += drive.vx * time;
   shown.y += drive.vy * time;
-  // Whole turns are left out, so that an angle stays one that validate() takes.
+  // Full turns are removed, so that validate() accepts the angle.
   if (drive.spin != 0) shown.angle = std::remainder(shown.angle + drive.spin * time, kTurn);
   shown.phase += drive.phase_rate * time;
   shown.intensity = drive.low + modulation(drive, time) * (shown.intensity - drive.low);

@@ -15,7 +15,7 @@ namespace lab::light {
 namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
-constexpr std::size_t kBlock = 64;  // places whose numbers stay in the nearest cache
+constexpr std::size_t kBlock = 64;  // places whose values fit into the first-level cache
 
 double clampToShown(double intensity) { return std::min(std::max(intensity, 0.0), 1.0); }
 
@@ -35,12 +35,13 @@ double blended(Blend blend, double below, double value) {
   return below;
 }
 
-/// Distance from the nearest whole multiple of `period`.
+/// Distance from the nearest multiple of `period`.
 double fromNearestMultiple(double place, double period) {
   return std::abs(place - period * std::floor(place / period + 0.5));
 }
 
-/// Calls `function` with the kind as a template argument, so that loops inside it are free of it.
+/// Calls `function` with the kind as a template argument, so that its loops contain no branch on
+/// it.
 template <class Function>
 auto withKind(LayerKind kind, Function&& function) {
   switch (kind) {
@@ -83,7 +84,7 @@ struct CompiledLayers::Paint {
   double cover;
 };
 
-/// What is remembered from one place to the next.
+/// State kept from one place to the next.
 template <LayerKind kKind>
 struct CompiledLayers::Reader {
   explicit Reader(const Entry&) {}
@@ -109,7 +110,7 @@ CompiledLayers::Entry CompiledLayers::compile(const Layer& layer) {
   entry.value = layer.intensity;
   entry.value2 = layer.intensity2;
   entry.reach = std::numeric_limits<double>::infinity();
-  // A step is an edge so steep that any distance saturates it, and full on the line itself.
+  // A step is an edge so steep that any distance saturates it; the line itself is fully covered.
   const bool step = layer.softness <= 0;
   entry.slope = step ? 1e200 : 1 / layer.softness;
   entry.offset = step ? 1 : 0.5;
@@ -126,7 +127,7 @@ CompiledLayers::Entry CompiledLayers::compile(const Layer& layer) {
       entry.inner = 0.5 * layer.inner * layer.size;
       break;
     case LayerKind::kWave:
-      // Without whole turns the phase keeps its digits, however long the wave has travelled.
+      // Removing full turns keeps the precision of the phase after any time.
       entry.phase = std::remainder(layer.phase, kTurn);
       break;
     case LayerKind::kNoise:
@@ -225,7 +226,7 @@ void CompiledLayers::noteUniform() {
   const bool uniform = std::all_of(entries_.begin(), entries_.end(), [](const Entry& entry) {
     return entry.kind == LayerKind::kUniform || entry.kind == LayerKind::kFade;
   });
-  uniform_ = false;  // evaluate() must look at the layers for this one value
+  uniform_ = false;  // evaluate() must evaluate the layers for this value
   uniform_value_ = uniform ? evaluate(0, 0) : 0;
   uniform_ = uniform;
 }
@@ -274,8 +275,8 @@ void CompiledLayers::evaluateRow(double first_x, double step, double y, std::siz
   finish_picture();
 }
 
-/// One block of places at most kBlock long: values and covers first, then what they do to the
-/// intensity below, so that each loop is free of the choice of kind and of blend.
+/// One block of at most kBlock places: first values and covers, then blending, so that the loops
+/// contain no branches on kind and blend.
 LAB_TARGET_CLONES __attribute__((flatten)) void CompiledLayers::paintAt(
     const Entry& entry, const double* x, const double* y, std::size_t count, double* row) {
   std::array<double, kBlock> value;

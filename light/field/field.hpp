@@ -2,12 +2,12 @@
 /// light sensors and the rendered camera.
 ///
 /// Intensity is 0 (projector black) .. 1 (projector white), in the arena frame, at the height of
-/// the robots' light sensors, 5 cm above the floor: that is where it selects a program. What lies
-/// at another height (the floor, a cap in a camera view) is derived from it by the projector's
-/// geometry.
+/// the robots' light sensors, 5 cm above the floor, where it selects a program. Light at other
+/// heights (the floor, a cap in a camera view) follows from it by the projector's geometry.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "light/field/layer.hpp"
@@ -15,11 +15,11 @@
 
 namespace lab::light {
 
-/// What is shown: I(x, y) = (1 - mix) previous(x, y) + mix layers(x, y).
+/// Shown light: I(x, y) = (1 - mix) previous(x, y) + mix layers(x, y).
 ///
-/// A list of layers is composed from I = 0 upwards (layer.hpp), unclamped between layers, and its
-/// result clamped to 0..1: an empty list is dark, and two lights may add up above white before a
-/// mask takes some away.
+/// A list of layers is composed from I = 0 upwards (layer.hpp), unclamped between layers, and the
+/// result is clamped to 0..1. So an empty list is dark, and lights may add up to more than white
+/// before a mask reduces them.
 struct Field {
   std::vector<Layer> layers;
   std::vector<Layer> previous;  ///< read only while mix < 1
@@ -28,21 +28,21 @@ struct Field {
   bool operator==(const Field&) const = default;
 };
 
-/// Whether the intensity is the same everywhere. True only for fields of uniform layers (and
-/// fades): a uniform field painted by other kinds is still called not uniform.
+/// Whether the intensity is the same everywhere. Detected only for uniform layers and fades; fields
+/// of other kinds are reported as not uniform.
 [[nodiscard]] bool isUniform(const Field& field);
 
-/// Whether a cross-fade is under way, so that the field changes without a new command.
+/// Whether a cross-fade is in progress, so that the field changes without a new command.
 [[nodiscard]] inline bool isMoving(const Field& field) { return field.mix < 1; }
 
-/// The places within `radius` of (x, y) [m].
+/// The places within `radius` [m] of (x, y) [m].
 struct Disc {
   double x = 0;
   double y = 0;
   double radius = 0;
 };
 
-/// A list of layers made ready for evaluation. It keeps the pixels of its images alive.
+/// A list of layers prepared for evaluation. Shares ownership of the images' pixels.
 class CompiledLayers {
  public:
   CompiledLayers() = default;
@@ -53,22 +53,21 @@ class CompiledLayers {
   /// Intensity at (x, y) [m].
   [[nodiscard]] double evaluate(double x, double y) const;
 
-  /// Intensity at `count` places of one row, at x = first_x + i step [m]: the same numbers as
-  /// evaluate(), several times faster.
+  /// Intensity at `count` places of one row, at x = first_x + i step [m]: bit-equal to evaluate(),
+  /// several times faster.
   void evaluateRow(double first_x, double step, double y, std::size_t count, double* out) const;
 
-  /// Intensity at `count` places (x[i], y[i]): the same numbers as evaluate(), several times
-  /// faster.
+  /// Intensity at `count` places (x[i], y[i]): bit-equal to evaluate(), several times faster.
   void evaluateAt(const double* x, const double* y, std::size_t count, double* out) const;
 
-  /// What shows the same inside the disc with as few layers as possible (culling.cpp): none that
-  /// paints nothing there or lies under an opaque one, light of one value where an edge is out of
-  /// sight. The numbers are the same but for the rounding of the last bit.
+  /// An equivalent list inside the disc with as few layers as possible (culling.cpp): without
+  /// layers that paint nothing there or are covered by an opaque one, and with uniform light where
+  /// no edge is inside. Equal up to the rounding of the last bit.
   [[nodiscard]] CompiledLayers within(const Disc& disc) const;
 
   [[nodiscard]] bool isUniform() const { return uniform_; }
 
-  /// Whether they were made of the same layers; images are compared by identity.
+  /// Whether they have the same layers; images are compared by identity.
   bool operator==(const CompiledLayers&) const = default;
 
  private:
@@ -76,11 +75,11 @@ class CompiledLayers {
     LayerKind kind;
     Blend blend;
     double x, y, cosine, sine;
-    double outer, inner;   ///< [m] as the kind reads them, half lengths where it is symmetric
-    double length;         ///< [m] a period or the run of a gradient
-    double slope, offset;  ///< of E's t: t = slope d + offset
+    double outer, inner;   ///< [m] as used by the kind, half lengths for symmetric shapes
+    double length;         ///< [m] a period or the length of a gradient
+    double slope, offset;  ///< for E's t = slope d + offset
     double value, value2;
-    double reach;  ///< [m] nothing is painted further from (x, y)
+    double reach;  ///< [m] distance from (x, y) beyond which nothing is painted
     double phase;
     Noise noise;
     std::shared_ptr<const Image> pixels;
@@ -109,21 +108,21 @@ class CompiledLayers {
   double uniform_value_ = 0;
 };
 
-/// A field made ready for evaluation. Compile once a change; then N sensors or every pixel are
-/// cheap.
+/// A field prepared for evaluation. Compile once per change; evaluation at sensors or pixels is
+/// then fast.
 class CompiledField {
  public:
   CompiledField() = default;
 
-  /// @param field whose layers pass validate().
+  /// @param field its layers must pass validate()
   explicit CompiledField(const Field& field);
 
   /// Intensity at (x, y) [m].
   [[nodiscard]] double evaluate(double x, double y) const;
 
-  /// Mean intensity over the disk of `radius` [m] around (x, y), a light sensor's window: seven
-  /// points, exact for polynomials up to degree 5 (Stroud 1971, S2: 5-1: the centre with weight 1/4
-  /// and six points at sqrt(2/3) radius with 1/8 each). Across a hard edge it is a staircase with
+  /// Mean intensity over the disk of `radius` [m] around (x, y), the window of a light sensor:
+  /// seven points, exact for polynomials up to degree 5 (Stroud 1971, S2: 5-1: the centre with
+  /// weight 1/4 and six points at sqrt(2/3) radius with 1/8 each). Across a hard edge it changes in
   /// steps of 1/8 and 1/4.
   [[nodiscard]] double evaluateOverDisk(double x, double y, double radius) const;
 

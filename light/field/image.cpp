@@ -24,7 +24,8 @@ struct StbFree {
   void operator()(stbi_uc* pixels) const { stbi_image_free(pixels); }
 };
 
-/// Two neighbours among `count` pixel centres and the share of the second, for a place in 0..1.
+/// Indices of two adjacent pixel centres among `count`, and the weight of the second, for a place
+/// in 0..1.
 struct Neighbours {
   int first;
   int second;
@@ -63,7 +64,7 @@ DecodedImage decodeImage(std::span<const std::uint8_t> file) {
   int height = 0;
   int channels = 0;
   if (stbi_info_from_memory(file.data(), length, &width, &height, &channels) == 0) {
-    return {nullptr, "is no image of a known format (PNG, JPEG, BMP, PGM)"};
+    return {nullptr, "is not an image of a known format (PNG, JPEG, BMP, PGM)"};
   }
   if (static_cast<double>(width) * height > kMostPixels) {
     return {nullptr, "has more than 100 million pixels"};
@@ -82,7 +83,7 @@ DecodedImage decodeImage(std::span<const std::uint8_t> file) {
   if (scale < 1) {
     image->grey.resize(static_cast<std::size_t>(image->columns) *
                        static_cast<std::size_t>(image->rows));
-    // The triangle filter never overshoots, so dark stays dark beside a bright edge.
+    // The triangle filter does not overshoot, so dark areas beside a bright edge stay dark.
     if (stbir_resize_uint8_generic(decoded.get(), width, height, 0, image->grey.data(),
                                    image->columns, image->rows, 0, 1, STBIR_ALPHA_CHANNEL_NONE, 0,
                                    STBIR_EDGE_CLAMP, STBIR_FILTER_TRIANGLE, STBIR_COLORSPACE_LINEAR,

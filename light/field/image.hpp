@@ -1,4 +1,5 @@
-/// Pictures as light: grey grids small enough to travel, known by the SHA-256 of their file.
+/// Pictures in light fields: grey images small enough for messages, identified by the SHA-256 of
+/// their file.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +18,7 @@ namespace lab::light {
 inline constexpr int kMostColumns = 160;
 inline constexpr int kMostRows = 120;
 
-/// Grey values as the projector should show them: 0 dark, 255 white, linear in intensity.
+/// Grey values as the projector shows them: 0 dark, 255 white, linear in intensity.
 struct Image {
   int columns = 0;                 ///< at most kMostColumns
   int rows = 0;                    ///< at most kMostRows
@@ -32,7 +33,7 @@ struct Image {
 /// SHA-256 of the bytes in 64 lower-case hexadecimal digits (FIPS 180-4, by libmd).
 [[nodiscard]] std::string sha256(std::span<const std::uint8_t> bytes);
 
-/// Either an image or the reason why there is none.
+/// An image, or the reason why there is none.
 struct DecodedImage {
   std::shared_ptr<const Image> image;
   std::string error;
@@ -48,16 +49,16 @@ struct DecodedImage {
 /// Images by their SHA-256.
 using ImageStore = std::map<std::string, std::shared_ptr<const Image>>;
 
-/// Gives every image layer that the store knows its pixels; the others stay without.
+/// Sets the pixels of every image layer in the store; others keep none.
 void attachImages(std::vector<Layer>& layers, const ImageStore& store);
 
 /// An 8-bit grey PNG file.
 /// @param grey columns x rows values, the top row first.
-/// @throws std::invalid_argument when their number is not columns * rows.
+/// @throws std::invalid_argument if their number is not columns * rows
 [[nodiscard]] std::vector<std::uint8_t> encodePng(int columns, int rows,
                                                   std::span<const std::uint8_t> grey);
 
-/// Writes a whole file, or says in one line why not.
+/// Writes a file. @return one line with the reason of a failure
 [[nodiscard]] std::optional<std::string> writeFile(const std::filesystem::path& path,
                                                    std::span<const std::uint8_t> bytes);
 

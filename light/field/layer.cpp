@@ -18,7 +18,7 @@ std::string text(double value) {
   return buffer;
 }
 
-/// Nothing when low <= value <= high; NaN is outside every range.
+/// Empty if low <= value <= high; NaN is outside every range.
 Problem outside(const char* field, double value, double low, double high, const char* unit) {
   if (value >= low && value <= high) return {};
   return std::string(field) + " = " + text(value) + unit + ", allowed: " + text(low) + " to " +
@@ -29,7 +29,7 @@ bool readsSize(LayerKind kind) {
   return kind != LayerKind::kUniform && kind != LayerKind::kHalfPlane && kind != LayerKind::kFade;
 }
 
-/// The widest edge that still leaves a full middle, so that two edges never overlap.
+/// The widest edge for which two opposite edges do not overlap.
 double widestEdge(const Layer& layer) {
   switch (layer.kind) {
     case LayerKind::kDisk:

@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kQuantiles = 1024;
 constexpr unsigned kQuantileShift = 64 - 10;
 
-/// Where the share `below` of a normal distribution is: by bisection, for below in (0, 1).
+/// Quantile of the standard normal distribution for `below` in (0, 1), by bisection.
 double normalQuantile(double below) {
   double low = -8;
   double high = 8;
@@ -22,8 +22,8 @@ double normalQuantile(double below) {
   return 0.5 * (low + high);
 }
 
-/// Equally likely values that stand for a standard normal distribution: the quantiles in the middle
-/// of 1024 equal shares, stretched to variance 1.
+/// Equally likely values that represent a standard normal distribution: the medians of 1024 equal
+/// shares, scaled to variance 1.
 std::array<double, kQuantiles> makeQuantiles() {
   std::array<double, kQuantiles> values{};
   double squares = 0;
@@ -43,15 +43,15 @@ const std::array<double, kQuantiles>& quantiles() {
   return values;
 }
 
-/// Quadratic B-spline weights of the lattice points before, nearest to and after a place that is
-/// `past` (-1/2..1/2) beyond the nearest.
+/// Quadratic B-spline weights of the lattice points before, nearest to and after a place `past`
+/// (-1/2..1/2) beyond the nearest.
 std::array<double, 3> weightsAt(double past) {
   const double before = 0.5 - past;
   const double after = 0.5 + past;
   return {0.5 * before * before, 0.75 - past * past, 0.5 * after * after};
 }
 
-/// std::floor(value + 0.5), without a call.
+/// std::floor(value + 0.5), without a library call.
 std::int64_t nearestWhole(double value) {
   const double shifted = value + 0.5;
   const auto whole = static_cast<std::int64_t>(shifted);

@@ -60,7 +60,7 @@ void FramePainter::refresh(End& end, const std::vector<Layer>& layers) {
 }
 
 const Raster& FramePainter::paint(const Field& field) {
-  // A new ramp begins where the last one ended: that end is already painted.
+  // A new ramp starts where the last one ended, which is already painted.
   if (isMoving(field) && field.previous == layers_.layers) std::swap(layers_, previous_);
   refresh(layers_, field.layers);
   if (!isMoving(field)) return layers_.raster;

@@ -1,4 +1,4 @@
-/// The light field as pixels.
+/// Rasterises the light field.
 #pragma once
 
 #include <cstdint>
@@ -8,9 +8,8 @@
 
 namespace lab::light {
 
-/// Intensities at the centres of nx x ny equal pixels over the arena. Row 0 is the one at the
-/// smallest y, so that at(i, j) is the light at x = (i + 1/2) width / nx, y = (j + 1/2) height /
-/// ny.
+/// Intensities at the centres of nx x ny equal pixels over the arena. Row 0 is at the smallest y:
+/// at(i, j) is the light at x = (i + 1/2) width / nx, y = (j + 1/2) height / ny.
 struct Raster {
   int nx = 0;
   int ny = 0;
@@ -23,7 +22,7 @@ struct Raster {
 };
 
 /// @param width,height of the arena [m].
-/// @throws std::invalid_argument when a number of pixels is below 1 or a length not above 0.
+/// @throws std::invalid_argument if a number of pixels is below 1 or a length is not positive
 [[nodiscard]] Raster rasterise(const CompiledField& field, double width, double height, int nx,
                                int ny);
 [[nodiscard]] Raster rasterise(const Field& field, double width, double height, int nx, int ny);
@@ -32,11 +31,11 @@ struct Raster {
 /// largest y, first.
 [[nodiscard]] std::vector<std::uint8_t> toGrey(const Raster& raster);
 
-/// The raster as the bytes of a grey PNG file, seen as one looks at a plot: x right, y up.
+/// The raster as a grey PNG file, oriented like a plot: x right, y up.
 [[nodiscard]] std::vector<std::uint8_t> toPng(const Raster& raster);
 
-/// Rasters for a display that shows a field frame by frame. It keeps the rasters of both ends of a
-/// cross-fade, so that a frame of a ramp costs one mix a pixel, whatever the number of layers.
+/// Rasterises fields for a display frame by frame. Keeps the rasters of both ends of a cross-fade,
+/// so that a frame of a ramp costs one mix per pixel, whatever the number of layers.
 class FramePainter {
  public:
   /// @param width,height of the arena [m], @param nx,ny of the display, as for rasterise().

@@ -1,4 +1,4 @@
-// The one place where the bodies of the stb headers are compiled.
+// Compiles the implementations of the stb headers.
 #define STB_IMAGE_IMPLEMENTATION
 #define STB_IMAGE_RESIZE_IMPLEMENTATION
 #define STB_IMAGE_WRITE_IMPLEMENTATION

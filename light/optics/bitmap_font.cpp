@@ -6,7 +6,7 @@
 namespace lab::optics {
 namespace {
 
-/// A letter: seven rows from the top, five bits each, the highest bit on the left.
+/// A glyph: seven rows from the top, five bits each, the highest bit on the left.
 struct Letter {
   char sign;
   std::array<std::uint8_t, 7> rows;

@@ -1,4 +1,8 @@
-/// Letters of 5 x 7 pixels, for pictures that people read.
+/// Glyphs of 5 x 7 pixels for text on pictures.
+///
+/// Not stb_easy_font: callers place labels and right-align numbers by a fixed glyph width,
+/// changing numbers must not move the text behind them, and stb_easy_font reads outside its tables
+/// for bytes that are not printable ASCII.
 #pragma once
 
 #include <array>
@@ -7,16 +11,16 @@
 
 namespace lab::optics {
 
-/// Size of a letter with its space to the next one and to the line below [px].
+/// Advance to the next glyph and to the next line [px].
 inline constexpr int kGlyphWidth = 6;
 inline constexpr int kGlyphHeight = 9;
 
-/// Seven rows from the top, five bits each, the highest bit on the left. Capitals, digits and the
-/// signs that numbers need; small letters are capitals, anything else is a box.
+/// Seven rows from the top, five bits each, the highest bit on the left. Contains capitals, digits
+/// and the signs that numbers need; lower case is mapped to capitals, anything else to a box.
 [[nodiscard]] const std::array<std::uint8_t, 7>& glyphRows(char sign);
 
-/// Calls `paint(x, y)` for every pixel of a text with its top left corner at (left, top), letters
-/// `size` times as large.
+/// Calls `paint(x, y)` for every pixel of a text with its top left corner at (left, top), magnified
+/// by `size`.
 template <class Paint>
 void forEachGlyphPixel(std::string_view text, int left, int top, int size, Paint&& paint) {
   constexpr int kColumns = 5;

@@ -1,9 +1,10 @@
 #include "light/optics/bundle_adjustment.hpp"
 
-#include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "light/optics/levenberg_marquardt.hpp"
 
 namespace lab::calibration {
 namespace {
@@ -13,9 +14,9 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int kIterations = 100;
-constexpr double kConverged = 1e-10;  // of the cost, relative
-constexpr double kHuber = 2;          // standard deviations from which residuals count linearly
+constexpr int kEvaluations = 100;
+constexpr double kConverged = 1e-10;  // relative reduction of the cost
+constexpr double kHuber = 2;          // [standard deviations] above which the cost grows linearly
 constexpr double kSingular = 1e-14;
 
 Matrix3d turned(const Vector3d& by, const Matrix3d& rotation) {
@@ -23,11 +24,6 @@ Matrix3d turned(const Vector3d& by, const Matrix3d& rotation) {
   if (angle <= 0) return rotation;
   return Eigen::AngleAxisd(angle, by / angle).toRotationMatrix() * rotation;
 }
-
-struct Equations {
-  MatrixXd information;
-  VectorXd gradient;
-};
 
 double huberCost(double residual) {
   const double size = std::abs(residual);
@@ -43,26 +39,43 @@ double costOf(const std::vector<ResidualBlock>& blocks, const CameraState& state
   return std::isfinite(cost) ? cost : HUGE_VAL;
 }
 
-Equations equationsAt(const std::vector<ResidualBlock>& blocks, const CameraState& state) {
-  const int unknowns = state.unknowns();
-  Equations equations{MatrixXd::Zero(unknowns, unknowns), VectorXd::Zero(unknowns)};
+// The square of this is the Huber cost, so that a least-squares solver minimises the Huber cost.
+double rootOfHuberCost(double residual) {
+  return std::copysign(std::sqrt(huberCost(residual)), residual);
+}
+
+double slopeOfHuberRoot(double residual) {
+  return std::abs(residual) <= kHuber ? 1 : kHuber / std::sqrt(huberCost(residual));
+}
+
+/// Row of each block's first residual in the stack of all residuals; the last element is their
+/// number.
+std::vector<int> firstRows(const std::vector<ResidualBlock>& blocks, const CameraState& state) {
+  std::vector<int> first = {0};
+  for (const ResidualBlock& block : blocks) {
+    first.push_back(first.back() + static_cast<int>(block.residuals(state).size()));
+  }
+  return first;
+}
+
+/// J^T W J with the Huber weights W.
+MatrixXd informationAt(const std::vector<ResidualBlock>& blocks, const CameraState& state) {
+  MatrixXd sum = MatrixXd::Zero(state.unknowns(), state.unknowns());
   for (const ResidualBlock& block : blocks) {
     const MatrixXd slopes = jacobianOf(block, state);
-    const VectorXd residuals = block.residuals(state);
-    VectorXd weights = VectorXd::Ones(residuals.size());
-    if (block.robust) weights = kHuber / residuals.cwiseAbs().cwiseMax(kHuber).array();
+    VectorXd weights = VectorXd::Ones(slopes.rows());
+    if (block.robust) {
+      weights = kHuber / block.residuals(state).cwiseAbs().cwiseMax(kHuber).array();
+    }
     const MatrixXd information = slopes.transpose() * weights.asDiagonal() * slopes;
-    const VectorXd gradient = slopes.transpose() * weights.cwiseProduct(residuals);
     for (std::size_t i = 0; i < block.unknowns.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      equations.gradient[block.unknowns[i]] -= gradient[row];
       for (std::size_t j = 0; j < block.unknowns.size(); ++j) {
-        equations.information(block.unknowns[i], block.unknowns[j]) +=
-            information(row, static_cast<Eigen::Index>(j));
+        sum(block.unknowns[i], block.unknowns[j]) +=
+            information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
       }
     }
   }
-  return equations;
+  return sum;
 }
 
 }  // namespace
@@ -116,40 +129,44 @@ MatrixXd jacobianOf(const ResidualBlock& block, const CameraState& state) {
 }
 
 CameraSolution solveCamera(const std::vector<ResidualBlock>& blocks, const CameraState& start) {
-  CameraSolution solution;
-  solution.state = start;
-  solution.cost = costOf(blocks, start);
-  double damping = 1e-3;
-  Equations equations = equationsAt(blocks, start);
-  for (int i = 0; i < kIterations; ++i) {
-    MatrixXd damped = equations.information;
-    damped.diagonal() *= 1 + damping;
-    const VectorXd by = damped.ldlt().solve(equations.gradient);
-    const CameraState tried = solution.state.moved(by);
-    const double cost = by.allFinite() ? costOf(blocks, tried) : HUGE_VAL;
-    if (!(cost < solution.cost)) {
-      damping *= 10;
-      if (damping > 1e9) break;
-      continue;
+  const std::vector<int> first = firstRows(blocks, start);
+  optics::LeastSquaresProblem problem;
+  problem.residuals = first.back();
+  problem.tolerance = kConverged;
+  problem.evaluations = kEvaluations;
+  problem.residuals_at = [&](const VectorXd& x, Eigen::Ref<VectorXd> out) {
+    const CameraState state = start.moved(x);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      VectorXd residuals = blocks[i].residuals(state);
+      if (blocks[i].robust) residuals = residuals.unaryExpr(&rootOfHuberCost).eval();
+      out.segment(first[i], residuals.size()) = residuals;
     }
-    const bool converged = solution.cost - cost <= kConverged * solution.cost;
-    solution.state = tried;
-    solution.cost = cost;
-    damping = std::max(damping / 10, 1e-9);
-    equations = equationsAt(blocks, tried);
-    if (converged) break;
-  }
-  // In units of each unknown's own information: singular means that two cannot be told apart.
-  const VectorXd scale = equations.information.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const MatrixXd scaled =
-      scale.cwiseInverse().asDiagonal() * equations.information * scale.cwiseInverse().asDiagonal();
-  if (!scaled.allFinite()) return solution;
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(scaled);
-  solution.determined = solver.eigenvalues()[0] > kSingular;
-  if (solution.determined) {
-    solution.covariance = scale.cwiseInverse().asDiagonal() *
-                          scaled.ldlt().solve(MatrixXd::Identity(scaled.rows(), scaled.cols())) *
-                          scale.cwiseInverse().asDiagonal();
+  };
+  problem.jacobian_at = [&](const VectorXd& x, Eigen::Ref<MatrixXd> out) {
+    const CameraState state = start.moved(x);
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      const ResidualBlock& block = blocks[i];
+      VectorXd slopes = VectorXd::Ones(first[i + 1] - first[i]);
+      if (block.robust) slopes = block.residuals(state).unaryExpr(&slopeOfHuberRoot);
+      for (const int unknown : block.unknowns) {
+        const double step = CameraState::step(unknown);
+        VectorXd forward = x;
+        VectorXd backward = x;
+        forward[unknown] += step;
+        backward[unknown] -= step;
+        out.col(unknown).segment(first[i], slopes.size()) = slopes.cwiseProduct(
+            (block.residuals(start.moved(forward)) - block.residuals(start.moved(backward))) /
+            (2 * step));
+      }
+    }
+  };
+  CameraSolution solution;
+  solution.state =
+      start.moved(optics::solveLeastSquares(problem, VectorXd::Zero(start.unknowns())));
+  solution.cost = costOf(blocks, solution.state);
+  if (auto covariance = optics::covarianceOf(informationAt(blocks, solution.state), kSingular)) {
+    solution.covariance = std::move(*covariance);
+    solution.determined = true;
   }
   return solution;
 }

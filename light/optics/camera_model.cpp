@@ -54,18 +54,18 @@ Pixel CameraModel::project(double x, double y, double z, PlaneScale& scale) cons
 
 std::optional<Place> CameraModel::toPlane(Pixel pixel, double z) const {
   constexpr int kMostSteps = 20;
-  // An error after which one more step leaves its square, which is nothing.
+  // Newton's method converges quadratically: after an error below this, one more step is exact.
   constexpr double kClose = 1e-6;
   const double wanted_a = (pixel.x - p_.cx) / p_.fx;
   const double wanted_b = (pixel.y - p_.cy) / p_.fy;
   double a = wanted_a;
   double b = wanted_b;
   bool found = false;
-  // Newton: two or three steps for a real lens.
+  // Two or three Newton steps for a real lens.
   for (int step = 0; step < kMostSteps && !found; ++step) {
     const Distorted d = distort(p_, a, b);
     const double determinant = d.aa * d.bb - d.ab * d.ba;
-    if (!(determinant > 0)) return std::nullopt;  // beyond where the lens model folds over
+    if (!(determinant > 0)) return std::nullopt;  // outside the invertible range of the lens model
     const double ea = wanted_a - d.a;
     const double eb = wanted_b - d.b;
     const double over = 1 / determinant;

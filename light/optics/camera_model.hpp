@@ -1,5 +1,5 @@
-/// From the arena to the picture and back: a pinhole camera with lens distortion, anywhere above
-/// the arena. Points are undistorted, pictures never.
+/// Projection from the arena to the picture and back: a pinhole camera with lens distortion,
+/// anywhere above the arena. Pictures are never resampled; only points are undistorted.
 #pragma once
 
 #include <array>
@@ -23,7 +23,7 @@ struct Place {
 /// Camera coordinates are R X + t of the arena's (x, y, z), z up [m]; x of the camera right in the
 /// picture, y down, z away from it.
 struct CameraParameters {
-  int width = 0;   ///< [px] of the pictures that these numbers belong to
+  int width = 0;   ///< [px] of the pictures that the parameters belong to
   int height = 0;  ///< [px]
   double fx = 0;   ///< [px]
   double fy = 0;   ///< [px]
@@ -51,20 +51,20 @@ class CameraModel {
 
   [[nodiscard]] const CameraParameters& parameters() const { return p_; }
 
-  /// Where the point (x, y, z) [m] of the arena appears; it must lie in front of the camera.
+  /// Image of the point (x, y, z) [m] of the arena, which must lie in front of the camera.
   [[nodiscard]] Pixel project(double x, double y, double z) const;
 
-  /// The same with the derivative by x and y.
+  /// The same, with the derivative by x and y.
   [[nodiscard]] Pixel project(double x, double y, double z, PlaneScale& scale) const;
 
-  /// The place at height z [m] that appears at this pixel; empty where the line of sight does not
-  /// meet the plane in front of the camera, or where the lens model cannot be inverted.
+  /// The place at height z [m] that is imaged to this pixel; empty if the line of sight does not
+  /// meet the plane in front of the camera, or if the lens model cannot be inverted.
   [[nodiscard]] std::optional<Place> toPlane(Pixel pixel, double z) const;
 
-  /// The derivative of project() by x and y there.
+  /// The derivative of project() by x and y.
   [[nodiscard]] PlaneScale scaleAt(Place place, double z) const;
 
-  /// Where the camera stands in the arena frame: x, y, z [m].
+  /// Position of the camera in the arena frame: x, y, z [m].
   [[nodiscard]] std::array<double, 3> centre() const;
 
  private:

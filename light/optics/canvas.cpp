@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "light/optics/bitmap_font.hpp"
 
@@ -28,7 +29,7 @@ void Canvas::line(optics::Pixel from, optics::Pixel to, Colour colour, double th
   const double dy = to.y - from.y;
   const double length2 = dx * dx + dy * dy;
   const double reach = thickness / 2 + 1;
-  // Whatever the line, no more than the picture is looked at.
+  // Limited to the picture, however long the line is.
   const auto inside = [](double value, int size) {
     return static_cast<int>(std::clamp(value, 0.0, size - 1.0));
   };

@@ -1,4 +1,4 @@
-/// Lines and letters on an RGB picture.
+/// Lines and text on an RGB picture.
 #pragma once
 
 #include <string_view>
@@ -12,19 +12,19 @@ namespace lab::tracker {
 using optics::kGlyphHeight;
 using optics::kGlyphWidth;
 
-/// Draws on a picture; what lies outside is left out.
+/// Draws on a picture; clips at its edges.
 class Canvas {
  public:
   explicit Canvas(RgbImage& image) : image_(image) {}
 
-  /// A smooth line of this thickness [px] between two places.
+  /// An antialiased line of this thickness [px].
   void line(optics::Pixel from, optics::Pixel to, Colour colour, double thickness = 1);
 
-  /// Text with its top left corner at (x, y), letters of 5 x 7 px times `size`. Capitals, digits
-  /// and the signs that numbers need; small letters are drawn as capitals, anything else as a box.
+  /// Text with its top left corner at (x, y), glyphs of 5 x 7 px times `size`. Lower case is drawn
+  /// as capitals, signs without a glyph as a box.
   void text(int x, int y, std::string_view text, Colour colour, int size = 1);
 
-  /// Makes a rectangle darker, so that text on it can be read.
+  /// Darkens a rectangle, as a background for text.
   void shade(int x, int y, int width, int height);
 
  private:

@@ -1,13 +1,13 @@
-/// The cap of a robot as a camera sees it from above: a white disc with a big black circle in front
-/// and a small one behind, 5 cm above the floor.
+/// Geometry of a robot's cap seen from above: a white disc with a big black circle in front and a
+/// small one behind, 5 cm above the floor.
 #pragma once
 
 #include <optional>
 
 namespace lab::optics {
 
-/// Sizes [m], in the robot's frame: x forward, the robot's axis at 0. The defaults are assumptions
-/// of this project (the paper gives none); a calibration file may say others.
+/// Sizes [m] in the robot's frame: x forward, origin on the robot's axis. The defaults are
+/// assumptions of this project (the paper gives none); a calibration file may change them.
 struct CapGeometry {
   double robot_radius = 0.0375;
   double cap_radius = 0.036;
@@ -17,15 +17,15 @@ struct CapGeometry {
   double big_offset = 0.018;     ///< x of the big circle's centre
   double small_offset = -0.018;  ///< x of the small circle's centre
 
-  /// Between the centres of the two circles.
+  /// Distance between the centres of the two circles.
   [[nodiscard]] double spacing() const { return big_offset - small_offset; }
 
   bool operator==(const CapGeometry&) const = default;
 };
 
-/// Sizes that no cap has.
+/// An impossible size.
 struct CapFault {
-  const char* size;  ///< which one, by its name above
+  const char* size;  ///< its name in CapGeometry
   const char* what;
 };
 

@@ -1,5 +1,5 @@
-/// Pictures in memory: 8 bits a pixel, the top row first; linear in light, unless Imaging::gamma
-/// says otherwise.
+/// Grey pictures in memory: 8 bits per pixel, top row first; linear in light unless Imaging::gamma
+/// differs from 1.
 #pragma once
 
 #include <cstddef>
@@ -8,18 +8,18 @@
 
 namespace lab::optics {
 
-/// A place in a picture: x right, y down, pixel centres at whole numbers, (0, 0) the top left one.
+/// A position in a picture: x right, y down, pixel centres at integers, (0, 0) the top left one.
 struct Pixel {
   double x = 0;
   double y = 0;
 };
 
-/// Somebody else's grey picture, read only.
+/// A read-only view of a grey picture.
 struct GreyView {
   const std::uint8_t* data = nullptr;
   int width = 0;
   int height = 0;
-  std::ptrdiff_t stride = 0;  ///< bytes from one row to the next
+  std::ptrdiff_t stride = 0;  ///< [bytes] from one row to the next
 
   [[nodiscard]] const std::uint8_t* row(int y) const { return data + y * stride; }
   [[nodiscard]] bool contains(double x, double y, double margin = 0) const {
@@ -27,7 +27,7 @@ struct GreyView {
   }
 };
 
-/// A grey picture of one's own.
+/// A grey picture that owns its pixels.
 struct GreyImage {
   int width = 0;
   int height = 0;

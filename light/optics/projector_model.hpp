@@ -1,4 +1,4 @@
-/// From a projector's pixels to the place their light falls on at sensor height, and back.
+/// Maps a projector's pixels to the places they light at sensor height, and back.
 #pragma once
 
 #include <optional>
@@ -7,16 +7,16 @@
 
 namespace lab::optics {
 
-/// A projector is a camera that light leaves: its lens maps places to pixels as CameraModel says.
-/// Without a calibration the arena fills the picture: x to the right, y up, column 0 begins at
-/// x = 0 and row 0, the top one, at y = height.
+/// A projector is an inverse camera: its lens maps places to pixels as in CameraModel. Without a
+/// calibration the arena fills the picture: x to the right, y up, column 0 begins at x = 0 and row
+/// 0, the top one, at y = height.
 class ProjectorModel {
  public:
   /// The arena of width x height [m] fills a picture of columns x rows pixels.
   ProjectorModel(double width, double height, int columns, int rows);
 
   /// @param lens calibrated; its width and height are the picture's
-  /// @param height [m] above the floor at which places are meant: that of the light sensors
+  /// @param height [m] above the floor, of the places: that of the light sensors
   ProjectorModel(const CameraParameters& lens, double height);
 
   [[nodiscard]] int columns() const { return columns_; }
@@ -26,7 +26,7 @@ class ProjectorModel {
   /// Centre of pixel (i, j) is {i, j}; outside the picture for places that are not lit.
   [[nodiscard]] Pixel pixelOf(Place place) const;
 
-  /// Empty where the lens model cannot be inverted.
+  /// Empty if the lens model cannot be inverted.
   [[nodiscard]] std::optional<Place> placeOf(Pixel pixel) const;
 
  private:

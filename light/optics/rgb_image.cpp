@@ -9,7 +9,7 @@ namespace lab::tracker {
 namespace {
 
 constexpr int kGap = 4;               // [px] between tiles
-constexpr std::uint8_t kGround = 24;  // [DN] behind them
+constexpr std::uint8_t kGround = 24;  // [DN] background
 
 void append(void* context, void* data, int size) {
   const auto* bytes = static_cast<const std::uint8_t*>(data);

@@ -1,4 +1,4 @@
-/// Pictures in colour, for people: what the tracker saw, with what it made of it.
+/// RGB pictures for display.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ struct Colour {
   std::uint8_t blue = 0;
 };
 
-/// The top row first, three bytes a pixel: red, green, blue.
+/// Top row first, three bytes per pixel: red, green, blue.
 struct RgbImage {
   int width = 0;
   int height = 0;
@@ -34,13 +34,13 @@ struct RgbImage {
   }
 };
 
-/// A PNG file. @throws std::runtime_error when it cannot be made: an empty image, no memory.
+/// Encodes a PNG file. @throws std::runtime_error for an empty image or without memory
 [[nodiscard]] std::vector<std::uint8_t> pngBytes(const RgbImage& image);
 
-/// A JPEG file. @param quality 1..100. @throws as pngBytes().
+/// Encodes a JPEG file. @param quality 1..100. @throws as pngBytes()
 [[nodiscard]] std::vector<std::uint8_t> jpegBytes(const RgbImage& image, int quality = 80);
 
-/// Images of one size side by side, row by row, on dark ground; empty for none.
+/// Images of equal size in a grid, row by row, on a dark background; empty if there are none.
 [[nodiscard]] RgbImage contactSheet(const std::vector<RgbImage>& tiles, int columns);
 
 }  // namespace lab::tracker

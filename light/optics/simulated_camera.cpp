@@ -6,13 +6,13 @@
 namespace lab::optics {
 namespace {
 
-constexpr double kHeight = 1.72;       // [m] for the paper's arena, more for a larger one
+constexpr double kHeight = 1.72;       // [m] for the paper's arena; higher for a larger one
 constexpr double kArenaWidth = 1.20;   // [m]
 constexpr double kArenaHeight = 0.90;  // [m]
-constexpr double kFilled = 0.90;       // of the picture, across the tighter side
+constexpr double kFilled = 0.90;       // of the picture, along the tighter side
 constexpr double kTiltX = 0.05;        // [rad] away from straight down
 constexpr double kTiltY = -0.035;      // [rad]
-constexpr double kTurn = 0.02;         // [rad] of the picture against the arena
+constexpr double kTurn = 0.02;         // [rad] rotation of the picture relative to the arena
 constexpr double kCapHeight = 0.05;    // [m]
 
 }  // namespace
@@ -32,8 +32,7 @@ CameraParameters simulatedCamera(int columns, int rows, double width, double hei
   p.cx = (columns - 1) / 2.0 + 0.006 * columns;
   p.cy = (rows - 1) / 2.0 - 0.008 * rows;
 
-  // Looking down: x right in the picture, y of the arena up in it, z of the arena towards the
-  // camera.
+  // Looking down: camera x right in the picture, arena y up in it, arena z towards the camera.
   Eigen::Matrix3d down;
   down << 1, 0, 0, 0, -1, 0, 0, 0, -1;
   const Eigen::Matrix3d rotation = (Eigen::AngleAxisd(kTiltX, Eigen::Vector3d::UnitX()) *
@@ -41,7 +40,7 @@ CameraParameters simulatedCamera(int columns, int rows, double width, double hei
                                     Eigen::AngleAxisd(kTurn, Eigen::Vector3d::UnitZ()))
                                        .toRotationMatrix() *
                                    down;
-  // The middle of the arena at cap height appears in the middle of the picture.
+  // The middle of the arena at cap height is imaged to the middle of the picture.
   const Eigen::Vector3d middle(width / 2, height / 2, kCapHeight);
   const Eigen::Vector3d seen((columns / 2.0 - p.cx) / p.fx * distance,
                              (rows / 2.0 - p.cy) / p.fy * distance, distance - kCapHeight);

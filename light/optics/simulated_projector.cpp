@@ -7,11 +7,11 @@ namespace lab::optics {
 namespace {
 
 constexpr double kThrow = 2.05;        // [m] from the lens down to sensor height
-constexpr double kArenaWidth = 1.20;   // [m] that it is for
+constexpr double kArenaWidth = 1.20;   // [m] nominal arena
 constexpr double kArenaHeight = 0.90;  // [m]
 constexpr int kBorderSteps = 256;      // along each side of the arena
 
-/// How far the arena's border reaches out of the picture: 1 where it just fills it.
+/// Extent of the arena relative to the picture: 1 if it just fills it.
 double reach(const CameraParameters& lens, double width, double height) {
   const CameraModel model(lens);
   double most = 0;
@@ -45,13 +45,13 @@ ProjectorModel simulatedProjector(double width, double height, int columns, int 
   p.cy = (rows - 1) / 2.0;
   const double radius2 = (width * width + height * height) / (4 * distance * distance);
   p.k1 = faults.barrel / (std::pow(1 - faults.barrel, 3) * radius2);
-  // A picture of half angle phi, tilted by theta, is (1 + tan theta tan phi) / (1 - tan theta tan
-  // phi) times as far away, and as wide, at its far side as at its near one.
+  // For a picture of half angle phi, tilted by theta, the far side is (1 + tan theta tan phi) / (1
+  // - tan theta tan phi) times as far away, and as wide, as the near side.
   const double half_angle_tangent = height / (2 * distance);
   const double tilt = std::atan(faults.keystone / (2 + faults.keystone) / half_angle_tangent);
   const double c = std::cos(tilt);
   const double s = std::sin(tilt);
-  // From straight down, turned about x so that the depth grows towards y = 0.
+  // Straight down, rotated about x so that the depth increases towards y = 0.
   p.rotation = {1, 0, 0, 0, -c, s, 0, -s, -c};
   const auto aim = [&](double x, double y) {
     const auto& r = p.rotation;

@@ -1,4 +1,4 @@
-/// From the grey steps of a camera that encodes them for the eye to amounts of light, and back.
+/// Converts grey values of a gamma-encoding camera to light and back.
 #pragma once
 
 #include <array>
@@ -9,33 +9,33 @@
 
 namespace lab::optics {
 
-/// Of webcams, phones and films made for people: near enough to sRGB and BT.709, which are 2.2 over
+/// Gamma of webcams, phones and consumer films: close to sRGB and BT.709, which are about 2.2 over
 /// most of their range.
 inline constexpr double kVideoGamma = 2.2;
 
-/// Of the part of a grey step's way from black to full scale, light is the power `gamma`; steps up
-/// to black stay what they are, and so does full scale.
+/// Between black and full scale, light is the relative grey value to the power of `gamma`; values
+/// up to black and full scale stay unchanged.
 class CameraResponse {
  public:
-  /// Grey steps are amounts of light.
+  /// Linear.
   CameraResponse() = default;
 
   /// @param gamma above 0, 1: linear
-  /// @param black [DN] of no light, 0 to 254
+  /// @param black [DN] without light, 0 to 254
   explicit CameraResponse(double gamma, double black = 0);
   explicit CameraResponse(const Imaging& imaging)
       : CameraResponse(imaging.gamma.value_or(1), imaging.black) {}
 
   [[nodiscard]] bool isLinear() const { return gamma_ == 1; }
 
-  /// The light of a grey step [DN], both from 0 to 255.
+  /// The light of a grey value [DN], both from 0 to 255.
   [[nodiscard]] double light(double grey) const;
 
-  /// The grey step [DN] of a light, both from 0 to 255.
+  /// The grey value [DN] of a light, both from 0 to 255.
   [[nodiscard]] double grey(double light) const;
 
-  /// The picture in amounts of light, rounded to whole steps: the picture itself where it is
-  /// linear, else one of one's own, which lives until the next call.
+  /// The picture converted to light, rounded to integers: the picture itself if the response is
+  /// linear, else an internal copy that is valid until the next call.
   [[nodiscard]] GreyView linear(const GreyView& picture);
 
  private:

@@ -8,25 +8,26 @@
 #include <cmath>
 #include <set>
 
+#include "light/optics/levenberg_marquardt.hpp"
 #include "light/photometry/projector_tone.hpp"
 
 namespace lab::calibration {
 namespace {
 
 // Unknowns: log scale, log gamma, ambient, v0 .. v4, then the log gain of every sensor but the
-// last, whose gain makes their mean logarithm 0.
+// last, whose gain follows from the mean log gain of 0.
 constexpr int kScale = 0;
 constexpr int kGamma = 1;
 constexpr int kAmbient = 2;
 constexpr int kVignetting = 3;
 constexpr int kGains = 8;
 
-constexpr double kFull = 0.999;  // a reading from here on may stand for any brighter light
-constexpr double kGrid = 0.10;   // [m] places nearer than this are one
+constexpr double kFull = 0.999;  // readings above this may be saturated
+constexpr double kGrid = 0.10;   // [m] side of the cells that count as one place
 
 struct Problem {
   std::vector<LightSample> samples;
-  std::map<SensorName, int> sensors;  ///< to their numbers
+  std::map<SensorName, int> sensors;  ///< index of each sensor
   double width = 1;
   double height = 1;
 
@@ -80,42 +81,34 @@ double costOf(const Problem& problem, const Eigen::VectorXd& at) {
   return cost;
 }
 
-/// The normal matrix and the gradient.
-void normalAt(const Problem& problem, const Eigen::VectorXd& at, Eigen::MatrixXd& normal,
-              Eigen::VectorXd& gradient) {
-  normal.setZero(problem.unknowns(), problem.unknowns());
-  gradient.setZero(problem.unknowns());
+Eigen::MatrixXd informationAt(const Problem& problem, const Eigen::VectorXd& at) {
+  Eigen::MatrixXd information = Eigen::MatrixXd::Zero(problem.unknowns(), problem.unknowns());
   Eigen::VectorXd slope;
   for (const LightSample& sample : problem.samples) {
-    const double residual = residualOf(problem, sample, at, &slope);
-    normal += slope * slope.transpose();
-    gradient += residual * slope;
+    residualOf(problem, sample, at, &slope);
+    information += slope * slope.transpose();
   }
+  return information;
 }
 
-Eigen::VectorXd solve(const Problem& problem, Eigen::VectorXd at) {
-  constexpr int kMostSteps = 100;
-  double damping = 1e-3;
-  double cost = costOf(problem, at);
-  Eigen::MatrixXd normal;
-  Eigen::VectorXd gradient;
-  for (int step = 0; step < kMostSteps && damping < 1e9; ++step) {
-    normalAt(problem, at, normal, gradient);
-    Eigen::MatrixXd damped = normal;
-    damped.diagonal() += damping * normal.diagonal().cwiseMax(1e-9);
-    const Eigen::VectorXd next = at - damped.ldlt().solve(gradient);
-    const double next_cost = next.allFinite() ? costOf(problem, next) : cost + 1;
-    if (!(next_cost < cost)) {
-      damping *= 10;
-      continue;
+Eigen::VectorXd solve(const Problem& problem, const Eigen::VectorXd& start) {
+  optics::LeastSquaresProblem least_squares;
+  least_squares.residuals = static_cast<int>(problem.samples.size());
+  least_squares.residuals_at = [&](const Eigen::VectorXd& at, Eigen::Ref<Eigen::VectorXd> out) {
+    Eigen::Index row = 0;
+    for (const LightSample& sample : problem.samples) {
+      out[row++] = residualOf(problem, sample, at, nullptr);
     }
-    const bool done = cost - next_cost < 1e-10 * cost;
-    at = next;
-    cost = next_cost;
-    damping = std::max(damping / 10, 1e-9);
-    if (done) break;
-  }
-  return at;
+  };
+  least_squares.jacobian_at = [&](const Eigen::VectorXd& at, Eigen::Ref<Eigen::MatrixXd> out) {
+    Eigen::VectorXd slope;
+    Eigen::Index row = 0;
+    for (const LightSample& sample : problem.samples) {
+      residualOf(problem, sample, at, &slope);
+      out.row(row++) = slope;
+    }
+  };
+  return optics::solveLeastSquares(least_squares, start);
 }
 
 Eigen::VectorXd startOf(const Problem& problem) {
@@ -199,13 +192,11 @@ LightFit fitLight(const std::vector<LightSample>& samples, double width, double 
     fit.worst = std::max(fit.worst, off);
   }
   fit.residual = std::sqrt(sum / fit.samples);
-  Eigen::MatrixXd normal;
-  Eigen::VectorXd gradient;
-  normalAt(problem, at, normal, gradient);
-  // The model's own misfit, where it is more than the readings' noise, widens every error.
+  const Eigen::MatrixXd information = informationAt(problem, at);
+  // If the model's misfit exceeds the noise of the readings, it widens all errors.
   const double spread = std::max(1.0, costOf(problem, at) / (fit.samples - problem.unknowns()));
   const Eigen::MatrixXd covariance =
-      normal.ldlt().solve(Eigen::MatrixXd::Identity(normal.rows(), normal.cols()));
+      information.ldlt().solve(Eigen::MatrixXd::Identity(information.rows(), information.cols()));
   fit.gamma_sigma = fit.gamma * std::sqrt(spread * std::max(0.0, covariance(kGamma, kGamma)));
   for (const auto& [name, gain] : fit.gains) {
     if (gain <= limits.gain && gain >= 1 / limits.gain) continue;

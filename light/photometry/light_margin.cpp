@@ -10,13 +10,13 @@
 namespace lab::calibration {
 namespace {
 
-/// A normal error beyond either edge.
+/// Probability that a normal error exceeds either edge.
 double chanceOutside(double to_low, double to_high, double sigma) {
   const double unit = sigma * std::numbers::sqrt2;
   return 0.5 * (std::erfc(to_low / unit) + std::erfc(to_high / unit));
 }
 
-/// What the sensor that is nearest to leaving the band reads, and which one it is.
+/// Reading of the sensor closest to leaving the band, and its index.
 struct WorstReading {
   double reading = 0;
   double inside = std::numeric_limits<double>::infinity();
@@ -60,7 +60,7 @@ std::vector<BandMargin> bandMargins(const LightFit& fit, const std::vector<BandL
   const optics::ProjectorTone tone(fit.gamma, fit.vignetting, width, height);
   double least_gain = 1;
   for (const auto& [sensor, gain] : fit.gains) least_gain = std::min(least_gain, gain);
-  const double unit = least_gain * fit.scale * tone.weakest();  // [reading] of a light of 1
+  const double unit = least_gain * fit.scale * tone.weakest();  // [reading] for a light of 1
   const double residual = std::max(fit.residual, kLeastSigma);
   const double sigma = residual / unit;
   std::vector<BandMargin> margins;

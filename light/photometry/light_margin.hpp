@@ -1,4 +1,4 @@
-/// How surely a light selects the program that it should.
+/// Safety margins of the light bands that select programs.
 #pragma once
 
 #include <string>
@@ -14,30 +14,30 @@ struct BandLimits {
   double high = 0;  ///< [1]
 };
 
-/// What the middle of a band would come to at one place without the calibration.
+/// At one place, the light in the middle of a band without the calibration.
 struct PlaceMargin {
   optics::Place place;
-  double reading = 0;  ///< [1] of the sensor that is nearest to leaving the band, or farthest out
-  double chance = 0;   ///< [1] that one of its readings falls outside the band
+  double reading = 0;  ///< [1] of the sensor closest to leaving the band, or farthest outside
+  double chance = 0;   ///< [1] probability that one of its readings is outside the band
 };
 
-/// For the light in the middle of a band.
+/// Margins of the light in the middle of a band.
 struct BandMargin {
   std::string program;
   double light = 0;   ///< [1] the middle
   double margin = 0;  ///< [1] of the light, to the nearer edge
-  double sigmas = 0;  ///< the same, in residuals of the least sensitive sensor
-  double chance = 0;  ///< [1] that one reading falls outside the band
-  // Without the calibration in force, at the worst place for the worst sensor:
-  double plain_light = 0;  ///< [1] what it reads there
+  double sigmas = 0;  ///< the margin in residuals of the least sensitive sensor
+  double chance = 0;  ///< [1] probability that one reading is outside the band
+  // Without the calibration, at the worst place for the worst sensor:
+  double plain_light = 0;  ///< [1] its reading
   optics::Place plain_place;
   SensorName plain_sensor;
-  bool plain_right = false;  ///< it is still inside the band
+  bool plain_right = false;  ///< whether it is still inside the band
 
   std::vector<PlaceMargin> places;  ///< row by row from y = 0, kMarginColumns x kMarginRows
 };
 
-/// Places over the arena, in the middles of equal fields.
+/// Grid of places over the arena: the centres of equal cells.
 inline constexpr int kMarginColumns = 6;
 inline constexpr int kMarginRows = 4;
 

@@ -12,7 +12,7 @@ ProjectorTone::ProjectorTone(double gamma, const std::array<double, 5>& vignetti
       vignetting_(vignetting),
       width_(width),
       height_(height) {
-  // A parabola is smallest at an edge or where it is flat; a fine net finds either.
+  // The minimum of a parabola is at an edge or where it is flat; a fine grid finds both.
   constexpr int kNet = 64;
   for (int i = 0; i <= kNet; ++i) {
     for (int j = 0; j <= kNet; ++j) {
@@ -41,8 +41,8 @@ double ProjectorTone::light(double value, Place place) const {
 
 namespace {
 
-constexpr int kSteps = 4096;          // the error of a line between two of them is below 1e-6 from
-constexpr double kCurved = 1.0 / 64;  // this share on, whatever the exponent
+constexpr int kSteps = 4096;          // above kCurved, linear interpolation between steps
+constexpr double kCurved = 1.0 / 64;  // has an error below 1e-6 for any exponent
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-/// From the light that is wanted to the value of a projector's pixel, and back.
+/// Converts wanted light to a projector's pixel values, and back.
 #pragma once
 
 #include <array>
@@ -8,15 +8,15 @@
 
 namespace lab::optics {
 
-/// A pixel of value p in 0..1 gives the light V(x, y) p^gamma at the place that it lights, with
+/// A pixel of value p in 0..1 gives the light V(x, y) p^gamma at the place it lights, with
 ///   V = 1 + v0 a + v1 b + v2 a^2 + v3 a b + v4 b^2,
-/// a and b from -1 to 1 across the arena, and V cut off below kDarkest. An intensity of 1 is what
-/// the projector's white gives where it is weakest, so that an even light can be even everywhere.
+/// a and b from -1 to 1 across the arena, and V at least kDarkest. An intensity of 1 is the light
+/// of the projector's white where it is weakest, so that uniform light is possible everywhere.
 class ProjectorTone {
  public:
   static constexpr double kDarkest = 0.05;
 
-  /// Light is what the pixel's value says.
+  /// Light equals the pixel's value.
   ProjectorTone() = default;
 
   /// @param vignetting v0 .. v4
@@ -27,16 +27,16 @@ class ProjectorTone {
   [[nodiscard]] double gamma() const { return gamma_; }
   [[nodiscard]] const std::array<double, 5>& vignetting() const { return vignetting_; }
 
-  /// V where it is smallest on the arena.
+  /// Minimum of V on the arena.
   [[nodiscard]] double weakest() const { return weakest_; }
 
-  /// V at the place; outside the arena as at its nearest wall.
+  /// V at the place; outside the arena that of the nearest wall.
   [[nodiscard]] double white(Place place) const;
 
-  /// Value of the pixel, 0..1, that lights the place with `intensity`.
+  /// Pixel value, 0..1, that lights the place with `intensity`.
   [[nodiscard]] double value(double intensity, Place place) const;
 
-  /// Light at the place from a pixel of this value, in the unit of white().
+  /// Light at the place from a pixel of this value, in units of white().
   [[nodiscard]] double light(double value, Place place) const;
 
  private:
@@ -48,22 +48,22 @@ class ProjectorTone {
   double weakest_ = 1;
 };
 
-/// How bright a projector is, beside how bright it is believed to be.
+/// The true tone of a projector, and the assumed one.
 struct ProjectorTones {
   ProjectorTone believed;
   ProjectorTone real;
 
-  /// Whether what is wanted is what falls on the arena.
+  /// Whether the light on the arena equals the wanted light.
   [[nodiscard]] bool areIdentity() const { return believed.isIdentity() && real.isIdentity(); }
 
-  /// What falls on `place` where `intensity` was wanted at `source`.
+  /// Light on `place` if `intensity` was wanted at `source`.
   [[nodiscard]] double light(double intensity, Place source, Place place) const {
     if (areIdentity()) return intensity;
     return real.light(believed.value(intensity, source), place);
   }
 };
 
-/// ProjectorTones::light() for whole pictures: the power is read from a table, to 1e-6.
+/// ProjectorTones::light() for whole pictures, with a table of powers accurate to 1e-6.
 class ToneTable {
  public:
   explicit ToneTable(const ProjectorTones& tones);
@@ -72,8 +72,8 @@ class ToneTable {
 
  private:
   ProjectorTones tones_;
-  double exponent_;             ///< of the share of white
-  std::vector<double> powers_;  ///< of 0 to 1 in even steps
+  double exponent_;             ///< applied to the share of white
+  std::vector<double> powers_;  ///< of 0 to 1 in equal steps
 };
 
 }  // namespace lab::optics

@@ -5,19 +5,20 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 
 namespace lab::calibration {
 namespace {
 
 constexpr double kApart = 0.10;   // [m]
-constexpr double kRadius = 0.02;  // [m] of a patch
+constexpr double kRadius = 0.02;  // [m] radius of a patch
 constexpr int kFewestPixels = 9;
 constexpr std::uint8_t kFullScale = 254;
 constexpr std::size_t kFewestLights = 4;
 constexpr int kFewestPlaces = 12;
 constexpr double kLeastSignal = 10;  // [DN] between the darkest and the brightest light
-constexpr double kLowest = 0.2;      // of gamma
+constexpr double kLowest = 0.2;      // smallest gamma
 constexpr double kHighest = 6;
 
 double meanOf(const optics::GreyView& grey, int x0, int y0, int x1, int y1, bool& saturated) {
@@ -34,7 +35,7 @@ double meanOf(const optics::GreyView& grey, int x0, int y0, int x1, int y1, bool
 
 struct Line {
   double slope = 0;
-  double squares = 0;  ///< of the residuals
+  double squares = 0;  ///< sum of squared residuals
 };
 
 Line lineThrough(const std::vector<double>& x, const std::vector<double>& y) {
@@ -59,21 +60,24 @@ std::vector<double> raised(const std::vector<double>& values, double gamma) {
 }
 
 double squaresAt(double gamma, const std::vector<double>& values,
-                 const std::vector<const ToneObservation*>& sights) {
+                 const std::vector<const ToneObservation*>& observations) {
   const std::vector<double> light = raised(values, gamma);
   double sum = 0;
-  for (const ToneObservation* sight : sights) sum += lineThrough(light, sight->grey).squares;
+  for (const ToneObservation* observation : observations)
+    sum += lineThrough(light, observation->grey).squares;
   return sum;
 }
 
-/// Smallest squares, by golden section in log gamma: they have one valley.
+/// Minimises the sum of squares by golden-section search in log gamma; it has one minimum.
 double bestGamma(const std::vector<double>& values,
-                 const std::vector<const ToneObservation*>& sights) {
+                 const std::vector<const ToneObservation*>& observations) {
   constexpr int kSteps = 60;
   const double ratio = (std::sqrt(5.0) - 1) / 2;
   double low = std::log(kLowest);
   double high = std::log(kHighest);
-  const auto at = [&](double log_gamma) { return squaresAt(std::exp(log_gamma), values, sights); };
+  const auto at = [&](double log_gamma) {
+    return squaresAt(std::exp(log_gamma), values, observations);
+  };
   double left = high - ratio * (high - low);
   double right = low + ratio * (high - low);
   double at_left = at(left);
@@ -96,28 +100,29 @@ double bestGamma(const std::vector<double>& values,
   return std::exp((low + high) / 2);
 }
 
-/// Compares the white of the places with the known one.
+/// Compares the fitted white of the places with the known vignetting.
 void compareWhite(const std::vector<double>& values,
-                  const std::vector<const ToneObservation*>& sights,
+                  const std::vector<const ToneObservation*>& observations,
                   const optics::ProjectorTone& known, double width, double height,
                   ToneFromPictures& fit) {
   const std::vector<double> light = raised(values, fit.gamma);
-  const auto count = static_cast<Eigen::Index>(sights.size());
+  const auto count = static_cast<Eigen::Index>(observations.size());
   Eigen::MatrixXd falloff(count, 6);
   Eigen::VectorXd excess(count);
   for (Eigen::Index i = 0; i < count; ++i) {
-    const ToneObservation& sight = *sights[static_cast<std::size_t>(i)];
-    const double a = 2 * sight.place.x / width - 1;
-    const double b = 2 * sight.place.y / height - 1;
+    const ToneObservation& observation = *observations[static_cast<std::size_t>(i)];
+    const double a = 2 * observation.place.x / width - 1;
+    const double b = 2 * observation.place.y / height - 1;
     falloff.row(i) << 1, a, b, a * a, a * b, b * b;
-    excess[i] = std::log(lineThrough(light, sight.grey).slope / known.white(sight.place));
+    excess[i] =
+        std::log(lineThrough(light, observation.grey).slope / known.white(observation.place));
   }
   const Eigen::VectorXd left = excess - falloff * falloff.colPivHouseholderQr().solve(excess);
   Eigen::Index worst = 0;
   left.cwiseAbs().maxCoeff(&worst);
   fit.white_rms = std::sqrt(left.squaredNorm() / static_cast<double>(count));
   fit.white_worst = left[worst];
-  fit.worst_place = sights[static_cast<std::size_t>(worst)]->place;
+  fit.worst_place = observations[static_cast<std::size_t>(worst)]->place;
 }
 
 }  // namespace
@@ -154,32 +159,33 @@ void TonePictures::take(std::size_t light, const optics::GreyView& grey) {
   }
 }
 
-std::vector<ToneObservation> TonePictures::sights() const {
+std::vector<ToneObservation> TonePictures::observations() const {
   std::vector<ToneObservation> out;
   for (const Patch& patch : patches_) {
-    ToneObservation sight{patch.place, patch.sum, patch.saturated};
-    for (std::size_t i = 0; i < sight.grey.size(); ++i) sight.grey[i] /= std::max(1, pictures_[i]);
-    out.push_back(std::move(sight));
+    ToneObservation observation{patch.place, patch.sum, patch.saturated};
+    for (std::size_t i = 0; i < observation.grey.size(); ++i)
+      observation.grey[i] /= std::max(1, pictures_[i]);
+    out.push_back(std::move(observation));
   }
   return out;
 }
 
 ToneFromPictures fitTone(const std::vector<double>& values,
-                         const std::vector<ToneObservation>& sights,
+                         const std::vector<ToneObservation>& observations,
                          const optics::ProjectorTone& known, double width, double height) {
   ToneFromPictures fit;
   std::vector<const ToneObservation*> good;
   double brightest = 0;
   double signal = 0;
-  for (const ToneObservation& sight : sights) {
-    if (sight.saturated) {
+  for (const ToneObservation& observation : observations) {
+    if (observation.saturated) {
       ++fit.saturated;
       continue;
     }
-    const auto [low, high] = std::minmax_element(sight.grey.begin(), sight.grey.end());
+    const auto [low, high] = std::minmax_element(observation.grey.begin(), observation.grey.end());
     brightest = std::max(brightest, *high);
     signal = std::max(signal, *high - *low);
-    good.push_back(&sight);
+    good.push_back(&observation);
   }
   fit.places = static_cast<int>(good.size());
   if (values.size() < kFewestLights) {

@@ -2,7 +2,10 @@
 
 #include <spdlog/spdlog.h>
 
+#include <cstdint>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "common/calibration/projector_file.hpp"
 #include "light/field/image.hpp"
@@ -11,7 +14,7 @@ namespace lab::projector {
 
 namespace {
 
-constexpr std::int64_t kTwice = 1'000'000;  // [us] within which Escape counts as two
+constexpr std::int64_t kTwice = 1'000'000;  // [us] within which a second Escape ends the program
 
 calibration::ProjectorPlane planeOf(const Experiment& experiment, const DisplayInfo& info) {
   calibration::ProjectorPlane plane;

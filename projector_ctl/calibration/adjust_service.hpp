@@ -1,6 +1,7 @@
-/// Setting the projector's corners by hand: `projector_ctl --adjust FILE`.
+/// Manual adjustment of the projector's corners: `projector_ctl --adjust FILE`.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
 
@@ -10,13 +11,13 @@
 
 namespace lab::projector {
 
-/// Shows the arena's outline on the display that the experiment names, until Enter writes the
-/// calibration file or Escape, twice, leaves without. It stops the loop then.
+/// Shows the arena's outline on the display of the experiment until Enter writes the calibration
+/// file, or Escape pressed twice discards it. Then stops the loop.
 class AdjustService final : public Service {
  public:
-  static constexpr std::int64_t kPeriod = 16'667;  ///< [us] between looks at the keys
+  static constexpr std::int64_t kPeriod = 16'667;  ///< [us] between polls of the keys
 
-  /// @param file where the calibration goes
+  /// @param file receives the calibration
   /// @throws DisplayError
   AdjustService(const ServiceContext& context, std::filesystem::path file, const OpenDisplay& open);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <utility>
 
 #include "light/optics/bitmap_font.hpp"
@@ -12,11 +13,11 @@ namespace lab::projector {
 namespace {
 
 constexpr double kGrid = 0.10;      // [m]
-constexpr std::uint8_t kDim = 110;  // of a grid line
+constexpr std::uint8_t kDim = 110;  // grey value of a grid line
 constexpr std::uint8_t kWhite = 255;
 constexpr int kLetterSize = 2;
 
-constexpr double kTo = 1e5;  // [px] no line is followed further than that
+constexpr double kTo = 1e5;  // [px] longer lines are not drawn
 
 void line(optics::GreyImage& picture, optics::Pixel from, optics::Pixel to, std::uint8_t value,
           int thickness) {
@@ -83,7 +84,7 @@ optics::GreyImage CornerAdjustment::picture() const {
   optics::GreyImage picture(plane_.columns, plane_.rows);
   const auto found = lens();
   if (found) {
-    // Straight lines stay straight: there is no distortion.
+    // Straight lines stay straight without distortion.
     const optics::ProjectorModel model(*found, plane_.height);
     const auto draw = [&](optics::Place from, optics::Place to, std::uint8_t value, int thickness) {
       line(picture, model.pixelOf(from), model.pixelOf(to), value, thickness);

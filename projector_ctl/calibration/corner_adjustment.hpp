@@ -1,4 +1,5 @@
-/// A projector set up by hand: the arena's four corners, moved by keys until they lie on the arena.
+/// Calibrates a projector manually: keys move the arena's four corners in the picture until they
+/// coincide with the real corners.
 #pragma once
 
 #include <array>
@@ -13,23 +14,23 @@ namespace lab::projector {
 
 class CornerAdjustment {
  public:
-  static constexpr double kStep = 0.5;  ///< [px] a key press
+  static constexpr double kStep = 0.5;  ///< [px] per key press
   static constexpr double kFast = 20;   ///< [px] with shift
 
-  /// Begins with the arena's corners at those of the picture, a twentieth inside.
+  /// Starts with the corners 5 % inside the picture.
   explicit CornerAdjustment(const calibration::ProjectorPlane& plane);
 
-  /// An arrow moves the selected corner, Tab selects the next; others change nothing.
+  /// Handles a key: arrows move the selected corner, Tab selects the next; others are ignored.
   void take(DisplayEvent event);
 
   /// The pixels of (0, 0), (width, 0), (width, height) and (0, height).
   [[nodiscard]] const std::array<optics::Pixel, 4>& pixels() const { return pixels_; }
   [[nodiscard]] std::size_t selected() const { return selected_; }
 
-  /// Empty while the corners cross.
+  /// Empty if the corners do not form a convex quadrangle.
   [[nodiscard]] std::optional<optics::CameraParameters> lens() const;
 
-  /// The arena's outline, a grid every 10 cm, the selected corner, and what the keys do.
+  /// The arena's outline, a grid of 10 cm, the selected corner, and help on the keys.
   [[nodiscard]] optics::GreyImage picture() const;
 
  private:

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "light/median.hpp"
 #include "light/optics/projector_model.hpp"
 
 namespace lab::calibration {
@@ -14,12 +15,12 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kRounds = 5;
-constexpr double kOutlying = 5;          // standard deviations
-constexpr double kNeverOutlying = 3e-4;  // [m]
+constexpr double kOutlying = 5;          // [standard deviations]
+constexpr double kNeverOutlying = 3e-4;  // [m] residuals below this are never outliers
 constexpr double kRayleighMedian = 1.17741;
-constexpr double kSquare = 0.1;  // [m] side of a square, about
+constexpr double kSquare = 0.1;  // [m] approximate side of a square
 constexpr int kFewestInSquare = 3;
-constexpr int kErrorSteps = 8;  // of the grid on which errors are summed up
+constexpr int kErrorSteps = 8;  // steps per axis of the grid on which errors are averaged
 constexpr double kMilli = 1e3;
 constexpr double kCenti = 100;
 
@@ -29,25 +30,25 @@ struct Miss {
   double y = 0;  // [m]
 };
 
-/// Along each axis, from the median of the lengths: a part of strangers hardly changes it.
+/// Standard deviation along each axis from the median of the residuals' lengths, which outliers
+/// hardly change.
 double robustSigma(const VectorXd& residuals) {
   std::vector<double> sizes;
   for (Eigen::Index row = 0; row + 1 < residuals.size(); row += 2) {
     sizes.push_back(residuals.segment<2>(row).norm());
   }
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::ranges::nth_element(sizes, middle);
-  return std::max(*middle / kRayleighMedian, 1e-3);
+  return std::max(medianOf(sizes) / kRayleighMedian, 1e-3);
 }
 
-std::vector<Miss> missesOf(const std::vector<ProjectorObservation>& sights,
+std::vector<Miss> missesOf(const std::vector<ProjectorObservation>& observations,
                            const ProjectorPlane& plane, const optics::CameraParameters& lens) {
   const optics::CameraModel model(lens);
   std::vector<Miss> misses;
-  for (const ProjectorObservation& sight : sights) {
-    const auto fitted = model.toPlane(sight.pixel, plane.height);
+  for (const ProjectorObservation& observation : observations) {
+    const auto fitted = model.toPlane(observation.pixel, plane.height);
     if (!fitted) continue;
-    misses.push_back({sight.place, sight.place.x - fitted->x, sight.place.y - fitted->y});
+    misses.push_back(
+        {observation.place, observation.place.x - fitted->x, observation.place.y - fitted->y});
   }
   return misses;
 }
@@ -55,31 +56,31 @@ std::vector<Miss> missesOf(const std::vector<ProjectorObservation>& sights,
 struct Fitted {
   CameraSolution solution;
   std::vector<ProjectorObservation> used;
-  double noise = 1;  ///< in units of the sights' sigmas
+  double noise = 1;  ///< in units of the observations' sigmas
 };
 
-/// Sights that fit are kept; where the lens is not found yet, all are.
-std::vector<ProjectorObservation> fitting(const std::vector<ProjectorObservation>& sights,
+/// Removes outliers, unless the lens is not found yet.
+std::vector<ProjectorObservation> fitting(const std::vector<ProjectorObservation>& observations,
                                           const ProjectorPlane& plane, const Fitted& fitted) {
   const optics::CameraParameters& lens = fitted.solution.state.camera;
-  const VectorXd misses = pixelResiduals(sights, plane, lens);
+  const VectorXd misses = pixelResiduals(observations, plane, lens);
   const optics::PlaneScale scale = optics::CameraModel(lens).scaleAt(
       {plane.arena_width / 2, plane.arena_height / 2}, plane.height);
   const double pixels_a_metre = std::sqrt(std::abs(scale.ux * scale.vy - scale.uy * scale.vx));
   std::vector<ProjectorObservation> kept;
-  for (std::size_t i = 0; i < sights.size(); ++i) {
+  for (std::size_t i = 0; i < observations.size(); ++i) {
     const double miss = misses.segment<2>(2 * static_cast<Eigen::Index>(i)).norm();
     const double most =
-        std::max(kOutlying * fitted.noise * sights[i].sigma, kNeverOutlying * pixels_a_metre);
-    if (miss < most) kept.push_back(sights[i]);
+        std::max(kOutlying * fitted.noise * observations[i].sigma, kNeverOutlying * pixels_a_metre);
+    if (miss < most) kept.push_back(observations[i]);
   }
   return kept;
 }
 
-Fitted fitAll(const std::vector<ProjectorObservation>& sights, const ProjectorPlane& plane,
+Fitted fitAll(const std::vector<ProjectorObservation>& observations, const ProjectorPlane& plane,
               const optics::CameraParameters& start) {
   Fitted fitted;
-  fitted.used = sights;
+  fitted.used = observations;
   fitted.solution.state.camera = start;
   fitted.solution.state.pivot = {plane.arena_width / 2, plane.arena_height / 2, plane.height};
   const ResidualBlock prior = projectorPrior(start, plane, true);
@@ -90,14 +91,14 @@ Fitted fitAll(const std::vector<ProjectorObservation>& sights, const ProjectorPl
                                   fitted.solution.state);
     if (round + 2 != kRounds) continue;
     fitted.noise = robustSigma(plain.residuals(fitted.solution.state));
-    auto kept = fitting(sights, plane, fitted);
+    auto kept = fitting(observations, plane, fitted);
     if (kept.size() < 10) break;
     fitted.used = std::move(kept);
   }
   return fitted;
 }
 
-/// [m^2] mean square standard error of where the light for a place falls.
+/// [m^2] mean squared standard error of the place that a pixel lights.
 double statisticalError(const Fitted& fitted, const ProjectorPlane& plane) {
   ResidualBlock block;
   for (int i = 0; i < kSpacing; ++i) block.unknowns.push_back(i);
@@ -136,15 +137,15 @@ void addSquares(ProjectorFit& fit, const std::vector<Miss>& misses, const Projec
     const int j = part(miss.place.y, plane.arena_height, rows);
     const auto at = static_cast<std::size_t>(j * fit.columns + i);
     SquareResidual& square = fit.squares[at];
-    ++square.sights;
+    ++square.observations;
     square.residual_x += miss.x;
     square.residual_y += miss.y;
     squares[at] += miss.x * miss.x + miss.y * miss.y;
   }
-  double scatter = 0;  // of the sights about their squares' means
+  double scatter = 0;  // scatter of the observations about the means of their squares
   double freedom = 0;
   double common = 0;
-  double chance = 0;  // what the means would be without any misfit
+  double chance = 0;  // expected squares of the means without any misfit
   int seen = 0;
   int judged = 0;
   for (std::size_t at = 0; at < squares.size(); ++at) {
@@ -153,12 +154,12 @@ void addSquares(ProjectorFit& fit, const std::vector<Miss>& misses, const Projec
                plane.arena_width / fit.columns;
     square.y = (static_cast<double>(at / static_cast<std::size_t>(fit.columns)) + 0.5) *
                plane.arena_height / rows;
-    if (square.sights == 0) continue;
+    if (square.observations == 0) continue;
     ++seen;
-    const double count = square.sights;
+    const double count = square.observations;
     square.residual_x /= count;
     square.residual_y /= count;
-    if (square.sights < kFewestInSquare) continue;
+    if (square.observations < kFewestInSquare) continue;
     const double mean2 =
         square.residual_x * square.residual_x + square.residual_y * square.residual_y;
     const double inside = std::max(0.0, squares[at] - count * mean2);
@@ -196,17 +197,18 @@ std::string darkCorners(const ProjectorFit& fit, const ProjectorPlane& plane, do
 
 std::string refusalOf(const ProjectorFit& fit, const ProjectorPlane& plane,
                       const ProjectorFitLimits& limits) {
-  const double all = fit.sights + fit.outlying;
+  const double all = fit.observations + fit.outlying;
   const std::string dark = darkCorners(fit, plane, limits.dark_corner);
   if (fit.outlying > limits.outlying * all) {
     return fmt::format(
-        "{:.0f} % of the sights fit to nothing, allowed {:.0f} %: are there shadows, "
+        "{:.0f} % of the observations are outliers, allowed {:.0f} %: are there shadows, "
         "glare, or something on the board?",
         100 * fit.outlying / all, 100 * limits.outlying);
   }
   if (!(fit.residual <= limits.residual)) {
     return fmt::format(
-        "the sights miss the fitted lens by {:.2f} mm (rms), allowed {:.2f} mm: is the "
+        "the observations deviate from the fitted lens by {:.2f} mm (rms), allowed {:.2f} mm: is "
+        "the "
         "board flat and level, and the camera's calibration still right?",
         kMilli * fit.residual, kMilli * limits.residual);
   }
@@ -231,36 +233,36 @@ double ProjectorFit::worstResidual() const {
   return squares.empty() ? 0 : std::hypot(squares[worst].residual_x, squares[worst].residual_y);
 }
 
-ProjectorFit fitProjector(const std::vector<ProjectorObservation>& sights,
+ProjectorFit fitProjector(const std::vector<ProjectorObservation>& observations,
                           const ProjectorPlane& plane, double camera_error,
                           const ProjectorFitLimits& limits) {
   ProjectorFit fit;
-  fit.sights = static_cast<int>(sights.size());
+  fit.observations = static_cast<int>(observations.size());
   fit.camera = camera_error;
-  if (fit.sights < limits.sights) {
+  if (fit.observations < limits.observations) {
     fit.refusal = fmt::format(
         "the pattern was seen in {} places, needed {}: is the projector on, its picture sharp, the "
         "white board in the camera's view, and the exposure neither too short nor too long?",
-        fit.sights, limits.sights);
+        fit.observations, limits.observations);
     return fit;
   }
-  const auto start = straightLens(sights, plane);
+  const auto start = straightLens(observations, plane);
   if (!start) {
     fit.refusal = "all places where the pattern was seen lie in one line";
     return fit;
   }
-  const Fitted fitted = fitAll(sights, plane, *start);
+  const Fitted fitted = fitAll(observations, plane, *start);
   fit.lens = fitted.solution.state.camera;
   fit.lens.k3 = 0;
-  fit.sights = static_cast<int>(fitted.used.size());
-  fit.outlying = static_cast<int>(sights.size()) - fit.sights;
+  fit.observations = static_cast<int>(fitted.used.size());
+  fit.outlying = static_cast<int>(observations.size()) - fit.observations;
   const std::vector<Miss> misses = missesOf(fitted.used, plane, fit.lens);
   double sum = 0;
   for (const Miss& miss : misses) sum += miss.x * miss.x + miss.y * miss.y;
   fit.residual = misses.empty() ? HUGE_VAL : std::sqrt(sum / static_cast<double>(misses.size()));
   addSquares(fit, misses, plane);
   if (!fitted.solution.determined) {
-    fit.refusal = "the lens cannot be told from this";
+    fit.refusal = "the observations do not determine the lens";
     return fit;
   }
   fit.statistical = std::sqrt(statisticalError(fitted, plane));

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double kThrow = 2.0;  // [m] from the lens to the plane, for want of a better idea
+constexpr double kThrow = 2.0;  // [m] initial distance from the lens to the plane
 constexpr double kFocalLength = 0.5;
 constexpr double kSquare = 0.3;
 constexpr double kMiddle = 1.0;
@@ -29,14 +29,14 @@ std::vector<int> lensUnknowns() {
   return all;
 }
 
-/// Depth of the arena's middle before the lens [m].
+/// Depth of the arena's middle in front of the lens [m].
 double throwOf(const optics::CameraParameters& lens, const ProjectorPlane& plane) {
   const auto& r = lens.rotation;
   return r[6] * plane.arena_width / 2 + r[7] * plane.arena_height / 2 + r[8] * plane.height +
          lens.translation[2];
 }
 
-/// Whether the corners go around the same way at each of them.
+/// Whether the corners turn in the same direction at each of them.
 bool isConvex(const std::array<optics::Pixel, 4>& corners) {
   int left = 0;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -53,24 +53,24 @@ bool isConvex(const std::array<optics::Pixel, 4>& corners) {
 }  // namespace
 
 std::optional<optics::CameraParameters> straightLens(
-    const std::vector<ProjectorObservation>& sights, const ProjectorPlane& plane) {
-  if (sights.size() < 3) return std::nullopt;
+    const std::vector<ProjectorObservation>& observations, const ProjectorPlane& plane) {
+  if (observations.size() < 3) return std::nullopt;
   const double middle_x = plane.arena_width / 2;
   const double middle_y = plane.arena_height / 2;
   Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
   Eigen::Matrix<double, 3, 2> right = Eigen::Matrix<double, 3, 2>::Zero();
-  for (const ProjectorObservation& sight : sights) {
-    const Eigen::Vector3d row(1, sight.place.x - middle_x, sight.place.y - middle_y);
+  for (const ProjectorObservation& observation : observations) {
+    const Eigen::Vector3d row(1, observation.place.x - middle_x, observation.place.y - middle_y);
     normal += row * row.transpose();
-    right += row * Eigen::RowVector2d(sight.pixel.x, sight.pixel.y);
+    right += row * Eigen::RowVector2d(observation.pixel.x, observation.pixel.y);
   }
   const Eigen::FullPivLU<Eigen::Matrix3d> solver(normal);
   if (!solver.isInvertible()) return std::nullopt;
   const Eigen::Matrix<double, 3, 2> affine = solver.solve(right);
   const Eigen::Vector2d along_u(affine(1, 0), affine(2, 0));  // [px/m] of the column
-  const Eigen::Vector2d along_v(affine(1, 1), affine(2, 1));  // [px/m] of the row, down
+  const Eigen::Vector2d along_v(affine(1, 1), affine(2, 1));  // [px/m] of the row, downwards
   if (!(along_u.norm() > 0 && along_v.norm() > 0)) return std::nullopt;
-  // Seen from above, v is a quarter turn clockwise from u unless a mirror is in between.
+  // Seen from above, v is 90 degrees clockwise from u, unless the light passes a mirror.
   const bool mirrored = along_u.x() * along_v.y() - along_u.y() * along_v.x() > 0;
   const double sign = mirrored ? -1 : 1;
   const Eigen::Vector2d from_v(-along_v.y(), along_v.x());
@@ -91,15 +91,16 @@ std::optional<optics::CameraParameters> straightLens(
   return lens;
 }
 
-VectorXd pixelResiduals(const std::vector<ProjectorObservation>& sights,
+VectorXd pixelResiduals(const std::vector<ProjectorObservation>& observations,
                         const ProjectorPlane& plane, const optics::CameraParameters& lens) {
   const optics::CameraModel model(lens);
-  VectorXd out(2 * static_cast<Eigen::Index>(sights.size()));
-  for (std::size_t i = 0; i < sights.size(); ++i) {
-    const optics::Pixel fitted = model.project(sights[i].place.x, sights[i].place.y, plane.height);
+  VectorXd out(2 * static_cast<Eigen::Index>(observations.size()));
+  for (std::size_t i = 0; i < observations.size(); ++i) {
+    const optics::Pixel fitted =
+        model.project(observations[i].place.x, observations[i].place.y, plane.height);
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    out[row] = sights[i].pixel.x - fitted.x;
-    out[row + 1] = sights[i].pixel.y - fitted.y;
+    out[row] = observations[i].pixel.x - fitted.x;
+    out[row + 1] = observations[i].pixel.y - fitted.y;
   }
   return out;
 }
@@ -125,15 +126,15 @@ ResidualBlock projectorPrior(const optics::CameraParameters& start, const Projec
   return {lensUnknowns(), with_spacing, false};
 }
 
-ResidualBlock observationBlock(const std::vector<ProjectorObservation>& sights,
+ResidualBlock observationBlock(const std::vector<ProjectorObservation>& observations,
                                const ProjectorPlane& plane, double noise, bool robust) {
   std::vector<int> unknowns = lensUnknowns();
   unknowns.resize(kSpacing);
   return {unknowns,
-          [&sights, plane, noise](const CameraState& at) -> VectorXd {
-            VectorXd out = pixelResiduals(sights, plane, at.camera);
-            for (std::size_t i = 0; i < sights.size(); ++i) {
-              out.segment<2>(2 * static_cast<Eigen::Index>(i)) /= noise * sights[i].sigma;
+          [&observations, plane, noise](const CameraState& at) -> VectorXd {
+            VectorXd out = pixelResiduals(observations, plane, at.camera);
+            for (std::size_t i = 0; i < observations.size(); ++i) {
+              out.segment<2>(2 * static_cast<Eigen::Index>(i)) /= noise * observations[i].sigma;
             }
             return out;
           },
@@ -145,26 +146,27 @@ std::optional<optics::CameraParameters> lensFromCorners(const std::array<optics:
   if (!isConvex(corners)) return std::nullopt;
   const double w = plane.arena_width;
   const double h = plane.arena_height;
-  const std::vector<ProjectorObservation> sights = {{{0, 0}, corners[0], kCornerSigma},
-                                                    {{w, 0}, corners[1], kCornerSigma},
-                                                    {{w, h}, corners[2], kCornerSigma},
-                                                    {{0, h}, corners[3], kCornerSigma}};
-  const auto start = straightLens(sights, plane);
+  const std::vector<ProjectorObservation> observations = {{{0, 0}, corners[0], kCornerSigma},
+                                                          {{w, 0}, corners[1], kCornerSigma},
+                                                          {{w, h}, corners[2], kCornerSigma},
+                                                          {{0, h}, corners[3], kCornerSigma}};
+  const auto start = straightLens(observations, plane);
   if (!start) return std::nullopt;
   CameraState state;
   state.camera = *start;
   state.pivot = {w / 2, h / 2, plane.height};
   std::optional<optics::CameraParameters> best;
   double least = kMostCornerMiss;
-  // From straight down the search may end beside a strong keystone: then from the sides.
+  // With a strong keystone the search from straight above may end in a local minimum: then starts
+  // from the sides.
   for (const auto& [x, y] :
        {std::pair{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
     const CameraSolution solution = solveCamera(
-        {observationBlock(sights, plane, 1, false), projectorPrior(*start, plane, false)},
+        {observationBlock(observations, plane, 1, false), projectorPrior(*start, plane, false)},
         state.moved(kTurn, kTilt * x).moved(kTurn + 1, kTilt * y));
     optics::CameraParameters lens = solution.state.camera;
     lens.k1 = lens.k2 = lens.p1 = lens.p2 = lens.k3 = 0;
-    const double miss = pixelResiduals(sights, plane, lens).cwiseAbs().maxCoeff();
+    const double miss = pixelResiduals(observations, plane, lens).cwiseAbs().maxCoeff();
     if (miss < least) {
       least = miss;
       best = lens;

@@ -1,8 +1,11 @@
 #include "projector_ctl/calibration/projector_patterns.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 
 namespace lab::calibration {
@@ -11,14 +14,14 @@ namespace {
 constexpr double kWholeTurn = 2 * std::numbers::pi;
 constexpr double kSaturated = 253;     // [DN]
 constexpr double kLeastContrast = 20;  // [DN] between bright and dark
-constexpr double kLeastWave = 0.4;     // of the amplitude that the contrast promises
-constexpr double kAgree = 0.25;        // of a short wave, that the long one may differ
-constexpr double kWallMargin = 0.003;  // [m] of the arena's border is left out
+constexpr double kLeastWave = 0.4;     // of the amplitude expected from the contrast
+constexpr double kAgree = 0.25;        // of a short wave: allowed deviation of the long wave
+constexpr double kWallMargin = 0.003;  // [m] excluded along the arena's border
 
 constexpr double kLeastSigma = 1e-4;  // [px]
 
-/// A paraboloid through what the pixels of a square say: a mean alone would be moved by the lenses'
-/// curvature, by 0.03 mm at worst.
+/// Fits a paraboloid to the values of a square's pixels: the curvature of the lenses would displace
+/// a mean by up to 0.03 mm.
 class SquareFit {
  public:
   void take(int x, int y, double value) {
@@ -33,12 +36,12 @@ class SquareFit {
     bend_y_ += value * (b * b - kSpread);
   }
 
-  /// In the middle of the square.
+  /// Value in the middle of the square.
   [[nodiscard]] double middle() const {
     return sum_ / kPixels - kSpread * (bend_x_ + bend_y_) / kBend;
   }
 
-  /// Of middle(), from what the paraboloid leaves over.
+  /// Variance of middle(), from the residuals.
   [[nodiscard]] double variance() const {
     const double left = squares_ - sum_ * sum_ / kPixels -
                         (slope_x_ * slope_x_ + slope_y_ * slope_y_) / (kSpread * kPixels) -
@@ -48,7 +51,7 @@ class SquareFit {
   }
 
  private:
-  // With n pixels along a side: means of x^2, and the sum of (x^2 - its mean)^2.
+  // With n pixels along a side: mean of x^2, and the sum of (x^2 - its mean)^2.
   static constexpr double kSide = PatternReader::kBlock;
   static constexpr double kMiddle = (kSide - 1) / 2;
   static constexpr double kPixels = kSide * kSide;
@@ -92,7 +95,7 @@ PatternReader::PatternReader(const PatternView& view, const std::vector<LightPat
     : view_(view), camera_(view.camera), patterns_(patterns), taken_(patterns.size()) {
   if (view.projector) {
     if (!((*view.projector)[2] > std::max(view.surface, view.plane.height))) {
-      throw std::invalid_argument("the projector is not above what it shines on");
+      throw std::invalid_argument("the projector is not above the lit surface");
     }
   } else if (std::abs(view.surface - view.plane.height) > 1e-3) {
     throw std::invalid_argument("the surface is not at the height of the light sensors");
@@ -121,7 +124,8 @@ PatternReader::PatternReader(const PatternView& view, const std::vector<LightPat
 
 void PatternReader::take(std::size_t index, const optics::GreyView& grey) {
   if (grey.width != view_.camera.width || grey.height != view_.camera.height) {
-    throw std::invalid_argument("a picture of another size than the camera's calibration");
+    throw std::invalid_argument(
+        "a picture whose size differs from that of the camera's calibration");
   }
   const LightPattern& pattern = patterns_.at(index);
   ++taken_[index];
@@ -147,14 +151,14 @@ bool PatternReader::isClear(std::size_t at) const {
   return in_arena_[at] && !saturated_[at] && projectorPixel(at).has_value();
 }
 
-/// Empty where the waves say nothing.
+/// Empty if the waves are not clear.
 std::optional<optics::Pixel> PatternReader::projectorPixel(std::size_t at) const {
   const double frames = std::max(1, taken_.front());
   const double contrast = static_cast<double>(bright_[at] - dark_[at]) / frames;
   if (contrast < kLeastContrast) return std::nullopt;
   std::array<double, 2> found{};
   for (std::size_t axis = 0; axis < 2; ++axis) {
-    double along = 0;  // [m] from the arena's middle, so far
+    double along = 0;  // [m] from the arena's middle
     for (std::size_t wave = 2 * axis; wave < 2 * axis + 2; ++wave) {
       const auto c = static_cast<double>(cosines_[wave][at]);
       const auto s = static_cast<double>(sines_[wave][at]);
@@ -176,7 +180,7 @@ std::optional<optics::Pixel> PatternReader::projectorPixel(std::size_t at) const
       {view_.plane.arena_width / 2 + found[0], view_.plane.arena_height / 2 + found[1]});
 }
 
-/// At the plane's height, where the light on its way to that pixel goes through.
+/// At the plane's height: where the light for that pixel crosses the plane.
 std::optional<optics::Place> PatternReader::placeOf(optics::Pixel pixel) const {
   auto place = camera_.toPlane(pixel, view_.surface);
   if (!place || !view_.projector) return place;
@@ -192,7 +196,7 @@ std::vector<bool> PatternReader::clearPixels() const {
   return clear;
 }
 
-std::vector<ProjectorObservation> PatternReader::sights() const {
+std::vector<ProjectorObservation> PatternReader::observations() const {
   const int width = view_.camera.width;
   const int height = view_.camera.height;
   const std::vector<bool> clear = clearPixels();
@@ -208,7 +212,7 @@ std::vector<ProjectorObservation> PatternReader::sights() const {
     }
     return true;
   };
-  std::vector<ProjectorObservation> sights;
+  std::vector<ProjectorObservation> observations;
   for (int y0 = kRing; y0 + kBlock + kRing <= height; y0 += kBlock) {
     for (int x0 = kRing; x0 + kBlock + kRing <= width; x0 += kBlock) {
       if (!all_clear(x0, y0)) continue;
@@ -223,14 +227,15 @@ std::vector<ProjectorObservation> PatternReader::sights() const {
       }
       const auto place = placeOf({x0 + (kBlock - 1) / 2.0, y0 + (kBlock - 1) / 2.0});
       if (!place) continue;
-      ProjectorObservation sight;
-      sight.place = *place;
-      sight.pixel = {across.middle(), down.middle()};
-      sight.sigma = std::max(kLeastSigma, std::sqrt((across.variance() + down.variance()) / 2));
-      sights.push_back(sight);
+      ProjectorObservation observation;
+      observation.place = *place;
+      observation.pixel = {across.middle(), down.middle()};
+      observation.sigma =
+          std::max(kLeastSigma, std::sqrt((across.variance() + down.variance()) / 2));
+      observations.push_back(observation);
     }
   }
-  return sights;
+  return observations;
 }
 
 PatternCount PatternReader::count() const {

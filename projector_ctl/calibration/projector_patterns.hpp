@@ -1,13 +1,14 @@
-/// Structured light: what a projector is made to show so that a camera can tell which of its pixels
-/// it sees, and how that is read. Numbers in, numbers out.
+/// Structured light: patterns that tell a camera which pixel of the projector it sees, and their
+/// decoding. No input or output.
 ///
-/// Waves of light along x and along y, each shown in several phases a whole turn apart in all: the
-/// phase that a camera's pixel sees says where in the wave it looks, whatever its brightness, and
-/// to a small part of a pixel. A wave longer than the arena says in which crest of a short one that
-/// is. N phases are blind to the harmonics up to N - 2 of a light that is not proportional to what
-/// is asked for.
+/// Sine waves along x and along y are shown in several equally spaced phases. The phase seen by a
+/// camera pixel gives its position in the wave, independent of brightness, to a small fraction of a
+/// pixel. A wave longer than the arena tells which period of a short wave that is. N phases are
+/// insensitive to harmonics up to N - 2, caused by a nonlinear response.
 #pragma once
 
+#include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,51 +30,52 @@ struct LightPattern {
 
 inline constexpr std::size_t kWaves = 4;
 inline constexpr int kPhases = 6;
-inline constexpr double kShortWave = 0.05;  ///< [m]
+inline constexpr double kShortWave = 0.05;  ///< [1] of the arena's side
 inline constexpr double kLongWave = 1.25;   ///< [1] of the arena's side
 
 /// All pictures of one calibration, 26.
 [[nodiscard]] std::vector<LightPattern> projectorPatterns(double arena_width, double arena_height);
 
-/// What a camera sees of the patterns.
+/// Geometry of the camera and the projector.
 struct PatternView {
   optics::CameraParameters camera;
-  double surface = 0.05;  ///< [m] above the floor, of what the light falls on
-  /// The projector's lens, x, y, z [m]: where the surface is not at the plane's height, what it
-  /// shows is moved along the light to there. Empty: the surface is at that height.
+  double surface = 0.05;  ///< [m] height of the lit surface above the floor
+  /// Position x, y, z of the projector's lens [m]: if the surface is not at the plane's height,
+  /// observations are moved along the light rays to the plane. Empty: the surface is at that
+  /// height.
   std::optional<std::array<double, 3>> projector;
   ProjectorPlane plane;
-  /// In force while the patterns are shown: the pixel of each place that they speak of.
+  /// The projector model in use while the patterns are shown: relates pattern places to pixels.
   optics::ProjectorModel believed{1.2, 0.9, 1920, 1080};
 };
 
-/// Pixels of the camera that look at the arena, and why they say nothing.
+/// Camera pixels on the arena, and reasons why some are not usable.
 struct PatternCount {
   int pixels = 0;
-  int dark = 0;       ///< bright and dark hardly differ: a shadow, or out of the picture
+  int dark = 0;       ///< too little contrast: a shadow, or outside the projector's picture
   int saturated = 0;  ///< too bright for the camera
-  int unclear = 0;    ///< the waves are faint, or do not agree with each other
+  int unclear = 0;    ///< the waves are faint, or inconsistent
 };
 
-/// Sums the pictures up.
+/// Accumulates and decodes the pictures.
 class PatternReader {
  public:
-  /// @throws std::invalid_argument when the surface is not at the plane's height and nobody says
-  ///   where the projector is, or is as high as the projector.
+  /// @throws std::invalid_argument if the surface is not at the plane's height and the projector's
+  ///   position is unknown, or if the surface is as high as the projector
   PatternReader(const PatternView& view, const std::vector<LightPattern>& patterns);
 
-  /// One picture of pattern `index`; each pattern as often as the others.
-  /// @throws std::invalid_argument when it is of another size than the camera's.
+  /// Adds one picture of pattern `index`. Each pattern must be added equally often.
+  /// @throws std::invalid_argument if its size is not the camera's
   void take(std::size_t index, const optics::GreyView& grey);
 
-  /// The middles of squares of kBlock pixels of the camera, all of whose pixels and neighbours are
-  /// clear: from paraboloids through the squares, whose scatter gives the sigmas.
-  [[nodiscard]] std::vector<ProjectorObservation> sights() const;
+  /// One observation for the middle of each square of kBlock camera pixels, if all its pixels and
+  /// neighbours are usable, by a paraboloid; sigmas follow from its residuals.
+  [[nodiscard]] std::vector<ProjectorObservation> observations() const;
 
   [[nodiscard]] PatternCount count() const;
 
   static constexpr int kBlock = 16;  ///< [px]
-  static constexpr int kRing = 3;    ///< [px] about it: what the camera's lens mixes
+  static constexpr int kRing = 3;    ///< [px] neighbours that the camera's lens mixes in
 
  private:
   [[nodiscard]] bool isClear(std::size_t at) const;
@@ -86,7 +88,7 @@ class PatternReader {
   std::vector<LightPattern> patterns_;
   std::vector<int> taken_;
   std::vector<float> dark_, bright_;                ///< sums
-  std::array<std::vector<float>, kWaves> cosines_;  ///< sums, times the phases' cosines
+  std::array<std::vector<float>, kWaves> cosines_;  ///< sums, multiplied by the phases' cosines
   std::array<std::vector<float>, kWaves> sines_;
   std::vector<bool> saturated_;
   std::vector<bool> in_arena_;

@@ -12,7 +12,7 @@ namespace {
 constexpr double kMilli = 1e3;
 constexpr double kCenti = 100;
 constexpr double kPixelsPerMetre = 800;
-constexpr int kFrame = 20;         // [px] about the arena
+constexpr int kFrame = 20;         // [px] around the arena
 constexpr double kLongest = 0.05;  // [m] of an arrow
 constexpr double kHead = 0.012;    // [m] of an arrow's head
 constexpr std::uint8_t kPaper = 255;
@@ -26,7 +26,7 @@ class Drawing {
         rows_(2 * kFrame + static_cast<int>(std::lround(kPixelsPerMetre * plane.arena_height))),
         grey_(static_cast<std::size_t>(columns_) * static_cast<std::size_t>(rows_), kPaper) {}
 
-  /// In metres of the arena; `half` is half the line's width in pixels.
+  /// Coordinates in metres of the arena; `half` is half the line's width in pixels.
   void line(double x0, double y0, double x1, double y1, double half, std::uint8_t ink) {
     const double u0 = kFrame + kPixelsPerMetre * x0;
     const double u1 = kFrame + kPixelsPerMetre * x1;
@@ -74,7 +74,7 @@ std::string mapText(const ProjectorFit& fit) {
     fmt::format_to(out, "{:6.0f} ", kCenti * fit.squares[row * columns].y);
     for (std::size_t i = row * columns; i < (row + 1) * columns; ++i) {
       const SquareResidual& square = fit.squares[i];
-      if (square.sights == 0) {
+      if (square.observations == 0) {
         text += "     -";
       } else {
         fmt::format_to(out, "{:6.3f}", kMilli * std::hypot(square.residual_x, square.residual_y));
@@ -98,8 +98,8 @@ std::string projectorReport(const ProjectorFit& fit, const ProjectorPlane& plane
   fmt::format_to(out, "picture   {} x {} px\n", plane.columns, plane.rows);
   fmt::format_to(out, "lens      k1 {:.4f}, k2 {:.4f}, p1 {:.5f}, p2 {:.5f}\n", p.k1, p.k2, p.p1,
                  p.p2);
-  fmt::format_to(out, "sights    {} used, {} left out, over {:.0f} % of the arena\n", fit.sights,
-                 fit.outlying, 100 * fit.covered);
+  fmt::format_to(out, "sights    {} used, {} left out, over {:.0f} % of the arena\n",
+                 fit.observations, fit.outlying, 100 * fit.covered);
   if (fit.squares.empty()) return text;
   text += mapText(fit);
   const SquareResidual& worst = fit.squares[fit.worst];
@@ -138,7 +138,7 @@ ResidualPicture residualPicture(const ProjectorFit& fit, const ProjectorPlane& p
   drawing.line(w, h, 0, h, 1, kInk);
   drawing.line(0, h, 0, 0, 1, kInk);
   for (const SquareResidual& square : fit.squares) {
-    if (square.sights == 0) continue;
+    if (square.observations == 0) continue;
     const double dx = scale * square.residual_x;
     const double dy = scale * square.residual_y;
     const double x = square.x + dx;

@@ -1,4 +1,4 @@
-/// A display as the projector needs it: what SDL shows, or what a test makes up.
+/// Interface to a display: SDL, or a test double.
 #pragma once
 
 #include <cstdint>
@@ -14,17 +14,17 @@
 
 namespace lab::projector {
 
-/// One line: what was asked of a display, what was found, what to do.
+/// An error of a display, with one line of text: the operation, what was found, what to do.
 class DisplayError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What a display is right now.
+/// Properties of a display.
 struct DisplayInfo {
   int number = 0;           ///< counts from 0
   std::string name{};       ///< "HDMI-1 24\""
-  int x = 0;                ///< [px] where it lies on the desktop
+  int x = 0;                ///< [px] position on the desktop
   int y = 0;                ///< [px]
   int width = 0;            ///< [px]
   int height = 0;           ///< [px]
@@ -32,12 +32,12 @@ struct DisplayInfo {
 };
 
 enum class DisplayEvent : std::int8_t {
-  kEscape,   ///< the key
-  kOverlay,  ///< the key O: the overlay, on or off
-  kClosed,   ///< somebody closed the window
+  kEscape,   ///< the key Escape
+  kOverlay,  ///< the key O, which switches the overlay on or off
+  kClosed,   ///< the user has closed the window
   kGone,     ///< the display was unplugged or switched off
-  kResized,  ///< it has another size now: open it again
-  kTab,      ///< the other keys, for setting corners by hand
+  kResized,  ///< its size has changed; it must be opened again
+  kTab,      ///< this and the following keys adjust corners
   kLeft,
   kRight,
   kUp,
@@ -62,12 +62,12 @@ class Display {
   /// Whether present() may wait for the display. Whether it does is for the caller to measure.
   [[nodiscard]] virtual bool mayWait() const = 0;
 
-  /// Shows a picture of the display's size, of which only `changed` differs from the last one, and
-  /// returns when it is on the display: with mayWait() at the next refresh, as a rule.
-  /// @throws DisplayError when the display is gone.
+  /// Shows a picture of the display's size that differs from the last one only in `changed`, and
+  /// returns when it is on the display; with mayWait() this is usually the next refresh.
+  /// @throws DisplayError if the display is gone.
   virtual void present(const optics::GreyView& picture, std::span<const Box> changed) = 0;
 
-  /// What happened since the last call, in order.
+  /// The events since the last call, in order.
   [[nodiscard]] virtual std::vector<DisplayEvent> events() = 0;
 };
 

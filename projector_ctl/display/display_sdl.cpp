@@ -4,8 +4,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <utility>
 
@@ -17,8 +19,8 @@ namespace {
 
 constexpr std::uint32_t kOpaque = 0xFF000000;
 
-/// Video for as long as one of these lives. SDL must not take SIGTERM from the service, nor hide
-/// the window because somebody clicked elsewhere.
+/// Initialises SDL's video for the lifetime of the object. SDL must not handle SIGTERM, which the
+/// service needs, nor minimise the window when it loses the focus.
 class Video {
  public:
   Video() {
@@ -27,7 +29,7 @@ class Video {
     SDL_SetHint(SDL_HINT_FRAMEBUFFER_ACCELERATION, "0");
     const bool works = SDL_InitSubSystem(SDL_INIT_VIDEO) == 0;
     const std::string found = works ? SDL_GetCurrentVideoDriver() : SDL_GetError();
-    // SDL falls back to pictures that nobody sees.
+    // Without a desktop, SDL falls back to drivers that show nothing.
     const bool seen = works && found != "dummy" && found != "offscreen" && found != "evdev";
     if (seen || (works && SDL_getenv("SDL_VIDEODRIVER") != nullptr)) return;
     if (works) SDL_QuitSubSystem(SDL_INIT_VIDEO);
@@ -55,17 +57,17 @@ std::vector<DisplayInfo> displays() {
   return found;
 }
 
-DisplayInfo choose(const std::string& wanted) {
+DisplayInfo choose(const std::string& name_or_number) {
   const std::vector<DisplayInfo> found = displays();
   const auto is_wanted = [&](const DisplayInfo& info) {
-    return info.name == wanted || std::to_string(info.number) == wanted;
+    return info.name == name_or_number || std::to_string(info.number) == name_or_number;
   };
   const auto matches = std::count_if(found.begin(), found.end(), is_wanted);
   if (matches == 1) return *std::find_if(found.begin(), found.end(), is_wanted);
   throw DisplayError(
-      fmt::format("projector.display = \"{}\": {} displays of that name or number, "
+      fmt::format("projector.display = \"{}\": {} displays have that name or number, "
                   "expected one of\n{}",
-                  wanted, matches, describe(found)));
+                  name_or_number, matches, describe(found)));
 }
 
 std::optional<DisplayEvent> arrow(SDL_Keycode key, bool fast) {
@@ -112,7 +114,8 @@ void copyBox(const optics::GreyView& picture, const Box& box, void* pixels, int 
   }
 }
 
-/// Whether the renderer is a graphics card. One that is made of software costs more than our own.
+/// Whether the renderer is a graphics card. A software renderer is slower than drawing through
+/// shared memory.
 bool isCard(SDL_Renderer* renderer) {
   SDL_RendererInfo info{};
   if (SDL_GetRendererInfo(renderer, &info) != 0) return false;
@@ -131,7 +134,7 @@ bool isCard(SDL_Renderer* renderer) {
 
 class SdlDisplay final : public Display {
  public:
-  explicit SdlDisplay(const std::string& wanted) : info_(choose(wanted)) {
+  explicit SdlDisplay(const std::string& name_or_number) : info_(choose(name_or_number)) {
     openWindow();
     renderer_ =
         SDL_CreateRenderer(window_, -1, SDL_RENDERER_ACCELERATED | SDL_RENDERER_PRESENTVSYNC);
@@ -193,7 +196,7 @@ class SdlDisplay final : public Display {
     SDL_Event event{};
     while (SDL_PollEvent(&event) != 0) {
       if (const auto meaning = meaningOf(event)) happened.push_back(*meaning);
-      // What another window covered is to be shown again.
+      // Parts that another window covered must be drawn again.
       exposed_ = exposed_ ||
                  (event.type == SDL_WINDOWEVENT && event.window.event == SDL_WINDOWEVENT_EXPOSED);
     }
@@ -234,7 +237,7 @@ class SdlDisplay final : public Display {
     }
     if (SDL_RenderCopy(renderer_, texture_, nullptr, nullptr) != 0) fail("no picture");
     SDL_RenderPresent(renderer_);
-    // A driver may queue pictures; the time of the swap is wanted.
+    // A driver may queue pictures; wait for the actual swap.
     if (finish_ != nullptr) finish_();
   }
 
@@ -251,7 +254,7 @@ class SdlDisplay final : public Display {
         }
         return {};
       case SDL_RENDER_DEVICE_RESET:
-        return DisplayEvent::kResized;  // the texture is lost: open it again
+        return DisplayEvent::kResized;  // the texture is lost, so the display must be opened again
       case SDL_WINDOWEVENT:
         if (event.window.event == SDL_WINDOWEVENT_CLOSE) return DisplayEvent::kClosed;
         if (event.window.event == SDL_WINDOWEVENT_SIZE_CHANGED &&
@@ -268,7 +271,7 @@ class SdlDisplay final : public Display {
   DisplayInfo info_;
   SDL_Window* window_ = nullptr;
   SDL_Renderer* renderer_ = nullptr;
-  SDL_Surface* surface_ = nullptr;  ///< that holds the last picture
+  SDL_Surface* surface_ = nullptr;  ///< the surface with the last picture
   bool exposed_ = false;
   SDL_Texture* texture_ = nullptr;  ///< null: the window's own surface
   std::vector<std::uint32_t> pixels_;
@@ -294,8 +297,8 @@ std::string describe(const std::vector<DisplayInfo>& displays) {
   return text;
 }
 
-std::unique_ptr<Display> openSdlDisplay(const std::string& wanted) {
-  return std::make_unique<SdlDisplay>(wanted);
+std::unique_ptr<Display> openSdlDisplay(const std::string& name_or_number) {
+  return std::make_unique<SdlDisplay>(name_or_number);
 }
 
 }  // namespace lab::projector

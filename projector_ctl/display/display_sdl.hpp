@@ -1,4 +1,4 @@
-/// Displays by SDL2.
+/// Displays using SDL2.
 #pragma once
 
 #include <memory>
@@ -9,16 +9,17 @@
 
 namespace lab::projector {
 
-/// Every display, by number. @throws DisplayError when there is no desktop to ask.
+/// All displays, in order of their numbers. @throws DisplayError if there is no desktop.
 [[nodiscard]] std::vector<DisplayInfo> listDisplays();
 
-/// One line each: number, name, size, refresh rate, position.
+/// One line per display: number, name, size, refresh rate, position.
 [[nodiscard]] std::string describe(const std::vector<DisplayInfo>& displays);
 
-/// A window over the whole display `wanted`, a number or a name as listDisplays() has it, in the
-/// mode that the desktop has set; no cursor, no screen saver. Drawn by the graphics card with its
-/// vertical blank, or, where there is no card, through shared memory without one.
-/// @throws DisplayError when there is no such display or no window can be opened.
-[[nodiscard]] std::unique_ptr<Display> openSdlDisplay(const std::string& wanted);
+/// Opens a full-screen window on the display `name_or_number`, a number or name as in
+/// listDisplays(). It uses the desktop's display mode and hides cursor and screen saver. It is
+/// drawn by the graphics card, synchronised with the vertical blank; without a graphics card,
+/// through shared memory and not synchronised.
+/// @throws DisplayError if there is no such display or no window can be opened.
+[[nodiscard]] std::unique_ptr<Display> openSdlDisplay(const std::string& name_or_number);
 
 }  // namespace lab::projector

@@ -1,4 +1,4 @@
-/// When a display shows its frames.
+/// The frame times of a display.
 #pragma once
 
 #include <cmath>
@@ -7,12 +7,12 @@
 
 namespace lab::projector {
 
-/// Frame boundaries of a display: boundary n lies n / rate seconds after 1970, rounded to the
-/// nearest microsecond. They are counted from 1970 in whole numbers, so they never drift, and every
-/// process agrees on them.
+/// Frame boundaries of a display: boundary n is n / rate seconds after 1970, rounded to the nearest
+/// microsecond. They are computed in integers from 1970 on, so they do not drift and are the same
+/// in every process.
 class FrameClock {
  public:
-  /// @param rate [Hz] 1 to 1000, kept to the nearest millihertz.
+  /// @param rate [Hz] 1 to 1000, rounded to the nearest millihertz.
   /// @throws std::invalid_argument for any other rate.
   explicit FrameClock(double rate = 60)
       : millihertz_(rate >= 1 && rate <= 1000
@@ -42,8 +42,8 @@ class FrameClock {
   [[nodiscard]] double period() const { return 1000.0 / static_cast<double>(millihertz_); }
 
  private:
-  /// 1000 s hold a whole number of frames of any whole number of millihertz, and keep the products
-  /// below inside 64 bits.
+  /// 1000 s contain a whole number of frames for any whole number of millihertz. The products with
+  /// this number fit into 64 bits.
   static constexpr std::int64_t kBlock = 1'000'000'000;  // [us]
 
   std::int64_t millihertz_;

@@ -20,7 +20,7 @@ FrameLoop::FrameLoop(Loop& loop, FrameClock clock, Callbacks owner,
   schedule();
 }
 
-/// A loop that fell behind leaves frames out, as a display would.
+/// A loop that is late skips frames, as a display would.
 std::int64_t FrameLoop::nextSwap() const {
   const std::int64_t now = loop_.now();
   if (paced() && last_swap_ > 0) {
@@ -33,8 +33,9 @@ std::int64_t FrameLoop::nextSwap() const {
 
 void FrameLoop::schedule() {
   const std::int64_t swap = nextSwap();
-  // The frames of a display are not the clock's: counted, those of a fast one would run ahead of
-  // it, and without the display the loop would wait for that boundary.
+  // Frames of a display must not be counted as boundaries of the clock: with a fast display the
+  // number would run ahead, and if the display were closed, the loop would wait until that
+  // boundary.
   frame_ =
       paced() ? clock_.numberAtOrAfter(swap) : std::max(frame_ + 1, clock_.numberAtOrAfter(swap));
   const bool shows = presenter_ && state_.open && answers_;
@@ -77,7 +78,7 @@ void FrameLoop::take(const ScreenResult& result) {
 }
 
 void FrameLoop::finish(std::int64_t swap_utime) {
-  // Frames must not go back in time, whatever a display says.
+  // Ensures that times of frames increase, whatever the display reports.
   swap_utime = std::max(swap_utime, last_swap_ + 1);
   if (last_swap_ > 0) {
     const double interval = units::seconds(swap_utime - last_swap_);

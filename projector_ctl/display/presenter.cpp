@@ -11,7 +11,7 @@
 namespace lab::projector {
 
 ThreadPresenter::ThreadPresenter(Screen::Setup setup) {
-  // The clock is the caller's, who is gone when an abandoned thread asks for the time.
+  // The clock belongs to the caller and no longer exists if the thread was abandoned.
   setup.now = [&shared = *shared_, now = std::move(setup.now)] {
     std::unique_lock lock(shared.mutex);
     shared.parkThread(lock);
@@ -42,10 +42,9 @@ ThreadPresenter::~ThreadPresenter() {
   shared_->abandoned = true;
   thread_.detach();
   std::fprintf(stderr,
-               "display %s: its last swap does not return; left as it is, perhaps without the safe "
-               "field\n",
+               "display %s: its last swap does not return; it may not show the safe field\n",
                opened_.name.c_str());
-  // A graphics driver's handlers wait for its threads, which wait for the display.
+  // The exit handlers of a graphics driver wait for its threads, which wait for the display.
   on_exit(
       [](int status, void*) {
         std::fflush(nullptr);

@@ -1,4 +1,4 @@
-/// Who shows pictures while the bus loop goes on.
+/// Shows pictures while the bus loop continues.
 #pragma once
 
 #include <chrono>
@@ -14,7 +14,7 @@
 
 namespace lab::projector {
 
-/// Takes one job at a time, and is asked for what became of it.
+/// Executes one job at a time; its result is polled.
 class Presenter {
  public:
   Presenter() = default;
@@ -22,28 +22,28 @@ class Presenter {
   Presenter& operator=(const Presenter&) = delete;
   virtual ~Presenter() = default;
 
-  /// Of the screen when it had been opened.
+  /// The state of the screen after it was opened.
   [[nodiscard]] virtual const ScreenState& opened() const = 0;
 
   virtual void submit(ScreenJob job) = 0;
 
-  /// The result of the job submitted last, once; nothing while it is under way.
+  /// Returns the result of the last job once; empty while it is in progress.
   virtual std::optional<ScreenResult> poll() = 0;
 };
 
-/// In a thread of its own, which alone touches the screen: a swap that waits for the display, or a
-/// large picture, must not keep the bus waiting.
+/// Runs the screen in its own thread, so that the bus loop does not wait for swaps or large
+/// pictures.
 class ThreadPresenter final : public Presenter {
  public:
-  static constexpr std::chrono::seconds kShutdownTimeout{2};  ///< for a swap, at the end
+  static constexpr std::chrono::seconds kShutdownTimeout{2};  ///< for the last swap
 
   /// Opens the screen. @throws what Screen::open() throws.
   explicit ThreadPresenter(Screen::Setup setup);
 
-  /// Shows the safe field and closes. A display that does not let go within kShutdownTimeout is
-  /// left: it is said on stderr, the thread stands still as soon as it comes back, and the process,
-  /// once it exits, leaves without the handlers and static destructors that could wait for the
-  /// thread.
+  /// Shows the safe field and closes the screen. If the display does not answer within
+  /// kShutdownTimeout, this is reported on stderr and the thread is abandoned: it blocks as soon as
+  /// the display answers, and at exit the process skips exit handlers and static destructors, which
+  /// could wait for the thread.
   ~ThreadPresenter() override;
 
   [[nodiscard]] const ScreenState& opened() const override { return opened_; }
@@ -51,8 +51,7 @@ class ThreadPresenter final : public Presenter {
   std::optional<ScreenResult> poll() override;
 
  private:
-  /// What both threads use; the one that is left behind may use it for longer than the presenter
-  /// lives.
+  /// Data of both threads. An abandoned thread may use them after the presenter is destroyed.
   struct Shared {
     std::mutex mutex{};
     std::condition_variable changed{};
@@ -60,11 +59,11 @@ class ThreadPresenter final : public Presenter {
     std::optional<ScreenResult> result{};
     std::optional<ScreenState> opened{};  ///< or `failure`
     std::exception_ptr failure{};
-    bool ends = false;       ///< the thread is to
+    bool ends = false;       ///< the thread is to end
     bool ended = false;      ///< the screen is closed
-    bool abandoned = false;  ///< nobody waits for the thread, and nothing of the caller's is left
+    bool abandoned = false;  ///< the caller and its objects no longer exist
 
-    /// The calling thread goes no further once it is abandoned. @param lock on `mutex`
+    /// Blocks the calling thread for ever if it was abandoned. @param lock on `mutex`
     void parkThread(std::unique_lock<std::mutex>& lock);
   };
 
@@ -75,7 +74,7 @@ class ThreadPresenter final : public Presenter {
   std::thread thread_;
 };
 
-/// At once, in the caller's thread: for virtual time.
+/// Executes jobs at once in the caller's thread, for virtual time.
 class InlinePresenter final : public Presenter {
  public:
   explicit InlinePresenter(Screen::Setup setup) : screen_(std::move(setup)) {

@@ -19,7 +19,7 @@ Screen::~Screen() {
   if (!display_) return;
   try {
     present(setup_.safe_field);
-  } catch (const DisplayError&) {  // it is gone: nobody sees it
+  } catch (const DisplayError&) {  // the display is gone
   }
 }
 
@@ -48,8 +48,7 @@ void Screen::openPlaced(const std::function<Placement(int columns, int rows)>& p
   }
 }
 
-/// A calibration that does not fit the display that came back leaves nothing to aim with: the safe
-/// field stands on all of it.
+/// If the calibration does not fit the display that came back, the safe field covers all of it.
 void Screen::tryOpen() {
   const std::int64_t now = setup_.now();
   if (!reopens_ || now - closed_utime_ < kReopen) return;
@@ -122,7 +121,8 @@ void Screen::takeEvents() {
   }
 }
 
-/// A display that waits takes a refresh for each picture. The first ones may fill a queue.
+/// Measures whether the display waits one refresh per picture. The first pictures are ignored, as
+/// they may fill a queue.
 void Screen::measurePace() {
   state_.pace = Pace::kUnpaced;
   state_.period = 0;
@@ -153,7 +153,7 @@ ScreenResult Screen::run(const ScreenJob& job) {
   ScreenResult result;
   if (display_) {
     takeEvents();
-  } else {  // in a later frame than it was closed: what happened is said in between
+  } else {  // open it again in a later frame only, so that the closing is reported in between
     tryOpen();
   }
   if (display_) {
@@ -171,7 +171,7 @@ ScreenResult Screen::run(const ScreenJob& job) {
       const std::int64_t handed = setup_.now();
       display_->present(painter_->picture(), changed_);
       result.swap_utime = setup_.now();
-      // What a display that waits takes is waiting.
+      // For a display that waits, presenting is waiting and not work.
       const bool waits = state_.pace == Pace::kDisplay;
       result.work =
           1e-6 * static_cast<double>(ready - start + (waits ? 0 : result.swap_utime - handed));

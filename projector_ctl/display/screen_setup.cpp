@@ -1,6 +1,8 @@
 #include "projector_ctl/display/screen_setup.hpp"
 
 #include <chrono>
+#include <cstdint>
+#include <string>
 #include <thread>
 #include <utility>
 
@@ -11,10 +13,6 @@
 #include "projector_ctl/painter/calibrated_tone.hpp"
 
 namespace lab::projector {
-
-light::Field safeField(const Experiment& experiment) {
-  return {{light::Layer{.intensity = experiment.light.safe_intensity}}, {}, 1};
-}
 
 Screen::Setup screenSetup(const Experiment& experiment, const std::filesystem::path& directory,
                           const Loop& loop, OpenDisplay open) {
@@ -28,7 +26,7 @@ Screen::Setup screenSetup(const Experiment& experiment, const std::filesystem::p
     return Screen::Placement{found.model, found.id.empty() ? light->id : found.id + " " + light->id,
                              std::make_shared<CalibratedTone>(light->tone(), found.model)};
   };
-  setup.safe_field = safeField(experiment);
+  setup.safe_field = {{light::Layer{.intensity = experiment.light.safe_intensity}}, {}, 1};
   setup.now = [&loop] { return loop.now(); };
   setup.sleep_until = [&loop](std::int64_t utime) {
     std::this_thread::sleep_for(std::chrono::microseconds(utime - loop.now()));
@@ -44,7 +42,7 @@ std::unique_ptr<Presenter> makePresenter(const Experiment& experiment,
   try {
     return std::make_unique<ThreadPresenter>(
         screenSetup(experiment, directory, loop, [display] { return openSdlDisplay(display); }));
-  } catch (const DisplayError& error) {  // what the experiment asks for is not there
+  } catch (const DisplayError& error) {  // the experiment's display is missing
     throw ExperimentError({error.what()});
   }
 }

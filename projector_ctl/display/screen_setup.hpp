@@ -1,4 +1,4 @@
-/// From an experiment to the screen that shows its light.
+/// Sets up the screen that shows the light of an experiment.
 #pragma once
 
 #include <filesystem>
@@ -10,17 +10,16 @@
 
 namespace lab::projector {
 
-/// The safe field of an experiment.
-[[nodiscard]] light::Field safeField(const Experiment& experiment);
-
-/// @param directory of the experiment file: the calibration lies beside it
-/// @param loop a live one: its now() is read by the thread that shows pictures; outlives the screen
+/// @param directory of the experiment file, which the calibration is relative to
+/// @param loop must run in real time, because the display's thread calls its now(), and must
+/// outlive
+///        the screen
 [[nodiscard]] Screen::Setup screenSetup(const Experiment& experiment,
                                         const std::filesystem::path& directory, const Loop& loop,
                                         OpenDisplay open);
 
-/// The window that the experiment asks for; null: headless.
-/// @throws DisplayError, ExperimentError when it cannot be opened or the calibration does not fit
+/// Opens the display of the experiment. @return null if it is headless
+/// @throws DisplayError, ExperimentError if it cannot be opened or the calibration does not fit
 [[nodiscard]] std::unique_ptr<Presenter> makePresenter(const Experiment& experiment,
                                                        const std::filesystem::path& directory,
                                                        const Loop& loop);

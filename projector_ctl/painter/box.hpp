@@ -3,7 +3,7 @@
 
 namespace lab::projector {
 
-/// x right, y down from the picture's top left pixel [px].
+/// In pixels; x to the right and y down from the picture's top left pixel.
 struct Box {
   int x = 0;
   int y = 0;

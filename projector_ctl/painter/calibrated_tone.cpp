@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 namespace lab::projector {
 namespace {
 
 constexpr int kSteps =
-    1 << 16;  // near the dark, where the curve is steep, still under half a level
+    1 << 16;  // error below half a grey level even at low intensity, where the curve is steep
 
 }  // namespace
 

@@ -1,6 +1,7 @@
-/// Pixels set so that the light is what is wanted.
+/// Photometric correction of pixels by tables.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "light/optics/projector_model.hpp"
@@ -9,7 +10,7 @@
 
 namespace lab::projector {
 
-/// optics::ProjectorTone::value() for the place of every pixel, by tables.
+/// Computes optics::ProjectorTone::value() at the position of every pixel from tables.
 class CalibratedTone final : public Tone {
  public:
   CalibratedTone(const optics::ProjectorTone& tone, const optics::ProjectorModel& model);
@@ -20,7 +21,7 @@ class CalibratedTone final : public Tone {
 
  private:
   int columns_;
-  std::vector<float> share_;  ///< of every pixel: its value for an intensity of 1
+  std::vector<float> share_;  ///< per pixel: its value for intensity 1
   std::vector<float> curve_;  ///< intensity^(1 / gamma) at equal steps
 };
 

@@ -11,10 +11,10 @@ namespace lab::projector {
 
 namespace {
 
-constexpr int kBlockTiles = 4;  // a side
+constexpr int kBlockTiles = 4;  // tiles per side of a block
 constexpr double kNoPlace = std::numeric_limits<double>::quiet_NaN();
 
-/// As lround(255 * float(value)), which no processor has for many numbers at once.
+/// Equals lround(255 * float(value)), in a form that can be vectorised.
 LAB_TARGET_CLONES
 void toBytes(const double* intensity, std::size_t count, std::uint8_t* out) {
   for (std::size_t i = 0; i < count; ++i) {
@@ -78,7 +78,7 @@ void ScreenPainter::mapPlaces(const optics::ProjectorModel& model) {
   }
 }
 
-/// The places of a tile's pixels, row by row, into tile_x_ and tile_y_.
+/// Writes the positions of a tile's pixels, row by row, to tile_x_ and tile_y_.
 void ScreenPainter::placesOf(const Tile& tile) {
   const Box& box = tile.box;
   const auto width = static_cast<std::size_t>(box.width);
@@ -122,7 +122,7 @@ ScreenPainter::Tile ScreenPainter::tileAt(const Box& box) {
   tile.disc = {0.5 * (left + right), 0.5 * (bottom + top), 0};
   for (std::size_t i = 0; i < count; ++i) {
     const double away = std::hypot(tile_x_[i] - tile.disc.x, tile_y_[i] - tile.disc.y);
-    if (away > tile.disc.radius) tile.disc.radius = away;  // never for NaN
+    if (away > tile.disc.radius) tile.disc.radius = away;  // false for NaN
   }
   return tile;
 }
@@ -164,7 +164,7 @@ std::span<const Box> ScreenPainter::paint(const light::Field& field) {
   return changed_;
 }
 
-/// Tiles side by side become one box.
+/// Adds a changed tile; adjacent tiles are merged into one box.
 void ScreenPainter::noteChanged(const Box& box) {
   if (!changed_.empty()) {
     Box& last = changed_.back();

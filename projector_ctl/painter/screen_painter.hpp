@@ -1,4 +1,4 @@
-/// The light field in the pixels of a projector: numbers in, a picture out, no display.
+/// Renders the light field into the pixels of a projector.
 #pragma once
 
 #include <cstdint>
@@ -14,39 +14,43 @@
 
 namespace lab::projector {
 
-/// Paints frame after frame, each pixel with the light at the place its centre falls on. The
-/// picture is cut in tiles: in a tile only the layers with an edge there are evaluated, and a tile
-/// whose layers are those of the frame before is left alone.
+/// Paints frames; each pixel gets the light at the point of the arena that its centre falls on. The
+/// picture is divided into tiles: in a tile only the layers with an edge there are evaluated, and a
+/// tile whose layers have not changed is not painted again.
 class ScreenPainter {
  public:
   static constexpr int kTile = 32;  ///< [px]
 
-  /// @param model its columns and rows are the picture's. Pixels without a place stay dark.
+  /// @param model its columns and rows are the size of the picture. Pixels that do not fall onto
+  /// the
+  ///        arena stay dark.
   /// @param tone null: the identity
   explicit ScreenPainter(const optics::ProjectorModel& model,
                          std::shared_ptr<const Tone> tone = nullptr);
 
-  /// Paints `field`, whose layers pass validate().
-  /// @return what changed since the last call, the whole picture at first; valid until the next.
+  /// Paints `field`, whose layers must pass validate().
+  /// @return the parts that changed since the last call, at first the whole picture; valid until
+  /// the
+  ///         next call
   std::span<const Box> paint(const light::Field& field);
 
   [[nodiscard]] optics::GreyView picture() const { return picture_.view(); }
 
-  /// For what is drawn over the light: the tiles that `box` touches are painted anew in the next
-  /// frame.
+  /// For drawing over the light: the picture itself, and a call that repaints the tiles that `box`
+  /// touches in the next frame.
   [[nodiscard]] optics::GreyImage& canvas() { return picture_; }
   void forget(const Box& box);
 
  private:
   struct Tile {
     Box box;
-    light::Disc disc;      ///< holds the places of all its pixels
-    bool lit = false;      ///< any of them
-    bool gaps = false;     ///< but not all of them
-    bool painted = false;  ///< with `shown`
+    light::Disc disc;      ///< contains the positions of all its pixels
+    bool lit = false;      ///< at least one pixel falls onto the arena
+    bool gaps = false;     ///< at least one pixel does not
+    bool painted = false;  ///< the tile shows `shown`
     light::CompiledField shown;
   };
-  /// Tiles that lie together, so that most layers are out of sight for all of them at once.
+  /// Neighbouring tiles, so that most layers can be excluded for all of them at once.
   struct Block {
     light::Disc disc;
     std::vector<Tile> tiles;
@@ -61,9 +65,9 @@ class ScreenPainter {
 
   std::shared_ptr<const Tone> tone_;
   optics::GreyImage picture_;
-  bool straight_;  ///< x depends on the column alone and y on the row alone
+  bool straight_;  ///< x depends only on the column and y only on the row
   std::vector<double> x_,
-      y_;  ///< [m] of the columns and rows, or else of all pixels; NaN: no place
+      y_;  ///< [m] per column and row if straight_, else per pixel; NaN: not on the arena
   std::vector<Block> blocks_;
   std::vector<Box> changed_;
   std::vector<double> tile_x_, tile_y_, tile_light_;

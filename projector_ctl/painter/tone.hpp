@@ -1,4 +1,4 @@
-/// From intensity to what a pixel is set to.
+/// Maps light intensity to pixel values.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace lab::projector {
 
-/// The identity: 0 dark .. 255 white, rounded as light::toGrey() does. A photometric correction
-/// derives from it.
+/// The linear map: 0 dark .. 255 white, rounded as in light::toGrey(). Photometric corrections are
+/// derived classes.
 class Tone {
  public:
   Tone() = default;
@@ -15,11 +15,11 @@ class Tone {
   Tone& operator=(const Tone&) = delete;
   virtual ~Tone() = default;
 
-  /// Whether a pixel's place in the picture makes no difference.
+  /// Whether the map is the same for all pixels.
   [[nodiscard]] virtual bool isSameEverywhere() const { return true; }
 
-  /// @param intensity of `count` pixels of row y from column x on, 0..1
-  /// @param out as many values
+  /// @param intensity of `count` pixels in row y from column x on, 0..1
+  /// @param out `count` values
   virtual void apply(const double* intensity, int x, int y, std::size_t count,
                      std::uint8_t* out) const;
 };

@@ -5,17 +5,19 @@
 #include <numbers>
 #include <utility>
 
+#include "common/math/units.hpp"
+
 namespace lab::projector {
 namespace {
 
-// A pose is never taken for better than this, so that one without noise has a weight.
+// Lower bounds of the variances, so that poses without noise have finite weights.
 constexpr double kLeastVariance = 1e-10;     // [m^2]
 constexpr double kLeastTurnVariance = 1e-8;  // [rad^2]
-constexpr double kSigmas = 6;                // of noise that is no jump
-constexpr std::size_t kFewest = 3;           // poses of a window
-constexpr double kStraight = 1e-6;           // [rad/s] an arc that turns less is a line
+constexpr double kSigmas = 6;                // larger deviations are jumps, not noise
+constexpr std::size_t kFewest = 3;           // poses in a window
+constexpr double kStraight = 1e-6;           // [rad/s] slower turns are treated as straight lines
 
-double seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
+using units::seconds;
 
 double shrunk(double rate, double variance) {
   return rate * std::max(0.0, 1 - variance / std::max(rate * rate, 1e-300));
@@ -26,7 +28,7 @@ struct Step {
   double y;
 };
 
-/// From heading `theta` at unit speed for `time`, also backwards.
+/// Displacement at unit speed from heading `theta` in `time`, which may be negative.
 Step arc(double theta, double turn, double time) {
   if (std::abs(turn) < kStraight) return {time * std::cos(theta), time * std::sin(theta)};
   const double end = theta + turn * time;
@@ -56,20 +58,20 @@ void Track::see(const ObservedRobot& robot, std::int64_t utime) {
     append(pose);
     return;
   }
-  // A clock that was set back by more than that begins anew.
+  // If the clock was set back by more than the longest gap, a new track begins.
   const double since = seconds(utime - poses_.back().utime);
   if (since <= 0 && since >= -kLongestGap) return;
   if (std::abs(since) > kLongestGap) {
     poses_.clear();
   } else if (!reaches(poses_.back(), pose)) {
-    const bool believed = !strange_.empty() && reaches(strange_.back(), pose);
+    const bool believed = !outlier_.empty() && reaches(outlier_.back(), pose);
     if (!believed) {
-      strange_ = {pose};
+      outlier_ = {pose};
       return;
     }
-    poses_ = std::move(strange_);
+    poses_ = std::move(outlier_);
   }
-  strange_.clear();
+  outlier_.clear();
   append(pose);
 }
 
@@ -145,7 +147,7 @@ RobotPose Track::predicted(std::int64_t utime) const {
 
 void RobotTracks::take(const ObservedFrame& frame) {
   for (const ObservedRobot& robot : frame.robots) {
-    // Written so that a confidence that is no number is too small.
+    // Written so that NaN counts as too small.
     if (!(robot.confidence >= kLeastConfidence)) continue;
     if (!std::isfinite(robot.x) || !std::isfinite(robot.y) || !std::isfinite(robot.theta)) continue;
     tracks_[robot.id].see(robot, frame.utime);

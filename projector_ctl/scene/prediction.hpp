@@ -1,10 +1,12 @@
-/// Where robots were seen, and where they will be.
+/// Tracks of robots and predictions of their poses.
 #pragma once
 
 #include <cstdint>
 #include <map>
 #include <string>
 #include <vector>
+
+#include "robot/dynamics/kinematics.hpp"
 
 namespace lab::projector {
 
@@ -14,61 +16,57 @@ struct ObservedRobot {
   double x = 0;              ///< [m]
   double y = 0;              ///< [m]
   double theta = 0;          ///< [rad]
-  double variance = 0;       ///< [m^2] of x and of y
-  double turn_variance = 0;  ///< [rad^2] of theta
+  double variance = 0;       ///< [m^2] variance of x and of y
+  double turn_variance = 0;  ///< [rad^2] variance of theta
   double confidence = 1;     ///< [1]
 };
 
-/// All robots of one camera frame.
+/// All robots in one camera frame.
 struct ObservedFrame {
-  std::int64_t instance = 0;  ///< of the tracker
-  std::int64_t number = 0;    ///< of the frame
+  std::int64_t instance = 0;  ///< instance of the tracker
+  std::int64_t number = 0;    ///< number of the frame
   std::int64_t utime = 0;     ///< [us since 1970] middle of the exposure
   std::vector<ObservedRobot> robots{};
 };
 
-/// A robot's place and heading.
-struct RobotPose {
-  double x = 0;      ///< [m]
-  double y = 0;      ///< [m]
-  double theta = 0;  ///< [rad]
-};
+using RobotPose = dynamics::Pose;
 
 /// The last poses of one robot.
 ///
-/// Speed v along the heading and turning rate are taken as constant over the window and fitted by
-/// least squares, each pose weighted by its variance: first the turning rate to the headings, then,
-/// along the arc that these headings give, speed and place to the places. Each rate r is then
-/// shrunk to r max(0, 1 - var(r) / r^2) (the positive-part rule of James and Stein), so that a
-/// robot that stands is not sent about by the noise of its poses, and a fast one loses nothing.
+/// Speed v along the heading and turning rate are assumed constant over the window and fitted by
+/// least squares, with poses weighted by their inverse variance: first the turning rate to the
+/// headings, then speed and position along the resulting arc to the positions. Each rate r is then
+/// shrunk to r max(0, 1 - var(r) / r^2) (positive-part James-Stein estimator), so that noise does
+/// not move the prediction of a standing robot, while the rates of a fast robot are nearly
+/// unchanged.
 class Track {
  public:
-  static constexpr double kWindow = 0.1;      ///< [s] of poses in a fit; three poses at least
-  static constexpr double kLongestGap = 0.5;  ///< [s] between poses that belong together
-  static constexpr double kFurthest = 0.25;   ///< [s] nothing is predicted for later
-  static constexpr double kFastest = 0.5;     ///< [m/s] what moves faster has jumped
+  static constexpr double kWindow = 0.1;      ///< [s] of poses in a fit; at least three poses
+  static constexpr double kLongestGap = 0.5;  ///< [s] a longer gap starts a new track
+  static constexpr double kFurthest = 0.25;   ///< [s] longest prediction
+  static constexpr double kFastest = 0.5;     ///< [m/s] faster motion is an outlier
   static constexpr double kFastestTurn = 12;  ///< [rad/s]
 
-  /// Takes a pose later than the last one; an earlier one is ignored. A pose that the robot cannot
-  /// have come to is believed only when the next one agrees with it: then the track begins there.
+  /// Takes a pose; it is ignored if it is not later than the last one. A pose that the robot cannot
+  /// have reached is only accepted when the next one agrees with it; then a new track begins there.
   void see(const ObservedRobot& robot, std::int64_t utime);
 
   /// Whether there is a pose.
   [[nodiscard]] bool seen() const { return !poses_.empty(); }
 
-  /// When the last pose was, [us since 1970]; only where seen().
+  /// Time of the last pose [us since 1970]; seen() must be true.
   [[nodiscard]] std::int64_t lastUtime() const { return poses_.back().utime; }
 
-  /// The last pose as it was seen.
+  /// The last observed pose.
   [[nodiscard]] RobotPose last() const;
 
-  /// The pose before the last one, where both are of one unbroken track.
+  /// The pose before the last one, if joined(): both belong to the same track.
   [[nodiscard]] bool joined() const { return poses_.size() > 1; }
   [[nodiscard]] RobotPose before() const;
   [[nodiscard]] std::int64_t beforeUtime() const { return poses_[poses_.size() - 2].utime; }
 
-  /// Where the robot is at `utime`; that of one pose alone, and what lies kFurthest after the last
-  /// one, is not moved further.
+  /// The predicted pose at `utime`. With a single pose, or more than kFurthest after the last one,
+  /// the prediction does not move.
   [[nodiscard]] RobotPose predicted(std::int64_t utime) const;
 
   [[nodiscard]] double speed() const { return speed_; }  ///< [m/s] forward
@@ -77,7 +75,7 @@ class Track {
  private:
   struct Pose {
     std::int64_t utime;
-    RobotPose place;     ///< theta runs on, without jumps of a turn
+    RobotPose place;     ///< theta is unwrapped
     double weight;       ///< [1/m^2]
     double turn_weight;  ///< [1/rad^2]
   };
@@ -86,30 +84,30 @@ class Track {
   void append(Pose pose);
   void fit();
 
-  std::vector<Pose> poses_;    ///< of the window, oldest first
-  std::vector<Pose> strange_;  ///< one at most, out of the robot's reach
+  std::vector<Pose> poses_;    ///< in the window, oldest first
+  std::vector<Pose> outlier_;  ///< at most one pose that the robot cannot have reached
   RobotPose fitted_;           ///< at the time of the last pose
   double speed_ = 0;
   double turn_ = 0;
 };
 
-/// What is known of all robots.
+/// The tracks of all robots, and the programs that they report.
 class RobotTracks {
  public:
-  static constexpr double kLeastConfidence = 0.5;  ///< of poses that are used
+  static constexpr double kLeastConfidence = 0.5;  ///< poses below are not used
 
   void take(const ObservedFrame& frame);
 
-  /// As if no frame had been taken.
+  /// Forgets all camera frames.
   void forgetPoses() { tracks_.clear(); }
 
-  /// The program that a robot says it runs.
+  /// Takes the program that a robot reports.
   void report(std::int32_t id, const std::string& program, std::int64_t utime);
 
-  /// Null for one that was never seen.
+  /// Null if the robot was never seen.
   [[nodiscard]] const Track* track(std::int32_t id) const;
 
-  /// Whether the robot runs this program, by a report not older than `stale` [s] at `utime`.
+  /// Whether the robot's last report is of this program and not older than `stale` [s] at `utime`.
   [[nodiscard]] bool runs(std::int32_t id, const std::string& program, std::int64_t utime,
                           double stale) const;
 

@@ -6,16 +6,18 @@
 #include <numeric>
 #include <utility>
 
+#include "common/math/units.hpp"
+
 namespace lab::projector {
 namespace {
 
-constexpr double kLargestShare = 0.2;  // of a cell's content that goes to each neighbour at once
-constexpr double kNothing = 1e-200;    // numbers below become slow before they become 0
+constexpr double kLargestShare = 0.2;  // share of a cell that diffuses to each neighbour per step
+constexpr double kNothing = 1e-200;    // smaller values are set to 0: denormals are slow
 
-double seconds(std::int64_t us) { return static_cast<double>(us) * 1e-6; }
+using units::seconds;
 
-/// The side of the smallest cells that fit: as many columns and rows as an image may have, and no
-/// more cells than `most`.
+/// The smallest side of cells such that columns and rows are within an image's limits and there are
+/// at most `most` cells.
 double cellFor(double width, double height, std::size_t most) {
   double cell = std::max(width / light::kMostColumns, height / light::kMostRows);
   const auto cells = [&] {
@@ -111,7 +113,7 @@ void Trail::add(double x, double y, double amount) {
   };
   const double total = amount / (cell_ * cell_);
   if (sum <= 0) {
-    // A source that is smaller than a cell and between the middles of all.
+    // The source is smaller than a cell and contains no cell centre: use the nearest cell.
     const auto nearest = [&](double place, int count) {
       return std::clamp(static_cast<int>(std::floor(place / cell_)), 0, count - 1);
     };
@@ -129,14 +131,14 @@ void Trail::add(double x, double y, double amount) {
 void Trail::lay(double from_x, double from_y, std::int64_t from_utime, double to_x, double to_y,
                 std::int64_t to_utime) {
   if (to_utime <= from_utime) return;
-  const double way = std::hypot(to_x - from_x, to_y - from_y);
-  // No beads: middles of what is laid at once are at most half a cell and a fifth of the radius
-  // apart.
-  const double stretch = std::min(0.5 * cell_, 0.2 * settings_.radius);
-  const int pieces = std::max(1, static_cast<int>(std::ceil(way / stretch)));
+  const double distance = std::hypot(to_x - from_x, to_y - from_y);
+  // The path is divided into points that are at most half a cell and a fifth of the radius apart,
+  // so that the trail has no visible beads.
+  const double spacing = std::min(0.5 * cell_, 0.2 * settings_.radius);
+  const int pieces = std::max(1, static_cast<int>(std::ceil(distance / spacing)));
   const double time = seconds(to_utime - from_utime) / pieces;
   const double oldest = seconds(utime_ - from_utime);
-  // Of what is laid evenly over `time`, this is left at its end.
+  // Integral of the decaying source over one piece, at the end of the piece.
   const double decay = settings_.decay;
   const double left = decay > 0 ? -std::expm1(-decay * time) / decay : time;
   for (int i = 0; i < pieces; ++i) {

@@ -1,4 +1,4 @@
-/// What robots leave behind: a field that is laid down under them, decays and spreads.
+/// Trails of robots: a field with sources at the robots, decay and diffusion.
 #pragma once
 
 #include <cstdint>
@@ -9,16 +9,16 @@
 
 namespace lab::projector {
 
-/// dm/dt = sources - decay m + diffusion laplacian m, on square cells over the arena, with walls
-/// that nothing passes.
+/// Solves dm/dt = sources - decay m + diffusion laplacian m on square cells over the arena, with
+/// no-flux boundaries at the walls.
 ///
-/// A robot's source is rate K(r) with K(r) = (1 - (r / radius)^2)^2 up to the radius, drawn along
-/// its path; its weights over the cells are scaled to hold rate pi radius^2 / 3 exactly, all of it
-/// inside the walls. Decay is exact. Diffusion is explicit, in sub-steps with diffusion dt / h^2 at
-/// most 1/5, which keep m positive and lose nothing.
+/// A robot's source is rate K(r) with K(r) = (1 - (r / radius)^2)^2 for r < radius, moved along its
+/// path. Its weights over the cells inside the walls are scaled such that their integral is exactly
+/// rate pi radius^2 / 3. Decay is exact. Diffusion is an explicit scheme with sub-steps such that
+/// diffusion dt / h^2 <= 1/5, which keeps m positive and conserves mass.
 ///
-/// Time is that of camera frames: the state is a function of the frames laid, in their order, and
-/// a picture one of the state and the moment it is for.
+/// Time is that of the camera frames. The state depends only on the frames and their order, and a
+/// picture only on the state and its time.
 class Trail {
  public:
   struct Settings {
@@ -26,35 +26,36 @@ class Trail {
     double height = 0;  ///< [m]
     std::size_t most_cells = 160 * 120;
     double radius = 0;     ///< [m]
-    double rate = 1;       ///< [1/s] of m, in the middle of a robot that stands
+    double rate = 1;       ///< [1/s] of m, at the centre of a standing robot
     double decay = 0;      ///< [1/s]
     double diffusion = 0;  ///< [m^2/s]
   };
 
-  /// The picture of a trail nobody adds to spreads in strides of this; it decays all the time.
+  /// Without new frames, the diffusion in the picture advances in steps of this length; decay is
+  /// continuous.
   static constexpr std::int64_t kStride_us = 250'000;
 
   explicit Trail(const Settings& settings);
 
-  /// Lets time pass up to `utime`, as it did since the last call; earlier is not gone back to.
+  /// Advances the state to `utime`; earlier times are ignored.
   void advanceTo(std::int64_t utime);
 
-  /// A robot went straight from one place to the other between these times, the later one not
-  /// after advanceTo()'s: adds what is left of what it laid.
+  /// Adds the source of a robot that moved on a straight line between two points and times,
+  /// including the decay since then. to_utime must not be after the time of advanceTo().
   void lay(double from_x, double from_y, std::int64_t from_utime, double to_x, double to_y,
            std::int64_t to_utime);
 
-  /// m as bytes at `utime`, 0..1 as 0..255 and nothing above: the same pointer while the bytes are
-  /// the same.
+  /// m at `utime` as bytes: 0..1 is mapped to 0..255 and clamped. Returns the same pointer while
+  /// the bytes do not change.
   std::shared_ptr<const light::Image> picture(std::int64_t utime);
 
   /// Integral of m over the arena [m^2], at the time of advanceTo().
   [[nodiscard]] double mass() const;
 
-  /// What one robot adds to the mass [m^2/s].
+  /// The mass that one robot adds per time [m^2/s].
   [[nodiscard]] double source() const;
 
-  /// m of a cell, at the time of advanceTo(); column and row from the origin's corner.
+  /// m in a cell at the time of advanceTo(); columns and rows count from the origin.
   [[nodiscard]] double at(int column, int row) const {
     return cells_[static_cast<std::size_t>(row) * static_cast<std::size_t>(columns_) +
                   static_cast<std::size_t>(column)];
@@ -75,13 +76,13 @@ class Trail {
   double cell_;
   int columns_;
   int rows_;
-  bool empty_ = true;  ///< nothing was laid yet
+  bool empty_ = true;  ///< no source was added yet
   std::int64_t utime_ = 0;
-  Cells cells_;  ///< the bottom row first
+  Cells cells_;  ///< bottom row first
   Cells buffer_;
   std::vector<double> weights_;
-  Cells carried_;             ///< cells_, `strides_` strides later
-  std::int64_t strides_ = 0;  ///< 0: carried_ is not read
+  Cells carried_;             ///< cells_, advanced by `strides_` steps of kStride_us
+  std::int64_t strides_ = 0;  ///< 0: carried_ is not valid
   std::shared_ptr<const light::Image> picture_;
 };
 

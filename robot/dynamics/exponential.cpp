@@ -26,7 +26,7 @@ uint32_t tableEntry(uint8_t index) { return index < 128 ? readFlash(&kLog2Table[
 
 uint32_t negativeLog(uint32_t bits) {
   constexpr uint32_t kLn2 = 2977044472U;  // ln 2 in units of 2^-32
-  uint32_t mantissa = bits | 1U;          // never zero, and symmetric within each pair
+  uint32_t mantissa = bits | 1U;          // odd, so never zero
   uint32_t exponent = 1;
   while ((mantissa & 0x80000000U) == 0) {
     mantissa <<= 1;

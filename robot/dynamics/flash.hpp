@@ -2,8 +2,9 @@
 
 #include <stdint.h>
 
-// A constant table costs the robot's 2 kB of RAM unless it is placed in flash and read with its own
-// instruction. This is the one place where the two machines differ.
+// On the chip, constant tables are copied into the 2 kB of RAM unless they are placed in flash and
+// read with a special instruction. This is the only difference between chip and host in this
+// folder.
 #ifdef __AVR__
 #include <avr/pgmspace.h>
 #define LAB_IN_FLASH PROGMEM

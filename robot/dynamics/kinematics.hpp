@@ -7,16 +7,15 @@
 namespace lab {
 namespace dynamics {
 
-/// Where a robot is: metres in the arena frame, heading counter-clockwise from x in rad
-/// (unwrapped).
+/// Position in metres in the arena frame; heading in rad, counter-clockwise from x, not wrapped.
 struct Pose {
   double x = 0;
   double y = 0;
   double theta = 0;
 };
 
-/// A motion at constant wheel speeds over a fixed time, in the frame of the robot at its start.
-/// Computed once and applied to as many equal steps as the wheel speeds last.
+/// A motion at constant wheel speeds over a fixed time, in the robot's frame at its start. It can
+/// be computed once and applied to many steps of equal length.
 struct Arc {
   double dx = 0;        ///< Forward, m.
   double dy = 0;        ///< To the left, m.
@@ -25,18 +24,18 @@ struct Arc {
   double sin_turn = 0;  ///< sin(dtheta).
 };
 
-/// The exact arc of the unicycle x' = v cos theta, y' = v sin theta, theta' = w held for dt
-/// seconds: speed in m/s, turn in rad/s. Exact to rounding for every turn, also none. Inline,
-/// because simulated robots do little else.
+/// The exact arc of the unicycle x' = v cos theta, y' = v sin theta, theta' = w over dt seconds;
+/// speed v in m/s, turn w in rad/s. Exact up to rounding for all turns including 0. Inline because
+/// the simulation spends most of its time here.
 [[nodiscard]] inline Arc makeArcOf(double speed, double turn, double dt) {
   Arc arc;
   arc.dtheta = turn * dt;
-  // The chord of the arc is at half the turn: no difference of nearly equal numbers for small
-  // turns.
+  // The chord has the direction of half the turn. This form avoids differences of nearly equal
+  // numbers for small turns.
   const double half = arc.dtheta / 2;
   double cosine, sine, sine_over_half;
   if (std::fabs(half) < 0.1) {
-    // The first terms left out are below 0.1^10 / 10! = 3e-17. No case for a turn of 0.
+    // Taylor series; the first omitted terms are below 0.1^10 / 10! = 3e-17. Also valid for 0.
     const double h2 = half * half;
     const double h4 = h2 * h2;
     sine_over_half =
@@ -70,8 +69,8 @@ struct WheelModel {
   int32_t max_um_s = 270000;  ///< Speed at full duty, micrometre/s.
 };
 
-/// The speed (m/s) a wheel turns at when commanded um_s: clamped, quantised to the nearest of the
-/// duties 0..255 unless ideal, times the gain.
+/// The real speed (m/s) of a wheel that is commanded um_s: clamped, quantised to the nearest duty
+/// 0..255 unless ideal, times the gain.
 [[nodiscard]] double wheelSpeed(int32_t um_s, const WheelModel& wheel);
 
 }  // namespace dynamics

@@ -5,7 +5,7 @@
 namespace lab {
 namespace dynamics {
 
-/// How many programs, and how many light bands, a robot holds.
+/// Number of programs, and largest number of light bands, in a robot.
 constexpr uint8_t kSlots = 4;
 /// The slot of a robot that runs no program.
 constexpr uint8_t kNoSlot = 255;
@@ -26,7 +26,7 @@ enum LightReading : uint8_t { kMeanLight = 0, kFrontLight = 1, kBackLight = 2 };
 struct LightSettings {
   LightBand bands[kSlots];
   uint8_t count = 0;
-  uint16_t hysteresis = 0;  ///< Counts by which the current band is widened at both edges.
+  uint16_t hysteresis = 0;  ///< The current band is widened by this at both edges, counts.
   LightReading reading = kMeanLight;
 };
 
@@ -43,8 +43,8 @@ inline bool operator==(const LightSettings& a, const LightSettings& b) {
   return a.count == b.count && a.hysteresis == b.hysteresis && a.reading == b.reading;
 }
 
-/// True if the bands are at most four, each non-empty and inside 0..1024, none overlapping another,
-/// and each names one of the four slots.
+/// True if there are at most four bands, each is non-empty and inside 0..1024, no two overlap, and
+/// each names one of the four slots.
 inline bool isValid(const LightSettings& settings) {
   if (settings.count > kSlots || settings.reading > kBackLight ||
       settings.hysteresis >= kLightCounts) {
@@ -64,9 +64,9 @@ inline bool isValid(const LightSettings& settings) {
   return true;
 }
 
-/// Selects a program slot from the light, with hysteresis: the current band is kept while the
-/// reading is inside it widened by the hysteresis; otherwise the band that contains the reading is
-/// taken, and none if there is no such band (the robot then stands).
+/// Selects a program slot from the light, with hysteresis. The current band is kept while the
+/// reading is inside the band widened by the hysteresis. Otherwise the band that contains the
+/// reading becomes the current one; without such a band no slot is selected and the robot stands.
 class LightTable {
  public:
   /// Takes new settings and forgets the current band.
@@ -75,7 +75,7 @@ class LightTable {
     current_ = kNoSlot;
   }
 
-  /// Looks at the light (counts of the front and the back sensor) and returns the slot it selects,
+  /// Updates the current band from the readings of both sensors (counts). Returns the selected slot
   /// or kNoSlot.
   uint8_t update(uint16_t front, uint16_t back) {
     const uint16_t counts = reading(front, back);
@@ -90,7 +90,7 @@ class LightTable {
     return current_ < settings_.count ? settings_.bands[current_].slot : kNoSlot;
   }
 
-  /// What the bands are compared with; the mean is rounded half up.
+  /// The reading that is compared with the bands; a mean is rounded half up.
   uint16_t reading(uint16_t front, uint16_t back) const {
     switch (settings_.reading) {
       case kFrontLight:

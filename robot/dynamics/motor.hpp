@@ -5,12 +5,13 @@
 namespace lab {
 namespace dynamics {
 
-/// The fastest a wheel turns at full duty: 27 cm/s (paper, "Robot model").
+/// Wheel speed at full duty: 27 cm/s (paper, "Robot model").
 constexpr int32_t kMaxWheelUmS = 270000L;
 /// The largest duty of the 8-bit pulse width modulation; one step is 27 cm/s / 255 = 1.06 mm/s.
 constexpr int16_t kMaxDuty = 255;
 
-/// Limits a wheel speed to [-max, max]; sets `saturated` if it had to, and leaves it otherwise.
+/// Limits a wheel speed to [-max, max]. Sets `saturated` if it changes the speed, and does not
+/// change `saturated` otherwise.
 inline int32_t clampWheel(int32_t um_s, int32_t max_um_s, bool& saturated) {
   if (um_s > max_um_s) {
     saturated = true;
@@ -23,8 +24,8 @@ inline int32_t clampWheel(int32_t um_s, int32_t max_um_s, bool& saturated) {
   return um_s;
 }
 
-/// The signed duty -255..255 for a wheel speed, rounded to NEAREST (half away from zero):
-/// truncating instead lowers D_r by 1.3 % and the diffusion of a slow Brownian program by 5 %.
+/// The signed duty -255..255 for a wheel speed, rounded to nearest (half away from zero).
+/// Truncation would lower D_r by 1.3 % and the diffusion of a slow Brownian program by 5 %.
 inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s) {
   const uint32_t max = static_cast<uint32_t>(max_um_s);
   uint32_t size = static_cast<uint32_t>(um_s < 0 ? -um_s : um_s);
@@ -36,8 +37,8 @@ inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s) {
   return um_s < 0 ? static_cast<int16_t>(-duty) : duty;
 }
 
-/// One wheel as `lab calibrate motors` found it. The wheel stands up to the dead band and turns at
-/// max * gain * (duty - dead_band) / (255 - dead_band) above it.
+/// The calibration of one wheel, see `lab calibrate motors`. The wheel stands up to the dead band;
+/// above it, its speed is max * gain * (duty - dead_band) / (255 - dead_band).
 struct WheelCalibration {
   int32_t gain_ppm = 1000000L;  ///< Real over nominal speed at full duty, millionths.
   uint8_t dead_band = 0;        ///< Duty.
@@ -47,8 +48,8 @@ inline bool operator==(const WheelCalibration& a, const WheelCalibration& b) {
   return a.gain_ppm == b.gain_ppm && a.dead_band == b.dead_band;
 }
 
-/// The signed duty that makes a calibrated wheel turn at um_s, rounded to nearest. A wheel too weak
-/// for the speed gets 255. Without dead band and with gain 1 it is dutyForSpeed(um_s, max_um_s).
+/// The signed duty at which a calibrated wheel has the speed um_s, rounded to nearest and limited
+/// to 255. Without dead band and with gain 1 it equals dutyForSpeed(um_s, max_um_s).
 inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s, const WheelCalibration& wheel) {
   const uint32_t size = static_cast<uint32_t>(um_s < 0 ? -um_s : um_s);
   const uint64_t full =

@@ -7,7 +7,7 @@
 namespace lab {
 namespace dynamics {
 
-/// What a robot can be told to do. The numbers are those of the messages and of the wire protocol.
+/// The kinds of programs. The numbers are those of program_t and of the wire protocol.
 enum ProgramKind : uint8_t {
   kNone = 0,      ///< Stand still.
   kAbp = 1,       ///< Active Brownian particle.
@@ -19,8 +19,8 @@ enum ProgramKind : uint8_t {
 
 constexpr uint8_t kProgramKinds = 6;
 
-/// A program in the robot's own integers: micrometre/s and milliseconds. What a kind does not name
-/// it ignores. params_from_physics.hpp converts from SI and checks what the wheels can do.
+/// The parameters of a program in the robot's integer units. A kind ignores the parameters that it
+/// is not listed for. robot_program.hpp converts from SI units and checks the wheels' limits.
 struct ProgramParams {
   ProgramKind kind = kNone;
   int32_t speed_um_s = 0;             ///< v (ABP, RTP) or va (noisy ABP, BP).
@@ -36,33 +36,33 @@ struct ProgramParams {
 bool operator==(const ProgramParams& a, const ProgramParams& b);
 inline bool operator!=(const ProgramParams& a, const ProgramParams& b) { return !(a == b); }
 
-/// Wheel speeds that are held for a time.
+/// Wheel speeds that are kept for a time.
 struct Hold {
   int32_t left_um_s = 0;
   int32_t right_um_s = 0;
-  uint32_t duration_ms = 0;  ///< kForever: until something else happens.
-  bool tumble = false;       ///< The robot turns on the spot to a new run direction.
+  uint32_t duration_ms = 0;  ///< kForever: it does not end by itself.
+  bool tumble = false;       ///< A rotation on the spot to a new run direction.
 };
 
 /// The duration of a hold that never ends by itself.
 constexpr uint32_t kForever = 0xFFFFFFFFUL;
 
-/// One program as a sequence of holds. The random numbers come from outside, so that one stream of
-/// a robot serves all its programs.
+/// One program as a sequence of holds. The random generator is passed in, because all programs of a
+/// robot share one stream.
 ///
 /// - ABP (eqs. 1 to 3): zeta uniform in [-eta, eta], held for epsilon; v_l = v - zeta d / 2 and
-///   v_r = v + zeta d / 2, so that theta' = (v_r - v_l) / d = zeta. The paper's eq. 3 has the two
-///   signs the other way round, which eq. 1 turns into theta' = -zeta; for a symmetric zeta that
-///   cannot be seen in any average, for a tumble or a biased zeta it can.
+///   v_r = v + zeta d / 2, so that theta' = (v_r - v_l) / d = zeta. The paper's eq. 3 has the
+///   opposite signs, which by eq. 1 give theta' = -zeta. For a symmetric zeta the averages are the
+///   same; for a tumble or a biased zeta they are not.
 /// - Noisy ABP and BP: v_l and v_r independent, uniform in [va - V, va + V], held for epsilon.
 /// - RTP: a straight run at v for an exponential time of mean 1 / gamma (nearest millisecond, which
-///   may be 0), then a tumble of tau_t on the spot by an angle uniform in (-180, 180] degrees. The
-///   short way round is what the wheels can do: 0 to 360 degrees in 0.5 s needs 47 cm/s.
+///   may be 0), then a tumble of tau_t on the spot by an angle uniform in (-180, 180] degrees.
+///   Angles of 0 to 360 degrees would be too fast for the wheels: in 0.5 s they need 47 cm/s.
 ///
-/// A hold or tumble of 0 ms, which only a broken message can ask for, lasts 1 ms.
+/// A hold or tumble of 0 ms, which only an invalid message can contain, lasts 1 ms.
 class Program {
  public:
-  /// Begins anew; the next hold is the first one. RTP begins with a run.
+  /// Starts a program; the next hold is its first. RTP begins with a run.
   void start(const ProgramParams& params);
 
   /// Draws the next hold.

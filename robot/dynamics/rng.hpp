@@ -38,10 +38,10 @@ class Rng {
     state_[3] = s3;
   }
 
-  /// One word of the state (index 0..3), for logs that let the draws be repeated.
+  /// One word of the state (index 0..3), for logs from which the draws can be repeated.
   uint32_t stateWord(uint8_t index) const { return state_[index & 3U]; }
 
-  /// The state in 32 bits: two runs whose digests agree draw after draw drew the same numbers.
+  /// A 32-bit digest of the state, to compare the draws of two runs.
   uint32_t digest() const {
     return state_[0] ^ rotateLeft(state_[1], 8) ^ rotateLeft(state_[2], 16) ^
            rotateLeft(state_[3], 24);
@@ -66,8 +66,8 @@ class Rng {
   uint32_t state_[4];
 };
 
-/// A uniform integer in [-amplitude, amplitude], both ends included; amplitude in 0..2^30. Each
-/// value is as likely as the next to within 2^-32 (2 amplitude + 1).
+/// A uniform integer in [-amplitude, amplitude], both ends included; amplitude in 0..2^30. The
+/// probabilities of the values are equal up to a relative error of 2^-32 (2 amplitude + 1).
 inline int32_t uniformInt(Rng& rng, int32_t amplitude) {
   const uint32_t count = 2U * static_cast<uint32_t>(amplitude) + 1U;
   const uint64_t scaled = static_cast<uint64_t>(rng.next()) * count;

@@ -198,13 +198,14 @@ uint32_t RobotCore::runTimeMs(uint32_t now_ms) const {
   return run_time_ms_ + (inRun() ? now_ms - run_since_ms_ : 0);
 }
 
-// Brings the run time up to now; called before anything it depends on changes.
+// Updates the run time; to be called before any change of the state that it depends on.
 void RobotCore::countRunTime(uint32_t now_ms) {
   run_time_ms_ = runTimeMs(now_ms);
   run_since_ms_ = now_ms;
 }
 
-// The earliest pending event; of two at one time the lease comes first (a stop outranks a draw).
+// The earliest pending event. At equal times the end of the lease comes first, because stopping
+// takes precedence over a draw.
 RobotCore::Event RobotCore::nextEvent(uint32_t now_ms, uint32_t& at_ms) const {
   Event event = kNothing;
   at_ms = now_ms + kNoEventMs;
@@ -224,7 +225,7 @@ RobotCore::Event RobotCore::nextEvent(uint32_t now_ms, uint32_t& at_ms) const {
   return event;
 }
 
-// Ends what runs, a reversal too, and starts what should run now.
+// Ends the running program and any reversal, and starts what the present mode requires.
 void RobotCore::restart(uint32_t now_ms) {
   if (reversal_direction_ != 0) {
     endReversal(now_ms);
@@ -232,10 +233,11 @@ void RobotCore::restart(uint32_t now_ms) {
   startSelected(now_ms);
 }
 
-// Starts what the light selects; during a reversal it waits, drawn and paused, for the end of it.
+// Starts the program that the light selects. During a reversal it is drawn and then paused until
+// the end of the reversal.
 void RobotCore::switchProgram(uint32_t now_ms) {
   if (reversal_direction_ != 0 && light_.slot() == kNoSlot) {
-    endReversal(now_ms);  // nothing to resume: the robot stands
+    endReversal(now_ms);  // there is no program to resume
   }
   startSelected(now_ms);
   hold_remaining_ms_ = hold_end_ms_ - now_ms;
@@ -300,7 +302,7 @@ void RobotCore::resetFloors() {
   }
 }
 
-// Lowers the floors to the present readings and returns the sensors above theirs, one bit each.
+// Lowers the floors to lower readings and returns a bit mask of the approaching sensors.
 uint8_t RobotCore::approachingSensors() {
   uint8_t mask = 0;
   for (uint8_t i = 0; i < kIrSensors; ++i) {

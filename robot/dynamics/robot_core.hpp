@@ -21,21 +21,21 @@ struct Sensors {
   uint16_t ir[kIrSensors] = {0, 0, 0, 0, 0, 0};
 };
 
-/// How the robot turns back from an obstacle (paper, Appendix B).
+/// The robot's reversal in front of an obstacle (paper, Appendix B).
 struct ReversalSettings {
   bool enabled = true;
   uint32_t distance_um = 400000UL;  ///< At most 4 m.
   int32_t speed_um_s = 100000L;
-  uint16_t ir_margin = 8;  ///< Counts by which a reading must exceed its floor to be an approach.
+  uint16_t ir_margin = 8;  ///< A reading above its floor by more than this is an approach, counts.
 };
 
-/// Everything the host sets on a robot.
+/// All settings that the host sends to a robot.
 struct CoreSettings {
   LightSettings light;
   ProgramParams programs[kSlots];
   ReversalSettings reversal;
   int32_t max_wheel_um_s = kMaxWheelUmS;
-  uint16_t sensor_period_ms = 20;  ///< How often the robot's owner is to call sense().
+  uint16_t sensor_period_ms = 20;  ///< Period of the calls of sense().
 };
 
 bool operator==(const CoreSettings& a, const CoreSettings& b);
@@ -46,25 +46,25 @@ struct WheelSpeedsUmS {
   int32_t right = 0;
 };
 
-/// The robot's flags. The bits 32, 64 and 128 are left to what only its surroundings know.
+/// The robot's flags. The bits 32, 64 and 128 are used by robot_state_t for other purposes.
 enum CoreFlag : uint16_t {
   kReversing = 1,       ///< Driving straight, away from an obstacle; the program is paused.
   kStopped = 2,         ///< The stop latch is set.
-  kLeaseExpired = 4,    ///< The host is silent (or has never spoken).
-  kSaturated = 8,       ///< The held wheel speeds were asked for beyond the limit and are clamped.
+  kLeaseExpired = 4,    ///< The host is silent, or has not sent anything yet.
+  kSaturated = 8,       ///< The held wheel speeds exceeded the limit and were clamped.
   kTumbling = 16,       ///< The hold is a tumble (also while paused by a reversal).
-  kDriven = 256,        ///< The wheels are driven by hand.
-  kNoLightBand = 512,   ///< No band contains the light (or nothing was measured yet).
+  kDriven = 256,        ///< The host sets the wheel speeds directly.
+  kNoLightBand = 512,   ///< No band contains the light, or there was no scan yet.
   kUnconfigured = 1024  ///< configure() has not been called since boot.
 };
 
-/// What the robot says about itself.
+/// The robot's report of its state.
 struct CoreReport {
   uint8_t slot = kNoSlot;          ///< The slot now running (also while paused); kNoSlot if none.
-  ProgramKind kind = kNone;        ///< What runs: kNone standing, kWheels also by hand.
+  ProgramKind kind = kNone;        ///< kNone: standing; kWheels: also direct driving.
   uint16_t flags = 0;              ///< CoreFlag bits.
-  uint32_t program_epoch = 0;      ///< Counts starts: of programs, of driving by hand, of standing.
-  uint32_t program_start_ms = 0;   ///< When the last of them was.
+  uint32_t program_epoch = 0;      ///< Number of starts (of programs, direct driving, standing).
+  uint32_t program_start_ms = 0;   ///< Time of the last start.
   uint32_t draw_count = 0;         ///< Holds begun since boot.
   uint32_t tumble_count = 0;       ///< Tumbles begun since boot.
   uint32_t saturation_count = 0;   ///< Holds clamped since boot.
@@ -74,46 +74,50 @@ struct CoreReport {
   WheelSpeedsUmS held;             ///< The program's wheel speeds, also while it is paused.
 };
 
-/// The program on the robot: pure state, no clock, no hardware. The firmware and the simulator own
-/// one each and feed it with the robot's own time and sensor counts.
+/// The robot's behaviour as a state machine without clock and hardware. The firmware and the
+/// simulator each own one and pass it the robot's time and sensor counts.
 ///
 /// Time is the robot's clock in whole milliseconds; it may wrap around. Calls must not go back in
-/// time. Every call first processes what fell due before it, each event at its own time.
+/// time. Every call first processes all events before its time, each at its own time.
 ///
 /// The robot moves only while it is configured, has a lease and is not stopped:
-/// - The stop latch outranks everything until clearStop().
-/// - The lease is the host's heartbeat. When it expires the program ENDS and the wheels stand; when
-///   it returns, the program starts with a fresh draw, as after any stop.
-/// - Otherwise the light selects the program, or the wheels are driven by hand (no reversals then).
+/// - The stop latch takes precedence over everything until clearStop().
+/// - The lease is the host's heartbeat. When it expires, the program ends and the wheels stand.
+/// When
+///   it is renewed, the program starts with a fresh draw, as after any stop.
+/// - Otherwise the light selects the program, or the host sets the wheel speeds directly; then
+/// there
+///   are no reversals.
 ///
-/// A light switch starts the new program with a fresh draw, also during a reversal: the new program
-/// then waits, drawn and paused, for its end.
+/// A change of the light band starts the new program with a fresh draw. During a reversal the new
+/// program is drawn at once, but paused until the end of the reversal.
 ///
 /// Reversals. A sensor approaches when its reading exceeds its floor by the margin; the floor is
-/// the lowest reading seen since boot or the last reset (0 once the sensor has seen nothing). A
-/// fixed threshold instead would trap a robot that is parallel to a wall or already leaves it.
-/// While the program drives forward (v_l + v_r > 0), an approach in front (0, +-60 degrees) makes
-/// the robot drive straight back; while it drives backward, one at the rear makes it drive straight
-/// forward; during a tumble (v = 0) nothing does. Floors are reset to the present readings when a
-/// reversal begins and when it ends. It ends after the distance, or early when a sensor in the
-/// direction of driving approaches. Then the program resumes EXACTLY: same held speeds, same
-/// remaining time; the track without the reversal is statistically the free one.
+/// the lowest reading since boot or since the last reset of the floors (0 once nothing was in
+/// range). With a fixed threshold, a robot that is parallel to a wall or already leaves it would be
+/// trapped. While the program drives forward (v_l + v_r > 0), an approach in front (0, +-60
+/// degrees) makes the robot drive straight back; while it drives backward, an approach at the rear
+/// makes it drive straight forward; during a tumble (v = 0) there is no reversal. Floors are reset
+/// to the present readings when a reversal begins and when it ends. A reversal ends after the
+/// distance, or early when a sensor in the direction of driving approaches. Then the program
+/// resumes with the same held speeds and the same remaining time, so the track without the
+/// reversals has the statistics of free motion.
 class RobotCore {
  public:
-  /// Takes all settings. Equal settings change nothing (commands are repeated); other settings end
-  /// what runs, forget the current light band and start afresh.
+  /// Sets all settings. Equal settings change nothing, because commands are repeated. Other
+  /// settings end the running program, forget the current light band and start again.
   void configure(uint32_t now_ms, const CoreSettings& settings);
 
-  /// Seeds the random numbers of the draws to come.
+  /// Seeds the random numbers of future draws.
   void seed(uint64_t seed_value) { rng_.seed(seed_value); }
 
-  /// Lets the light select the program (as after boot).
+  /// Lets the light select the program. This is the mode after boot.
   void runPrograms(uint32_t now_ms);
 
-  /// Drives the wheels by hand; speeds are clamped to the limit.
+  /// Sets the wheel speeds directly; they are clamped to the limit.
   void driveWheels(uint32_t now_ms, int32_t left_um_s, int32_t right_um_s);
 
-  /// Stands still until told otherwise.
+  /// Stands still until runPrograms() or driveWheels().
   void stand(uint32_t now_ms);
 
   /// Sets and releases the stop latch.
@@ -129,32 +133,32 @@ class RobotCore {
   /// Processes everything due up to and including now_ms.
   void advanceTo(uint32_t now_ms);
 
-  /// Processes the first event due by now_ms, if there is one; for owners that record every draw.
+  /// Processes the first event up to now_ms. Returns false if there is none. For callers that
+  /// record every draw.
   bool advanceOne(uint32_t now_ms);
 
-  /// When the wheel speeds may change next without a call from outside: the end of the hold, of the
-  /// reversal or of the lease. now_ms + kNoEventMs if nothing is pending.
+  /// When the wheel speeds may change next by themselves: the end of the hold, of the reversal or
+  /// of the lease. now_ms + kNoEventMs if nothing is pending.
   uint32_t nextEventMs(uint32_t now_ms) const;
   static constexpr uint32_t kNoEventMs = 1UL << 30;
 
-  /// What the wheels are to do now.
+  /// The wheel speeds to be driven now.
   WheelSpeedsUmS wheels() const;
 
   CoreReport report() const;
 
-  /// The parts of report() without copying it: CoreFlag bits, and all the rest (its flags are not
-  /// filled in).
+  /// The same as report() without a copy: flags() returns the CoreFlag bits, record() everything
+  /// else (its flags are not set).
   uint16_t flags() const;
   const CoreReport& record() const { return report_; }
 
-  /// When the present hold began, and how long it was drawn to last (kForever: until something else
-  /// happens; reversals not counted).
+  /// When the present hold began, and its drawn duration without reversals (kForever: it does not
+  /// end by itself).
   uint32_t holdStartMs() const { return hold_start_ms_; }
   uint32_t holdDurationMs() const { return hold_duration_ms_; }
 
-  /// How long the robot has been in runs of a run-and-tumble program since boot, reversals
-  /// excluded: tumble_count / run time estimates gamma without bias (right-censored maximum
-  /// likelihood).
+  /// Time in runs of run-and-tumble programs since boot, without reversals. tumble_count / run time
+  /// is the maximum likelihood estimate of gamma with right-censored runs.
   uint32_t runTimeMs(uint32_t now_ms) const;
 
   const CoreSettings& settings() const { return settings_; }
@@ -205,7 +209,7 @@ class RobotCore {
   uint32_t reversal_due_ms_ = 0;
   uint32_t run_time_ms_ = 0;  ///< Up to run_since_ms_.
   uint32_t run_since_ms_ = 0;
-  CoreReport report_;  ///< Its flags are filled in when asked for.
+  CoreReport report_;  ///< Its flags are only set in report().
 };
 
 }  // namespace dynamics

@@ -19,6 +19,8 @@ struct RobotProgram {
   double tau_t = 0;        ///< Duration of a tumble, s (RTP).
   double wheel_left = 0;   ///< Left wheel, m/s (constant wheel speeds).
   double wheel_right = 0;  ///< Right wheel, m/s (constant wheel speeds).
+
+  bool operator==(const RobotProgram&) const = default;
 };
 
 /// What the wheels can do (paper, "Robot model").

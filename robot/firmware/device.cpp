@@ -1,7 +1,5 @@
 #include "robot/firmware/device.hpp"
 
-#include "robot/firmware/due.hpp"
-
 namespace lab {
 namespace firmware {
 namespace {
@@ -28,8 +26,8 @@ void Device::boot(uint32_t now_ms) {
   hello_due_ms_ = now_ms + kHelloPeriodMs;
 }
 
-// Another number after every reset. Multiplying by an odd number keeps different ones different and
-// makes those of two robots that were switched on equally often look different.
+// Sets a boot id that differs after every reset. Multiplication by an odd number keeps different
+// counts different, and gives different ids to robots with equal counts.
 void Device::startBootCounter() {
   const uint16_t low = board_.readStore(kBootCounterAddress);
   const uint16_t high = board_.readStore(kBootCounterAddress + 1);
@@ -46,18 +44,19 @@ void Device::receive(uint32_t now_ms, uint16_t now_us, uint8_t byte) {
   if (!decoder_.push(byte)) {
     return;
   }
-  // What only a robot says is an echo of ourselves or a neighbour; to answer it would never end.
+  // Messages of robots are echoes of our own or come from another robot. Answering them could start
+  // an endless exchange.
   if (decoder_.frame().type >= kFirstAnswerType) {
     return;
   }
   if (!reached(now_ms, now_ms_)) {
-    // Read later than it came: the core is already further.
-    obey(decoder_.frame(), now_ms_, now_ms, now_us);
+    // The byte was read late, and the core has already advanced beyond its reception.
+    handleCommand(decoder_.frame(), now_ms_, now_ms, now_us);
   } else {
     advance(now_ms);
-    obey(decoder_.frame(), now_ms, now_ms, now_us);
+    handleCommand(decoder_.frame(), now_ms, now_ms, now_us);
   }
-  settle(now_ms_);
+  finishUpdate(now_ms_);
 }
 
 void Device::noteOverrun(uint16_t bytes) {
@@ -71,8 +70,8 @@ bool Device::scanDue(uint32_t now_ms) const { return reached(now_ms, scan_due_ms
 void Device::sense(uint32_t now_ms, const dynamics::Sensors& sensors) {
   advance(now_ms);
   core_.sense(now_ms, sensors);
-  settle(now_ms);
-  // In step with the period however long the scan took, unless it took more than a period.
+  finishUpdate(now_ms);
+  // Keeps the phase however long the scan took, unless it took more than a period.
   scan_due_ms_ += core_.settings().sensor_period_ms;
   if (reached(now_ms, scan_due_ms_)) {
     scan_due_ms_ = now_ms + 1;
@@ -85,16 +84,16 @@ void Device::tick(uint32_t now_ms) {
   report(now_ms);
 }
 
-// Brings the core to now, one event after the other, so that no draw is missed.
+// Advances the core to now, one event after the other, so that every draw is recorded.
 void Device::advance(uint32_t now_ms) {
   now_ms_ = now_ms;
   while (core_.advanceOne(now_ms)) {
-    settle(now_ms);
+    finishUpdate(now_ms);
   }
 }
 
-// After everything that may have changed the core.
-void Device::settle(uint32_t now_ms) {
+// To be called after everything that may have changed the core.
+void Device::finishUpdate(uint32_t now_ms) {
   recordDraw();
   driveMotors();
   const dynamics::CoreReport& report = core_.record();

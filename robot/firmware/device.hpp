@@ -10,73 +10,83 @@
 #include "robot/wire/frame.hpp"
 #include "robot/wire/messages.hpp"
 
-/// A function with large locals, which must not become part of its caller's frame: the chip's stack
-/// has 300 bytes.
+/// Marks functions with large local variables. Inlined, they would enlarge their caller's stack
+/// frame, and the chip's stack has 300 bytes.
 #define LAB_NOINLINE __attribute__((noinline))
 
 namespace lab {
 namespace firmware {
 
-/// Major * 256 + minor, as HELLO says it.
+/// Major * 256 + minor, as in HELLO.
 constexpr uint16_t kFirmwareVersion = 0x0100;
+
+/// Whether a time has come, on a clock that wraps around.
+inline bool reached(uint32_t now_ms, uint32_t due_ms) {
+  return static_cast<int32_t>(now_ms - due_ms) >= 0;
+}
 
 constexpr uint16_t kHelloPeriodMs = 1000;
 constexpr uint16_t kStatePeriodMs = 250;
 constexpr uint16_t kCountersPeriodMs = 1000;
 constexpr uint16_t kDefaultTelemetryPeriodMs = 50;
 
-/// What the electronics know about themselves at boot.
+/// What the electronics report at boot.
 struct BootFacts {
   uint8_t reset_cause = 0;  ///< wire::ResetCause
   uint8_t board = 0;        ///< as in wire::Hello
   uint32_t baud = 0;
-  uint32_t build = 0;  ///< first 8 hex digits of the commit, 0: unknown
+  uint32_t build = 0;  ///< first 8 hex digits of the commit; 0: unknown
 };
 
-/// The whole program of a robot but its electronics: the core under the wire protocol, with
-/// failsafe, stop latch, settings, telemetry and the record of its draws. The firmware owns one on
-/// the chip; sim_svc owns hundreds.
+/// The robot's firmware without its electronics: RobotCore controlled by the wire protocol, with
+/// failsafe, stop latch, settings, telemetry and the record of all draws. The chip has one; sim_svc
+/// has one per simulated robot on the wire.
 ///
-/// Calls must not go back in time. After each, the motors (Board::setMotors) are as the core wants.
+/// Calls must not go back in time. After each call the motors (Board::setMotors) are set as the
+/// core requires.
 ///
-/// Until the first good frame of a host it says nothing but HELLO. Answers are queued at once; all
-/// else one frame at a time while nothing is queued, so that no answer waits behind more than the
-/// one frame under way.
+/// Before the first valid frame from a host, the robot sends only HELLO. Answers are queued at
+/// once. Reports are sent one at a time while the queue is empty, so that an answer waits for at
+/// most one other frame.
+///
+/// This is one class in three files. Its parts share most of the state, and classes of their own
+/// would need references to each other, which cost flash and RAM on the chip.
 class Device {
  public:
   Device(Board& board, const BootFacts& facts);
 
-  /// Once, first: motors off, settings from the store, HELLO.
+  /// To be called once, first: motors off, settings from the store, HELLO.
   void boot(uint32_t now_ms);
 
-  /// One byte from the line, with the robot's time when it came (the one time that may lie before
-  /// that of the last call). A frame that it completes is obeyed at once and answered.
+  /// Processes one byte from the line, with the robot's time of its reception (the only time that
+  /// may be earlier than that of the last call). A command that it completes is executed at once
+  /// and answered.
   void receive(uint32_t now_ms, uint16_t now_us, uint8_t byte);
 
-  /// Bytes were lost between line and receive().
+  /// Counts bytes that were lost before receive().
   void noteOverrun(uint16_t bytes);
 
-  /// The program hung and was restarted by the watchdog (the electronics call this after boot()).
+  /// To be called after boot() if the watchdog has restarted the program because it hung.
   void noteWatchdog(uint32_t now_ms);
 
-  /// Whether a scan of the sensors is due; then call sense() with it.
+  /// Whether a scan of the sensors is due, whose readings are then passed to sense().
   bool scanDue(uint32_t now_ms) const;
   void sense(uint32_t now_ms, const dynamics::Sensors& sensors);
 
-  /// Every millisecond: draws, lease, motors, and whatever is due for the line.
+  /// To be called every millisecond: draws, lease, motors and reports.
   void tick(uint32_t now_ms);
 
   const dynamics::RobotCore& core() const { return core_; }
   const Settings& settings() const { return settings_; }
 
  private:
-  /// What a command came to.
+  /// Result of a command.
   struct Answer {
     uint8_t status;
     uint8_t detail;
   };
 
-  /// The last command that was executed, to know it when it comes again.
+  /// The last executed command, to recognise its repetition.
   struct Executed {
     uint8_t type = 0;  ///< 0: none yet
     uint8_t seq = 0;
@@ -86,15 +96,15 @@ class Device {
 
   // device.cpp
   void advance(uint32_t now_ms);
-  LAB_NOINLINE void settle(uint32_t now_ms);
+  LAB_NOINLINE void finishUpdate(uint32_t now_ms);
   LAB_NOINLINE void recordDraw();
   void driveMotors();
   void note(uint32_t now_ms, wire::EventCode code, uint32_t data);
   void startBootCounter();
 
   // device_commands.cpp
-  LAB_NOINLINE void obey(const wire::Frame& frame, uint32_t now_ms, uint32_t came_ms,
-                         uint16_t came_us);
+  LAB_NOINLINE void handleCommand(const wire::Frame& frame, uint32_t now_ms, uint32_t came_ms,
+                                  uint16_t came_us);
   Answer execute(const wire::Frame& frame, uint32_t now_ms);
   LAB_NOINLINE Answer executeSetProgram(const wire::Frame& frame);
   LAB_NOINLINE Answer executeSetLight(const wire::Frame& frame);
@@ -141,25 +151,25 @@ class Device {
   uint32_t now_ms_ = 0;  ///< of the last call
   uint32_t scan_due_ms_ = 0;
   uint16_t boot_id_ = 0;
-  uint16_t config_ = 0;  ///< CRC of the settings in force, 0: none
+  uint16_t config_ = 0;  ///< CRC of the settings in force; 0: none
   uint32_t seed_high_ = 0;
   uint32_t seed_low_ = 0;
   uint8_t order_id_ = 0;
   uint8_t stop_id_ = 0;
   bool host_heard_ = false;
   bool leased_ = false;
-  bool storing_ = false;  ///< COMMIT is under way
+  bool storing_ = false;  ///< COMMIT is in progress
   uint8_t commit_seq_ = 0;
   Executed executed_;
 
   uint32_t draws_recorded_ = 0;
-  dynamics::WheelSpeedsUmS driven_wheels_;  ///< what the duties are for
-  bool recalibrated_ = true;                ///< the duties are to be computed anew
+  dynamics::WheelSpeedsUmS driven_wheels_;  ///< the speeds that the duties were computed for
+  bool recalibrated_ = true;                ///< the duties must be computed again
   int16_t duty_left_ = 0;
   int16_t duty_right_ = 0;
 
   bool step_log_ = true;
-  uint8_t turn_ = 0;  ///< which of the reports that can wait went last
+  uint8_t turn_ = 0;  ///< which of the reports that take turns was sent last
   bool state_changed_ = false;
   uint16_t telemetry_period_ms_ = kDefaultTelemetryPeriodMs;
   uint8_t telemetry_seq_ = 0;

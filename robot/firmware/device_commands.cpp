@@ -7,14 +7,14 @@ namespace firmware {
 namespace {
 
 constexpr uint8_t kNoDetail = 0;
-/// No status of the wire: the answer follows when the command is done.
+/// Internal status: the answer follows when the command is complete.
 constexpr uint8_t kLater = 255;
 
 constexpr int32_t kShortestTelemetryPeriodMs = 10;
 constexpr int32_t kLongestTelemetryPeriodMs = 60000L;
 constexpr uint32_t kLongestLeaseMs = dynamics::RobotCore::kNoEventMs;
 
-/// Writes the low byte of a dead band; larger or negative values must not wrap into the range.
+/// Sets a dead band. Checks the range before narrowing to a byte.
 bool setDeadBand(int32_t value, uint8_t& dead_band) {
   if (value < 0 || value > 127) {
     return false;
@@ -25,7 +25,8 @@ bool setDeadBand(int32_t value, uint8_t& dead_band) {
 
 }  // namespace
 
-void Device::obey(const wire::Frame& frame, uint32_t now_ms, uint32_t came_ms, uint16_t came_us) {
+void Device::handleCommand(const wire::Frame& frame, uint32_t now_ms, uint32_t came_ms,
+                           uint16_t came_us) {
   if (!host_heard_) {
     host_heard_ = true;
     startReports(now_ms);
@@ -56,7 +57,7 @@ void Device::obey(const wire::Frame& frame, uint32_t now_ms, uint32_t came_ms, u
       executed_.type == frame.type && executed_.seq == frame.seq && executed_.crc == crc;
   if (repeated) {
     ++commands_repeated_;
-    // To stop twice does no harm; not to stop would.
+    // A repeated STOP is executed again: stopping twice is harmless, not stopping is not.
     if (frame.type != wire::Stop::kType) {
       if (executed_.answer.status != kLater) {
         sendAck(frame.seq, frame.type, executed_.answer);
@@ -99,7 +100,7 @@ Device::Answer Device::execute(const wire::Frame& frame, uint32_t now_ms) {
     case wire::Ping::kType:
     case wire::GetInfo::kType:
     case wire::GetParam::kType:
-      return Answer{wire::kBadLength, kNoDetail};  // else they were answered already
+      return Answer{wire::kBadLength, kNoDetail};  // with a valid length they were answered above
     default:
       return Answer{wire::kUnknownType, kNoDetail};
   }
@@ -139,7 +140,7 @@ Device::Answer Device::executeOrder(const wire::Frame& frame, uint32_t now_ms) {
   if (order.config != config_) {
     return Answer{wire::kWrongConfig, kNoDetail};
   }
-  // Mode before lease: a lease that returns must not begin with what was done before it ended.
+  // Mode before lease: a renewed lease must not start with the mode from before it ended.
   switch (order.mode) {
     case wire::Order::kTable:
       core_.runPrograms(now_ms);
@@ -153,7 +154,7 @@ Device::Answer Device::executeOrder(const wire::Frame& frame, uint32_t now_ms) {
   }
   recordDraw();
   core_.renewLease(now_ms, order.lease_ms < kLongestLeaseMs ? order.lease_ms : kLongestLeaseMs);
-  // A lease that the host itself ends is no silent host.
+  // A lease that the host ends itself does not count as a silent host.
   leased_ = leased_ && order.lease_ms > 0;
   order_id_ = order.id;
   return Answer{wire::kOk, kNoDetail};
@@ -269,7 +270,7 @@ bool Device::readParam(uint8_t id, int32_t& value) const {
   }
 }
 
-// False when the value is out of range; then nothing has changed.
+// Returns false and changes nothing if the value is out of range.
 bool Device::writeParam(uint8_t id, int32_t value, uint32_t now_ms) {
   Settings changed = settings_;
   switch (id) {
@@ -333,7 +334,7 @@ Device::Answer Device::executeCommit(const wire::Frame& frame) {
   return Answer{kLater, kNoDetail};
 }
 
-// One byte a call; the answer to COMMIT once all is written and read back.
+// Writes one byte per call; answers COMMIT when everything is written and read back.
 void Device::continueCommit(uint32_t now_ms) {
   if (!storing_) {
     return;

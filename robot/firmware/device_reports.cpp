@@ -1,5 +1,4 @@
 #include "robot/firmware/device.hpp"
-#include "robot/firmware/due.hpp"
 
 namespace lab {
 namespace firmware {
@@ -29,8 +28,8 @@ void Device::startReports(uint32_t now_ms) {
   counters_due_ms_ = now_ms;
 }
 
-// At most one frame a call, the most urgent. Draws, telemetry and counters take turns: none of them
-// may silence the others on a line that cannot carry all.
+// Sends at most one frame per call, the most urgent one. Draws, telemetry and counters take turns,
+// so that each gets its share of a line that cannot carry all.
 void Device::report(uint32_t now_ms) {
   if (!board_.lineIdle()) {
     return;
@@ -120,7 +119,7 @@ void Device::sendTelemetry(uint32_t now_ms) {
   telemetry.order_id = order_id_;
   telemetry.stop_id = stop_id_;
   send(telemetry, telemetry_seq_++);
-  // In step with the period; those for which the line had no room are counted.
+  // Keeps the phase; skipped telemetry is counted.
   telemetry_due_ms_ += telemetry_period_ms_;
   while (reached(now_ms, telemetry_due_ms_)) {
     telemetry_due_ms_ += telemetry_period_ms_;

@@ -5,7 +5,7 @@
 namespace lab {
 namespace firmware {
 
-/// The last few things that wait for the line, oldest first. Full: it takes nothing more.
+/// A queue of at most N items. When it is full, push() rejects the new item.
 template <class T, uint8_t N>
 class Ring {
  public:
@@ -20,7 +20,7 @@ class Ring {
 
   bool empty() const { return count_ == 0; }
 
-  /// The oldest; there must be one.
+  /// The oldest item; the queue must not be empty.
   const T& front() const { return items_[first_]; }
 
   void pop() {

@@ -7,7 +7,7 @@ namespace lab {
 namespace firmware {
 namespace {
 
-/// The data of a bank, in the order stored.
+/// The data of a bank in their order in the EEPROM.
 struct StoredData {
   template <class S, class V>
   static void fields(S& s, V& v) {
@@ -79,7 +79,8 @@ void SettingsStore::load(Settings& settings) {
   for (uint8_t bank = 0; bank < 2; ++bank) {
     Settings read;
     uint16_t sequence = 0;
-    // The two differ by 1, so that the order is known also where the number wraps around.
+    // The numbers of the banks differ by 1, so that the newer one is known even after a
+    // wrap-around.
     if (readBank(bank, sequence, read) &&
         (bank_ == kNoBank || static_cast<int16_t>(sequence - sequence_) > 0)) {
       settings = read;
@@ -102,7 +103,8 @@ void SettingsStore::begin(const Settings& settings) {
   progress_ = kWriting;
 }
 
-// Steps 0: no magic; 1 to kBankSize - 1: the bytes behind it; kBankSize: the magic; then the check.
+// Step 0 clears the magic, steps 1 to kBankSize - 1 write the other bytes, step kBankSize writes
+// the magic; then the bank is read back and checked.
 SettingsStore::Progress SettingsStore::step() {
   const Progress progress = progress_;
   if (progress != kWriting) {
@@ -122,7 +124,7 @@ SettingsStore::Progress SettingsStore::step() {
   return finish();
 }
 
-// Writes a byte unless it is there already.
+// Writes a byte unless the EEPROM already holds it.
 bool SettingsStore::put(uint8_t index, uint8_t byte) {
   const uint16_t address = static_cast<uint16_t>(kBankAddress[target_] + index);
   if (board_.readStore(address) == byte) {

@@ -8,12 +8,12 @@
 namespace lab {
 namespace firmware {
 
-/// What a robot knows about itself, for good.
+/// The permanent settings of a robot.
 struct Settings {
   uint32_t uid = 0;  ///< 0: none was ever stored
   dynamics::WheelCalibration left;
   dynamics::WheelCalibration right;
-  int32_t wheel_base_um = 75000L;  ///< kept for the host, which converts
+  int32_t wheel_base_um = 75000L;  ///< stored for the host, which converts orders
 };
 
 bool operator==(const Settings& a, const Settings& b);
@@ -21,41 +21,43 @@ bool operator==(const Settings& a, const Settings& b);
 /// Gains 0.5 to 1.5, dead bands up to 127, wheel base 1 to 50 cm.
 bool isValid(const Settings& settings);
 
-/// Where things lie in the EEPROM. Address 0 stays unused: it is the one that a brown-out in the
-/// middle of a write has been seen to hit.
+/// Layout of the EEPROM. Address 0 stays unused, because a brown-out during a write has been
+/// observed to corrupt it.
 constexpr uint16_t kBootCounterAddress = 2;  ///< 2 bytes, little endian
 constexpr uint16_t kBankAddress[2] = {16, 64};
 constexpr uint16_t kStoreSize = 128;
 
-/// One bank: magic, layout version, length of the data, sequence number (2), data, CRC-16 of all
-/// before it (2).
+/// One bank: magic, layout version, length of the data, sequence number (2 bytes), data, CRC-16 of
+/// all preceding bytes (2 bytes).
 constexpr uint8_t kStoreMagic = 0xA7;
 constexpr uint8_t kStoreLayout = 1;
 constexpr uint8_t kStoreDataSize = 18;
 constexpr uint8_t kBankSize = 1 + 1 + 1 + 2 + kStoreDataSize + 2;
 constexpr uint8_t kNoBank = 255;
 
-/// The EEPROM of a robot that has these settings and was never booted: fills kStoreSize bytes.
+/// Writes the EEPROM image (kStoreSize bytes) of a robot with these settings that was never booted.
 void encodeStore(const Settings& settings, uint8_t* image);
 
-/// The settings in two banks of the EEPROM. Always the older bank is written, its magic first
-/// cleared and set last: whenever the power fails, the robot has the old settings or the new ones.
+/// Stores the settings in two banks of the EEPROM. Writing uses the older bank; its magic is
+/// cleared first and written last. So after a power failure at any time, the robot has either the
+/// old or the new settings.
 class SettingsStore {
  public:
   explicit SettingsStore(Board& board) : board_(board) {}
 
-  /// Reads the newest good bank. Without one the settings become the defaults.
+  /// Reads the newest valid bank. Without one the settings become the defaults.
   void load(Settings& settings);
 
-  /// The bank the settings are in, or kNoBank.
+  /// The bank that holds the settings, or kNoBank.
   uint8_t bank() const { return bank_; }
 
-  /// Begins to write. Settings that are stored already are not written again.
+  /// Begins to write. Settings that are already stored are not written again.
   void begin(const Settings& settings);
 
   enum Progress : uint8_t { kIdle, kWriting, kWritten, kUnchanged, kFailed };
 
-  /// Goes on by at most one byte and never waits. kWritten, kUnchanged and kFailed are said once.
+  /// Writes at most one byte and never waits. Returns each of kWritten, kUnchanged and kFailed
+  /// once.
   Progress step();
 
  private:
@@ -65,7 +67,7 @@ class SettingsStore {
 
   Board& board_;
   uint8_t bank_ = kNoBank;
-  uint16_t sequence_ = 0;  ///< of bank_
+  uint16_t sequence_ = 0;  ///< sequence number of bank_
   uint8_t target_ = 0;     ///< bank being written
   uint8_t next_ = 0;       ///< step of the write, see step()
   Progress progress_ = kIdle;

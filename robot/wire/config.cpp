@@ -16,7 +16,7 @@ constexpr uint32_t kLongestReversalUm = 4000000UL;
 constexpr int32_t kFastestWheelUmS = 5000000L;
 constexpr uint16_t kLongestSensorPeriodMs = 1000;
 
-/// Feeds a CRC with the fields as they lie on the wire.
+/// Computes a CRC over the fields in their form on the wire.
 class FieldCrc {
  public:
   void operator()(const uint8_t& value) { crc_.add(value); }
@@ -37,11 +37,11 @@ class FieldCrc {
 
 bool within(int32_t value, int32_t limit) { return value <= limit && value >= -limit; }
 
-int32_t sizeOf(int32_t value) { return value < 0 ? -value : value; }
+int32_t magnitude(int32_t value) { return value < 0 ? -value : value; }
 
-// Both summands are within the limit first, so that the sum cannot overflow.
+// Checks both summands first, so that the sum cannot overflow.
 bool sumWithin(int32_t a, int32_t b, int32_t limit) {
-  return within(a, limit) && within(b, limit) && sizeOf(a) + sizeOf(b) <= limit;
+  return within(a, limit) && within(b, limit) && magnitude(a) + magnitude(b) <= limit;
 }
 
 bool validTime(uint32_t ms) { return ms > 0 && ms <= kLongestHoldMs; }

@@ -8,32 +8,32 @@
 namespace lab {
 namespace wire {
 
-/// The settings of a robot's core as the six messages that stage them.
+/// Converts the settings of a robot's core into the six messages that stage them.
 SetProgram programMessage(const dynamics::CoreSettings& settings, uint8_t slot);
 SetLight lightMessage(const dynamics::CoreSettings& settings);
 SetMotion motionMessage(const dynamics::CoreSettings& settings);
 
-/// Staging a message: copies it into the settings. Nothing is checked; see firstFault().
+/// Copies a message into the settings, without checks; see firstFault().
 void stage(const SetProgram& message, dynamics::CoreSettings& settings);
 void stage(const SetLight& message, dynamics::CoreSettings& settings);
 void stage(const SetMotion& message, dynamics::CoreSettings& settings);
 
-/// CRC-16 over the payloads of the six messages, slots in order, then light, then motion: what
-/// APPLY and ORDER compare. Never 0, which means no settings.
+/// The CRC that APPLY and ORDER compare: CRC-16 over the payloads of the six messages (programs in
+/// the order of the slots, light, motion). It is never 0, which means no settings.
 uint16_t configCrc(const dynamics::CoreSettings& settings);
 
-/// Why a robot with these wheels cannot run the settings.
+/// Reasons why a robot cannot run the settings.
 enum ConfigFault : uint8_t {
   kNoFault = 0,
   kBadKind = 1,      ///< a program kind that does not exist
-  kBadTime = 2,      ///< a hold, run or tumble of 0 or beyond the longest
-  kTooFast = 3,      ///< a wheel speed beyond the fastest
-  kBadBands = 4,     ///< light bands that overlap, are empty or leave the converter's range
-  kBadReversal = 5,  ///< a reversal too fast or beyond 4 m
-  kBadLimits = 6,    ///< fastest wheel or sensor period out of range
+  kBadTime = 2,      ///< the duration of a hold, run or tumble is 0 or too long
+  kTooFast = 3,      ///< a wheel speed exceeds the limit
+  kBadBands = 4,     ///< light bands overlap, are empty or leave the converter's range
+  kBadReversal = 5,  ///< the reversal is too fast or longer than 4 m
+  kBadLimits = 6,    ///< largest wheel speed or sensor period out of range
 };
 
-/// The first fault of the settings; a robot refuses to apply what has one.
+/// The first fault of the settings. A robot refuses to apply settings with a fault.
 ConfigFault firstFault(const dynamics::CoreSettings& settings);
 
 }  // namespace wire

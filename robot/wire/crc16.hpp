@@ -5,8 +5,8 @@
 namespace lab {
 namespace wire {
 
-/// CRC-16/X-25: polynomial 0x1021 reflected, initial value and final XOR 0xFFFF; of "123456789" it
-/// is 0x906E. The final XOR matters: without it a frame to which a zero is appended still fits.
+/// CRC-16/X-25: polynomial 0x1021 reflected, initial value and final XOR 0xFFFF; check value for
+/// "123456789" is 0x906E. Without the final XOR, a frame with an appended zero would be accepted.
 class Crc16 {
  public:
   void add(uint8_t byte) {

@@ -8,10 +8,11 @@
 namespace lab {
 namespace wire {
 
-// An integer lies in memory as on the wire: copying its bytes is the shortest code for the chip.
+// Integers have the same bytes in memory and on the wire, so that copying them is the shortest code
+// for the chip.
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "the wire is little endian");
 
-/// Writes the fields of a message behind one another, little endian, without padding.
+/// Writes the fields of a message one after the other, little endian, without padding.
 class FieldWriter {
  public:
   explicit FieldWriter(uint8_t* bytes) : at_(bytes), begin_(bytes) {}
@@ -46,7 +47,7 @@ class FieldWriter {
   uint8_t* begin_;
 };
 
-/// Reads them back. The caller has compared the size.
+/// Reads the fields of a message. The caller must have checked the size.
 class FieldReader {
  public:
   explicit FieldReader(const uint8_t* bytes) : at_(bytes) {}
@@ -77,7 +78,7 @@ class FieldReader {
   const uint8_t* at_;
 };
 
-/// Adds up the sizes of the fields, at compile time where it is asked for.
+/// Adds up the sizes of the fields; usable at compile time.
 class FieldSize {
  public:
   template <class Integer>
@@ -103,7 +104,7 @@ constexpr uint8_t payloadSize() {
   return size.size();
 }
 
-/// Fills a frame with a message; `seq` is the sender's.
+/// Fills a frame with a message.
 template <class Message>
 void pack(const Message& message, uint8_t seq, Frame& frame) {
   static_assert(payloadSize<Message>() <= kMaxPayload, "the message is too long for a frame");
@@ -114,7 +115,7 @@ void pack(const Message& message, uint8_t seq, Frame& frame) {
   frame.size = writer.size();
 }
 
-/// Reads a message out of a frame of its type; false when the length does not fit.
+/// Reads a message from a frame. Returns false if the frame has another type or length.
 template <class Message>
 bool unpack(const Frame& frame, Message& message) {
   if (frame.type != Message::kType || frame.size != payloadSize<Message>()) {

@@ -5,7 +5,7 @@
 namespace lab {
 namespace wire {
 uint8_t encode(const Frame& frame, uint8_t* bytes) {
-  uint8_t* const raw = bytes + 2;  // behind the first 0 and the first code
+  uint8_t* const raw = bytes + 2;  // after the first 0 and the first COBS code
   raw[0] = kProtocolVersion;
   raw[1] = frame.type;
   raw[2] = frame.seq;
@@ -18,8 +18,8 @@ uint8_t encode(const Frame& frame, uint8_t* bytes) {
   raw[used++] = static_cast<uint8_t>(sum & 0xFFU);
   raw[used++] = static_cast<uint8_t>(sum >> 8);
 
-  // Stuffing in place, from the end: each zero becomes the distance to the next one, which fits
-  // into a byte as there are fewer than 254 bytes.
+  // COBS in place, from the end: each zero is replaced by the distance to the next zero, which fits
+  // into a byte because there are fewer than 254 bytes.
   uint8_t distance = 1;
   for (uint8_t i = used; i > 0; --i) {
     uint8_t& byte = raw[i - 1];
@@ -53,7 +53,7 @@ bool Decoder::push(uint8_t byte) {
   if (broken_) {
     return false;
   }
-  if (block_ == 0) {  // a code: the zero that the block before stood for, then a new block
+  if (block_ == 0) {  // a COBS code: ends a block, which implies a zero, and begins a new one
     if (zero_due_) {
       if (used_ == kMaxRaw) {
         broken_ = true;

@@ -5,7 +5,7 @@
 namespace lab {
 namespace wire {
 
-/// The version in every frame. A frame of another version is counted and dropped.
+/// The version in every frame. Frames of other versions are counted and dropped.
 constexpr uint8_t kProtocolVersion = 1;
 
 /// The longest payload. The whole frame is then at most 46 bytes before stuffing, so that COBS
@@ -14,7 +14,7 @@ constexpr uint8_t kMaxPayload = 40;
 constexpr uint8_t kHeaderSize = 4;  ///< version, type, seq, payload length
 constexpr uint8_t kCrcSize = 2;
 constexpr uint8_t kMaxRaw = kHeaderSize + kMaxPayload + kCrcSize;
-/// What a payload costs on the wire: 0, one byte of stuffing, header, CRC, 0.
+/// Bytes on the wire beyond the payload: 0, one byte of stuffing, header, CRC, 0.
 constexpr uint8_t kFrameOverhead = kHeaderSize + kCrcSize + 3;
 constexpr uint8_t kMaxFrame = kMaxPayload + kFrameOverhead;
 
@@ -26,31 +26,31 @@ struct Frame {
   uint8_t payload[kMaxPayload] = {};
 };
 
-/// Writes 0, COBS(version type seq size payload crc_low crc_high), 0 into `bytes` (kMaxFrame of
-/// them) and returns how many. frame.size must be at most kMaxPayload.
+/// Writes 0, COBS(version type seq size payload crc_low crc_high), 0 into `bytes` (at least
+/// kMaxFrame) and returns the number of bytes. frame.size must be at most kMaxPayload.
 ///
-/// The 0 in front ends whatever garbage the line carried before, so that it costs no frame.
+/// The 0 in front separates the frame from noise that the line carried before.
 uint8_t encode(const Frame& frame, uint8_t* bytes);
 
-/// What a decoder has seen since it was made. The counts wrap around.
+/// Counts of a decoder since its construction. They wrap around.
 struct DecoderCounts {
   uint16_t frames = 0;     ///< accepted
-  uint16_t crc = 0;        ///< the CRC did not fit
+  uint16_t crc = 0;        ///< wrong CRC
   uint16_t malformed = 0;  ///< too short, too long, or lengths that contradict each other
   uint16_t version = 0;    ///< well-formed frames of another protocol version
 };
 
-/// Finds frames in a stream of bytes. Needs no memory beyond one frame and recovers at the next 0
-/// whatever came before.
+/// Finds frames in a stream of bytes. It stores one frame and resynchronises at the next 0.
 class Decoder {
  public:
-  /// Takes one byte; true when it completes a frame, which frame() then holds until the next call.
+  /// Takes one byte. Returns true if it completes a frame, which frame() returns until the next
+  /// call.
   bool push(uint8_t byte);
 
   const Frame& frame() const { return frame_; }
   const DecoderCounts& counts() const { return counts_; }
 
-  /// The version of the last well-formed frame of another protocol version, 0: none.
+  /// The version of the last well-formed frame of another protocol version; 0: none.
   uint8_t foreignVersion() const { return foreign_version_; }
 
   /// Forgets a half-received frame, as after an interruption of the line.
@@ -62,9 +62,9 @@ class Decoder {
   uint8_t raw_[kMaxRaw] = {};
   uint8_t used_ = 0;
   uint8_t block_ = 0;      ///< bytes left in the COBS block, 0: the next byte is a code
-  bool zero_due_ = false;  ///< a zero goes before the next block
-  bool broken_ = false;    ///< until the next 0
-  bool begun_ = false;     ///< bytes since the last 0
+  bool zero_due_ = false;  ///< the data continue with a zero before the next block
+  bool broken_ = false;    ///< ignore everything until the next 0
+  bool begun_ = false;     ///< there were bytes since the last 0
   uint8_t foreign_version_ = 0;
   Frame frame_;
   DecoderCounts counts_;

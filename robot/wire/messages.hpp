@@ -5,17 +5,17 @@
 #include "robot/dynamics/robot_core.hpp"
 #include "robot/wire/fields.hpp"
 
-// The messages between host and robot (docs/protocol.md, byte by byte). Each struct lists its
-// fields once, in the order on the wire: writing, reading, size and schema all follow that list.
+// The messages between host and robot (docs/protocol.md describes every byte). Each struct lists
+// its fields once, in their order on the wire; writing, reading, size and schema use this list.
 
 namespace lab {
 namespace wire {
 
-/// Of the fields of all messages, as robot/wire/schema.hpp computes it. A robot says it in HELLO; a
-/// host does not drive a robot of another schema.
+/// A hash of the fields of all messages, see robot/wire/schema.hpp. A robot reports it in HELLO,
+/// and a host does not drive a robot with another schema.
 constexpr uint16_t kSchema = 0xD336;  // compared by tests/robot/wire/schema_test.cpp
 
-// ---- host to robot. Every command says what shall be, never a difference, so that it may be
+// ---- host to robot. Every command contains absolute values, never a difference, so that it can be
 // repeated; each is answered by an ACK with its seq. ----
 
 /// Measures the round trip and the robot's clock. Answered by PONG.
@@ -87,7 +87,7 @@ struct SetLight {
   }
 };
 
-/// Stages how the robot turns back (ReversalSettings), its fastest wheel and its sensor period.
+/// Stages the reversal (ReversalSettings), the largest wheel speed and the sensor period.
 struct SetMotion {
   static constexpr uint8_t kType = 0x12;
   uint8_t reversal = 0;  ///< 1: enabled
@@ -107,8 +107,8 @@ struct SetMotion {
   }
 };
 
-/// Puts the staged settings in force, all at once, if their CRC (configCrc) is this one and they
-/// are within the wheels' limits. The same settings again change nothing.
+/// Puts all staged settings in force at once, if their CRC (configCrc) is this one and they are
+/// within the wheels' limits. Settings equal to those in force change nothing.
 struct Apply {
   static constexpr uint8_t kType = 0x13;
   uint16_t config = 0;
@@ -118,14 +118,14 @@ struct Apply {
   }
 };
 
-/// What the robot shall do now, repeated at 5 Hz; it is also the host's heartbeat: the robot may
-/// move for lease_ms from its reception. Refused while other settings than `config` are in force.
+/// What the robot is to do now, repeated at 5 Hz. It is also the host's heartbeat: the robot may
+/// move for lease_ms after its reception. Refused while other settings than `config` are in force.
 struct Order {
   static constexpr uint8_t kType = 0x14;
   static constexpr uint8_t kStand = 0;
   static constexpr uint8_t kTable = 1;
   static constexpr uint8_t kDrive = 2;
-  uint8_t id = 0;  ///< of the host's order, echoed in TELEMETRY
+  uint8_t id = 0;  ///< number of the host's order, echoed in TELEMETRY
   uint8_t mode = kStand;
   uint16_t config = 0;
   int32_t left_um_s = 0;   ///< kDrive
@@ -142,12 +142,12 @@ struct Order {
   }
 };
 
-/// Stops and latches, or releases the latch. Obeyed before anything else that is waiting.
+/// Stops and latches, or releases the latch. Executed before any other waiting command.
 struct Stop {
   static constexpr uint8_t kType = 0x15;
   static constexpr uint8_t kStop = 0x5A;
   static constexpr uint8_t kRelease = 0xA5;
-  uint8_t id = 0;  ///< of the host's request, echoed in TELEMETRY
+  uint8_t id = 0;  ///< number of the host's request, echoed in TELEMETRY
   uint8_t action = kStop;
   template <class M, class V>
   static constexpr void fields(M& m, V& v) {
@@ -156,7 +156,8 @@ struct Stop {
   }
 };
 
-/// Seeds the draws. The seed already in force changes nothing: a repeated command repeats no draw.
+/// Seeds the random numbers. The seed already in force changes nothing, so that a repeated command
+/// does not repeat draws.
 struct SetSeed {
   static constexpr uint8_t kType = 0x16;
   uint32_t high = 0;
@@ -168,8 +169,8 @@ struct SetSeed {
   }
 };
 
-/// One of the robot's own settings, see Param. It holds until the robot is switched off, and after
-/// COMMIT for good.
+/// Sets one of the robot's own settings, see Param. The value is kept until the robot is switched
+/// off; after COMMIT it is kept permanently.
 struct SetParam {
   static constexpr uint8_t kType = 0x17;
   uint8_t id = 0;
@@ -181,7 +182,7 @@ struct SetParam {
   }
 };
 
-/// Asks for PARAM.
+/// Asks for one setting; answered by PARAM.
 struct GetParam {
   static constexpr uint8_t kType = 0x18;
   uint8_t id = 0;
@@ -191,7 +192,8 @@ struct GetParam {
   }
 };
 
-/// Writes the settings into the EEPROM. Refused (kBusy) while the robot moves: a byte takes 3.4 ms.
+/// Writes the settings into the EEPROM. Refused (kBusy) while the robot moves, because each byte
+/// takes 3.4 ms.
 struct Commit {
   static constexpr uint8_t kType = 0x19;
   template <class M, class V>
@@ -204,8 +206,8 @@ struct Pong {
   static constexpr uint8_t kType = 0x81;
   uint32_t token_high = 0;
   uint32_t token_low = 0;
-  uint32_t t_ms = 0;  ///< the robot's clock when PING had come in
-  uint16_t t_us = 0;  ///< and its microseconds in that millisecond
+  uint32_t t_ms = 0;  ///< the robot's clock when PING was complete
+  uint16_t t_us = 0;  ///< microseconds within that millisecond
   template <class M, class V>
   static constexpr void fields(M& m, V& v) {
     v(m.token_high);
@@ -216,24 +218,24 @@ struct Pong {
 };
 
 enum ResetCause : uint8_t {
-  kResetUnknown = 0,  ///< a bootloader cleared it
+  kResetUnknown = 0,  ///< a bootloader cleared the register
   kResetPower = 1,
   kResetPin = 2,
   kResetBrownOut = 3,
   kResetWatchdog = 4,
 };
 
-/// Who the robot is. Sent at boot, then every second until the first good frame comes in, and when
-/// asked.
+/// Identifies the robot. Sent at boot, then every second until the first good frame is received,
+/// and in answer to GET_INFO.
 struct Hello {
   static constexpr uint8_t kType = 0x82;
   uint16_t schema = 0;
   uint16_t firmware = 0;  ///< major * 256 + minor
-  uint32_t build = 0;     ///< first digits of the commit
-  uint32_t uid = 0;       ///< of the electronics; 0: none was ever stored
-  uint16_t boot_id = 0;   ///< another one after every reset
+  uint32_t build = 0;     ///< first 8 hex digits of the commit
+  uint32_t uid = 0;       ///< number stored in the EEPROM; 0: none was ever stored
+  uint16_t boot_id = 0;   ///< differs after every reset
   uint8_t reset_cause = 0;
-  uint8_t board = 0;          ///< 1: Pro Mini 3.3 V 8 MHz, 2: the same sources on a host
+  uint8_t board = 0;          ///< 1: Pro Mini 3.3 V 8 MHz; 2: the firmware compiled for a host
   uint8_t settings_from = 0;  ///< EEPROM bank 0 or 1, 255: defaults
   uint32_t uptime_ms = 0;
   uint32_t baud = 0;
@@ -254,16 +256,15 @@ struct Hello {
 
 enum AckStatus : uint8_t {
   kOk = 0,
-  kUnknownType = 1,  ///< newer host than robot
+  kUnknownType = 1,  ///< the host is newer than the robot
   kBadLength = 2,
-  kBadValue = 3,     ///< detail: the field, counted from 0 in the order on the wire; of APPLY a
-                     ///< ConfigFault
-  kWrongConfig = 4,  ///< ORDER or APPLY for other settings than those the robot has
+  kBadValue = 3,     ///< detail: index of the field on the wire; for APPLY a ConfigFault
+  kWrongConfig = 4,  ///< ORDER or APPLY for other settings than those in the robot
   kBusy = 5,
-  kStoreFailed = 6,  ///< the EEPROM does not hold what was written
+  kStoreFailed = 6,  ///< the EEPROM reads back other bytes than were written
 };
 
-/// The answer to every command but PING, GET_INFO and GET_PARAM; seq is the command's.
+/// The answer to every command except PING, GET_INFO and GET_PARAM, with the command's seq.
 struct Ack {
   static constexpr uint8_t kType = 0x83;
   uint8_t type = 0;
@@ -277,7 +278,7 @@ struct Ack {
   }
 };
 
-/// What changes all the time; seq counts them.
+/// The quickly changing state, sent periodically; seq counts the messages.
 struct Telemetry {
   static constexpr uint8_t kType = 0x90;
   uint32_t t_ms = 0;   ///< when sampled, on the robot's clock
@@ -285,10 +286,10 @@ struct Telemetry {
   uint8_t slot = 0;
   uint8_t kind = 0;
   uint16_t program_epoch = 0;  ///< low 16 bits
-  int32_t left_um_s = 0;       ///< as driven
-  int32_t right_um_s = 0;      ///< as driven
+  int32_t left_um_s = 0;       ///< as driven now
+  int32_t right_um_s = 0;      ///< as driven now
   uint16_t sensors[8] = {};    ///< front light, back light, six IR; 10 bits each
-  uint16_t config = 0;         ///< of the settings in force, 0: none
+  uint16_t config = 0;         ///< CRC of the settings in force; 0: none
   uint8_t order_id = 0;
   uint8_t stop_id = 0;
   template <class M, class V>
@@ -307,8 +308,8 @@ struct Telemetry {
   }
 };
 
-/// What changes with programs and reversals: sent with each change, before the telemetry that shows
-/// it, and four times a second.
+/// The state of program and reversal. Sent with each change, before the telemetry that shows it,
+/// and four times a second.
 struct State {
   static constexpr uint8_t kType = 0x91;
   uint32_t t_ms = 0;
@@ -334,18 +335,19 @@ struct State {
   }
 };
 
-/// One draw of the wheels, as it begins: the full record of what the program did.
+/// One random draw of the wheel speeds, sent when it begins. All steps together are a complete
+/// record of the program.
 struct Step {
   static constexpr uint8_t kType = 0x92;
   uint32_t t_ms = 0;
-  uint32_t draw_count = 0;  ///< since boot; a gap is a STEP that was lost
+  uint32_t draw_count = 0;  ///< since boot; a gap means a lost STEP
   uint16_t program_epoch = 0;
   uint8_t slot = 0;
   uint8_t kind = 0;
   int32_t left_um_s = 0;   ///< as held, after clamping
   int32_t right_um_s = 0;  ///< as held, after clamping
   uint32_t duration_ms = 0;
-  uint32_t rng = 0;  ///< a digest of the generator's state after the draw
+  uint32_t rng = 0;  ///< digest of the random generator's state after the draw
   template <class M, class V>
   static constexpr void fields(M& m, V& v) {
     v(m.t_ms);
@@ -360,7 +362,7 @@ struct Step {
   }
 };
 
-/// Health, once a second. The counts wrap around.
+/// Statistics, once a second. The counts wrap around.
 struct Counters {
   static constexpr uint8_t kType = 0x93;
   uint32_t t_ms = 0;
@@ -370,10 +372,10 @@ struct Counters {
   uint16_t battery_mv = 0;  ///< 0: not measured
   uint16_t frames_received = 0;
   uint16_t frames_bad = 0;         ///< CRC, length, version
-  uint16_t bytes_overrun = 0;      ///< came in faster than they were read
+  uint16_t bytes_overrun = 0;      ///< lost because they were read too late
   uint16_t frames_dropped = 0;     ///< telemetry, steps and events for which the line had no room
-  uint16_t commands_repeated = 0;  ///< the same command again: answered again, not executed again
-  uint8_t stack_left = 0;          ///< smallest free RAM seen, in units of 8 bytes
+  uint16_t commands_repeated = 0;  ///< repeated commands: answered again, not executed again
+  uint8_t stack_left = 0;          ///< smallest free RAM since boot, in units of 8 bytes
   template <class M, class V>
   static constexpr void fields(M& m, V& v) {
     v(m.t_ms);
@@ -392,19 +394,19 @@ struct Counters {
 
 enum EventCode : uint8_t {
   kBooted = 1,           ///< data: ResetCause
-  kLeaseOver = 2,        ///< the host is silent: standing
+  kLeaseOver = 2,        ///< the host is silent; the robot stands
   kStopLatched = 3,      ///< data: the stop's id
   kStopReleased = 4,     ///< data: the stop's id
-  kWatchdogBit = 5,      ///< the program hung: restarted, standing
-  kSettingsDefault = 6,  ///< no EEPROM bank is good: defaults
+  kWatchdogBit = 5,      ///< the program hung and was restarted; the robot stands
+  kSettingsDefault = 6,  ///< no EEPROM bank is valid; defaults are used
   kSettingsStored = 7,   ///< data: the bank
 };
 
-/// Something that happened; all of it can also be seen in state and counters.
+/// A single event. Its consequences are also visible in STATE and COUNTERS, so it may be lost.
 struct Event {
   static constexpr uint8_t kType = 0x94;
   uint32_t t_ms = 0;
-  uint16_t number = 0;  ///< since boot, from 1; a gap is an event that was lost
+  uint16_t number = 0;  ///< since boot, from 1; a gap means a lost event
   uint8_t code = 0;
   uint32_t data = 0;
   template <class M, class V>
@@ -432,12 +434,12 @@ struct ParamValue {
 enum Param : uint8_t {
   kUid = 1,              ///< 32 bits
   kGainLeft = 2,         ///< real over nominal speed of the wheel, millionths (500000..1500000)
-  kGainRight = 3,        ///< likewise
+  kGainRight = 3,        ///< as kGainLeft
   kDeadBandLeft = 4,     ///< duty below which the wheel does not turn, 0..127
-  kDeadBandRight = 5,    ///< likewise
-  kWheelBase = 6,        ///< micrometres, 10000..500000: kept for the host, which converts
-  kTelemetryPeriod = 7,  ///< ms, 10..60000; 0: none. Not stored
-  kStepLog = 8,          ///< 1: STEP with every draw. Not stored
+  kDeadBandRight = 5,    ///< as kDeadBandLeft
+  kWheelBase = 6,        ///< micrometres, 10000..500000; stored for the host, which converts orders
+  kTelemetryPeriod = 7,  ///< ms, 10..60000; 0: no telemetry; not stored
+  kStepLog = 8,          ///< 1: send STEP with every draw; not stored
 };
 
 }  // namespace wire

@@ -6,13 +6,13 @@
 #include "robot/wire/crc16.hpp"
 #include "robot/wire/messages.hpp"
 
-// For the host alone: what all messages have in common.
+// For the host only: a list of all messages, and the hash of their fields.
 
 namespace lab {
 namespace wire {
 
-/// Count up when a field keeps its width but changes its meaning (unit, range, numbers of an enum):
-/// schema() sees only widths, order and types.
+/// To be incremented when a field keeps its width but changes its meaning (unit, range, numbers of
+/// an enum), because schema() only covers widths, order and types.
 constexpr uint8_t kMeaning = 1;
 
 /// Calls visit(name, message) with a default message of every type, in the order of the types.
@@ -42,8 +42,8 @@ void forEachMessage(Visit&& visit) {
   visit("PARAM", ParamValue{});
 }
 
-/// Feeds a CRC with one byte a field: the width in bytes, plus 128 if signed; 10 and the number of
-/// values for counts of 10 bits.
+/// Computes a CRC over one byte per field: the width in bytes, plus 128 if signed. An array of
+/// 10-bit counts gives two bytes: 10 and the number of values.
 class FieldSchema {
  public:
   explicit FieldSchema(Crc16& crc) : crc_(crc) {}
@@ -62,8 +62,8 @@ class FieldSchema {
   Crc16& crc_;
 };
 
-/// CRC-16 over the protocol version, kMeaning, and for each message its type, its fields and its
-/// payload size. What kSchema must be.
+/// The value that kSchema must have: CRC-16 over the protocol version, kMeaning, and for each
+/// message its type, its fields and its payload size.
 inline uint16_t schema() {
   Crc16 crc;
   crc.add(kProtocolVersion);

@@ -14,30 +14,30 @@ namespace {
 using dynamics::Pose;
 
 constexpr std::array kDuties = {38, 77, 128, 178};  // about 15, 30, 50 and 70 % of 255
-constexpr double kReach = 0.12;                     // [m] of a straight run
-constexpr double kLongest = 1.2;                    // [s] of a step
+constexpr double kReach = 0.12;                     // [m] length of a straight run
+constexpr double kLongest = 1.2;                    // [s] duration of a step
 constexpr double kShortest = 0.5;                   // [s]
 constexpr double kPathStep = 0.02;                  // [s]
-constexpr int kDirections = 72;                     // that are tried
-constexpr int kMargin = 4;                          // of these directions, to either side
-// More than needed, where one can choose: a robot does not come to rest exactly as told.
+constexpr int kDirections = 72;                     // number of headings tried
+constexpr int kMargin = 4;                          // free headings required on each side
+// Preferred clearance, larger than necessary because a robot does not stop exactly as ordered.
 constexpr double kSoughtClearance = kClearance + 0.004;
-constexpr double kLongestWay = 0.20;    // [m] out
-constexpr double kSpare = 0.01;         // [m] at the end of a way out
+constexpr double kLongestWay = 0.20;    // [m] longest escape path
+constexpr double kSpare = 0.01;         // [m] additional clearance at the end of an escape path
 constexpr double kWayStep = 0.02;       // [m]
-constexpr double kTrackerSlack = 1e-3;  // [m]
-// On its way out a robot gains this much of clearance a metre: more than an error of its heading
-// costs.
+constexpr double kTrackerSlack = 1e-3;  // [m] allowance for the tracker's noise
+// Clearance that a robot must gain per metre of an escape path: more than an error of its heading
+// may cost.
 constexpr double kWayGain = 0.3;
 
-/// There and back. @param full [m/s] nominal, for the time it takes
+/// Adds a step and its reverse. @param full [m/s] nominal speed, which determines the duration
 void addPair(Pattern& pattern, double left, double right, double full) {
   const double duration = std::clamp(kReach / full - kSettleTime, kShortest, kLongest);
   pattern.push_back({left, right, duration});
   pattern.push_back({-left, -right, duration});
 }
 
-/// Where a robot with nominal motors comes, seen from where it starts.
+/// The path of a robot with nominal motors, relative to its start.
 std::vector<Pose> pathOf(const Pattern& pattern, double wheel_base) {
   std::vector<Pose> path = {{}};
   for (const PatternStep& step : pattern) {
@@ -52,13 +52,13 @@ std::vector<Pose> pathOf(const Pattern& pattern, double wheel_base) {
 /// 0, 1, -1, 2, -2, ...
 int directionNumber(int i) { return (i + 1) / 2 * (i % 2 == 0 ? -1 : 1); }
 
-/// The heading so many of the kDirections from the present one.
+/// The present heading, rotated by a number of steps of 2 pi / kDirections.
 double turned(double present, int directions) {
   return std::remainder(present + directions * 2 * std::numbers::pi / kDirections,
                         2 * std::numbers::pi);
 }
 
-/// What is left between a robot at (x, y) and what is nearest.
+/// Distance between a robot at (x, y) and the nearest obstacle.
 double clearanceAt(double x, double y, const Surroundings& around) {
   const double radius = around.diameter / 2;
   double clearance = std::min({x, y, around.width - x, around.height - y}) - radius;
@@ -74,7 +74,7 @@ Pattern calibrationPattern(const Motors& stored, double max) {
   Pattern pattern;
   for (const int wanted : kDuties) {
     const auto speedAt = [&](const Wheel& wheel) {
-      // A robot that believes in a dead band never uses a duty within it.
+      // A robot with a stored dead band never uses a duty within it.
       const double least = wheel.dead_band * dynamics::kMaxDuty + 8;
       return wheelSpeed(wheel, std::max<double>(wanted, std::ceil(least)) / dynamics::kMaxDuty,
                         max);
@@ -114,7 +114,7 @@ std::optional<double> clearHeading(const Pattern& pattern, const Place& robot,
   for (int i = 0; i < kDirections; ++i) {
     const int first = directionNumber(i);
     if (!isRoomy(turned(robot.theta, first), kSoughtClearance)) continue;
-    // Not the edge of what has room: a robot does not turn exactly.
+    // Prefer the middle of the free headings, because a robot does not turn exactly.
     const int sense = first < 0 ? -1 : 1;
     int more = 0;
     while (more < kMargin &&
@@ -139,7 +139,7 @@ std::optional<EscapePath> escapePath(const Pattern& pattern, const Place& robot,
     }
     return true;
   };
-  // From places with room to spare.
+  // Only consider end positions with additional clearance.
   Surroundings tighter = surroundings;
   tighter.diameter += kSpare;
   const int steps = static_cast<int>(std::lround(kLongestWay / kWayStep));

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "light/median.hpp"
+#include "light/optics/levenberg_marquardt.hpp"
 #include "robot_bridge/calibration/track_noise.hpp"
 
 namespace lab::calibration {
@@ -17,8 +20,9 @@ using Parameters = Eigen::Matrix<double, kParameters, 1>;
 using Information = Eigen::Matrix<double, kParameters, kParameters>;
 using Slopes = Eigen::Matrix<double, 2, kParameters>;
 
-constexpr int kIterations = 60;
-constexpr double kConverged = 1e-12;       // of chi^2, relative
+constexpr int kEvaluations = 60;
+constexpr double kConverged = 1e-12;       // relative reduction of chi^2
+constexpr double kSingular = 1e-9;         // smallest scaled eigenvalue of the information
 constexpr double kOutlierChi2 = 30;        // of two degrees of freedom: once in 3 million
 constexpr double kMuchMoreThanNoise = 4;   // chi^2 per degree of freedom
 constexpr double kMedianOfTwoDof = 1.386;  // of chi^2
@@ -72,81 +76,79 @@ struct Solution {
   bool determined = false;
 };
 
-struct Equations {
-  Information information = Information::Zero();
-  Parameters gradient = Parameters::Zero();
-  double chi2 = 0;
-};
-
 double chi2Of(const Parameters& p, const UsableSegment& segment, double max) {
   const Eigen::Vector2d residual = segment.motion.value - predict(p, segment, max).value;
   return residual.dot(segment.motion.covariance.ldlt().solve(residual));
 }
 
-Equations equationsAt(const Parameters& p, const std::vector<UsableSegment>& segments, double max) {
-  Equations equations;
-  for (const UsableSegment& segment : segments) {
-    const Prediction prediction = predict(p, segment, max);
-    const Eigen::Matrix2d weight = segment.motion.covariance.inverse();
-    const Eigen::Vector2d residual = segment.motion.value - prediction.value;
-    equations.information += prediction.slopes.transpose() * weight * prediction.slopes;
-    equations.gradient += prediction.slopes.transpose() * weight * residual;
-    equations.chi2 += residual.dot(weight * residual);
-  }
-  return equations;
+/// The parameters that the fit may change.
+using Free = std::vector<int>;
+const Free kAll = {kGainLeft, kGainRight, kBandLeft, kBandRight, kBase, kLateral};
+const Free kBandsHeld = {kGainLeft, kGainRight, kBase, kLateral};
+
+bool isFeasible(const Parameters& p) {
+  return p.allFinite() && p[kGainLeft] > 0 && p[kGainRight] > 0 && p[kBase] > 0 &&
+         p[kBandLeft] < 1 && p[kBandRight] < 1;
 }
 
-/// What the search may change.
-using Free = std::array<bool, kParameters>;
-constexpr Free kAll = {true, true, true, true, true, true};
-constexpr Free kBandsHeld = {true, true, false, false, true, true};
-
-void hold(Equations& equations, const Free& free) {
-  for (int i = 0; i < kParameters; ++i) {
-    if (free[static_cast<std::size_t>(i)]) continue;
-    equations.information.row(i).setZero();
-    equations.information.col(i).setZero();
-    equations.information(i, i) = 1;
-    equations.gradient[i] = 0;
-  }
-}
-
-/// Levenberg and Marquardt.
 Solution solve(const std::vector<UsableSegment>& segments, const Parameters& start, double max,
                const Free& free) {
-  Solution solution{start, {}, 0, false};
-  double damping = 1e-3;
-  Equations equations = equationsAt(solution.p, segments, max);
-  for (int i = 0; i < kIterations; ++i) {
-    hold(equations, free);
-    Information damped = equations.information;
-    damped.diagonal() *= 1 + damping;
-    const Parameters tried = solution.p + damped.ldlt().solve(equations.gradient);
-    const bool sensible = tried.allFinite() && tried[kGainLeft] > 0 && tried[kGainRight] > 0 &&
-                          tried[kBase] > 0 && tried[kBandLeft] < 1 && tried[kBandRight] < 1;
-    const Equations next = sensible ? equationsAt(tried, segments, max) : equations;
-    if (!sensible || next.chi2 > equations.chi2) {
-      damping *= 10;
-      if (damping > 1e12) break;
-      continue;
-    }
-    const bool converged = equations.chi2 - next.chi2 <= kConverged * equations.chi2;
-    solution.p = tried;
-    equations = next;
-    damping = std::max(damping / 10, 1e-12);
-    if (converged) break;
+  // Residuals are whitened: with covariance = L L^T, L^-1 residual has unit covariance.
+  std::vector<Eigen::Matrix2d> whitening;
+  for (const UsableSegment& segment : segments) {
+    const Eigen::Matrix2d lower = segment.motion.covariance.llt().matrixL();
+    whitening.push_back(lower.inverse());
   }
-  hold(equations, free);
-  solution.chi2 = equations.chi2;
-  // Compared in units of each parameter's own information: singular means that the pattern does
-  // not tell two of them apart.
-  const Parameters scale = equations.information.diagonal().cwiseMax(1e-300).cwiseSqrt();
-  const Information scaled =
-      scale.cwiseInverse().asDiagonal() * equations.information * scale.cwiseInverse().asDiagonal();
-  const double smallest = Eigen::SelfAdjointEigenSolver<Information>(scaled).eigenvalues()[0];
-  solution.determined = smallest > 1e-9;
-  if (solution.determined) {
-    solution.covariance = equations.information.ldlt().solve(Information::Identity());
+  const auto parametersAt = [&](const Eigen::VectorXd& x) {
+    Parameters p = start;
+    for (std::size_t i = 0; i < free.size(); ++i) p[free[i]] = x[static_cast<Eigen::Index>(i)];
+    return p;
+  };
+  optics::LeastSquaresProblem problem;
+  problem.residuals = 2 * static_cast<int>(segments.size());
+  problem.tolerance = kConverged;
+  problem.evaluations = kEvaluations;
+  problem.residuals_at = [&](const Eigen::VectorXd& x, Eigen::Ref<Eigen::VectorXd> out) {
+    const Parameters p = parametersAt(x);
+    if (!isFeasible(p)) {
+      out.setConstant(std::numeric_limits<double>::infinity());
+      return;
+    }
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      out.segment<2>(2 * static_cast<Eigen::Index>(i)) =
+          whitening[i] * (predict(p, segments[i], max).value - segments[i].motion.value);
+    }
+  };
+  problem.jacobian_at = [&](const Eigen::VectorXd& x, Eigen::Ref<Eigen::MatrixXd> out) {
+    const Parameters p = parametersAt(x);
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      const Slopes slopes = whitening[i] * predict(p, segments[i], max).slopes;
+      for (std::size_t j = 0; j < free.size(); ++j) {
+        out.block<2, 1>(2 * static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+            slopes.col(free[j]);
+      }
+    }
+  };
+  Eigen::VectorXd x(static_cast<Eigen::Index>(free.size()));
+  for (std::size_t i = 0; i < free.size(); ++i) x[static_cast<Eigen::Index>(i)] = start[free[i]];
+  x = optics::solveLeastSquares(problem, x);
+
+  Solution solution;
+  solution.p = parametersAt(x);
+  for (const UsableSegment& segment : segments) {
+    solution.chi2 += chi2Of(solution.p, segment, max);
+  }
+  if (!isFeasible(solution.p)) return solution;
+  Eigen::MatrixXd jacobian(problem.residuals, x.size());
+  problem.jacobian_at(x, jacobian);
+  if (const auto covariance = optics::covarianceOf(jacobian.transpose() * jacobian, kSingular)) {
+    solution.determined = true;
+    for (std::size_t i = 0; i < free.size(); ++i) {
+      for (std::size_t j = 0; j < free.size(); ++j) {
+        solution.covariance(free[i], free[j]) =
+            (*covariance)(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+      }
+    }
   }
   return solution;
 }
@@ -162,10 +164,8 @@ Solution solveRobustly(std::vector<UsableSegment>& segments, const Parameters& s
     const auto worst = std::max_element(chi2.begin(), chi2.end());
     const auto index = worst - chi2.begin();
     const double worst_chi2 = *worst;
-    const auto middle = chi2.begin() + static_cast<std::ptrdiff_t>(chi2.size() / 2);
-    std::nth_element(chi2.begin(), middle, chi2.end());
     // Motors that are not quite like the model miss it everywhere: that makes no outliers.
-    const double scale = std::max(1.0, *middle / kMedianOfTwoDof);
+    const double scale = std::max(1.0, medianOf(chi2) / kMedianOfTwoDof);
     const bool too_few = 2 * static_cast<int>(segments.size()) <= kParameters + 2;
     if (worst_chi2 <= kOutlierChi2 * scale || too_few) return solution;
     segments.erase(segments.begin() + index);

@@ -1,6 +1,7 @@
-/// Motors on the bus.
+/// Conversions between Motors and motor_calibration_t.
 #pragma once
 
+#include <cstdint>
 #include <lab/motor_calibration_t.hpp>
 
 #include "robot_bridge/calibration/motors.hpp"

@@ -30,7 +30,7 @@ std::string checkOf(const SpeedCheck& check, const char* when) {
       check.driven);
 }
 
-/// As TOML writes text.
+/// A string in TOML's syntax.
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char letter : text) {

@@ -1,4 +1,4 @@
-/// What came of the calibration of one robot, for people and for files.
+/// Reports of a calibration of motors, as text and as a file.
 #pragma once
 
 #include <cstdint>
@@ -12,30 +12,31 @@ namespace lab::calibration {
 
 struct MotorReport {
   std::int32_t robot = 0;
-  Motors held;  ///< before
+  Motors held;  ///< stored in the robot before
   MotorFit fit;
-  Motors stored;  ///< what the robot holds now
+  Motors stored;  ///< stored in the robot now
   SpeedCheck before;
   SpeedCheck after;
-  std::string refusal;  ///< not empty: why the robot holds what it held before
+  std::string refusal;  ///< why the robot keeps its previous calibration; empty if it does not
 };
 
-/// What makes a stored calibration stay: the check after it, less what rounding to whole duties
-/// explains.
+/// Conditions for keeping a stored calibration: limits for the errors in the check after storing,
+/// without the part that rounding to whole duties explains.
 struct CheckLimits {
-  double used_share = 0.75;  ///< of the check's segments, at least
-  double speed = 0.015;      ///< [1] at most, or four times the tracker's noise
-  double turn = 0.03;        ///< [1] likewise
+  double used_share = 0.75;  ///< smallest share of segments used
+  double speed = 0.015;      ///< [1] largest error, or four times the tracker's noise
+  double turn = 0.03;        ///< [1] largest error, or four times the tracker's noise
 };
 
-/// Why a check after storing is not passed; empty when it is.
+/// Why a check after storing failed; empty if it passed.
 [[nodiscard]] std::string checkRefusal(const SpeedCheck& after, const CheckLimits& limits = {});
 
-/// The lines of a table for people, one robot or refusal a line.
+/// The lines of a text table, one per robot or refusal.
 [[nodiscard]] std::string tableHead();
 [[nodiscard]] std::string tableLine(const MotorReport& report);
 
-/// calibration/motors.toml: what the robots hold, with standard errors and what the checks said.
+/// The text of calibration/motors.toml: the calibrations in the robots, standard errors, and
+/// results of the checks.
 [[nodiscard]] std::string motorsFile(const std::vector<MotorReport>& reports);
 
 }  // namespace lab::calibration

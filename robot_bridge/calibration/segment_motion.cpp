@@ -12,13 +12,13 @@ using Complex = std::complex<double>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 
-/// Parameters: place x, y and velocity x, y at the middle of the time, heading there, turn.
+/// Parameters: position, velocity and heading in the middle of the time, and turning rate.
 enum Parameter { kX, kY, kVelocityX, kVelocityY, kHeading, kTurn };
 
 constexpr int kIterations = 10;
 constexpr double kSmallAngle = 1e-3;
 
-/// The integral of e^(i w s) from 0 to t, and its derivative by w.
+/// The integral of e^(i w s) from 0 to t, and its derivative with respect to w.
 struct Arc {
   Complex value;
   Complex by_turn;
@@ -44,7 +44,8 @@ std::vector<TrackPoint> centred(std::vector<TrackPoint> track) {
   return track;
 }
 
-/// A straight line through the headings, and the velocity that this turn leaves to the positions.
+/// Start values: a straight line through the headings, and the velocity fitted to the positions
+/// with this turning rate.
 Vector6 firstGuess(const std::vector<TrackPoint>& track) {
   double n = 0, t = 0, tt = 0, theta = 0, theta_t = 0;
   for (const TrackPoint& point : track) {

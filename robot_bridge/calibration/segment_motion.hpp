@@ -1,4 +1,4 @@
-/// How a robot moved while its wheels kept their speeds, from its tracked poses.
+/// Fits a robot's motion at constant wheel speeds to its tracked poses.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,7 +9,7 @@ namespace lab::calibration {
 
 /// One tracked pose.
 struct TrackPoint {
-  double time = 0;   ///< [s] of any clock
+  double time = 0;   ///< [s] with any origin
   double x = 0;      ///< [m]
   double y = 0;      ///< [m]
   double theta = 0;  ///< [rad] wrapped or not
@@ -32,11 +32,11 @@ struct SegmentMotion {
 
 inline constexpr int kFewestPoints = 8;
 
-/// Fits x, y and heading of all points together: the heading turns at a constant rate, and the
-/// tracked point moves along the arc that follows from it. The direction of motion may differ from
-/// the tracked heading by a constant angle, as with a marker that is glued on askew or off the
-/// wheels' middle: the speed is the component along the heading.
-/// @return nothing for fewer than kFewestPoints points, or points of no duration.
+/// Fits x, y and heading of all points together: the heading changes at a constant rate, and the
+/// tracked point moves along the resulting arc. The direction of motion may differ from the tracked
+/// heading by a constant angle, as with a rotated marker or one beside the centre of the axis; the
+/// speed is the component along the heading.
+/// @return empty for fewer than kFewestPoints points, or if all points have the same time
 [[nodiscard]] std::optional<SegmentMotion> fitMotion(const std::vector<TrackPoint>& track,
                                                      const TrackNoise& noise);
 

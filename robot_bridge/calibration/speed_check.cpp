@@ -20,7 +20,7 @@ class RootMeanSquare {
   int count_ = 0;
 };
 
-constexpr double kStill = 1e-9;  // [m/s], [rad/s] asked for
+constexpr double kStill = 1e-9;  // [m/s], [rad/s] ordered values below count as 0
 
 }  // namespace
 
@@ -31,7 +31,7 @@ std::vector<Segment> segmentsOf(const std::vector<CheckedSegment>& checked) {
   return segments;
 }
 
-SpeedCheck checkSpeeds(const std::vector<CheckedSegment>& segments, const Motors& believed,
+SpeedCheck checkSpeeds(const std::vector<CheckedSegment>& segments, const Motors& stored,
                        double max, double lateral) {
   const UsableSegments usable = usableSegments(segmentsOf(segments));
   SpeedCheck check;
@@ -40,8 +40,8 @@ SpeedCheck checkSpeeds(const std::vector<CheckedSegment>& segments, const Motors
   RootMeanSquare speed, turn, veer, motors_speed, motors_turn, speed_noise, turn_noise;
   for (const UsableSegment& segment : usable.segments) {
     const CheckedSegment& checked = segments[segment.index];
-    const Motion asked = motionOf(checked.left, checked.right, believed.wheel_base);
-    const Motion rounded = motionOf(believed, segment.duty_left, segment.duty_right, max);
+    const Motion asked = motionOf(checked.left, checked.right, stored.wheel_base);
+    const Motion rounded = motionOf(stored, segment.duty_left, segment.duty_right, max);
     const double seen_turn = segment.motion.value[1];
     const double seen_speed = segment.motion.value[0] + lateral * seen_turn;
     if (std::fabs(asked.speed) > kStill) {

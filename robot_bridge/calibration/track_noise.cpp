@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
+#include <vector>
 
 namespace lab::calibration {
 namespace {
 
-// A tracker without noise still has the rounding of its numbers.
+// Lower bounds: a tracker without noise still has rounding errors.
 constexpr double kLeastPosition = 1e-6;  // [m]
 constexpr double kLeastHeading = 1e-5;   // [rad]
 constexpr double kSeenShare = 0.5;
-// An even segment's residuals exceed the noise by more than this once in 10^8.
+// The residuals of a uniform segment exceed this with probability 1e-8.
 constexpr double kUnevenSigmas = 6;
 
 double positionDof(const SegmentMotion& motion) { return 2.0 * motion.points - 4; }
@@ -22,7 +24,7 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
-/// Half of the segments may be anything.
+/// A robust estimate: up to half of the segments may have any motion.
 TrackNoise roughNoise(const std::vector<SegmentMotion>& motions) {
   std::vector<double> positions;
   std::vector<double> headings;
@@ -43,7 +45,7 @@ bool isEven(const SegmentMotion& motion, const TrackNoise& noise) {
          within(motion.heading_squares, headingDof(motion), noise.heading);
 }
 
-/// From all even segments together.
+/// The estimate from all uniform segments together.
 TrackNoise pooledNoise(const std::vector<SegmentMotion>& motions, const TrackNoise& rough) {
   double position_squares = 0, position_dof = 0, heading_squares = 0, heading_dof = 0;
   for (const SegmentMotion& motion : motions) {

@@ -1,13 +1,14 @@
-/// The noise of a tracker, and which segments of a pattern are good for a fit.
+/// Estimates the noise of a tracker and selects the segments of a pattern that a fit can use.
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
 #include "robot_bridge/calibration/motor_fit.hpp"
 
 namespace lab::calibration {
 
-/// A segment that can be used.
+/// A segment that a fit can use.
 struct UsableSegment {
   std::size_t index = 0;  ///< among the segments driven
   double duty_left = 0;
@@ -17,12 +18,12 @@ struct UsableSegment {
 
 struct UsableSegments {
   std::vector<UsableSegment> segments;
-  TrackNoise noise;      ///< estimated from the even segments
+  TrackNoise noise;      ///< estimated from segments with uniform motion
   SegmentCounts counts;  ///< driven, used, unseen, uneven
 };
 
-/// Fits the motion of each segment, estimates the tracker's noise from what is left over, and sorts
-/// out what was not seen or not even.
+/// Fits the motion of each segment, estimates the tracker's noise from the residuals, and excludes
+/// segments that were not seen or not uniform.
 [[nodiscard]] UsableSegments usableSegments(const std::vector<Segment>& segments);
 
 }  // namespace lab::calibration

@@ -7,9 +7,9 @@
 namespace lab::bridge {
 namespace {
 
-constexpr std::int64_t kSilence_us = 2'500'000;
+constexpr std::int64_t kBootloaderWait_us = 2'500'000;
 constexpr std::int64_t kAskPeriod_us = 300'000;
-constexpr std::int64_t kPatience_us = 6'000'000;
+constexpr std::int64_t kHelloTimeout_us = 6'000'000;
 
 }  // namespace
 
@@ -25,9 +25,9 @@ void LineSession::ask(std::int64_t now) {
 
 void LineSession::tick(std::int64_t now) {
   if (verdict_ != Verdict::kWaiting) return;
-  if (now - opened_utime_ >= kPatience_us) {
+  if (now - opened_utime_ >= kHelloTimeout_us) {
     verdict_ = Verdict::kNoRobot;
-  } else if (now - opened_utime_ >= kSilence_us) {
+  } else if (now - opened_utime_ >= kBootloaderWait_us) {
     ask(now);
   }
 }
@@ -38,7 +38,7 @@ bool LineSession::isForRobot(const wire::Frame& frame, std::int64_t now) {
     hello_ = hello;
     verdict_ = hello.schema == wire::kSchema ? Verdict::kRobot : Verdict::kForeignSchema;
   } else if (verdict_ == Verdict::kWaiting) {
-    // A HELLO of another length is another schema's; it begins with the schema all the same.
+    // A HELLO of another length has another schema. Every HELLO starts with the schema number.
     if (frame.type == wire::Hello::kType && frame.size >= 4) {
       hello_.emplace();
       hello_->schema = static_cast<std::uint16_t>(frame.payload[0] | frame.payload[1] << 8);
@@ -51,7 +51,7 @@ bool LineSession::isForRobot(const wire::Frame& frame, std::int64_t now) {
   return verdict_ == Verdict::kRobot;
 }
 
-void LineSession::judgeVersion() {
+void LineSession::checkVersion() {
   if (verdict_ == Verdict::kWaiting && decoder_.foreignVersion() != 0) {
     verdict_ = Verdict::kForeignVersion;
   }

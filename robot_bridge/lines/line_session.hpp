@@ -1,4 +1,4 @@
-/// What comes and goes on one open line: bytes on one side, a robot's frames on the other.
+/// One open serial line: identifies the robot and decodes its frames.
 #pragma once
 
 #include <cstdint>
@@ -12,50 +12,51 @@
 
 namespace lab::bridge {
 
-/// Finds out who is on a line that was just opened, and cuts the bytes into frames.
+/// Identifies the robot on a line that was just opened, and decodes the bytes into frames.
 ///
-/// Opening a line resets many boards, and their bootloader must not be talked to: the session is
-/// silent until HELLO comes or 2.5 s have passed, then asks for it. Any other frame shows that the
-/// robot's program runs, and it is asked at once.
+/// Opening a line resets many boards, and bytes sent to their bootloader would keep them in it.
+/// Therefore the session sends nothing until HELLO comes or 2.5 s have passed; then it asks for
+/// HELLO. Any other frame shows that the robot's program runs, and the session asks at once.
 class LineSession {
  public:
   explicit LineSession(std::int64_t now) : opened_utime_(now) {}
 
   enum class Verdict {
-    kWaiting,         ///< nobody has said HELLO yet
-    kRobot,           ///< hello() says which
-    kForeignVersion,  ///< frames of another protocol version come
-    kForeignSchema,   ///< HELLO is of a robot with other messages
-    kNoRobot,         ///< nobody says HELLO
+    kWaiting,         ///< no HELLO yet
+    kRobot,           ///< hello() identifies it
+    kForeignVersion,  ///< frames have another protocol version
+    kForeignSchema,   ///< HELLO has another message schema
+    kNoRobot,         ///< no HELLO came in time
   };
 
-  /// Takes bytes and calls `take(frame)` for each frame of a robot that is known by then, the first
-  /// of them its HELLO.
+  /// Decodes bytes and calls `take(frame)` for each frame after the robot is identified, starting
+  /// with its HELLO.
   template <class Take>
   void receive(std::span<const std::uint8_t> bytes, std::int64_t now, const Take& take) {
     bytes_ += static_cast<std::int64_t>(bytes.size());
     for (const std::uint8_t byte : bytes) {
       if (decoder_.push(byte) && isForRobot(decoder_.frame(), now)) take(decoder_.frame());
     }
-    judgeVersion();
+    checkVersion();
     countErrors();
   }
 
-  /// Asks and gives up.
+  /// Handles timeouts: asks for HELLO, then gives up.
   void tick(std::int64_t now);
 
   [[nodiscard]] Verdict verdict() const { return verdict_; }
-  /// Why it is no robot to be driven: what was found, what was expected, and the way out.
+  /// Why there is no usable robot on the line, for the user; empty if there is one or it is not yet
+  /// known.
   [[nodiscard]] std::string reason(int baud) const;
-  /// Who said HELLO last.
+  /// The last HELLO.
   [[nodiscard]] const std::optional<wire::Hello>& hello() const { return hello_; }
-  /// Frames that came damaged.
+  /// Number of damaged frames received.
   [[nodiscard]] std::int64_t errors() const { return errors_; }
   [[nodiscard]] std::vector<std::uint8_t>& outgoing() { return outgoing_; }
 
  private:
   bool isForRobot(const wire::Frame& frame, std::int64_t now);
-  void judgeVersion();
+  void checkVersion();
   void countErrors();
   void ask(std::int64_t now);
 

@@ -74,10 +74,10 @@ void LineSurvey::read(Line& line) {
     line.port.reset();
     return;
   }
-  settle(line);
+  finishIfDecided(line);
 }
 
-void LineSurvey::settle(Line& line) {
+void LineSurvey::finishIfDecided(Line& line) {
   if (!line.port || line.session.verdict() == LineSession::Verdict::kWaiting) return;
   line.row.hello = line.session.hello();
   line.row.finding = line.session.reason(baud_);
@@ -96,7 +96,7 @@ bool LineSurvey::tick() {
         static_cast<void>(line.port->write(line.session.outgoing()));
       }
       line.session.outgoing().clear();
-      settle(line);
+      finishIfDecided(line);
     } catch (const SerialError&) {
       line.row.finding = "gone";
       line.port.reset();

@@ -1,4 +1,4 @@
-/// Who is on which line, without an experiment: robot_bridge --list.
+/// Lists the serial lines and the robots on them, without an experiment: robot_bridge --list.
 #pragma once
 
 #include <cstdint>
@@ -14,20 +14,19 @@
 
 namespace lab::bridge {
 
-/// Opens lines, waits until each has said HELLO or nothing can be expected any more, and closes
-/// them. Opening resets many boards: a robot at work should not be surveyed, and a line that a
-/// bridge holds is not.
+/// Opens lines, waits for HELLO or a timeout on each, and closes them. Opening a line resets many
+/// boards, so lines in use should not be surveyed. A line that a bridge has open cannot be opened.
 class LineSurvey {
  public:
   struct Row {
     std::string path;
     std::optional<wire::Hello> hello;
-    std::string finding;  ///< what else there is to say; of a good robot nothing
+    std::string finding;  ///< problem with the line or the robot; empty if there is none
   };
 
   LineSurvey(Loop& loop, SerialPorts& ports, const std::vector<std::string>& paths, int baud);
 
-  /// To be called every 20 ms or so. @return whether all is known
+  /// To be called about every 20 ms. @return whether the survey is complete
   bool tick();
 
   /// In the order of the paths.
@@ -36,19 +35,19 @@ class LineSurvey {
  private:
   struct Line {
     Row row;
-    std::unique_ptr<SerialPort> port;  ///< none: done with it
+    std::unique_ptr<SerialPort> port;  ///< null: this line is done
     LineSession session;
   };
 
   void read(Line& line);
-  void settle(Line& line);
+  void finishIfDecided(Line& line);
 
   Loop& loop_;
   int baud_;
   std::list<Line> lines_;
 };
 
-/// The rows as a table for people.
+/// The rows as a text table.
 [[nodiscard]] std::string surveyText(const std::vector<LineSurvey::Row>& rows);
 
 }  // namespace lab::bridge

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdint>
 #include <iostream>
 #include <string>
 #include <vector>
@@ -34,8 +35,8 @@ void runUntilDone(AsioLoop& loop, Tool& tool) {
   loop.run();
 }
 
-/// The lines a pattern finds. A name without * and ? is taken as it is: opening it says what is
-/// wrong.
+/// The lines that match the patterns of the command line. A name without wildcards is used as it
+/// is, so that opening it reports what is wrong.
 std::vector<std::string> linesOf(const SerialDevices& ports, const Options& options) {
   std::vector<std::string> paths;
   const auto add = [&paths](const std::vector<std::string>& more) {
@@ -58,9 +59,9 @@ int list(const Options& options) {
   const std::vector<std::string> paths = linesOf(ports, options);
   if (paths.empty()) {
     std::cout << (options.lines.empty()
-                      ? "no lines: nothing fits " + SerialLines().ports +
+                      ? "no lines: nothing matches " + SerialLines().ports +
                             " and no simulated robot offers one in " + options.folder
-                      : "no lines fit")
+                      : "no lines match")
               << "\n";
     return 0;
   }
@@ -102,14 +103,14 @@ bool wantsLineTool(int argc, char** argv) {
 int lineToolMain(int argc, char** argv) {
   CLI::App app{"Serial lines and the robots on them", "robot_bridge"};
   Options options;
-  app.add_flag("--list", options.list, "List the lines and who is on them");
+  app.add_flag("--list", options.list, "List the lines and the robots on them");
   app.add_option("--set-uid", options.uid, "Store this number in the robot on the line")
       ->check(CLI::Range(1U, 0xFFFFFFFFU));
   app.add_option("--baud", options.baud, "Speed of the lines")->capture_default_str();
   app.add_option("--ports", options.folder, "Folder of the lines to simulated robots")
       ->capture_default_str();
   app.add_option("line", options.lines,
-                 "Lines, also with * and ? (for --list: all there are, if none is given)");
+                 "Lines; * and ? are allowed (--list without lines: all lines)");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

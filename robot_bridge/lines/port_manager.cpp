@@ -6,6 +6,7 @@
 #include <array>
 #include <set>
 #include <utility>
+#include <vector>
 
 namespace lab::bridge {
 namespace {
@@ -13,8 +14,9 @@ namespace {
 constexpr std::int64_t kScanPeriod_us = 500'000;
 constexpr std::int64_t kShortestBackOff_us = 100'000;
 constexpr std::int64_t kLongestBackOff_us = 2'000'000;
-constexpr std::int64_t kLeaveAlone_us = 10'000'000;  // a line on which there is none of our robots
-constexpr std::int64_t kAbandoned_us = 1'000'000;    // then another line may claim the robot
+constexpr std::int64_t kLeaveAlone_us = 10'000'000;  // a line without a robot of the experiment
+// A robot that was silent for so long on one line may be taken over by another line.
+constexpr std::int64_t kAbandoned_us = 1'000'000;
 
 }  // namespace
 
@@ -41,12 +43,12 @@ void PortManager::tick() {
       if (line.found && now >= line.retry_utime) open(entry, now);
       continue;
     }
-    // After a stall of this machine the answers may be waiting: nobody is called silent unread.
+    // After a stall of this machine, answers may be waiting; read them before timeouts are checked.
     read(entry);
     if (!line.port) continue;
     line.session->tick(now);
     if (line.robot != nullptr) line.robot->tick(now);
-    judge(entry, now);
+    closeIfUnusable(entry, now);
     write(entry);
   }
 }
@@ -77,7 +79,7 @@ void PortManager::open(Entry& entry, std::int64_t now) {
   try {
     line.port = ports_.open(entry.first, settings_.baud);
   } catch (const SerialError& error) {
-    complain(entry, "open", error.what());
+    reportFault(entry, "open", error.what());
     return;
   }
   line.session.emplace(now);
@@ -98,10 +100,10 @@ void PortManager::read(Entry& entry) {
       if (count < bytes.size()) break;
     }
   } catch (const SerialError& error) {
-    lose(entry, error.what());
+    handleLoss(entry, error.what());
     return;
   }
-  judge(entry, now);
+  closeIfUnusable(entry, now);
   write(entry);
 }
 
@@ -109,19 +111,19 @@ void PortManager::take(Entry& entry, const wire::Frame& frame, std::int64_t now)
   Line& line = entry.second;
   if (!line.refusal.empty()) return;
   wire::Hello hello;
-  const bool says_hello = wire::unpack(frame, hello);
-  if (line.robot != nullptr && says_hello && hello.uid != line.robot->hello()->uid) {
+  const bool is_hello = wire::unpack(frame, hello);
+  if (line.robot != nullptr && is_hello && hello.uid != line.robot->hello()->uid) {
     line.robot->unplug();  // the board was exchanged
     line.robot = nullptr;
   }
   if (line.robot != nullptr) {
     line.robot->receive(frame, now);
-  } else if (says_hello) {
-    adopt(entry, hello, now);
+  } else if (is_hello) {
+    attachRobot(entry, hello, now);
   }
 }
 
-void PortManager::adopt(Entry& entry, const wire::Hello& hello, std::int64_t now) {
+void PortManager::attachRobot(Entry& entry, const wire::Hello& hello, std::int64_t now) {
   Line& line = entry.second;
   const auto found = robots_.find(hello.uid);
   if (found == robots_.end()) {
@@ -137,33 +139,33 @@ void PortManager::adopt(Entry& entry, const wire::Hello& hello, std::int64_t now
   if (Entry* other = lineWith(robot)) {
     if (now - robot.heardUtime() <= kAbandoned_us) {
       line.refusal = fmt::format(
-          "uid {} of robot {}, which is on {} already; unplug one of the two, or give it a uid of "
-          "its own",
+          "uid {} of robot {}, which is on {} already; unplug one of the two, or store another uid "
+          "in it",
           hello.uid, robot.settings().id, other->first);
       return;
     }
-    close(*other, now + kLongestBackOff_us);  // it was unplugged there and nobody has noticed yet
+    close(*other, now + kLongestBackOff_us);  // it was unplugged there, which is noticed only now
   }
   line.robot = &robot;
   line.back_off_us = 0;
-  line.complaint.clear();
+  line.last_fault.clear();
   robot.plug(hello, now);
 }
 
-/// Closes a line on which there is nobody for this lab.
-void PortManager::judge(Entry& entry, std::int64_t now) {
+/// Closes a line that has no robot of this experiment.
+void PortManager::closeIfUnusable(Entry& entry, std::int64_t now) {
   Line& line = entry.second;
   if (!line.port) return;
   if (!line.refusal.empty()) {
-    complain(entry, line.refusal, entry.first + ": " + line.refusal);
+    reportFault(entry, line.refusal, entry.first + ": " + line.refusal);
     close(entry, now + kLeaveAlone_us);
     return;
   }
   using Verdict = LineSession::Verdict;
   const Verdict verdict = line.session->verdict();
   if (verdict == Verdict::kWaiting || verdict == Verdict::kRobot) return;
-  complain(entry, "verdict " + std::to_string(static_cast<int>(verdict)),
-           entry.first + ": " + line.session->reason(settings_.baud));
+  reportFault(entry, "verdict " + std::to_string(static_cast<int>(verdict)),
+              entry.first + ": " + line.session->reason(settings_.baud));
   close(entry, now + kLeaveAlone_us);
 }
 
@@ -171,7 +173,7 @@ void PortManager::write(Entry& entry) {
   Line& line = entry.second;
   if (!line.port) return;
   const auto pass = [&line](std::vector<std::uint8_t>& bytes) {
-    // What the line does not take is lost as if it were damaged there: it will be repeated.
+    // Bytes that the line does not accept are dropped; the protocol repeats lost messages.
     if (!bytes.empty()) static_cast<void>(line.port->write(bytes));
     bytes.clear();
   };
@@ -179,7 +181,7 @@ void PortManager::write(Entry& entry) {
     pass(line.session->outgoing());
     if (line.robot != nullptr) pass(line.robot->outgoing());
   } catch (const SerialError& error) {
-    lose(entry, error.what());
+    handleLoss(entry, error.what());
   }
 }
 
@@ -193,21 +195,21 @@ void PortManager::close(Entry& entry, std::int64_t retry_utime) {
   line.retry_utime = retry_utime;
 }
 
-void PortManager::lose(Entry& entry, const std::string& why) {
+void PortManager::handleLoss(Entry& entry, const std::string& why) {
   Line& line = entry.second;
-  const std::string who =
+  const std::string robot_text =
       line.robot == nullptr ? "" : fmt::format("; robot {} was on it", line.robot->settings().id);
-  complain(entry, "lost", why + who);
-  line.complaint.clear();  // the next loss is another one
+  reportFault(entry, "lost", why + robot_text);
+  line.last_fault.clear();  // the next loss is another one
   line.found = false;
   const std::int64_t retry_utime = loop_.now() + std::max(line.back_off_us, kShortestBackOff_us);
   scan_utime_ = std::min(scan_utime_, retry_utime - kScanPeriod_us);
   close(entry, retry_utime);
 }
 
-void PortManager::complain(Entry& entry, const std::string& kind, const std::string& text) {
-  if (entry.second.complaint == kind) return;
-  entry.second.complaint = kind;
+void PortManager::reportFault(Entry& entry, const std::string& kind, const std::string& text) {
+  if (entry.second.last_fault == kind) return;
+  entry.second.last_fault = kind;
   note_(text);
 }
 

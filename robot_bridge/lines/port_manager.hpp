@@ -1,4 +1,4 @@
-/// The lines to the robots: found, opened, lost and found again.
+/// Finds, opens and reopens the serial lines to the robots.
 #pragma once
 
 #include <cstdint>
@@ -16,44 +16,44 @@
 namespace lab::bridge {
 
 struct PortSettings {
-  bool offered = false;  ///< take the lines of simulated robots
-  std::string patterns;  ///< of devices, separated by spaces; empty: none
+  bool offered = false;  ///< use the lines that simulated robots offer
+  std::string patterns;  ///< device patterns, separated by spaces; empty: no devices
   int baud = 38400;
 };
 
-/// Keeps every line open on which there is a robot of this lab. Robots are known by the uid they
-/// say, never by the name of a line, so a robot may come back under another name.
+/// Keeps all lines with robots of this experiment open. Robots are identified by the uid in their
+/// HELLO, not by the name of the line, so a robot may come back under another name.
 ///
-/// Whatever is wrong with a line is said once, until the line or the fault changes.
+/// A fault of a line is reported once, until the line or the fault changes.
 class PortManager {
  public:
   using Note = std::function<void(const std::string&)>;
   using Robots = std::map<std::uint32_t, RobotLink*>;  ///< by uid
 
-  /// @param robots outlive the keeper
+  /// @param robots must outlive this object
   PortManager(Loop& loop, SerialPorts& ports, PortSettings settings, Robots robots, Note note);
   ~PortManager();
 
-  /// Looks for lines (twice a second), opens what is due, lets sessions and robots repeat what they
-  /// wait for. To be called every 20 ms or so.
+  /// Looks for lines (twice a second), opens them, and handles the timeouts of sessions and robots.
+  /// To be called about every 20 ms.
   void tick();
 
-  /// Writes what robots have to say after they were given orders.
+  /// Writes the bytes that new orders have produced.
   void flush();
 
-  /// The line a robot is on, empty: none.
+  /// The line that a robot is on; empty if none.
   [[nodiscard]] std::string lineOf(const RobotLink& robot) const;
 
  private:
   struct Line {
-    bool found = false;                ///< since it was last lost
-    std::unique_ptr<SerialPort> port;  ///< none: closed
+    bool found = false;                ///< seen since it was last lost
+    std::unique_ptr<SerialPort> port;  ///< null: closed
     std::optional<LineSession> session;
     RobotLink* robot = nullptr;
-    std::string refusal;  ///< not empty: to be closed, and why
+    std::string refusal;  ///< why the line is to be closed; empty: it is not
     std::int64_t retry_utime = 0;
     std::int64_t back_off_us = 0;
-    std::string complaint;  ///< the last, so that it is not repeated
+    std::string last_fault;  ///< so that it is not reported twice
   };
   using Lines = std::map<std::string, Line>;
   using Entry = Lines::value_type;
@@ -62,12 +62,12 @@ class PortManager {
   void open(Entry& entry, std::int64_t now);
   void read(Entry& entry);
   void take(Entry& entry, const wire::Frame& frame, std::int64_t now);
-  void adopt(Entry& entry, const wire::Hello& hello, std::int64_t now);
-  void judge(Entry& entry, std::int64_t now);
+  void attachRobot(Entry& entry, const wire::Hello& hello, std::int64_t now);
+  void closeIfUnusable(Entry& entry, std::int64_t now);
   void write(Entry& entry);
   void close(Entry& entry, std::int64_t retry_utime);
-  void lose(Entry& entry, const std::string& why);
-  void complain(Entry& entry, const std::string& kind, const std::string& text);
+  void handleLoss(Entry& entry, const std::string& why);
+  void reportFault(Entry& entry, const std::string& kind, const std::string& text);
   [[nodiscard]] Entry* lineWith(const RobotLink& robot);
 
   Loop& loop_;

@@ -6,7 +6,7 @@ namespace lab::bridge {
 namespace {
 
 constexpr std::int64_t kAnswer_us = 300'000;
-constexpr std::int64_t kStoring_us = 1'000'000;  // 3.4 ms a byte
+constexpr std::int64_t kStoring_us = 1'000'000;  // EEPROM: 3.4 ms per byte
 
 }  // namespace
 
@@ -36,12 +36,12 @@ void UidWriter::take(const wire::Frame& frame) {
   wire::Hello hello;
   wire::Ack ack;
   if (wire::unpack(frame, hello)) {
-    if (step_ == Step::kHello) go(Step::kSet);
+    if (step_ == Step::kHello) start(Step::kSet);
     if (step_ == Step::kVerify) {
       if (hello.uid == uid_) {
-        go(Step::kDone);
+        start(Step::kDone);
       } else {
-        fail("the robot says uid " + std::to_string(hello.uid) + " after it stored another");
+        fail("the robot reports uid " + std::to_string(hello.uid) + " after storing another one");
       }
     }
   } else if (wire::unpack(frame, ack) && sender_.answer(ack.type, frame.seq)) {
@@ -49,12 +49,12 @@ void UidWriter::take(const wire::Frame& frame) {
       fail("the robot refuses (message " + std::to_string(ack.type) + ", status " +
            std::to_string(ack.status) + ")");
     } else {
-      go(step_ == Step::kSet ? Step::kStore : Step::kVerify);
+      start(step_ == Step::kSet ? Step::kStore : Step::kVerify);
     }
   }
 }
 
-void UidWriter::go(Step step) {
+void UidWriter::start(Step step) {
   step_ = step;
   switch (step) {
     case Step::kSet: {
@@ -115,7 +115,7 @@ bool UidWriter::tick() {
       write(sender_.command());
       break;
     case CommandSender::Due::kGivenUp:
-      fail("the robot does not answer any more");
+      fail("the robot no longer answers");
       break;
     case CommandSender::Due::kNothing:
       break;

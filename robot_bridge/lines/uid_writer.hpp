@@ -1,4 +1,4 @@
-/// Gives a robot its uid: robot_bridge --set-uid.
+/// Stores a uid in a robot: robot_bridge --set-uid.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,16 @@
 
 namespace lab::bridge {
 
-/// Waits for the robot's HELLO, sets the uid, has it stored, and asks whether it is now the
-/// robot's.
+/// Waits for the robot's HELLO, sets the uid, has it stored, and reads it back.
 class UidWriter {
  public:
   /// @throws SerialError when the line cannot be opened.
   UidWriter(Loop& loop, SerialPorts& ports, const std::string& path, int baud, std::uint32_t uid);
 
-  /// To be called every 20 ms or so. @return whether it is done, well or not
+  /// To be called about every 20 ms. @return whether it has finished or failed
   bool tick();
 
-  /// Empty: done well. Else why not.
+  /// Why it failed; empty if it did not.
   [[nodiscard]] const std::string& failure() const { return failure_; }
 
  private:
@@ -30,7 +29,7 @@ class UidWriter {
 
   void read();
   void take(const wire::Frame& frame);
-  void go(Step step);
+  void start(Step step);
   void fail(const std::string& why);
   void write(const wire::Frame& frame);
   template <class Message>

@@ -12,25 +12,25 @@ constexpr std::array<std::uint8_t, 5> kIds = {
     wire::kGainLeft, wire::kGainRight, wire::kDeadBandLeft, wire::kDeadBandRight, wire::kWheelBase};
 constexpr double kMillion = 1e6;
 
-/// Of a number that the robot will refuse if it makes no sense.
+/// Rounds; values that do not fit become -1, which the robot refuses.
 std::int32_t rounded(double value) {
   return std::abs(value) < 2e9 ? static_cast<std::int32_t>(std::lround(value)) : -1;
 }
 
 }  // namespace
 
-void CalibrationWriter::ask(std::int64_t seq, std::int64_t instance,
-                            const motor_calibration_t& wanted) {
+void CalibrationWriter::request(std::int64_t seq, std::int64_t instance,
+                                const motor_calibration_t& requested) {
   const bool known = seq == seq_ && instance == instance_;
   if (known && (step_ != kDone || fulfilled_)) return;
   seq_ = seq;
   instance_ = instance;
-  robot_id_ = wanted.robot_id;
-  wanted_ = {rounded(wanted.gain_left * kMillion), rounded(wanted.gain_right * kMillion),
-             rounded(wanted.dead_band_left * dynamics::kMaxDuty),
-             rounded(wanted.dead_band_right * dynamics::kMaxDuty),
-             rounded(wanted.wheel_base * kMillion)};
-  begin_ = wanted.gain_left == 0 ? kRead : 0;
+  robot_id_ = requested.robot_id;
+  requested_ = {rounded(requested.gain_left * kMillion), rounded(requested.gain_right * kMillion),
+                rounded(requested.dead_band_left * dynamics::kMaxDuty),
+                rounded(requested.dead_band_right * dynamics::kMaxDuty),
+                rounded(requested.wheel_base * kMillion)};
+  begin_ = requested.gain_left == 0 ? kRead : 0;
   step_ = begin_;
   fulfilled_ = false;
   failure_.reset();
@@ -45,7 +45,7 @@ std::optional<wire::Frame> CalibrationWriter::next() const {
   if (step_ < kCommit) {
     wire::SetParam message;
     message.id = kIds[step_];
-    message.value = wanted_[step_];
+    message.value = requested_[step_];
     wire::pack(message, 0, frame);
   } else if (step_ == kCommit) {
     wire::pack(wire::Commit(), 0, frame);
@@ -60,8 +60,9 @@ std::optional<wire::Frame> CalibrationWriter::next() const {
 }
 
 void CalibrationWriter::finish(const wire::Frame& command, const wire::Ack& ack) {
-  const std::optional<wire::Frame> mine = next();
-  if (!mine || mine->type != command.type || mine->payload[0] != command.payload[0]) return;
+  const std::optional<wire::Frame> current = next();
+  if (!current || current->type != command.type || current->payload[0] != command.payload[0])
+    return;
   if (ack.status == wire::kOk) {
     ++step_;
     return;

@@ -11,29 +11,28 @@
 
 namespace lab::bridge {
 
-/// The commands of one request, one after the other: five SET_PARAM, COMMIT, five GET_PARAM. A
-/// request with a gain of 0 only asks: it is the five GET_PARAM alone.
-/// Whoever sends them says how they ended. What fails is tried again from the start with the next
-/// repeat of the request.
+/// The sequence of commands for one request: five SET_PARAM, COMMIT, five GET_PARAM. A request with
+/// a gain of 0 only reads: five GET_PARAM. The caller sends the commands and reports their results.
+/// After a failure the sequence starts again when the request is repeated.
 class CalibrationWriter {
  public:
-  /// A request, possibly one that is known.
-  void ask(std::int64_t seq, std::int64_t instance, const motor_calibration_t& wanted);
+  /// Takes a request, which may be a repetition.
+  void request(std::int64_t seq, std::int64_t instance, const motor_calibration_t& requested);
 
-  /// The robot has restarted: what it had not stored is lost.
+  /// The robot has restarted, and values that it had not stored are lost.
   void restart();
 
-  /// The next command, without its number; nothing when there is nothing to do.
+  /// The next command, without its seq; empty if there is nothing to do.
   [[nodiscard]] std::optional<wire::Frame> next() const;
 
-  /// Whether it is this errand's command, and then what became of it.
+  /// Reports the result of a command. Other commands than the current one are ignored.
   void finish(const wire::Frame& command, const wire::Ack& ack);
   void finish(const wire::ParamValue& value);
 
-  /// What the robot holds, once the last request is fulfilled.
+  /// The values read from the robot, once the last request is complete.
   [[nodiscard]] std::optional<motor_calibration_t> held() const;
 
-  /// Why the last request failed: the answer to what; nothing when it has not.
+  /// The answer that made the last request fail; empty if it did not fail.
   [[nodiscard]] const std::optional<wire::Ack>& failure() const { return failure_; }
 
  private:
@@ -45,7 +44,7 @@ class CalibrationWriter {
   std::int64_t seq_ = 0;
   std::int64_t instance_ = 0;
   std::int32_t robot_id_ = 0;
-  std::array<std::int32_t, kParams> wanted_{};
+  std::array<std::int32_t, kParams> requested_{};
   std::array<std::int32_t, kParams> held_{};
   std::size_t begin_ = 0;
   std::size_t step_ = kDone;

@@ -7,10 +7,10 @@ namespace lab::bridge {
 namespace {
 
 constexpr std::int64_t kWindow_us = 60'000'000;
-constexpr std::size_t kFewest = 3;                // samples before the rate is believed
-constexpr std::int64_t kShortest_us = 2'000'000;  // likewise, their span
-constexpr double kClockTolerance = 0.01;          // [1] of a robot's oscillator, ceramic: 0.5 %
-constexpr double kSmallestBound = 100;            // [us] the host's own scatter
+constexpr std::size_t kFewest = 3;                // samples needed to estimate the rate
+constexpr std::int64_t kShortest_us = 2'000'000;  // time span of samples needed for the rate
+constexpr double kClockTolerance = 0.01;          // [1] a ceramic resonator has 0.5 %
+constexpr double kSmallestBound = 100;            // [us] jitter of the host
 constexpr std::uint64_t kWrap_us = (std::uint64_t{1} << 32U) * 1000U;
 
 }  // namespace
@@ -42,16 +42,17 @@ void ClockEstimate::add(std::int64_t sent_utime, std::int64_t came_utime, std::u
   fit();
 }
 
-void ClockEstimate::hear(std::int64_t came_utime, std::uint32_t robot_ms, std::int64_t answer_us) {
+void ClockEstimate::addReading(std::int64_t came_utime, std::uint32_t robot_ms,
+                               std::int64_t answer_us) {
   if (measured_) return;
   const std::int64_t latest = came_utime - answer_us;
   const std::int64_t reading = unwrap(std::uint64_t{robot_ms} * 1000U);
-  // Of several such readings the one that waited least is nearest to the truth.
+  // Of several such readings the one with the shortest delay is the most accurate.
   if (heard_ && latest - reading >= host_ref_ - robot_ref_) return;
   robot_ref_ = reading;
   host_ref_ = latest;
   rate_error_ = kClockTolerance;
-  ref_error_ = 100'000;  // behind a few frames
+  ref_error_ = 100'000;  // it may have waited behind a few frames
   heard_ = true;
 }
 
@@ -89,9 +90,10 @@ void ClockEstimate::fit() {
   if (rate_known) {
     robot_ref_ = last.robot_us + std::llround(mean_robot);
     host_ref_ = last.utime + std::llround(mean_host);
-    // Not divided by the root of their number: what delays one way only does so every time.
+    // Not divided by the square root of the number of samples, because a delay in one direction is
+    // a systematic error.
     ref_error_ = mean_bound / weight;
-  } else {  // an average over a moving clock of unknown rate would lag
+  } else {  // without a rate, an average of old samples would lag behind the clock
     const Sample& best = *std::min_element(
         samples_.begin(), samples_.end(), [&last](const Sample& a, const Sample& b) {
           const auto width = [&last](const Sample& s) {

@@ -1,4 +1,4 @@
-/// One command at a time, until it is answered.
+/// Stop-and-wait transmission of commands.
 #pragma once
 
 #include <cstdint>
@@ -8,23 +8,23 @@
 
 namespace lab::bridge {
 
-/// Keeps a command until its answer comes: has it sent again with the same number, so that the
-/// robot knows it for the same; gives it up after three tries.
+/// Holds one command until it is answered. It is sent again with the same seq, so that the robot
+/// recognises the repetition, and given up after three attempts.
 class CommandSender {
  public:
-  /// @param timeout_us for one try
+  /// @param timeout_us for one attempt
   void begin(const wire::Frame& command, std::int64_t now, std::int64_t timeout_us);
 
   [[nodiscard]] bool isWaiting() const { return command_.has_value(); }
 
-  /// The command that the answer `seq` belongs to, which is then done, also when it was given up
-  /// and the answer comes late; nothing when it belongs to none.
+  /// Finds the command that an answer belongs to: the waiting one, or the last one given up, whose
+  /// answer is late. That command is then done. Empty if the answer belongs to neither.
   [[nodiscard]] std::optional<wire::Frame> answer(std::uint8_t type, std::uint8_t seq);
 
   enum class Due { kNothing, kSendAgain, kGivenUp };
   [[nodiscard]] Due check(std::int64_t now);
 
-  /// The command to be sent again, while one is waiting.
+  /// The waiting command; isWaiting() must be true.
   [[nodiscard]] wire::Frame& command() { return *command_; }
 
   void forget() {
@@ -34,7 +34,7 @@ class CommandSender {
 
  private:
   std::optional<wire::Frame> command_;
-  std::optional<wire::Frame> given_up_;  ///< the last of them
+  std::optional<wire::Frame> given_up_;  ///< the last one
   int tries_ = 0;
   std::int64_t timeout_us_ = 0;
   std::int64_t due_ = 0;

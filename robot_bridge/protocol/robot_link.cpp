@@ -3,20 +3,33 @@
 #include <algorithm>
 #include <utility>
 
+#include "common/math/random.hpp"
 #include "common/math/units.hpp"
 #include "robot/wire/config.hpp"
 
 namespace lab::bridge {
 namespace {
 
-constexpr std::int64_t kOrderSpacing_us = 100'000;  // a repeated command needs no order sooner
-constexpr std::int32_t kLongestJump_ms = 1'000;     // of a robot's clock, backwards: it restarted
-constexpr std::int32_t kUncalibratedWheelBase_um = 75'000;  // as the firmware is built
-constexpr std::size_t kTablesKept = 4;
+constexpr std::int64_t kOrderSpacing_us = 100'000;  // shortest time between repeated orders
+// A robot whose clock goes back by more than this has restarted.
+constexpr std::int32_t kLongestJump_ms = 1'000;
+constexpr std::int32_t kUncalibratedWheelBase_um = 75'000;  // the firmware's default
+constexpr std::int64_t kOrderPeriod_us = 180'000;           // at least 5 Hz with ticks of 20 ms
+constexpr std::int64_t kStopPeriod_us = 100'000;
+constexpr std::int64_t kAskAgain_us = 300'000;
+constexpr std::int64_t kPingPeriod_us = 1'000'000;
+constexpr std::int64_t kFirstPings_us = 200'000;  // until the rate of the clock is known
+constexpr int kFirstPings = 10;
+constexpr std::int64_t kAnswerTime_us = 150'000;  // at 38400 baud
+constexpr std::int64_t kShortestAnswerTime_us = 50'000;
+constexpr std::int64_t kStoring_us = 1'000'000;  // COMMIT takes 3.4 ms a byte
+constexpr std::int64_t kReferenceBaud = 38400;
+constexpr int kBitsPerByte = 10;
 
 }  // namespace
 
-RobotLink::RobotLink(const LinkSettings& settings) : settings_(settings) {}
+RobotLink::RobotLink(const LinkSettings& settings)
+    : settings_(settings), desired_(settings.max_wheel_speed, settings.sensor_period) {}
 
 void RobotLink::note(const std::string& what) {
   notes_.push_back("robot " + std::to_string(settings_.id) + ": " + what);
@@ -24,7 +37,7 @@ void RobotLink::note(const std::string& what) {
 
 std::vector<std::string> RobotLink::takeNotes() { return std::exchange(notes_, {}); }
 
-// ---- the line ----
+// ---- the serial line ----
 
 void RobotLink::plug(const wire::Hello& hello, std::int64_t now) {
   plugged_ = true;
@@ -43,12 +56,12 @@ void RobotLink::unplug() {
   outgoing_.clear();
 }
 
-// Everything the robot knew is gone, and with it the permission to move.
+// The robot has lost all its state, including the permission to move.
 void RobotLink::restart() {
   if (hello_) {
     ++counters_.reboots;
-    if (wants_ && !settings_.resume_after_reboot) {
-      standing_ = true;
+    if (desired_.hasOrder() && !settings_.resume_after_reboot) {
+      desired_.stand();
       note("restarted; it stands until it gets a new order");
     } else {
       note("restarted");
@@ -63,7 +76,7 @@ void RobotLink::restart() {
   params_set_ = 0;
   wheel_base_ = 0;
   calibration_writer_.restart();
-  stop_.shown = false;
+  stop_.confirmed = false;
   stop_.sent_utime = 0;
   order_due_ = true;
 }
@@ -75,7 +88,7 @@ void RobotLink::forgetState() {
   sender_.forget();
 }
 
-/// By how much a robot's clock has gone on at least since it was last heard.
+/// A lower bound of the time that has passed on the robot's clock since its last frame.
 std::int32_t RobotLink::silence_ms(std::int64_t now) const {
   constexpr std::int64_t kDay_ms = 86'400'000;
   const std::int64_t silence = (now - heard_utime_) / units::kMillisecond_us;
@@ -83,13 +96,12 @@ std::int32_t RobotLink::silence_ms(std::int64_t now) const {
 }
 
 void RobotLink::take(const wire::Hello& hello, std::int64_t now) {
-  // A robot that lost its memory may count its boots from the same number again: then its clock
-  // tells.
-  const bool began_again =
+  // A robot that lost its EEPROM may repeat an old boot number; then its clock shows the restart.
+  const bool clock_restarted =
       latest_robot_ms_ &&
       msBetween(hello.uptime_ms, *latest_robot_ms_) + silence_ms(now) > kLongestJump_ms;
   heard_utime_ = now;
-  if (!hello_ || hello.boot_id != hello_->boot_id || began_again) {
+  if (!hello_ || hello.boot_id != hello_->boot_id || clock_restarted) {
     restart();
   } else if (identity_in_doubt_) {
     forgetState();
@@ -97,10 +109,11 @@ void RobotLink::take(const wire::Hello& hello, std::int64_t now) {
   hello_ = hello;
   latest_robot_ms_ = hello.uptime_ms;
   identity_in_doubt_ = false;
-  clock_.hear(now, hello.uptime_ms, wire_us(wire::payloadSize<wire::Hello>()));
+  clock_.addReading(now, hello.uptime_ms, wire_us(wire::payloadSize<wire::Hello>()));
 }
 
-/// Something that only a restart explains. Nothing is believed or sent until HELLO has come.
+/// Called when only a restart explains the robot's report. Until HELLO comes, its reports are
+/// ignored and no commands are sent.
 void RobotLink::verifyIdentity() {
   if (identity_in_doubt_) return;
   identity_in_doubt_ = true;
@@ -122,9 +135,9 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
   if (is_hello) take(hello, now);
   heard_utime_ = now;
   if (is_hello) {
-    // It has said all that it says.
+    // Already processed.
   } else if (identity_in_doubt_) {
-    // What it says may be another life's.
+    // It may refer to the state before or after the restart.
   } else if (wire::unpack(frame, telemetry)) {
     take(telemetry, frame, now);
   } else if (wire::unpack(frame, state)) {
@@ -139,7 +152,7 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
     take(ack, frame.seq);
   } else if (wire::unpack(frame, param)) {
     take(param, frame.seq);
-  }  // EVENT says nothing that telemetry does not; other types are a newer robot's
+  }  // EVENT repeats what telemetry shows; other types come from a newer robot
   pump(now);
 }
 
@@ -151,22 +164,22 @@ void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame,
     verifyIdentity();
     return;
   }
-  clock_.hear(now, telemetry.t_ms, wire_us(wire::payloadSize<wire::Telemetry>()));
+  clock_.addReading(now, telemetry.t_ms, wire_us(wire::payloadSize<wire::Telemetry>()));
   latest_robot_ms_ = telemetry.t_ms;
   view_.take(telemetry, frame.seq);
   config_ = telemetry.config;
   if (stop_.id != 0) {
     const bool stopped = (telemetry.flags & dynamics::kStopped) != 0;
-    stop_.shown = telemetry.stop_id == stop_.id && stopped != stop_.release;
-    if (stop_.shown) stop_.shown_seq = stop_.seq;
+    stop_.confirmed = telemetry.stop_id == stop_.id && stopped != stop_.release;
+    if (stop_.confirmed) stop_.confirmed_seq = stop_.seq;
   }
-  if (wants_ && !standing_ && !rejected_ && telemetry.order_id == order_id_) echo_ = ordered_;
+  if (desired_.isInForce(telemetry.order_id)) echo_ = desired_.inForce();
 }
 
 void RobotLink::take(const wire::Pong& pong, std::int64_t now) {
   const std::uint64_t token = std::uint64_t{pong.token_high} << 32U | pong.token_low;
   const auto sent = static_cast<std::int64_t>(token);
-  if (sent != pinged_utime_) return;  // an old one, or not ours
+  if (sent != pinged_utime_) return;  // the answer to another PING
   counters_.round_trip_us = now - sent;
   clock_.add(sent, now, std::uint64_t{pong.t_ms} * 1000U + pong.t_us,
              wire_us(wire::payloadSize<wire::Ping>()), wire_us(wire::payloadSize<wire::Pong>()));
@@ -176,8 +189,8 @@ void RobotLink::take(const wire::Ack& ack, std::uint8_t seq) {
   degraded_ = false;
   if (ack.type == wire::Stop::kType) {
     if (ack.status == wire::kOk && stop_.id != 0 && seq == stop_.id) {
-      stop_.shown = true;
-      stop_.shown_seq = stop_.seq;
+      stop_.confirmed = true;
+      stop_.confirmed_seq = stop_.seq;
     }
     return;
   }
@@ -205,11 +218,11 @@ void RobotLink::finish(const wire::Frame& command, const wire::Ack& ack) {
       return;
     case wire::GetParam::kType:
       if (wheel_base_ != 0) return calibration_writer_.finish(command, ack);
-      wheel_base_ = settings_.wheel_base;  // it does not know its own
+      wheel_base_ = settings_.wheel_base;  // the robot has no such parameter
       return;
     case wire::Commit::kType:
       calibration_writer_.finish(command, ack);
-      wheel_base_ = 0;  // it may be another now
+      wheel_base_ = 0;  // it may have changed
       return;
     case wire::Apply::kType:
       return finishApply(command, ack);
@@ -234,7 +247,7 @@ void RobotLink::finishApply(const wire::Frame& command, const wire::Ack& ack) {
     config_ = static_cast<std::uint16_t>(command.payload[0] | command.payload[1] << 8);
     order_due_ = true;
   } else if (ack.status == wire::kWrongConfig) {
-    staged_.clear();  // something else than meant is staged
+    staged_.clear();  // the staged settings are not the desired ones
   } else {
     refuse(ack);
   }
@@ -242,83 +255,36 @@ void RobotLink::finishApply(const wire::Frame& command, const wire::Ack& ack) {
 
 void RobotLink::finishOrder(const wire::Frame& command, const wire::Ack& ack) {
   if (ack.status == wire::kWrongConfig) {
-    verifyIdentity();  // settings do not change by themselves
-  } else if (ack.status == wire::kOk && !standing_ && !rejected_ &&
-             command.payload[0] == order_id_) {
-    echo_ = ordered_;
+    verifyIdentity();  // only a restart explains that the settings are gone
+  } else if (ack.status == wire::kOk && desired_.isInForce(command.payload[0])) {
+    echo_ = desired_.inForce();
   }
 }
 
 void RobotLink::refuse(const wire::Ack& ack) {
-  refused_ = true;
-  rejected_ = true;
-  echo_ = heard_;
+  desired_.refuse();
+  echo_ = desired_.received();
   note("refuses its settings (message " + std::to_string(ack.type) + ", status " +
        std::to_string(ack.status) + ", detail " + std::to_string(ack.detail) +
        "): it stands; give it an order within its limits");
 }
 
-// ---- the lab ----
+// ---- requests from the bus ----
 
 void RobotLink::command(std::int64_t seq, std::int64_t instance, std::int32_t lease_ms,
                         const robot_order_t& order, std::int64_t now) {
-  const Key key{seq, instance};
-  lease_end_ = now + std::int64_t{std::max(0, lease_ms)} * units::kMillisecond_us;
-  if (key != heard_) {
-    heard_ = key;
-    unconverted_ = order;
-    order_due_ = true;
-  } else if (now - ordered_utime_ >= kOrderSpacing_us) {
-    order_due_ = true;
-  }
+  const bool is_new = desired_.command({seq, instance}, lease_ms, order, now);
+  if (is_new || now - ordered_utime_ >= kOrderSpacing_us) order_due_ = true;
   wait_until_ = 0;
   pump(now);
 }
 
-// The wheel base is the robot's own, so this waits until the robot has said it.
 void RobotLink::convertOrder() {
-  if (!unconverted_ || wheel_base_ == 0) return;
-  const robot_order_t order = *std::exchange(unconverted_, std::nullopt);
-  OrderSettings settings =
-      settingsFrom(order, {settings_.max_wheel_speed, wheel_base_}, settings_.sensor_period);
-  rejected_ = !settings.refusal.empty();
-  if (rejected_) {
-    note("refuses ROBOT_COMMAND " + std::to_string(heard_.seq) + ": " + settings.refusal);
-    echo_ = heard_;
-    return;  // what it did before goes on
-  }
-  standing_ = false;
-  refused_ = false;
-  wants_ = true;
-  ordered_ = heard_;
-  mode_ = order.mode;
-  order_id_ = static_cast<std::uint8_t>(order_id_ % 255 + 1);
-  if (mode_ == robot_order_t::DRIVE) {
-    driven_ = {};
-    driven_.kind = program_t::WHEELS;
-    driven_.wheel_left = order.wheel_left;
-    driven_.wheel_right = order.wheel_right;
-  }
-  // Wheels are driven under whatever settings there are; they only need some.
-  const bool keeps = mode_ != robot_order_t::TABLE && wanted_config_ != 0;
-  if (!keeps) {
-    wanted_ = std::move(settings);
-    wanted_config_ = wire::configCrc(wanted_.core);
-    rememberPrograms(wanted_config_, wanted_.programs);
-  }
-}
-
-void RobotLink::rememberPrograms(std::uint16_t config, const std::vector<program_t>& programs) {
-  std::erase_if(tables_, [config](const ProgramTable& table) { return table.config == config; });
-  tables_.push_back({config, programs});
-  if (tables_.size() > kTablesKept) tables_.pop_front();
-}
-
-program_t RobotLink::programOf(std::uint16_t config, std::uint8_t slot) const {
-  for (const ProgramTable& table : tables_) {
-    if (table.config == config && slot < table.programs.size()) return table.programs[slot];
-  }
-  return {};
+  if (wheel_base_ == 0) return;
+  const std::string refusal = desired_.convert(wheel_base_);
+  if (refusal.empty()) return;
+  note("refuses ROBOT_COMMAND " + std::to_string(desired_.received().seq) + ": " + refusal);
+  echo_ = desired_.received();
 }
 
 void RobotLink::stop(std::int64_t seq, bool release, std::int64_t now) {
@@ -327,21 +293,217 @@ void RobotLink::stop(std::int64_t seq, bool release, std::int64_t now) {
     stop_.id = static_cast<std::uint8_t>(stop_.id % 255 + 1);
     stop_.seq = seq;
     stop_.release = release;
-    stop_.shown = false;
+    stop_.confirmed = false;
     stop_.sent_utime = 0;
   }
   pump(now);
 }
 
 void RobotLink::calibrate(std::int64_t seq, std::int64_t instance,
-                          const motor_calibration_t& wanted, std::int64_t now) {
+                          const motor_calibration_t& requested, std::int64_t now) {
   const std::optional<wire::Ack>& failure = calibration_writer_.failure();
   if (failure) {
-    note("did not take its calibration (message " + std::to_string(failure->type) + ", status " +
-         std::to_string(failure->status) + "); it must stand, and the numbers be possible");
+    note("did not accept its calibration (message " + std::to_string(failure->type) + ", status " +
+         std::to_string(failure->status) + "); it must stand, and the values must be in range");
   }
-  calibration_writer_.ask(seq, instance, wanted);
+  calibration_writer_.request(seq, instance, requested);
   pump(now);
+}
+
+// ---- sending ----
+
+std::int64_t RobotLink::wire_us(std::size_t payload) const {
+  const auto bits = static_cast<std::int64_t>((payload + wire::kFrameOverhead) * kBitsPerByte);
+  return bits * 1'000'000 / settings_.baud;
+}
+
+void RobotLink::send(const wire::Frame& frame) {
+  std::uint8_t bytes[wire::kMaxFrame];
+  const std::uint8_t size = wire::encode(frame, bytes);
+  outgoing_.insert(outgoing_.end(), bytes, bytes + size);
+  ++counters_.sent;
+}
+
+template <class Message>
+void RobotLink::send(const Message& message, std::uint8_t seq) {
+  wire::Frame frame;
+  wire::pack(message, seq, frame);
+  send(frame);
+}
+
+/// Consecutive commands get different seqs, so that the robot takes none for a repetition.
+template <class Message>
+void RobotLink::sendCommand(const Message& message, std::int64_t now) {
+  wire::Frame frame;
+  wire::pack(message, 0, frame);
+  sendCommand(frame, now);
+}
+
+void RobotLink::sendCommand(wire::Frame& frame, std::int64_t now) {
+  frame.seq = command_seq_++;
+  const std::int64_t answer_time =
+      frame.type == wire::Commit::kType
+          ? kStoring_us
+          : std::max(kShortestAnswerTime_us,
+                     kAnswerTime_us * kReferenceBaud / std::int64_t{settings_.baud});
+  sender_.begin(frame, now, answer_time);
+  send(frame);
+}
+
+bool RobotLink::isStale(std::int64_t now) const {
+  return now - heard_utime_ >
+         3 * std::int64_t{settings_.telemetry_period_ms} * units::kMillisecond_us;
+}
+
+void RobotLink::tick(std::int64_t now) {
+  switch (sender_.check(now)) {
+    case CommandSender::Due::kSendAgain:
+      ++counters_.retries;
+      shortenLease(sender_.command(), now);
+      send(sender_.command());
+      break;
+    case CommandSender::Due::kGivenUp:
+      ++counters_.failed;
+      if (!degraded_) note("does not answer; it is asked again with every repeat of its order");
+      degraded_ = true;
+      order_due_ = true;
+      wait_until_ = now + kOrderPeriod_us;
+      break;
+    case CommandSender::Due::kNothing:
+      break;
+  }
+  pump(now);
+}
+
+// An order that is sent again must not extend the lease.
+void RobotLink::shortenLease(wire::Frame& command, std::int64_t now) const {
+  wire::Order order;
+  if (!wire::unpack(command, order)) return;
+  order.lease_ms = desired_.leaseLeft_ms(now);
+  wire::pack(order, command.seq, command);
+}
+
+void RobotLink::pump(std::int64_t now) {
+  if (!plugged_) return;
+  sendStop(now);
+  if (identity_in_doubt_) {
+    if (now - asked_utime_ >= kAskAgain_us) {
+      asked_utime_ = now;
+      send(wire::GetInfo(), 0);
+    }
+    return;
+  }
+  if (sender_.isWaiting()) return;
+  sendPing(now);
+  // A silent robot may be in its bootloader, which bytes would keep from starting the program.
+  if (isStale(now) || now < wait_until_) return;
+  sendNextCommand(now);
+}
+
+void RobotLink::sendStop(std::int64_t now) {
+  if (stop_.id == 0 || stop_.confirmed || now - stop_.sent_utime < kStopPeriod_us) return;
+  stop_.sent_utime = now;
+  wire::Stop stop;
+  stop.id = stop_.id;
+  stop.action = stop_.release ? wire::Stop::kRelease : wire::Stop::kStop;
+  send(stop, stop_.id);
+}
+
+void RobotLink::sendPing(std::int64_t now) {
+  const std::int64_t period = pings_ < kFirstPings ? kFirstPings_us : kPingPeriod_us;
+  if (now - pinged_utime_ < period) return;
+  ++pings_;
+  pinged_utime_ = now;
+  const auto token = static_cast<std::uint64_t>(now);
+  wire::Ping ping;
+  ping.token_high = static_cast<std::uint32_t>(token >> 32U);
+  ping.token_low = static_cast<std::uint32_t>(token);
+  send(ping, 0);
+}
+
+void RobotLink::sendNextCommand(std::int64_t now) {
+  if (sendPreparation(now)) return;
+  convertOrder();
+  if (sendWanted(now)) return;
+  sendCalibration(now);
+}
+
+/// Sends settings or order if the robot needs them. @return whether something was sent
+bool RobotLink::sendWanted(std::int64_t now) {
+  if (!desired_.hasOrder() || desired_.leaseExpired(now) || desired_.isRefused()) return false;
+  // Until the robot has confirmed its stop, it is sent nothing that could move it.
+  if (stop_.id != 0 && !stop_.release && !stop_.confirmed) return false;
+  if (desired_.needsSettings() && config_ != desired_.config()) {
+    sendSettings(now);
+    return true;
+  }
+  if (!order_due_ && now - ordered_utime_ < kOrderPeriod_us) return false;
+  sendOrder(now);
+  return true;
+}
+
+void RobotLink::sendCalibration(std::int64_t now) {
+  std::optional<wire::Frame> command = calibration_writer_.next();
+  if (command) sendCommand(*command, now);
+}
+
+/// Sends what must precede any order. @return whether something was sent
+bool RobotLink::sendPreparation(std::int64_t now) {
+  if (!seeded_) {
+    // The seed includes the restarts, so that draws do not repeat after a restart. A real robot
+    // counts its boots itself, also without a host; a simulated one starts with the run.
+    std::string purpose = "program";
+    if (!settings_.simulated) purpose += " boot " + std::to_string(hello_->boot_id);
+    if (counters_.reboots > 0) purpose += " restart " + std::to_string(counters_.reboots);
+    const std::uint64_t seed = deriveSeed(settings_.seed, settings_.id, purpose);
+    wire::SetSeed message;
+    message.high = static_cast<std::uint32_t>(seed >> 32U);
+    message.low = static_cast<std::uint32_t>(seed);
+    sendCommand(message, now);
+    return true;
+  }
+  if (params_set_ < kParamsWanted) {
+    wire::SetParam message;
+    message.id = params_set_ == 0 ? wire::kTelemetryPeriod : wire::kStepLog;
+    message.value = params_set_ == 0 ? static_cast<std::int32_t>(settings_.telemetry_period_ms) : 1;
+    sendCommand(message, now);
+    return true;
+  }
+  if (wheel_base_ == 0) {
+    wire::GetParam message;
+    message.id = wire::kWheelBase;
+    sendCommand(message, now);
+    return true;
+  }
+  return false;
+}
+
+/// Sends the next settings message that the robot lacks, or APPLY.
+void RobotLink::sendSettings(std::int64_t now) {
+  const auto sendIfNew = [&](const auto& message) {
+    wire::Frame frame;
+    wire::pack(message, 0, frame);
+    const bool there = std::any_of(staged_.begin(), staged_.end(), [&](const wire::Frame& other) {
+      return other.type == frame.type &&
+             std::equal(frame.payload, frame.payload + frame.size, other.payload);
+    });
+    if (!there) sendCommand(message, now);
+    return !there;
+  };
+  for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
+    if (sendIfNew(wire::programMessage(desired_.settings(), slot))) return;
+  }
+  if (sendIfNew(wire::lightMessage(desired_.settings()))) return;
+  if (sendIfNew(wire::motionMessage(desired_.settings()))) return;
+  wire::Apply apply;
+  apply.config = desired_.config();
+  sendCommand(apply, now);
+}
+
+void RobotLink::sendOrder(std::int64_t now) {
+  order_due_ = false;
+  ordered_utime_ = now;
+  sendCommand(desired_.orderMessage(config_, now), now);
 }
 
 }  // namespace lab::bridge

@@ -1,92 +1,91 @@
-/// One robot's side of the protocol: what the lab wants of it and what it does, as pure code.
+/// The host's side of the protocol with one robot, without input or output.
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <lab/program_t.hpp>
 #include <lab/robot_order_t.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
-#include "common/experiment/order_settings.hpp"
 #include "robot/wire/messages.hpp"
 #include "robot_bridge/protocol/calibration_writer.hpp"
 #include "robot_bridge/protocol/clock_estimate.hpp"
 #include "robot_bridge/protocol/command_sender.hpp"
+#include "robot_bridge/protocol/desired_state.hpp"
 #include "robot_bridge/protocol/robot_view.hpp"
 
 namespace lab::bridge {
 
-/// What does not change during a run.
+/// Constants of a run.
 struct LinkSettings {
   std::int32_t id = 0;
-  bool simulated = true;          ///< it boots with its lab, and never before
+  bool simulated = true;          ///< the robot's first boot is the start of the run
   std::uint64_t seed = 1;         ///< of the experiment
   double max_wheel_speed = 0.27;  ///< [m/s]
   double sensor_period = 0.02;    ///< [s]
-  double wheel_base = 0.075;      ///< [m] of a robot that was not calibrated
+  double wheel_base = 0.075;      ///< [m] of a robot without calibration
   bool resume_after_reboot = false;
   int baud = 38400;
   std::uint32_t telemetry_period_ms = 50;
 };
 
-/// Over the whole run.
+/// Counts since the start of the run.
 struct LinkCounters {
   std::int64_t sent = 0;      ///< frames
   std::int64_t received = 0;  ///< frames
-  std::int64_t errors = 0;    ///< frames that came damaged
+  std::int64_t errors = 0;    ///< damaged frames received
   std::int64_t retries = 0;   ///< commands sent again
-  std::int64_t failed = 0;    ///< commands given up; the next repeat of the state tries again
+  std::int64_t failed = 0;    ///< commands given up until the next repetition of the order
   std::int64_t reboots = 0;
   std::int64_t round_trip_us = 0;  ///< of the last PING
 };
 
-/// Brings one robot to where the lab wants it and keeps it there.
+/// Brings one robot into the desired state and keeps it there.
 ///
-/// There is no script of messages. Whenever the line is free, the first difference between what is
-/// wanted and what the robot is known to have decides what is sent next: seed, parameters,
-/// settings, order. So a lost message, a replugged cable and a robot that lost its settings are all
-/// the same case. Everything the robot says of itself outranks what it was told.
+/// There is no script of messages. Whenever the line is free, the first difference between the
+/// desired state and the robot's known state decides what is sent next: seed, parameters, settings,
+/// order. So a lost message, a replugged cable and a robot that lost its settings are handled in
+/// the same way. The robot's reports take precedence over what was sent to it.
 ///
-/// The robot gets an order at least five times a second while the lab's ROBOT_COMMAND is alive,
-/// with what remains of its lease. After a reboot the robot stands until the lab gives a NEW order,
-/// unless the experiment lets it resume. A stop goes out at once, whatever else is under way, and
-/// again until the robot shows it.
+/// While the lease of the last ROBOT_COMMAND runs, the robot gets an order at least five times a
+/// second, with the remaining lease. After a reboot the robot stands until a new order comes,
+/// unless the experiment lets it resume. A stop is sent at once, before everything else, and is
+/// repeated until the robot reports it.
 class RobotLink {
  public:
   explicit RobotLink(const LinkSettings& settings);
 
-  // ---- the line
+  // ---- the serial line
 
-  /// The robot has said HELLO on a line that was just opened.
+  /// The robot has sent HELLO on a line that was just opened.
   void plug(const wire::Hello& hello, std::int64_t now);
   /// That line is closed.
   void unplug();
   [[nodiscard]] bool isPlugged() const { return plugged_; }
 
-  /// Counts frames that came damaged.
+  /// Counts damaged frames.
   void noteErrors(std::int64_t frames) { counters_.errors += frames; }
-  /// Takes a frame that came in at `now`.
+  /// Processes a frame received at `now`.
   void receive(const wire::Frame& frame, std::int64_t now);
-  /// Repeats, gives up, pings. To be called every 20 ms or so.
+  /// Handles timeouts and periodic messages. To be called about every 20 ms.
   void tick(std::int64_t now);
-  /// The bytes to be written; the caller takes them away.
+  /// The bytes to be written; the caller removes them.
   [[nodiscard]] std::vector<std::uint8_t>& outgoing() { return outgoing_; }
 
-  // ---- the lab
+  // ---- requests from the bus
 
-  /// A ROBOT_COMMAND with this robot in it.
+  /// A ROBOT_COMMAND that contains this robot.
   void command(std::int64_t seq, std::int64_t instance, std::int32_t lease_ms,
                const robot_order_t& order, std::int64_t now);
-  /// A ROBOT_STOP that means this robot.
+  /// A ROBOT_STOP for this robot.
   void stop(std::int64_t seq, bool release, std::int64_t now);
 
-  /// A ROBOT_CALIBRATION with this robot in it.
-  void calibrate(std::int64_t seq, std::int64_t instance, const motor_calibration_t& wanted,
+  /// A ROBOT_CALIBRATION that contains this robot.
+  void calibrate(std::int64_t seq, std::int64_t instance, const motor_calibration_t& requested,
                  std::int64_t now);
 
-  // ---- what is known
+  // ---- state of the robot
 
   [[nodiscard]] const LinkSettings& settings() const { return settings_; }
   [[nodiscard]] const std::optional<wire::Hello>& hello() const { return hello_; }
@@ -94,50 +93,43 @@ class RobotLink {
   [[nodiscard]] RobotView& view() { return view_; }
   [[nodiscard]] const ClockEstimate& clock() const { return clock_; }
   [[nodiscard]] const LinkCounters& counters() const { return counters_; }
-  /// Commands go unanswered.
+  /// Whether the last command was given up without an answer.
   [[nodiscard]] bool isDegraded() const { return degraded_; }
-  /// When the last frame came [us].
+  /// Time of the last frame received [us].
   [[nodiscard]] std::int64_t heardUtime() const { return heard_utime_; }
 
-  /// The last ROBOT_COMMAND that the robot obeys (or has refused), 0: none.
+  /// The last ROBOT_COMMAND that the robot follows or has refused; 0: none.
   [[nodiscard]] std::int64_t commandSeq() const { return echo_.seq; }
   [[nodiscard]] std::int64_t commandInstance() const { return echo_.instance; }
-  /// The last ROBOT_STOP that the robot has shown, 0: none.
-  [[nodiscard]] std::int64_t stopSeq() const { return stop_.shown_seq; }
+  /// The last ROBOT_STOP that the robot has confirmed; 0: none.
+  [[nodiscard]] std::int64_t stopSeq() const { return stop_.confirmed_seq; }
   /// Whether the last order was refused.
-  [[nodiscard]] bool isRejected() const { return rejected_; }
-  /// What the robot runs in a slot of the settings with this CRC; NONE where that is not known.
-  [[nodiscard]] program_t programOf(std::uint16_t config, std::uint8_t slot) const;
-  /// What it runs while its wheels are driven by hand.
-  [[nodiscard]] const program_t& driven() const { return driven_; }
+  [[nodiscard]] bool isRejected() const { return desired_.isRejected(); }
+  /// The program in a slot of the settings with this CRC; NONE if it is not known.
+  [[nodiscard]] program_t programOf(std::uint16_t config, std::uint8_t slot) const {
+    return desired_.programOf(config, slot);
+  }
+  /// The wheel speeds of the last DRIVE order, as a program.
+  [[nodiscard]] const program_t& driven() const { return desired_.driven(); }
 
-  /// The motor calibration that the robot holds, once the last ROBOT_CALIBRATION is fulfilled.
+  /// The motor calibration in the robot, once the last ROBOT_CALIBRATION is complete.
   [[nodiscard]] std::optional<motor_calibration_t> calibration() const {
     return calibration_writer_.held();
   }
 
-  /// What somebody should know, in words, since the last call.
+  /// Messages for the user since the last call.
   [[nodiscard]] std::vector<std::string> takeNotes();
 
  private:
-  struct Key {
-    std::int64_t seq = 0;
-    std::int64_t instance = 0;
-    bool operator==(const Key&) const = default;
-  };
   static constexpr std::size_t kParamsWanted = 2;  ///< telemetry period, log of steps
 
   struct StopRequest {
-    std::uint8_t id = 0;  ///< on the wire, 0: there was none
+    std::uint8_t id = 0;  ///< on the wire; 0: there was no stop
     bool release = false;
-    bool shown = false;
+    bool confirmed = false;
     std::int64_t seq = 0;
-    std::int64_t shown_seq = 0;
+    std::int64_t confirmed_seq = 0;
     std::int64_t sent_utime = 0;
-  };
-  struct ProgramTable {
-    std::uint16_t config = 0;
-    std::vector<program_t> programs;
   };
 
   void restart();
@@ -156,7 +148,6 @@ class RobotLink {
   [[nodiscard]] std::int32_t silence_ms(std::int64_t now) const;
 
   void convertOrder();
-  void rememberPrograms(std::uint16_t config, const std::vector<program_t>& programs);
   void pump(std::int64_t now);
   void sendStop(std::int64_t now);
   void sendPing(std::int64_t now);
@@ -166,7 +157,6 @@ class RobotLink {
   void sendSettings(std::int64_t now);
   void sendOrder(std::int64_t now);
   void shortenLease(wire::Frame& command, std::int64_t now) const;
-  [[nodiscard]] std::uint32_t leaseLeft_ms(std::int64_t now) const;
   void sendCalibration(std::int64_t now);
   template <class Message>
   void send(const Message& message, std::uint8_t seq);
@@ -183,10 +173,10 @@ class RobotLink {
   std::vector<std::uint8_t> outgoing_;
   std::vector<std::string> notes_;
 
-  // The robot, since it was switched on.
+  // Known state of the robot since it was switched on.
   bool plugged_ = false;
   std::optional<wire::Hello> hello_;
-  std::optional<std::uint32_t> latest_robot_ms_;  ///< [ms] the latest that its clock has said
+  std::optional<std::uint32_t> latest_robot_ms_;  ///< [ms] last reading of its clock
   bool identity_in_doubt_ = false;
   std::int64_t asked_utime_ = 0;
   RobotView view_;
@@ -196,26 +186,13 @@ class RobotLink {
   int pings_ = 0;
   bool seeded_ = false;
   std::size_t params_set_ = 0;
-  double wheel_base_ = 0;            ///< [m] as the robot says, 0: not yet asked
-  std::vector<wire::Frame> staged_;  ///< the six messages of the settings that the robot has
-  std::uint16_t config_ = 0;         ///< of the settings in force there, 0: none
+  double wheel_base_ = 0;            ///< [m] as reported by the robot; 0: not yet known
+  std::vector<wire::Frame> staged_;  ///< those of the six settings messages that the robot has
+  std::uint16_t config_ = 0;         ///< CRC of the settings in force in the robot; 0: none
 
-  // What the lab wants.
-  Key heard_;    ///< last ROBOT_COMMAND
-  Key ordered_;  ///< the one that order_id_ stands for
-  Key echo_;
-  std::optional<robot_order_t> unconverted_;
-  OrderSettings wanted_;
-  std::int8_t mode_ = robot_order_t::STAND;
-  bool wants_ = false;               ///< there is an order
-  bool refused_ = false;             ///< by the robot itself
-  bool rejected_ = false;            ///< the last order, by whomever
-  bool standing_ = false;            ///< after a reboot
-  std::uint16_t wanted_config_ = 0;  ///< 0: any
-  std::uint8_t order_id_ = 0;
-  program_t driven_{};
-  std::deque<ProgramTable> tables_;
-  std::int64_t lease_end_ = 0;
+  // Desired state.
+  DesiredState desired_;
+  CommandKey echo_;  ///< the ROBOT_COMMAND that the robot follows or has refused
   std::int64_t ordered_utime_ = 0;
   bool order_due_ = false;
   StopRequest stop_;
@@ -225,7 +202,7 @@ class RobotLink {
   CommandSender sender_;
   std::uint8_t command_seq_ = 0;
   bool degraded_ = false;
-  std::int64_t wait_until_ = 0;  ///< after a failure
+  std::int64_t wait_until_ = 0;  ///< no commands before this time, after one was given up [us]
 };
 
 }  // namespace lab::bridge

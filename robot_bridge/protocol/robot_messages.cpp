@@ -1,6 +1,7 @@
 #include "robot_bridge/protocol/robot_messages.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <utility>
 
 #include "common/math/units.hpp"
@@ -48,7 +49,7 @@ std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin
   const ClockEstimate& clock = robot.clock();
 
   robot_state_t message{};
-  // Nothing was sampled after it came in.
+  // The estimate may lie after the reception, which is impossible.
   message.utime = std::min(clock.utimeOf(telemetry.t_ms), robot.heardUtime());
   message.robot_id = robot.settings().id;
   message.origin = origin;

@@ -1,6 +1,7 @@
-/// A robot on the wire as ROBOT_STATUS and ROBOT_STEPS say it.
+/// Converts a robot's reports into the messages ROBOT_STATUS and ROBOT_STEPS.
 #pragma once
 
+#include <cstdint>
 #include <lab/robot_state_t.hpp>
 #include <lab/robot_step_t.hpp>
 #include <optional>
@@ -9,11 +10,11 @@
 
 namespace lab::bridge {
 
-/// What of a robot has been reported before.
+/// Previously reported values of a robot, needed to keep later reports consistent.
 class ReportHistory {
  public:
-  /// Host time of something on the robot's clock. It stays what it was once some seconds have
-  /// passed: the clock's rate, fitted anew with each round trip, would move what is long ago.
+  /// Host time of an event on the robot's clock. The time is kept when the event is more than 5 s
+  /// old, because each new fit of the clock's rate would move old events.
   class Time {
    public:
     std::int64_t at(const ClockEstimate& clock, std::uint32_t ms, std::uint32_t now_ms);
@@ -24,10 +25,10 @@ class ReportHistory {
     std::int64_t utime_ = 0;
   };
 
-  /// Time in runs in host seconds, which for the same reason only adds up.
+  /// Time in runs in host seconds, accumulated with the rate at each call for the same reason.
   double runTime(double run_time_ms, double rate);
 
-  /// Whether there were saturations since the last call.
+  /// Whether the count of saturations has changed since the last call.
   bool saturated(std::uint32_t count);
 
   Time program_start;
@@ -40,9 +41,9 @@ class ReportHistory {
   std::uint32_t saturations_ = 0;
 };
 
-/// The last snapshot of a robot, in SI units and host time, exactly as sim_svc would say it;
-/// nothing while there is no snapshot.
-/// @param origin robot_state_t's
+/// The last snapshot of a robot, in SI units and host time, with the same conventions as sim_svc.
+/// Empty while there is no snapshot.
+/// @param origin as in robot_state_t
 [[nodiscard]] std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin,
                                                     ReportHistory& reported);
 

@@ -29,7 +29,7 @@ void RobotView::reset() {
 void RobotView::take(const wire::Telemetry& telemetry, std::uint8_t seq) {
   if (last_) {
     const auto gap = static_cast<std::uint8_t>(seq - telemetry_seq_ - 1);
-    if (gap < 128) telemetry_lost_ += gap;  // else it came twice or late
+    if (gap < 128) telemetry_lost_ += gap;  // else a duplicate or a late frame
     countRunTime(telemetry);
     if (isTumbling(telemetry) && !isTumbling(*last_)) ++tumbles_seen_;
   }
@@ -45,7 +45,7 @@ void RobotView::take(const wire::Telemetry& telemetry, std::uint8_t seq) {
   snapshot.tumble_count = tumble_count_.value() + tumbles_seen_;
   snapshot.saturation_count = saturation_count_.value();
   snapshot.run_time_ms = run_time_ms_;
-  if (snapshot_) {  // both are better known later, and neither ever falls
+  if (snapshot_) {  // later messages may correct both estimates downwards; report no decrease
     snapshot.tumble_count = std::max(snapshot.tumble_count, snapshot_->tumble_count);
     snapshot.run_time_ms = std::max(snapshot.run_time_ms, snapshot_->run_time_ms);
   }
@@ -62,7 +62,8 @@ bool RobotView::fits(const wire::Telemetry& telemetry) const {
   return (lasted < 0) == ((telemetry.flags & dynamics::kReversing) != 0);
 }
 
-// COUNTERS say it once a second; in between each stretch of telemetry counts as its ends say.
+// COUNTERS gives the time in runs once a second. In between, each interval between two telemetries
+// counts half for each end that is in a run.
 void RobotView::countRunTime(const wire::Telemetry& telemetry) {
   const double passed = std::max(0, msBetween(last_->t_ms, telemetry.t_ms));
   run_time_ms_ += passed * ((inRun(*last_) ? 0.5 : 0) + (inRun(telemetry) ? 0.5 : 0));
@@ -80,7 +81,8 @@ void RobotView::take(const wire::Counters& counters) {
   saturation_count_.take(counters.saturation_count);
   frames_bad_.take(counters.frames_bad);
   battery_ = counters.battery_mv / 1000.0;
-  // The next telemetry adds what has passed since the last one, so what counts is the time then.
+  // The next telemetry adds the whole time since the last one, so subtract the part of it that is
+  // already in this message.
   run_time_ms_ = counters.run_time_ms;
   if (last_ && inRun(*last_)) {
     run_time_ms_ -= std::clamp(msBetween(last_->t_ms, counters.t_ms), 0, 1000);

@@ -1,4 +1,4 @@
-/// What one robot has said since it was switched on.
+/// Combines the messages of one robot into snapshots of its state.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,12 @@
 
 namespace lab::bridge {
 
-/// b - a on a robot's clock, which wraps around [ms].
+/// b - a [ms] on a robot's clock, which wraps around.
 [[nodiscard]] constexpr std::int32_t msBetween(std::uint32_t a, std::uint32_t b) {
   return static_cast<std::int32_t>(b - a);
 }
 
-/// A count of which the robot says the low 16 bits.
+/// A 32-bit count of which the robot reports the low 16 bits.
 class UnwrappedCount {
  public:
   void take(std::uint16_t low) { value_ += static_cast<std::uint16_t>(low - value_); }
@@ -25,7 +25,7 @@ class UnwrappedCount {
   std::uint32_t value_ = 0;
 };
 
-/// One snapshot of the robot: a TELEMETRY together with the STATE that belongs to it.
+/// A TELEMETRY together with the STATE that belongs to it.
 struct RobotSnapshot {
   wire::Telemetry telemetry;
   wire::State state;
@@ -33,15 +33,15 @@ struct RobotSnapshot {
   std::uint32_t reversal_count = 0;
   std::uint32_t tumble_count = 0;
   std::uint32_t saturation_count = 0;
-  double run_time_ms = 0;  ///< on the robot's clock
+  double run_time_ms = 0;  ///< time in runs of run-and-tumble, on the robot's clock
   double battery = 0;      ///< [V]
 };
 
-/// Puts the robot's messages together. A TELEMETRY that does not fit the last STATE, because one of
-/// the two was lost, makes no snapshot: the next STATE comes within 250 ms.
+/// Combines the robot's messages. A TELEMETRY that does not match the last STATE, because a message
+/// was lost, gives no snapshot; the next STATE comes within 250 ms.
 class RobotView {
  public:
-  /// The robot has restarted, or it is another one.
+  /// The robot has restarted, or it is another one. Counts of lost messages are kept.
   void reset();
 
   void take(const wire::Telemetry& telemetry, std::uint8_t seq);
@@ -52,10 +52,10 @@ class RobotView {
   /// The last snapshot.
   [[nodiscard]] const std::optional<RobotSnapshot>& snapshot() const { return snapshot_; }
 
-  /// Whether there is a snapshot that this has not said before.
+  /// Whether there is a new snapshot since the last call.
   [[nodiscard]] bool takeUpdateFlag();
 
-  /// A step and its epoch in full.
+  /// A step and its unwrapped epoch.
   struct UnwrappedStep {
     wire::Step step;
     std::uint32_t program_epoch;
@@ -63,10 +63,10 @@ class RobotView {
   /// The steps since the last call.
   [[nodiscard]] std::vector<UnwrappedStep> takeSteps();
 
-  /// Messages that the robot sent and that did not come.
+  /// Messages that the robot sent and that did not arrive.
   [[nodiscard]] std::int64_t telemetryLost() const { return telemetry_lost_; }
   [[nodiscard]] std::int64_t stepsLost() const { return steps_lost_; }
-  /// Frames that came to the robot damaged, over all its restarts.
+  /// Damaged frames that the robot received, over all its restarts.
   [[nodiscard]] std::uint32_t framesBad() const { return frames_bad_before_ + frames_bad_.value(); }
 
  private:
@@ -86,7 +86,7 @@ class RobotView {
   UnwrappedCount tumble_count_;
   UnwrappedCount saturation_count_;
   UnwrappedCount frames_bad_;
-  std::uint32_t tumbles_seen_ = 0;  ///< in telemetry, since the last STATE
+  std::uint32_t tumbles_seen_ = 0;  ///< seen in telemetry since the last STATE
   double run_time_ms_ = 0;
   double battery_ = 0;
   std::int64_t telemetry_lost_ = 0;

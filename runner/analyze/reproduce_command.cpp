@@ -5,18 +5,21 @@
 #include <atomic>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <mutex>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "analyzer/reproduction_page.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "runner/analyze/analyze_commands.hpp"
 #include "runner/command_line/progress_bar.hpp"
-#include "runner/commands/commands.hpp"
 #include "runner/doctor/machine.hpp"
 #include "runner/live/launch.hpp"
-#include "runner/runs/disk_need.hpp"
 #include "runner/runs/run_directory.hpp"
 #include "runner/virtual_time/run_virtual.hpp"
 
@@ -26,7 +29,7 @@ namespace {
 
 volatile std::sig_atomic_t ended_by_user = 0;
 
-/// One film of one set.
+/// One recording of one set.
 struct Task {
   report::PaperSet set;
   int member = 0;
@@ -46,10 +49,10 @@ std::vector<Task> tasksOf(const std::vector<report::PaperSet>& sets,
   return tasks;
 }
 
-/// Makes the folder, or says why not. Nothing that is there is touched without --force.
 constexpr const char* kFilms = "films";
 constexpr const char* kPage = "reproduction.html";
 
+/// Makes the folder. @throws UserError when it holds something, without --force
 void requireFolder(const ReproduceOptions& options) {
   std::error_code error;
   if (fs::exists(options.out, error) && !fs::is_directory(options.out, error)) {
@@ -80,7 +83,8 @@ void requireRoom(const std::vector<Task>& tasks, const ReproduceOptions& options
   std::vector<std::int64_t> needs;
   for (const Task& task : tasks) needs.push_back(diskNeed_bytes(task.experiment));
   std::sort(needs.rbegin(), needs.rend());
-  if (!options.keep_logs && needs.size() > jobs) needs.resize(jobs);  // a log goes when it is read
+  if (!options.keep_logs && needs.size() > jobs)
+    needs.resize(jobs);  // a log is removed after it was read
   std::int64_t need = 0;
   for (const std::int64_t one : needs) need += one;
   const std::int64_t have = freeBytes(options.out);
@@ -91,18 +95,17 @@ void requireRoom(const std::vector<Task>& tasks, const ReproduceOptions& options
       options.out.string(), need / 1'000'000, have / 1'000'000));
 }
 
-/// Films tasks one after the other on several threads; a run in virtual time shares nothing with
-/// others.
-class Studio {
+/// Runs the tasks on several threads. Runs in virtual time share no state.
+class RecordingPool {
  public:
-  Studio(const ReproduceOptions& options, std::vector<Task> tasks,
-         const std::vector<report::PaperPanel>& panels)
-      : options_(options), tasks_(std::move(tasks)), panels_(panels), films_(tasks_.size()) {
+  RecordingPool(const ReproduceOptions& options, std::vector<Task> tasks,
+                const std::vector<report::PaperPanel>& panels)
+      : options_(options), tasks_(std::move(tasks)), panels_(panels), recordings_(tasks_.size()) {
     for (const Task& task : tasks_) total_s_ += task.experiment.duration;
   }
 
-  /// @return whether all is filmed; false: the user ended it. @throws what broke a film
-  bool film(std::size_t jobs) {
+  /// @return false when the user ended it. @throws the error that ended a run
+  bool record(std::size_t jobs) {
     std::vector<std::jthread> workers;
     for (std::size_t i = 0; i < jobs; ++i) workers.emplace_back([this] { work(); });
     {
@@ -123,7 +126,7 @@ class Studio {
     for (std::size_t i = 0; i < tasks_.size(); ++i) {
       report::SetData& set = all[tasks_[i].set.id];
       set.set = tasks_[i].set;
-      set.films.push_back(std::move(films_[i]));
+      set.recordings.push_back(std::move(recordings_[i]));
     }
     return all;
   }
@@ -136,7 +139,7 @@ class Studio {
       const std::size_t i = next_++;
       if (i >= tasks_.size()) return;
       try {
-        films_[i] = recordOne(tasks_[i]);
+        recordings_[i] = recordOne(tasks_[i]);
         ++ready_;
       } catch (...) {
         const std::lock_guard lock(mutex_);
@@ -159,23 +162,23 @@ class Studio {
     const RunOutcome outcome = runVirtual(run, show, [this] { return stop_.load(); });
     if (outcome.interrupted) return {};
     const bool one = options_.ensemble == 1;
-    report::RecordingData film = report::readRecording(
+    report::RecordingData recording = report::readRecording(
         run.directory, report::contentsFor(panels_, task.set),
         one && options_.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive);
-    for (const std::string& fault : outcome.faults) film.faults.push_back(fault);
+    for (const std::string& fault : outcome.faults) recording.faults.push_back(fault);
     if (!options_.keep_logs) fs::remove(run.directory / files::kLog);
     const std::string name =
         one ? task.set.id : fmt::format("{}_film{:03}", task.set.id, task.member + 1);
-    fs::remove_all(runs / name);  // of a reproduction that --force replaces
+    fs::remove_all(runs / name);  // left by a reproduction that --force replaces
     fs::rename(run.directory, runs / name);
     done_ms_ += static_cast<std::int64_t>(1000 * task.experiment.duration) - shown_ms;
-    return film;
+    return recording;
   }
 
   const ReproduceOptions& options_;
   std::vector<Task> tasks_;
   const std::vector<report::PaperPanel>& panels_;
-  std::vector<report::RecordingData> films_;
+  std::vector<report::RecordingData> recordings_;
   double total_s_ = 0;
   std::atomic<std::size_t> next_ = 0;
   std::atomic<std::size_t> ready_ = 0;
@@ -205,25 +208,25 @@ ExitCode reproduce(const ReproduceOptions& options) {
   std::fflush(stdout);
   std::signal(SIGINT, [](int) { ended_by_user = 1; });
   std::signal(SIGTERM, [](int) { ended_by_user = 1; });
-  Studio studio(options, std::move(tasks), panels);
-  const auto leaveNothing = [&] {
+  RecordingPool pool(options, std::move(tasks), panels);
+  const auto removeAll = [&] {
     fs::remove_all(runs, ignored);
-    fs::remove(options.out, ignored);  // only where it is empty
+    fs::remove(options.out, ignored);  // fails unless it is empty
   };
-  bool filmed = false;
+  bool recorded = false;
   try {
-    filmed = studio.film(jobs);
+    recorded = pool.record(jobs);
   } catch (...) {
-    leaveNothing();
+    removeAll();
     throw;
   }
-  if (!filmed) {
-    leaveNothing();
+  if (!recorded) {
+    removeAll();
     fmt::print("ended by the user: nothing was drawn\n");
     return kFailed;
   }
   const report::WrittenReproduction written = report::writeReproduction(
-      options.out, panels, studio.take(),
+      options.out, panels, pool.take(),
       {options.hours, options.seed, options.ensemble, options.through == "firmware"});
   for (const std::string& line : written.lines) fmt::print("{}\n", line);
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;

@@ -4,25 +4,22 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <functional>
-#include <memory>
 #include <numbers>
 #include <optional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "analyzer/analysis_feed.hpp"
-#include "analyzer/bp_kurtosis.hpp"
-#include "analyzer/observation.hpp"
-#include "analyzer/phased_noise.hpp"
+#include "analyzer/laws.hpp"
+#include "analyzer/theory_table.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
-#include "runner/commands/commands.hpp"
+#include "runner/analyze/analyze_commands.hpp"
 
 namespace lab::runner {
 namespace {
 
-using analysis::ExactLaw;
 using analysis::ProgramLaw;
 using analysis::Turning;
 
@@ -39,8 +36,9 @@ std::string without(std::string text, const std::string& part) {
   return text;
 }
 
-/// The program as an experiment file would have it: the same keys, ranges and messages. Wheels are
-/// as fast as a file can make them: a law may be asked that the robots cannot execute.
+/// Reads the program as from an experiment file, so with the same keys, ranges and errors. The
+/// wheels get the highest speed that a file may have: laws are also computed for programs that real
+/// robots cannot execute.
 Experiment experimentOf(const TheoryOptions& options) {
   const std::string& model = options.program;
   if (std::ranges::find(kModels, model) == kModels.end()) {
@@ -64,7 +62,7 @@ Experiment experimentOf(const TheoryOptions& options) {
   } catch (const ExperimentError& error) {
     std::string lines;
     for (const std::string& problem : error.problems()) {
-      // "theory:13: " and "--set " are places that the user did not write.
+      // The user wrote neither "theory:13: " nor "--set ".
       std::string line = without(without(without(problem, "--set "), own), hardware);
       if (line.rfind("theory:", 0) == 0) line.erase(0, line.find(": ") + 2);
       lines += (lines.empty() ? "" : "\n") + fmt::format("theory {}: {}", model, line);
@@ -105,14 +103,14 @@ std::vector<double> lagsOf(const std::string& list) {
   const int count =
       static_cast<int>(std::lround(kLagsPerDecade * std::log10(kLongestLag / kShortestLag)));
   for (int i = 0; i <= count; ++i) {
-    // The decimals of a short number: that is what the table says it is.
+    // Rounded to the digits that the table prints, so that the row belongs to exactly this lag.
     const double lag = kShortestLag * std::pow(10, static_cast<double>(i) / kLagsPerDecade);
     lags.push_back(numberIn(fmt::format("{:.4g}", lag), "lag"));
   }
   return lags;
 }
 
-/// The range of turning angles [rad] that is asked for, the full circle by default.
+/// The range of turning angles [rad] on the command line, by default the full circle.
 std::pair<double, double> turningOf(const TheoryOptions& options) {
   if (options.turning_deg.empty()) return {-std::numbers::pi, std::numbers::pi};
   const std::vector<double> ends = numberList(options.turning_deg, "--turning-deg");
@@ -155,57 +153,6 @@ void checkFlags(const TheoryOptions& options, const ProgramLaw& law) {
   }
 }
 
-/// The functions behind the columns, SI.
-struct Columns {
-  std::function<double(double)> msd;
-  std::function<double(double)> angular_msd;
-  std::function<double(double)> correlation;
-};
-
-Columns lockedColumns(const TheoryOptions& options, const ProgramLaw& law) {
-  using analysis::HeldNoise;
-  const double va = law.kind == analysis::ProgramKind::kBp ? 0 : law.va;
-  const HeldNoise noise = law.kind == analysis::ProgramKind::kAbp
-                              ? HeldNoise::uniformTurning(law.v, law.eta, law.epsilon)
-                              : HeldNoise::uniformWheels(va, law.V, law.wheel_base, law.epsilon);
-  const auto phased = std::make_shared<const analysis::PhasedNoise>(noise);
-  const auto mean = [=, phases = options.phases.value_or(1),
-                     first = options.phase_s.value_or(law.epsilon)](auto member) {
-    return [=](double tau) {
-      return analysis::commensurateMean(law.epsilon, phases, first, [&](double phase) {
-        return ((*phased).*member)(tau, phase);
-      });
-    };
-  };
-  return {mean(&analysis::PhasedNoise::msd), mean(&analysis::PhasedNoise::angularMsd),
-          mean(&analysis::PhasedNoise::velocityCorrelation)};
-}
-
-Columns columnsOf(const TheoryOptions& options, const ProgramLaw& law, const ExactLaw& exact) {
-  const analysis::Observation seen{options.exposure_ms * 1e-3,
-                                   options.noise_cm * units::kCentimetre,
-                                   options.noise_deg * units::kDegree};
-  Columns columns;
-  if (options.phase_s || options.phases) {
-    columns = lockedColumns(options, law);
-  } else {
-    columns.msd = [=](double tau) {
-      return analysis::observedMsd(exact, {seen.exposure, 0, 0}, tau);
-    };
-    columns.angular_msd = [=](double tau) {
-      return analysis::observedAngularMsd(exact, {seen.exposure, 0, 0}, tau);
-    };
-    columns.correlation = [=](double s) { return exact.velocityCorrelation(s); };
-  }
-  columns.msd = [=, msd = columns.msd](double tau) {
-    return msd(tau) + 4 * seen.sigma * seen.sigma;
-  };
-  columns.angular_msd = [=, msd = columns.angular_msd](double tau) {
-    return msd(tau) + 2 * seen.sigma_theta * seen.sigma_theta;
-  };
-  return columns;
-}
-
 void noteSaturation(const ProgramLaw& law, double largest_turn) {
   constexpr double kWheels = RobotHardware{}.max_wheel_speed;
   const double needed = analysis::neededWheelSpeed(law, largest_turn);
@@ -221,24 +168,27 @@ void noteSaturation(const ProgramLaw& law, double largest_turn) {
 ExitCode theory(const TheoryOptions& options) {
   const Experiment experiment = experimentOf(options);
   const ProgramLaw law =
-      analysis::toLaw(toMessage(experiment.programs.begin()->second), experiment.hardware.diameter);
+      analysis::toLaw(experiment.programs.begin()->second, experiment.hardware.diameter);
   checkFlags(options, law);
   const std::vector<double> lags = lagsOf(options.lags);
   const auto [low, high] = turningOf(options);
-  const ExactLaw exact(law, options.turning_deg.empty() ? Turning{} : Turning::uniform(low, high));
-  const Columns columns = columnsOf(options, law, exact);
-  std::optional<analysis::BpKurtosis> kurtosis;
-  if (options.kurtosis) kurtosis.emplace(law.V, law.wheel_base, law.epsilon);
-  const double sigma = options.noise_cm * units::kCentimetre;
+  analysis::TheoryConditions conditions;
+  conditions.exposure = options.exposure_ms * 1e-3;
+  conditions.sigma = options.noise_cm * units::kCentimetre;
+  conditions.sigma_theta = options.noise_deg * units::kDegree;
+  if (!options.turning_deg.empty()) conditions.turning = Turning::uniform(low, high);
+  conditions.phases = options.phases;
+  conditions.phase = options.phase_s;
+  const analysis::TheoryColumns columns = analysis::theoryColumns(law, conditions);
   noteSaturation(law, std::max(std::abs(low), std::abs(high)));
 
   std::string table = "tau_s,msd_cm2,amsd_rad2,cv_cm2_s2,msd_paper_cm2";
-  table += kurtosis ? ",kurtosis\n" : "\n";
+  table += options.kurtosis ? ",kurtosis\n" : "\n";
   for (const double tau : lags) {
     table += fmt::format("{:.15g},{:.15g},{:.15g},{:.15g},{:.15g}", tau, columns.msd(tau) / kCm2,
                          columns.angular_msd(tau), columns.correlation(tau) / kCm2,
                          analysis::paperMsd(law, tau) / kCm2);
-    if (kurtosis) table += fmt::format(",{:.15g}", kurtosis->observed(tau, 4 * sigma * sigma));
+    if (options.kurtosis) table += fmt::format(",{:.15g}", columns.kurtosis(tau));
     table += "\n";
   }
   fmt::print("{}", table);

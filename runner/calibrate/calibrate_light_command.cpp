@@ -13,17 +13,18 @@
 #include <vector>
 
 #include "common/calibration/light_file.hpp"
+#include "common/calibration/light_margins.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
 #include "light/optics/simulated_projector.hpp"
 #include "light/photometry/camera_response.hpp"
 #include "light/photometry/tone_pictures.hpp"
 #include "projector_ctl/calibration/projector_patterns.hpp"
+#include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
 #include "runner/calibrate/light_calibrator.hpp"
 #include "runner/calibrate/light_margins.hpp"
 #include "runner/calibrate/projector_calibrator.hpp"
-#include "runner/commands/commands.hpp"
 #include "runner/live/launch.hpp"
 
 namespace lab::runner {
@@ -95,7 +96,8 @@ std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
        .out = options.runs,
        .programs = options.programs,
        .set = options.set,
-       .virtual_time = options.virtual_time},
+       .run_virtual = virtualTimeIf(options.virtual_time),
+       .cameras = realCameras},
       filmed, [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
@@ -110,7 +112,7 @@ std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
             });
       });
   for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
-  if (problem.empty()) return pictures.sights();
+  if (problem.empty()) return pictures.observations();
   fmt::print("camera   {}\n", problem);
   return std::nullopt;
 }
@@ -166,7 +168,8 @@ ExitCode calibrateLight(const CalibrateLightOptions& options) {
        .out = options.runs,
        .programs = options.programs,
        .set = options.set,
-       .virtual_time = options.virtual_time},
+       .run_virtual = virtualTimeIf(options.virtual_time),
+       .cameras = realCameras},
       labFor(experiment, options.rounds), [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {

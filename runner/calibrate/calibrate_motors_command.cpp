@@ -14,9 +14,9 @@
 #include "common/experiment/experiment_messages.hpp"
 #include "robot_bridge/calibration/drive_pattern.hpp"
 #include "robot_bridge/calibration/motor_report.hpp"
+#include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
 #include "runner/calibrate/motor_calibrator.hpp"
-#include "runner/commands/commands.hpp"
 #include "runner/live/launch.hpp"
 
 namespace lab::runner {
@@ -81,7 +81,8 @@ ExitCode calibrateMotors(const CalibrateOptions& options) {
        .out = options.out,
        .programs = options.programs,
        .set = options.set,
-       .virtual_time = options.virtual_time},
+       .run_virtual = virtualTimeIf(options.virtual_time),
+       .cameras = realCameras},
       labFor(experiment, robots.size()), [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {

@@ -21,10 +21,10 @@
 #include "projector_ctl/calibration/projector_fit.hpp"
 #include "projector_ctl/calibration/projector_patterns.hpp"
 #include "projector_ctl/calibration/projector_report.hpp"
+#include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
 #include "runner/calibrate/projector_calibrator.hpp"
-#include "runner/commands/commands.hpp"
-#include "runner/film/named_files.hpp"
+#include "runner/command_line/output_file.hpp"
 #include "runner/live/launch.hpp"
 
 namespace lab::runner {
@@ -189,7 +189,8 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
        .out = options.runs,
        .programs = options.programs,
        .set = options.set,
-       .virtual_time = options.virtual_time},
+       .run_virtual = virtualTimeIf(options.virtual_time),
+       .cameras = realCameras},
       labFor(experiment, options), [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
@@ -207,7 +208,7 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
     return launched.outcome.closed_early ? kMarked : kFailed;
   }
   fmt::print("{}", countText(reader.count()));
-  return writeResult(calibration::fitProjector(reader.sights(), view.plane, camera.error),
+  return writeResult(calibration::fitProjector(reader.observations(), view.plane, camera.error),
                      view.plane, camera.calibration.id, options);
 }
 

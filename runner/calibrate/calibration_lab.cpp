@@ -5,6 +5,8 @@
 #include "light/optics/simulated_camera.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/runs/run_directory.hpp"
+#include "runner/virtual_time/run_virtual.hpp"
+#include "tracker_svc/camera_devices.hpp"
 
 namespace lab::runner {
 namespace {
@@ -48,6 +50,12 @@ Experiment filmedLab(Experiment experiment, const std::string& suffix, std::size
   const double filmed = static_cast<double>(frames) / camera.fps;
   return labUnderSteadyLight(std::move(experiment), suffix,
                              kStart + static_cast<double>(lights) * (kPerLight + filmed), 0);
+}
+
+RunVirtual virtualTimeIf(bool wanted) { return wanted ? RunVirtual(runVirtual) : RunVirtual(); }
+
+std::unique_ptr<Cameras> realCameras(AsioLoop& loop, const std::filesystem::path& folder) {
+  return std::make_unique<CameraDevices>(loop, folder);
 }
 
 KnownCamera cameraOf(const Experiment& experiment, const std::filesystem::path& directory) {

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <memory>
 #include <string>
 
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment.hpp"
+#include "runner/live/launch.hpp"
 
 namespace lab::runner {
 
@@ -23,6 +25,13 @@ namespace lab::runner {
 /// @param lights number of lights, each filmed in `frames` frames
 [[nodiscard]] Experiment filmedLab(Experiment experiment, const std::string& suffix,
                                    std::size_t lights, std::int64_t frames);
+
+/// For LaunchOptions: how to run in virtual time, or nothing.
+[[nodiscard]] RunVirtual virtualTimeIf(bool wanted);
+
+/// For LaunchOptions: the cameras of this machine.
+[[nodiscard]] std::unique_ptr<Cameras> realCameras(AsioLoop& loop,
+                                                   const std::filesystem::path& folder);
 
 struct KnownCamera {
   CameraCalibration calibration;

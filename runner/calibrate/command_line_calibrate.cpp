@@ -2,8 +2,8 @@
 #include <filesystem>
 #include <memory>
 
+#include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/command_line/command_line_parts.hpp"
-#include "runner/commands/commands.hpp"
 
 namespace lab::runner {
 namespace {
@@ -127,8 +127,7 @@ void addCalibrateLight(CLI::App& calibrate, Chosen& chosen, const fs::path& prog
 void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<CalibrateOptions>();
   options->programs = programs;
-  CLI::App* command =
-      app.add_subcommand("calibrate", "Measure robots, camera, projector and light");
+  CLI::App* command = app.add_subcommand("calibrate", summaryOf("calibrate"));
   command->require_subcommand(1);
   addCalibrateCamera(*command, chosen, programs);
   addCalibrateProjector(*command, chosen, programs);

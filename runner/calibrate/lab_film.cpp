@@ -139,7 +139,8 @@ FilmedLab filmLab(const CalibrateCameraOptions& options) {
        .out = options.runs,
        .programs = options.programs,
        .set = options.set,
-       .virtual_time = options.virtual_time},
+       .run_virtual = virtualTimeIf(options.virtual_time),
+       .cameras = realCameras},
       lab, [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {

@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-#include "runner/commands/commands.hpp"
+#include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/live/procedure.hpp"
 
 namespace lab::runner {

@@ -2,35 +2,16 @@
 
 #include <fmt/format.h>
 
-#include "analyzer/report/sections/light_bands.hpp"
+#include "common/calibration/light_margins.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::runner {
-namespace {
 
 using units::kCm;
 
-}  // namespace
-
-LightCalibration toCalibration(const calibration::LightFit& fit, const Experiment& experiment) {
-  LightCalibration calibration;
-  calibration.gamma = fit.gamma;
-  calibration.vignetting = fit.vignetting;
-  calibration.scale = fit.scale;
-  calibration.ambient = fit.ambient;
-  calibration.residual = fit.residual;
-  calibration.arena_width = experiment.arena_width;
-  calibration.arena_height = experiment.arena_height;
-  for (const auto& [sensor, gain] : fit.gains) {
-    SensorGains& gains = calibration.gains[sensor.robot];
-    (sensor.front ? gains.front : gains.back) = gain;
-  }
-  return calibration;
-}
-
 std::string marginLines(const LightCalibration& calibration, const Experiment& experiment) {
   std::string lines;
-  for (const calibration::BandMargin& band : report::lightMargins(calibration, experiment)) {
+  for (const calibration::BandMargin& band : lightMargins(calibration, experiment)) {
     lines += fmt::format(
         "{}: light {:.3f} is {:.3f} from the edge of its band, {:.0f} standard deviations of a "
         "reading; probability of a wrong reading {:.1e}. Without the calibration the {} sensor of "

@@ -4,13 +4,9 @@
 #include <string>
 
 #include "common/calibration/light_file.hpp"
-#include "light/photometry/light_fit.hpp"
+#include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
-
-/// The calibration file's content for a fit.
-[[nodiscard]] LightCalibration toCalibration(const calibration::LightFit& fit,
-                                             const Experiment& experiment);
 
 /// One line per band: the distance of the light in its middle from the edge of the band, the
 /// probability of a wrong reading, and the reading of the worst sensor at the worst place without

@@ -4,8 +4,8 @@
 
 namespace lab::runner {
 
-/// What `--version` prints: versions, the commit, compiler and libraries. Nothing in it depends on
-/// when or where it was built.
+/// The text of `--version`: versions, the commit, compiler and libraries. It does not depend on
+/// when or where the program was built.
 [[nodiscard]] std::string buildFacts();
 
 }  // namespace lab::runner

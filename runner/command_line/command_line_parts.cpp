@@ -47,7 +47,7 @@ void requireCommand(const CLI::App& app) {
   if (at->get_require_subcommand_min() == 0) return;
   std::string known;
   for (const CLI::App* command : at->get_subcommands([](const CLI::App* each) {
-         return !each->get_group().empty();  // what no help speaks of
+         return !each->get_group().empty();  // hidden commands have no group
        })) {
     known += (known.empty() ? "" : ", ") + command->get_name();
   }

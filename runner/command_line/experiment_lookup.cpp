@@ -31,7 +31,7 @@ std::vector<std::string> namesIn(const fs::path& folder) {
 }  // namespace
 
 fs::path findExperiment(const fs::path& named, const fs::path& shipped) {
-  // Of a path with a folder the reader of experiment files says what is wrong.
+  // A path with a folder is returned as it is: the reader of experiment files reports its errors.
   if (named.empty() || named.has_parent_path() || isFile(named)) return named;
   fs::path file = shipped / named;
   if (named.extension() != ".toml") file += ".toml";

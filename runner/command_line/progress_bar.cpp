@@ -10,7 +10,7 @@
 namespace lab::runner {
 namespace {
 
-constexpr int kBar = 24;           // letters
+constexpr int kBar = 24;           // characters
 constexpr double kInterval = 0.1;  // [s] between two lines
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// One line on the terminal that says how far a film is.
+/// A progress bar on the terminal.
 #pragma once
 
 #include <chrono>
@@ -7,15 +7,15 @@
 
 namespace lab::runner {
 
-/// "[#####.....] 123 of 400 frames, 96 a second, 3 s left"; without bar and end where the length is
-/// not known (0).
+/// "[#####.....] 123 of 400 frames, 96 a second, 3 s left". Without bar and remaining time if the
+/// length is not known (0).
 [[nodiscard]] std::string progressBarText(std::int64_t done, std::int64_t length, double seconds,
                                           const char* unit = "frames");
 
-/// Rewrites its line on a terminal; elsewhere it says nothing.
+/// Rewrites its line on a terminal; elsewhere prints nothing.
 class ProgressBar {
  public:
-  /// @param unit of what is counted; a literal
+  /// @param unit what is counted; a string literal
   explicit ProgressBar(std::int64_t length, const char* unit = "frames");
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
@@ -23,7 +23,7 @@ class ProgressBar {
 
   void show(std::int64_t done);
 
-  /// Since the beginning [s].
+  /// Time since construction [s].
   [[nodiscard]] double seconds() const;
 
  private:

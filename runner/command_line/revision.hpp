@@ -4,10 +4,10 @@
 
 namespace lab::runner {
 
-/// The state of the source that this program was built from, as git names it; empty: not known.
+/// Short hash of the commit that this program was built from; empty: not known.
 [[nodiscard]] std::string sourceRevision();
 
-/// When that state was committed, "2026-11-22 10:17:23 UTC"; empty: not known.
+/// The date of that commit, "2026-11-22 10:17:23 UTC"; empty: not known.
 [[nodiscard]] std::string sourceDate();
 
 }  // namespace lab::runner

@@ -5,7 +5,9 @@
 
 #include <cerrno>
 #include <cstdio>
+#include <filesystem>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/loop/asio_loop.hpp"
@@ -36,9 +38,10 @@ fs::path firmwareOf(const FlashOptions& options) {
 
 using Line = std::vector<std::string>;
 
-/// Through the bootloader nothing but the program can be written. A programmer first sets the fuses
-/// as docs/robot.md explains them: one of them keeps the EEPROM, with the robot's settings, when
-/// the second call erases the chip. In one call avrdude would erase before it writes any fuse.
+/// The bootloader can write the program only. With a programmer the fuses are set first
+/// (docs/robot.md explains them): one of them preserves the EEPROM, which holds the robot's
+/// settings, when the second call erases the chip. In a single call avrdude would erase before it
+/// writes the fuses.
 std::vector<Line> avrdudeLines(const FlashOptions& options, const fs::path& hex) {
   const std::string program = fmt::format("flash:w:{}:i", hex.string());
   Line line{"avrdude", "-q", "-p", "m328p"};
@@ -57,7 +60,7 @@ std::vector<Line> avrdudeLines(const FlashOptions& options, const fs::path& hex)
           with({"-U", program})};
 }
 
-/// Runs a program with our terminal to its end; its exit code.
+/// Runs a program on this terminal until it ends. @return its exit code
 int execute(const Line& line) {
   std::vector<char*> arguments;
   for (const std::string& word : line) arguments.push_back(const_cast<char*>(word.c_str()));
@@ -88,9 +91,9 @@ RobotAdoption::Result meet(AsioLoop& loop, SerialDevices& ports, const FlashOpti
 ExitCode flash(const FlashOptions& options) {
   const fs::path hex = firmwareOf(options);
   AsioLoop loop;
-  SerialDevices ports(loop, fs::temp_directory_path());  // offers none
+  SerialDevices ports(loop, fs::temp_directory_path());  // a folder without simulated lines
   try {
-    // Says who has the port, or that there is none, before avrdude says it less clearly.
+    // Opening the port gives clearer errors than avrdude: who uses it, or that it does not exist.
     (void)ports.open(options.port, options.robot_baud);
   } catch (const SerialError& error) {
     throw UserError(error.what());

@@ -22,8 +22,9 @@ std::string toToml(const std::vector<std::string>& texts) {
   return layers;
 }
 
-/// The place in the file is one that nobody wrote: "lab light:129: light.steps[0].layers[0].kind: "
-/// becomes "kind: ". What is no layer at all has no key, and is told what would be one.
+/// Removes the place in a file that the user did not write: "lab light:129:
+/// light.steps[0].layers[0].kind: " becomes "kind: ". Text that is not a layer at all gets an
+/// example of one.
 UserError refusal(const std::string& typed, const ExperimentError& error) {
   static const std::regex file("^lab light[0-9:]*: *");
   static const std::regex layer("^light\\.steps\\[0\\]\\.layers\\[0\\]\\.");
@@ -69,7 +70,7 @@ std::vector<light::DrivenLayer> parseLayers(const std::vector<std::string>& text
                                        writeExperiment(around), toToml(some)),
                            kHandName, {}, directory);
   };
-  // Each by itself, so that what is wrong is known by what was typed.
+  // One by one, so that an error can quote what was typed.
   for (const std::string& text : texts) {
     try {
       static_cast<void>(parse({text}));

@@ -1,4 +1,4 @@
-/// Layers that somebody writes on the command line.
+/// Light layers on the command line.
 #pragma once
 
 #include <cstdint>
@@ -11,20 +11,20 @@
 
 namespace lab::runner {
 
-/// The layers as the experiment's file would have them: the same keys, the same checks, against its
-/// robots, programs and light bands. A number alone is uniform light.
+/// Parses layers with the keys and checks of experiment files, against the experiment's robots,
+/// programs and light bands. A number alone is uniform light.
 ///
-/// A projector knows the images of its experiment; one that it does not know travels as a grid.
+/// The projector has the images of its experiment. Other images are sent as a grid of intensities.
 /// @param known the images of the running experiment
-/// @param directory that the paths of image files are relative to
-/// @throws UserError for layers that are wrong, with what was typed, and for a sequence of unknown
-/// images.
+/// @param directory to which paths of image files are relative
+/// @throws UserError, quoting what was typed, for wrong layers and for a sequence with unknown
+/// images
 [[nodiscard]] std::vector<light::DrivenLayer> parseLayers(const std::vector<std::string>& texts,
                                                           const Experiment& experiment,
                                                           const light::ImageStore& known,
                                                           const std::filesystem::path& directory);
 
-/// What an experiment has to say where the one that runs is not known.
+/// A minimal valid experiment, for a lab whose experiment is not known.
 [[nodiscard]] Experiment placeholderExperiment();
 
 }  // namespace lab::runner

@@ -1,7 +1,11 @@
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
@@ -20,10 +24,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::int64_t kHandRepeat_us = 100'000;
-constexpr std::int64_t kHandPatience_us = 3'000'000;
-// "Until released" without anybody to repeat it: 2100-01-01.
-constexpr std::int64_t kForGood_utime = 4'102'444'800'000'000;
+constexpr std::int64_t kLightRepeat_us = 100'000;
+constexpr std::int64_t kLightTimeout_us = 3'000'000;
+// "Until released": the command is not repeated, so it is held until 2100-01-01.
+constexpr std::int64_t kUntilReleased_utime = 4'102'444'800'000'000;
 
 std::vector<light::DrivenLayer> layersFor(const RunningLab& lab,
                                           const std::vector<std::string>& texts) {
@@ -39,13 +43,13 @@ std::vector<light::DrivenLayer> layersFor(const RunningLab& lab,
 
 light_command_t command(const LightOptions& options, const RunningLab& lab, std::int64_t now) {
   light_command_t command{};
-  command.seq = now;  // another each time: a refusal names it
+  command.seq = now;  // differs each time, as a refusal names it
   command.priority = light_command_t::MANUAL;
   command.from_utime = now;
   command.ramp = options.ramp;
   command.release = options.release ? 1 : 0;
   command.hold_until_utime =
-      options.hold ? now + units::microseconds(*options.hold) : kForGood_utime;
+      options.hold ? now + units::microseconds(*options.hold) : kUntilReleased_utime;
   command.label = "by hand";
   if (!options.release) setLayers(command, layersFor(lab, options.layers));
   return command;
@@ -75,8 +79,8 @@ ExitCode light(const LightOptions& options) {
   });
   loop.onReadable(bus.fileDescriptor(), [&] { bus.drain(); });
   const std::int64_t start = loop.now();
-  loop.every(kHandRepeat_us, start, [&] {
-    if (loop.now() - start > kHandPatience_us) {
+  loop.every(kLightRepeat_us, start, [&] {
+    if (loop.now() - start > kLightTimeout_us) {
       loop.stop();
       return;
     }

@@ -1,4 +1,4 @@
-/// A recorded log in place of any producer.
+/// The events of a log, for replay.
 #pragma once
 
 #include <cstdint>
@@ -14,36 +14,35 @@
 
 namespace lab::runner {
 
-/// One event of a log, kept.
+/// One event of a log, with its own copy of the data.
 struct LogEvent {
   std::string channel;
   std::vector<std::uint8_t> data;
   std::int64_t utime = 0;  ///< when the logger received it, [us since 1970]
 };
 
-/// What of a log is wanted.
+/// A part of a log.
 struct LogSelection {
   double from = 0;                 ///< [s] since the first event
   std::optional<double> to;        ///< [s]
   std::set<std::string> channels;  ///< empty: all
 };
 
-/// What only who plays a log has to say: how it stands, and what is wished of it now. What the log
-/// itself holds of that was said of another time.
+/// EXPERIMENT_STATUS and EXPERIMENT_COMMAND: during a replay these are about the replay itself. The
+/// recorded ones are not sent.
 [[nodiscard]] bool isPlaybackChannel(std::string_view channel);
 
-/// The wanted events of a log series that are to be played, in order of time.
+/// The selected events of a log series, sorted by time, without those of isPlaybackChannel().
 [[nodiscard]] std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& files,
                                                  const LogSelection& selection);
 
-/// The message as a replay sends it: what states its origin says REPLAY, everything else is as it
-/// was.
+/// The message as a replay sends it: messages with an origin get REPLAY, all others are unchanged.
 [[nodiscard]] std::vector<std::uint8_t> asReplay(const std::string& channel, Bytes data);
 
 /// The clock of a replay: log time against wall time, with pauses.
 class ReplayClock {
  public:
-  /// @param log_utime of the first event.
+  /// @param log_utime of the first event
   ReplayClock(std::int64_t log_utime, std::int64_t now, double speed)
       : log_anchor_(log_utime), wall_anchor_(now), speed_(speed) {}
 
@@ -51,7 +50,7 @@ class ReplayClock {
   void resume(std::int64_t now);
   [[nodiscard]] bool paused() const { return paused_; }
 
-  /// How far the log has come at this time of the wall clock, [us since 1970].
+  /// The time of the log at this time of the wall clock, both [us since 1970].
   [[nodiscard]] std::int64_t logTime(std::int64_t now) const;
 
  private:

@@ -15,26 +15,27 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kBefore_us = 2'000'000;
+constexpr std::int64_t kReplayedBefore_us = 2'000'000;
 constexpr double kSlowest = 1e-3;
 constexpr double kFastest = 1e4;
 
-/// What is said several times is the same thing; the experiment itself is said once a minute.
-using Happening = std::tuple<std::int8_t, std::int64_t, std::int32_t, std::string>;
+/// Equal for the copies of one event: events are sent three times, START and CALIBRATION again
+/// every minute.
+using EventKey = std::tuple<std::int8_t, std::int64_t, std::int32_t, std::string>;
 
-Happening happeningOf(const experiment_event_t& event) {
+EventKey keyOf(const experiment_event_t& event) {
   const bool repeats =
       event.kind == experiment_event_t::START || event.kind == experiment_event_t::CALIBRATION;
   return {event.kind, repeats ? 0 : event.utime, event.step, repeats ? event.label : event.text};
 }
 
-std::vector<std::size_t> happeningsOf(const std::vector<LogEvent>& events) {
+std::vector<std::size_t> distinctEvents(const std::vector<LogEvent>& events) {
   std::vector<std::size_t> indices;
-  std::set<Happening> known;
+  std::set<EventKey> known;
   for (std::size_t i = 0; i < events.size(); ++i) {
     experiment_event_t event{};
     if (events[i].channel != channels::kExperimentEvent || !decode(events[i].data, event)) continue;
-    if (known.insert(happeningOf(event)).second) indices.push_back(i);
+    if (known.insert(keyOf(event)).second) indices.push_back(i);
   }
   return indices;
 }
@@ -48,7 +49,7 @@ LogPlayback::LogPlayback(const std::vector<LogEvent>& events, std::string run, d
       speed_(speed),
       at_end_(at_end),
       clock_(events.front().utime, now, speed),
-      event_indices_(happeningsOf(events)) {}
+      event_indices_(distinctEvents(events)) {}
 
 std::int64_t LogPlayback::logTime(std::int64_t now) const {
   return std::min(clock_.logTime(now), events_.back().utime);
@@ -76,8 +77,8 @@ void LogPlayback::jumpTo(std::int64_t log_utime, std::int64_t now) {
   ++jumps_;
 }
 
-std::string LogPlayback::obey(const experiment_command_t& wish, std::int64_t now) {
-  switch (wish.action) {
+std::string LogPlayback::execute(const experiment_command_t& command, std::int64_t now) {
+  switch (command.action) {
     case experiment_command_t::PAUSE:
       if (paused()) return "the log stands already";
       clock_.pause(now);
@@ -85,9 +86,9 @@ std::string LogPlayback::obey(const experiment_command_t& wish, std::int64_t now
     case experiment_command_t::RESUME:
       return resume(now);
     case experiment_command_t::SEEK:
-      return seek(wish.value, now);
+      return seek(command.value, now);
     case experiment_command_t::SPEED:
-      return setSpeed(wish.value, now);
+      return setSpeed(command.value, now);
     case experiment_command_t::END:
       over_ = true;
       return {};
@@ -104,7 +105,7 @@ std::string LogPlayback::resume(std::int64_t now) {
 }
 
 std::string LogPlayback::seek(double to, std::int64_t now) {
-  // Not "to < 0 || to > length()": nan is refused too.
+  // Written so that nan is refused too.
   if (!(to >= 0 && to <= length())) {
     return fmt::format("the log has no {} s, allowed 0 to {:.3f}", to, length());
   }
@@ -124,9 +125,9 @@ std::string LogPlayback::setSpeed(double speed, std::int64_t now) {
 }
 
 void LogPlayback::pauseOrResume(std::int64_t now) {
-  experiment_command_t wish{};
-  wish.action = paused() ? experiment_command_t::RESUME : experiment_command_t::PAUSE;
-  static_cast<void>(obey(wish, now));
+  experiment_command_t command{};
+  command.action = paused() ? experiment_command_t::RESUME : experiment_command_t::PAUSE;
+  static_cast<void>(execute(command, now));
 }
 
 bool LogPlayback::advance(std::int64_t now) {
@@ -150,7 +151,7 @@ void LogPlayback::play(std::int64_t now, const Send& send) {
   if (jumped_) {
     jumped_ = false;
     catch_up_.clear();
-    const std::size_t near = firstAt(logTime(now) - kBefore_us);
+    const std::size_t near = firstAt(logTime(now) - kReplayedBefore_us);
     for (const std::size_t index : event_indices_) {
       if (index < std::min(near, next_)) catch_up_.push_back(index);
     }

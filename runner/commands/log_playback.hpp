@@ -1,4 +1,4 @@
-/// A log on a deck, as a film: play, pause, go elsewhere. No bus, no clock.
+/// Playback of a log: play, pause, seek. No bus, no clock.
 #pragma once
 
 #include <cstddef>
@@ -14,55 +14,54 @@
 
 namespace lab::runner {
 
-/// What happens at the end of a log.
+/// What a replay does at the end of the log.
 enum class AtEnd {
   kEnd,    ///< the replay is over
-  kPause,  ///< it stands there, paused
-  kLoop,   ///< it begins anew
+  kPause,  ///< it pauses there
+  kLoop,   ///< it starts again
 };
 
-/// Times of the wall clock are us since 1970, as `now`.
+/// `now` is the wall clock [us since 1970].
 class LogPlayback {
  public:
   using Send = std::function<void(const LogEvent&)>;
 
   static constexpr std::size_t kMostAtOnce = 2000;
 
-  /// @param events in order of time, at least one; must outlive the deck
+  /// @param events in order of time, at least one; must outlive this object
   /// @param run its name, for the status
   /// @param speed log seconds a second
   LogPlayback(const std::vector<LogEvent>& events, std::string run, double speed, AtEnd at_end,
               std::int64_t now);
 
-  /// Does what PAUSE, RESUME, SEEK, SPEED or END wishes. Any other wish is refused: nobody is
-  /// there.
-  /// @return why it is refused, empty: it is done
-  [[nodiscard]] std::string obey(const experiment_command_t& wish, std::int64_t now);
+  /// Executes PAUSE, RESUME, SEEK, SPEED and END. Other commands are refused: there is no lab.
+  /// @return why it is refused; empty: executed
+  [[nodiscard]] std::string execute(const experiment_command_t& command, std::int64_t now);
 
   void pauseOrResume(std::int64_t now);
 
-  /// Sees to the end of the log. To be called before play().
-  /// @return whether the status is another one now
+  /// Handles the end of the log. Call before play().
+  /// @return whether the status has changed
   bool advance(std::int64_t now);
 
-  /// Sends what has become due. After a jump that is first every EXPERIMENT_EVENT from the log's
-  /// begin to the new place, once, and everything of the two seconds before it. At most
-  /// kMostAtOnce messages a call, so that whoever plays a full log hears wishes in between.
+  /// Sends the events that are due. After a seek, first sends each EXPERIMENT_EVENT from the begin
+  /// of the log to the new time once, and all messages of the two seconds before it. Sends at most
+  /// kMostAtOnce messages per call, so that the caller receives commands in between.
   void play(std::int64_t now, const Send& send);
 
-  /// The replay has been ended, or is over.
+  /// Whether the replay was ended or has reached its end.
   [[nodiscard]] bool over() const { return over_; }
 
   [[nodiscard]] bool paused() const { return clock_.paused(); }
   [[nodiscard]] double rate() const { return paused() ? 0 : speed_; }
 
-  /// Where it is, [us since 1970], within the log.
+  /// The current time in the log [us since 1970].
   [[nodiscard]] std::int64_t logTime(std::int64_t now) const;
   [[nodiscard]] double elapsed(std::int64_t now) const;  ///< [s] since the first event
   [[nodiscard]] double length() const;                   ///< [s]
   [[nodiscard]] std::size_t sent() const { return next_; }
 
-  /// EXPERIMENT_STATUS without its header and without a command's answer.
+  /// EXPERIMENT_STATUS without its header and without answers to commands.
   [[nodiscard]] experiment_status_t status(std::int64_t now) const;
 
  private:
@@ -79,8 +78,8 @@ class LogPlayback {
   ReplayClock clock_;
   std::vector<std::size_t> event_indices_;  ///< of EXPERIMENT_EVENT, each once
   std::size_t next_ = 0;
-  bool jumped_ = false;               ///< what is before next_ has still to be sent
-  std::deque<std::size_t> catch_up_;  ///< of that, what is left
+  bool jumped_ = false;               ///< events before next_ must still be sent
+  std::deque<std::size_t> catch_up_;  ///< indices of these
   std::int32_t jumps_ = 0;
   bool over_ = false;
 };

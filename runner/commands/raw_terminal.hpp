@@ -5,7 +5,7 @@
 
 namespace lab::runner {
 
-/// Single keys without Return for as long as the object lives, when standard input is a terminal.
+/// While the object lives, keys are read without Return and without echo, if stdin is a terminal.
 class RawTerminal {
  public:
   RawTerminal() : active_(tcgetattr(STDIN_FILENO, &before_) == 0) {

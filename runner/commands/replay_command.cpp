@@ -3,10 +3,15 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <lab/clock_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "analyzer/log_source.hpp"
 #include "common/bus/channels.hpp"
@@ -14,11 +19,11 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/service/node.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/commands/log_playback.hpp"
 #include "runner/commands/raw_terminal.hpp"
 #include "runner/live/dashboard_process.hpp"
-#include "runner/live/progress_line.hpp"
 #include "runner/live/request_log.hpp"
 #include "runner/runs/lab_registry.hpp"
 #include "runner/runs/network.hpp"
@@ -32,13 +37,13 @@ constexpr std::int64_t kReplayTick_us = 2'000;
 constexpr std::int64_t kReplayShow_us = 250'000;
 constexpr std::int64_t kClock_us = 20'000;
 constexpr std::int64_t kReplayStatus_us = 200'000;  // 5 Hz
-constexpr std::int64_t kLookAfter_us = 100'000;
+constexpr std::int64_t kSupervise_us = 100'000;
 constexpr const char* kReplayName = "replay";
 
-/// Sends a log's messages onto a bus of its own.
+/// Sends the messages of a log onto a bus of its own.
 class Player {
  public:
-  /// @param page in a browser, nullptr: none
+  /// @param page the dashboard, nullptr: none
   Player(const std::vector<LogEvent>& events, const ReplayOptions& options, const std::string& url,
          const std::string& run, DashboardProcess* page)
       : events_(events),
@@ -52,8 +57,8 @@ class Player {
                                     : AtEnd::kEnd,
                   loop_.now()) {
     node_.subscribe<experiment_command_t>(channels::kExperimentCommand,
-                                          [this](const experiment_command_t& wish) {
-                                            request_log_.take(wish);
+                                          [this](const experiment_command_t& command) {
+                                            request_log_.take(command);
                                             sendStatus();
                                             if (playback_.over()) loop_.stop();
                                           });
@@ -66,7 +71,7 @@ class Player {
     loop_.every(kReplayTick_us, loop_.now(), [this] { send(); });
     if (needsClock()) loop_.every(kClock_us, loop_.now(), [this] { sendClock(); });
     loop_.every(kReplayStatus_us, loop_.now(), [this] { sendStatus(); });
-    if (page_ != nullptr) loop_.every(kLookAfter_us, loop_.now(), [this] { lookAfterPage(); });
+    if (page_ != nullptr) loop_.every(kSupervise_us, loop_.now(), [this] { supervisePage(); });
     loop_.every(kReplayShow_us, loop_.now(), [this] { show(); });
     loop_.run();
     show();
@@ -74,13 +79,13 @@ class Player {
   }
 
  private:
-  /// Whether the channel is among those that the user wants.
+  /// Whether the user asked for the channel.
   [[nodiscard]] bool isAsked(std::string_view channel) const {
     const auto& wanted = options_.channels;
     return wanted.empty() || std::ranges::find(wanted, channel) != wanted.end();
   }
 
-  /// A log of a live lab holds no CLOCK, and its time is not that of the wall any more.
+  /// A log of a real-time run has no CLOCK, but the time of its replay is not the wall clock.
   [[nodiscard]] bool needsClock() const {
     return isAsked(channels::kClock) &&
            std::ranges::find(events_, channels::kClock, &LogEvent::channel) == events_.end();
@@ -99,7 +104,7 @@ class Player {
     node_.publish(channels::kExperimentStatus, status);
   }
 
-  void lookAfterPage() {
+  void supervisePage() {
     page_->supervise([](const std::string& what) { printLine("web      " + what); });
   }
 
@@ -122,7 +127,7 @@ class Player {
     });
   }
 
-  /// A quiet stretch of a log must not look like a hang: the time runs on.
+  /// Called also when nothing is sent, so that a gap in the log does not look like a hang.
   void show() const {
     fmt::print("{}replay   {:.1f} of {:.1f} s, {} of {} messages{}{}",
                terminal_.active() ? "\r\033[K" : "", playback_.elapsed(loop_.now()),
@@ -139,13 +144,14 @@ class Player {
   LcmBus bus_;
   Node node_;
   LogPlayback playback_;
-  RequestLog request_log_{
-      [this](const experiment_command_t& wish) { return playback_.obey(wish, loop_.now()); }};
+  RequestLog request_log_{[this](const experiment_command_t& command) {
+    return playback_.execute(command, loop_.now());
+  }};
   RawTerminal terminal_;
 };
 
 /// @param run the folder of the run
-/// @param output file for what the page's program prints
+/// @param output file for the output of the dashboard
 void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& options,
                const fs::path& run, const std::string& url, const fs::path& output) {
   const fs::path experiment = run / files::kExperiment;
@@ -170,7 +176,7 @@ ExitCode replay(const ReplayOptions& options) {
                     " holds no message between --from and --to on the wanted channels");
   }
   const std::string url = lcmUrl(choosePort(options.port));
-  // The folder of `.` has a name too.
+  // canonical(): the folder `.` must get its real name.
   const fs::path run = fs::canonical(fs::absolute(log).parent_path());
   const Registration registration(
       {"replay-" + run.filename().string(), url, getpid(), run.string(), true});

@@ -1,5 +1,8 @@
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <string>
+
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
 #include "common/loop/asio_loop.hpp"
@@ -11,13 +14,13 @@
 namespace lab::runner {
 namespace {
 
-/// One wish towards one lab, until somebody has answered it.
-class Wishing {
+/// Sends one request to one lab until it is answered.
+class RequestSender {
  public:
-  Wishing(const RunningLab& lab, const std::string& name, const experiment_command_t& wish)
+  RequestSender(const RunningLab& lab, const std::string& name, const experiment_command_t& command)
       : bus_(lab.url),
         node_(bus_, loop_, {name, 0, loop_.now()}),
-        request_(wish, name, node_.identity().instance, 1, loop_.now()) {
+        request_(command, name, node_.identity().instance, 1, loop_.now()) {
     node_.subscribe<experiment_status_t>(channels::kExperimentStatus,
                                          [this](const experiment_status_t& status) {
                                            if (request_.take(status)) loop_.stop();
@@ -46,19 +49,19 @@ class Wishing {
   ExperimentRequest request_;
 };
 
-/// @param name of the wisher, as the record names him
-/// @param done what is said when it was obeyed
-ExitCode wishFor(const RequestOptions& options, std::int8_t action, const std::string& name,
-                 const std::string& done) {
+/// @param name of the sender in the record
+/// @param done printed when the request was executed
+ExitCode sendRequest(const RequestOptions& options, std::int8_t action, const std::string& name,
+                     const std::string& done) {
   if (const std::string problem = remarkProblem(options.text); !problem.empty()) {
     throw UserError(problem);
   }
-  experiment_command_t wish{};
-  wish.action = action;
-  wish.text = options.text;
+  experiment_command_t command{};
+  command.action = action;
+  command.text = options.text;
   const RunningLab lab = findLab(options.lab);
-  Wishing wishing(lab, name, wish);
-  const ExperimentRequest& request = wishing.execute();
+  RequestSender sender(lab, name, command);
+  const ExperimentRequest& request = sender.execute();
   const std::string what = !request.answered()         ? "NOT confirmed: nobody answers"
                            : request.refusal().empty() ? done
                                                        : "refused: " + request.refusal();
@@ -69,19 +72,19 @@ ExitCode wishFor(const RequestOptions& options, std::int8_t action, const std::s
 }  // namespace
 
 ExitCode pauseScript(const RequestOptions& options) {
-  return wishFor(options, experiment_command_t::PAUSE, "lab_pause", "paused");
+  return sendRequest(options, experiment_command_t::PAUSE, "lab_pause", "paused");
 }
 
 ExitCode resumeScript(const RequestOptions& options) {
-  return wishFor(options, experiment_command_t::RESUME, "lab_resume", "goes on");
+  return sendRequest(options, experiment_command_t::RESUME, "lab_resume", "goes on");
 }
 
 ExitCode markRun(const RequestOptions& options) {
-  return wishFor(options, experiment_command_t::MARK, "lab_mark", "marked");
+  return sendRequest(options, experiment_command_t::MARK, "lab_mark", "marked");
 }
 
 ExitCode endRun(const RequestOptions& options) {
-  return wishFor(options, experiment_command_t::END, "lab_end", "ends");
+  return sendRequest(options, experiment_command_t::END, "lab_end", "ends");
 }
 
 }  // namespace lab::runner

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <random>
+#include <span>
 #include <utility>
 
 #include "common/experiment/experiment.hpp"
@@ -45,7 +46,7 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
     later(kRetry_us, [](Talk& talk) { talk.askAgainAndAgain(); });
   }
 
-  // Every command may be repeated: its number stays the same until it is answered.
+  // Commands are repeated with the same number until they are answered.
   void ask() {
     switch (phase) {
       case Phase::kGreet:
@@ -74,7 +75,7 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
     std::array<std::uint8_t, wire::kMaxFrame> bytes{};
     const std::uint8_t size = wire::encode(frame, bytes.data());
     try {
-      // A line that takes only a part of it garbles this frame; it is said again.
+      // If the line accepts only a part, this frame is lost and will be repeated.
       (void)line->write(std::span(bytes).first(size));
     } catch (const SerialError& error) {
       end(error.what());

@@ -1,4 +1,4 @@
-/// A robot that was just flashed: who it is, and a number if it has none.
+/// Identifies a robot that was just flashed, and gives it a uid if it has none.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,20 @@
 
 namespace lab::runner {
 
-/// Waits on an open line for the HELLO of a robot; if its electronics have no uid, stores one.
+/// Waits on an open line for the HELLO of a robot. Stores a uid if its EEPROM has none.
 ///
-/// The line is left alone at first: the bootloader, which comes before the program, would take
-/// what is said to it.
+/// Nothing is sent at first, because the bootloader, which runs before the program, would take it.
 class RobotAdoption {
  public:
   struct Result {
     bool ok = false;
-    wire::Hello hello;        ///< the latest one heard
-    bool uid_is_new = false;  ///< it had none and holds one now
+    wire::Hello hello;        ///< the last one received
+    bool uid_is_new = false;  ///< it had none and was given one
     std::string problem;      ///< one line, when not ok
   };
 
-  /// @param loop must outlive this object's last timer, 10 s
-  /// @param fresh_uid not 0: for a robot without
+  /// @param loop must run on for 10 s, until the last timer of this object
+  /// @param fresh_uid for a robot without one; not 0
   RobotAdoption(Loop& loop, std::unique_ptr<SerialPort> line, std::uint32_t fresh_uid,
                 std::function<void(const Result&)> done);
   ~RobotAdoption();
@@ -36,10 +35,10 @@ class RobotAdoption {
 
  private:
   struct Talk;
-  std::shared_ptr<Talk> talk_;  ///< timers of the loop hold it weakly
+  std::shared_ptr<Talk> talk_;  ///< timers of the loop hold weak pointers
 };
 
-/// A uid for a robot: neither 0 nor one of the simulated robots'.
+/// A random uid that is neither 0 nor that of a simulated robot.
 [[nodiscard]] std::uint32_t randomUid();
 
 }  // namespace lab::runner

@@ -1,70 +1,121 @@
-#include <fmt/format.h>
+#include "runner/commands/run_command.hpp"
 
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <optional>
 
-#include "analyzer/analysis_feed.hpp"
-#include "analyzer/analyze_run.hpp"
-#include "analyzer/laws.hpp"
-#include "common/calibration/light_file.hpp"
-#include "common/calibration/projector_file.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
-#include "common/math/units.hpp"
-#include "runner/commands/commands.hpp"
+#include "common/experiment/service_placement.hpp"
+#include "common/process/installation.hpp"
+#include "runner/command_line/command_line_parts.hpp"
 #include "runner/live/dashboard_process.hpp"
-#include "runner/live/launch.hpp"
 #include "runner/live/progress_line.hpp"
-#include "runner/runs/run_directory.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-void tell(const report::AnalyzedRun& analyzed) {
-  for (const std::string& line : analyzed.headline) fmt::print("{}\n", line);
-  fmt::print("report   {}\n", fs::absolute(analyzed.report).lexically_normal().string());
+constexpr const char* kReporter = "lab-analyze";
+constexpr const char* kReportOfRun = "report-of-run";  // its command, see analyze_commands.hpp
+
+std::vector<std::string> settingsOf(const RunOptions& options) {
+  std::vector<std::string> set = options.set;
+  if (options.seed) set.push_back("seed=" + std::to_string(*options.seed));
+  return set;
 }
 
-bool isPoseFile(const fs::path& path) {
-  const std::string ending = path.extension().string();
-  if (fs::is_directory(path)) {
-    return !fs::exists(path / files::kLog) && !report::trexFiles(path).empty();
+void requireReporter(const fs::path& programs) {
+  const fs::path file = programs / kReporter;
+  if (fs::exists(file)) return;
+  throw UserError(fmt::format(
+      "the report needs {}, which is not there: {}; or leave the report out with --no-report",
+      file.string(), installation().installHint(kReporter, "./lab run FILE builds it")));
+}
+
+/// Runs in the child between fork and exec, so only system calls are allowed.
+[[noreturn]] void becomeReporter(char* const* arguments, pid_t parent) {
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // who kills `lab run` ends its report too
+  if (getppid() != parent) _exit(1);
+  // Signals that this process survives must not end the report either: exec keeps "ignored", but
+  // resets handlers.
+  struct sigaction term {};
+  if (sigaction(SIGTERM, nullptr, &term) == 0 && term.sa_handler != SIG_DFL) {
+    signal(SIGTERM, SIG_IGN);
   }
-  return fs::is_regular_file(path) && (ending == ".csv" || ending == ".CSV" || ending == ".tsv");
+  execv(arguments[0], arguments);
+  _exit(127);
+}
+
+/// Lets lab-analyze write the report into the run's folder and print its headline here.
+/// @return whether there is a report; if not, a line on stderr says why
+bool makeReport(const fs::path& programs, const fs::path& directory) {
+  const std::string program = (programs / kReporter).string();
+  std::string command = kReportOfRun;
+  std::string folder = directory.string();
+  // exec takes char* and does not write through it.
+  char* const arguments[] = {const_cast<char*>(program.c_str()), command.data(), folder.data(),
+                             nullptr};
+  const pid_t parent = getpid();
+  const pid_t child = fork();
+  if (child == 0) becomeReporter(arguments, parent);
+  if (child < 0) {
+    fmt::print(stderr, "lab: no report: cannot start {}: {}\n", program, std::strerror(errno));
+    return false;
+  }
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0) {
+    if (errno != EINTR) return false;
+  }
+  if (WIFSIGNALED(status)) {
+    fmt::print(stderr, "lab: no report: {} was killed by signal {}\n", kReporter, WTERMSIG(status));
+  } else if (WEXITSTATUS(status) == 127) {
+    fmt::print(stderr, "lab: no report: {} cannot be executed\n", program);
+  }
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 }  // namespace
 
-ExitCode run(const RunOptions& options) {
+ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   const bool web = wantsDashboard(options.web, options.virtual_time, std::getenv("CI"));
   if (!web && !options.web_address.empty()) {
     throw UserError("--web-address-file " + options.web_address.string() +
                     ": this run has no page in a browser; add --web (not with --virtual-time), or "
                     "leave it out");
   }
-  std::vector<std::string> set = options.set;
-  if (options.seed) set.push_back("seed=" + std::to_string(*options.seed));
+  const std::vector<std::string> set = settingsOf(options);
   Experiment experiment = loadExperiment(options.file, set);
-  if (options.report) requireProgram("gnuplot", "gnuplot-nox");
+  if (options.report) {
+    requireProgram("gnuplot", "gnuplot-nox");
+    requireReporter(options.programs);
+  }
   if (options.virtual_time && experiment.gateway.ros) {
     fmt::print(stderr, "lab: ROS 2 sees nothing of a run in virtual time (docs/ros2.md)\n");
   }
   const double duration = experiment.duration;
   double elapsed = 0;
   std::optional<ProgressLine> line(std::in_place, duration);
-  const Launched launched = launch({.file = options.file,
-                                    .out = options.out,
-                                    .programs = options.programs,
-                                    .set = options.set,
-                                    .virtual_time = options.virtual_time,
-                                    .web = web,
-                                    .web_address = options.web_address},
-                                   std::move(experiment), [&](const Progress& progress) {
-                                     elapsed = progress.elapsed;
-                                     line->show(progress);
-                                   });
+  const Launched launched =
+      launch({.file = options.file,
+              .out = options.out,
+              .programs = options.programs,
+              .set = options.set,
+              .run_virtual = options.virtual_time ? run_virtual : RunVirtual(),
+              .web = web,
+              .web_address = options.web_address},
+             std::move(experiment), [&](const Progress& progress) {
+               elapsed = progress.elapsed;
+               line->show(progress);
+             });
 
   line.reset();
   const RunOutcome& outcome = launched.outcome;
@@ -72,73 +123,39 @@ ExitCode run(const RunOptions& options) {
     fmt::print("{} after {:.0f} s of {:.10g} s\n", outcome.ended_because, elapsed, duration);
   }
   for (const std::string& fault : outcome.faults) fmt::print("marked   {}\n", fault);
-  if (options.report) {
-    try {
-      tell(report::analyzeRun(launched.directory, launched.directory, {.needs_frames = false}));
-    } catch (const std::exception& error) {
-      // The run itself is done: its log is kept, and only the report is missing, be it that it
-      // cannot be made or that there is no room for it. What broke in the run is said first: it may
-      // be why.
-      std::fflush(stdout);
-      fmt::print(stderr, "lab: no report: {}\n", error.what());
-      return outcome.closed_early ? kMarked : kFailed;
-    }
-  }
-  return outcome.closed_early ? kMarked : kDone;
+  std::fflush(stdout);
+  // The run is over and its log is kept. A report that cannot be made is a failure of its own.
+  const bool reported = !options.report || makeReport(options.programs, launched.directory);
+  if (outcome.closed_early) return kMarked;
+  return reported ? kDone : kFailed;
 }
 
-ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
-  const Experiment experiment = loadExperiment(file, set);
-  if (experiment.camera.tracker == Tracker::kCamera) {
-    static_cast<void>(cameraInForce(experiment, file.parent_path()));
+std::vector<std::string> programsOfRun(const RunOptions& options) {
+  const Experiment experiment = loadExperiment(options.file, settingsOf(options));
+  std::vector<std::string> programs = neededPrograms(experiment, options.virtual_time);
+  if (options.virtual_time) programs.emplace_back("lab-run-virtual");
+  if (options.report) programs.emplace_back(kReporter);
+  if (wantsDashboard(options.web, options.virtual_time, std::getenv("CI"))) {
+    programs.emplace_back(kObserverService);
   }
-  checkProjectorFile(experiment, file.parent_path());
-  static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
-  checkScenes(experiment, file.parent_path());
-  const auto length = [&](const ProgramSpec& program) {
-    const analysis::ProgramLaw law =
-        analysis::toLaw(toMessage(program), experiment.hardware.diameter);
-    return analysis::ExactLaw(law).persistenceLength();
-  };
-  fmt::print("{}", describeExperiment(experiment, length));
-  return kDone;
+  return programs;
 }
 
-ExitCode analyze(const AnalyzeOptions& options) {
-  const fs::path& input = options.input;
-  if (!fs::is_directory(input) && !fs::is_regular_file(input)) {
-    throw UserError(input.string() +
-                    " is neither the folder of a run nor a log nor a file of poses");
-  }
-  // The results of two logs in one folder must not replace each other.
-  const bool poses = isPoseFile(input);
-  fs::path beside = input;
-  if (poses) {
-    beside.replace_extension();
-    beside += "-report";
-  } else if (!fs::is_directory(input)) {
-    beside += "-report";
-  }
-  const fs::path out = options.out.value_or(beside);
-  const report::AnalyzeOptions how{
-      .figures = options.figures,
-      .depth = options.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive,
-      .stitch = options.stitch};
-  if (poses) {
-    report::PoseFileOptions columns;
-    if (options.scale_cm) columns.scale = *options.scale_cm * units::kCentimetre;
-    columns.fps = options.fps;
-    tell(report::analyzePoses(input, out, columns, {options.program, options.set}, how));
-    return kDone;
-  }
-  if (!options.program.empty() || !options.set.empty() || options.scale_cm || options.fps) {
-    throw UserError(
-        input.string() +
-        ": found no file of poses (.csv); --program, --set, --scale-cm and --fps are for "
-        "these, a log knows what its robots ran");
-  }
-  tell(report::analyzeRun(input, out, how));
-  return kDone;
+void addRunOptions(CLI::App& command, RunOptions& options) {
+  addExperiment(command, options.file);
+  command.add_flag(
+      "--virtual-time", options.virtual_time,
+      "Simulate in one process, as fast as possible; the same seed gives the same log");
+  command.add_option("--seed", options.seed, "Replaces the seed of the file")->check(wholeNumber());
+  command.add_option("--out", options.out, "Folder for the folders of runs")->capture_default_str();
+  command.add_option("--set", options.set, "key=value: replaces a key of the file (repeatable)")
+      ->allow_extra_args(false);
+  command.add_flag("!--no-report", options.report,
+                   "Keep the log only; lab analyze makes the report later");
+  addChoice(command, "--web,!--no-web", options.web,
+            "The dashboard in a browser (default: in real time, unless CI is set)");
+  command.add_option("--web-address-file", options.web_address,
+                     "File for the address of the dashboard, readable by you only");
 }
 
 }  // namespace lab::runner

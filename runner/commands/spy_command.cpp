@@ -3,9 +3,13 @@
 
 #include <array>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <lab/link_status_t.hpp>
 #include <map>
+#include <optional>
+#include <string>
+#include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
@@ -23,7 +27,7 @@ namespace {
 
 constexpr std::int64_t kShow_us = 1'000'000;
 
-/// What the spy knows of one stream beyond its counts.
+/// Of one stream, beside its counts.
 struct Heard {
   std::string type;
   std::int64_t received_at_last_show = 0;
@@ -112,7 +116,7 @@ class Spy {
   LcmBus bus_;
   StreamCounter counter_;
   std::map<StreamKey, Heard> heard_;
-  std::map<std::string, link_status_t> links_;  ///< by the host that says so
+  std::map<std::string, link_status_t> links_;  ///< by reporting host
   std::int64_t last_show_utime_ = 0;
 };
 

@@ -1,12 +1,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <list>
 #include <memory>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "common/bus/bus_error.hpp"
 #include "common/bus/channels.hpp"
@@ -20,17 +23,17 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kDeskTick_us = 20'000;  // the desk says when it is time
+constexpr std::int64_t kStopTick_us = 20'000;  // StopCoordinator decides when to repeat
 
-void sayNotAsked(const RunningLab& lab, bool clear, const BusError& error) {
+void printNotAsked(const RunningLab& lab, bool clear, const BusError& error) {
   fmt::print("{}: NOT {}, {}\n", lab.name, clear ? "released" : "stopped", error.what());
 }
 
-/// Asks one lab's robots to stop (or to go on) until each has said that it does.
+/// Asks the robots of one lab to stop (or releases the stop) until each has confirmed it.
 class StopRequest {
  public:
-  /// Opens the lab's bus and asks for the first time.
-  /// @throws BusError when the bus cannot be opened or takes nothing.
+  /// Opens the lab's bus and sends the first request.
+  /// @throws BusError when the bus cannot be opened or nothing can be sent
   StopRequest(RunningLab lab, bool clear, AsioLoop& loop)
       : lab_(std::move(lab)),
         clear_(clear),
@@ -52,7 +55,7 @@ class StopRequest {
     bus_watch_ = loop_.watch(bus_.fileDescriptor(), [this] { guarded([this] { bus_.drain(); }); });
   }
 
-  /// Asks again where it is time. @return whether it has come to an end, and said how
+  /// Repeats the request when due. @return whether it has ended; then its result was printed
   bool attend() {
     if (finished_) return true;
     const std::int64_t waited = loop_.now() - seq_;
@@ -75,12 +78,12 @@ class StopRequest {
     }
   }
 
-  /// What breaks on this lab's bus is said, and keeps no other lab waiting.
+  /// An error on this lab's bus is printed and does not delay the stop of other labs.
   void guarded(const std::function<void()>& part) {
     try {
       part();
     } catch (const BusError& error) {
-      sayNotAsked(lab_, clear_, error);
+      printNotAsked(lab_, clear_, error);
       finish(false);
     }
   }
@@ -89,7 +92,7 @@ class StopRequest {
     try {
       node_.close();
     } catch (const BusError&) {
-      // How it ended is said already, and these are for the report only.
+      // The result was printed, and the final counts only matter for the report.
     }
   }
 
@@ -99,8 +102,8 @@ class StopRequest {
     bus_watch_.reset();
   }
 
-  /// The newest request holds: who asked for the opposite later is not spoken against. Runners go
-  /// on repeating an older one until they have heard of ours.
+  /// The newest request is in force, so a later opposite request ends this one. Older requests are
+  /// ignored: runners repeat them until they have received this one.
   void take(const robot_stop_t& stop) {
     const bool older = stop.seq <= seq_;
     if (older) return;
@@ -137,7 +140,7 @@ class StopRequest {
   RunningLab lab_;
   bool clear_;
   AsioLoop& loop_;
-  std::int64_t seq_;  ///< of our request, as everybody's the time it was made
+  std::int64_t seq_;  ///< of this request: the time at which it was made [us since 1970]
   std::string overruled_by_;
   bool finished_ = false;
   bool succeeded_ = false;
@@ -153,7 +156,7 @@ ExitCode stop(const StopOptions& options) {
   std::vector<RunningLab> labs = runningLabs();
   std::erase_if(labs, [](const RunningLab& lab) { return lab.replay; });
   if (!options.lab.empty() || labs.empty()) labs = {findLab(options.lab)};
-  // All at once: whoever does not answer keeps no other lab's robots going.
+  // All labs at once: one that does not answer must not delay the stop of the others.
   AsioLoop loop;
   bool all = true;
   std::list<StopRequest> requests;
@@ -161,11 +164,11 @@ ExitCode stop(const StopOptions& options) {
     try {
       requests.emplace_back(lab, options.clear, loop);
     } catch (const BusError& error) {
-      sayNotAsked(lab, options.clear, error);
+      printNotAsked(lab, options.clear, error);
       all = false;
     }
   }
-  loop.every(kDeskTick_us, loop.now(), [&] {
+  loop.every(kStopTick_us, loop.now(), [&] {
     bool over = true;
     for (StopRequest& request : requests) over = request.attend() && over;
     if (over) loop.stop();

@@ -5,16 +5,19 @@
 #include <unistd.h>
 
 #include <csignal>
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
+#include <string>
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/doctor/machine.hpp"
 #include "runner/live/dashboard_process.hpp"
-#include "runner/live/progress_line.hpp"
 #include "runner/runs/lab_registry.hpp"
 #include "runner/runs/network.hpp"
 
@@ -22,22 +25,23 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kLookAfterWeb_us = 100'000;
+constexpr std::int64_t kSuperviseWeb_us = 100'000;
 
-/// Shows a page in the user's browser, which lives on without us. Its address holds the token, and
-/// a command line is for everybody to read: the browser is led there by a file.
-/// @return the opener, which ends by itself; 0: there is none
-pid_t openInBrowser(const std::string& address, const fs::path& leads_there) {
+/// Opens the address in the user's browser, which outlives this program. The address contains the
+/// token, and other users can read command lines, so the browser gets a private file that redirects
+/// to it.
+/// @return pid of xdg-open, which ends by itself; 0: not started
+pid_t openInBrowser(const std::string& address, const fs::path& redirect) {
   const auto opener = findProgram("xdg-open");
   if (!opener) {
     printLine("web      there is no xdg-open: open the address yourself");
     return 0;
   }
-  writePrivately(leads_there, fmt::format("<!DOCTYPE html><meta charset=\"utf-8\">"
-                                          "<meta http-equiv=\"refresh\" content=\"0;url={}\">\n",
-                                          address));
+  writePrivately(redirect, fmt::format("<!DOCTYPE html><meta charset=\"utf-8\">"
+                                       "<meta http-equiv=\"refresh\" content=\"0;url={}\">\n",
+                                       address));
   std::string program = opener->string();
-  std::string page = leads_there.string();
+  std::string page = redirect.string();
   char* arguments[] = {program.data(), page.data(), nullptr};
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
@@ -57,15 +61,15 @@ pid_t openInBrowser(const std::string& address, const fs::path& leads_there) {
   return pid;
 }
 
-/// Says when it could not do it. @param opener 0 once it is gone
-void lookAfterOpener(pid_t& opener) {
+/// Prints a line when xdg-open failed. @param opener set to 0 once it has ended
+void superviseOpener(pid_t& opener) {
   int status = 0;
   if (opener == 0 || waitpid(opener, &status, WNOHANG) == 0) return;
   opener = 0;
   if (status != 0) printLine("web      xdg-open shows no page: open the address yourself");
 }
 
-/// What the page's program said, for somebody who has nothing else to look into.
+/// Prints the output of the dashboard on stderr: there is no run folder in which to look.
 void showOutput(const fs::path& output) {
   std::ifstream file(output);
   for (std::string line; std::getline(file, line);) fmt::print(stderr, "{}\n", line);
@@ -76,7 +80,7 @@ void showOutput(const fs::path& output) {
 ExitCode web(const WebOptions& options) {
   if (const auto problem = multicastProblem()) throw UserError(*problem);
   const RegistryFile output(".web.txt");
-  const RegistryFile leads_there(".web.html");
+  const RegistryFile redirect(".web.html");
   AsioLoop loop;
   DashboardProcess page({.program = options.programs / kObserverService,
                          .url = lcmUrl(choosePort(0)),
@@ -89,13 +93,13 @@ ExitCode web(const WebOptions& options) {
   pid_t opener = 0;
   page.start(say);
   loop.onSignals({SIGINT, SIGTERM, SIGHUP}, [&loop](int) { loop.stop(); });
-  loop.every(kLookAfterWeb_us, loop.now(), [&] {
+  loop.every(kSuperviseWeb_us, loop.now(), [&] {
     page.supervise(say);
-    lookAfterOpener(opener);
+    superviseOpener(opener);
     if (page.givenUp()) loop.stop();
     if (opened || page.address().empty()) return;
     opened = true;
-    opener = openInBrowser(page.address(), leads_there.path());
+    opener = openInBrowser(page.address(), redirect.path());
   });
   loop.run();
   const bool failed = page.givenUp();

@@ -66,12 +66,16 @@ Finding program(bool found, const std::string& name, const std::string& package,
           "sudo apt-get install --no-install-recommends " + package};
 }
 
-/// Packages leave out what not everybody needs; a build lacks it where a library was missing.
-Finding part(bool found, const std::string& name, const std::string& consequence,
-             const std::string& build) {
+/// Some programs are packages of their own. In a clone, ./lab builds programs when they are first
+/// needed.
+Finding part(bool found, const std::string& name, const std::string& consequence) {
   if (found) return {Level::kOk, name + " is there", ""};
-  return {Level::kWarning, name + " is not there: " + consequence,
-          installation().installHint(name, build)};
+  if (!installation().packaged) {
+    return {Level::kOk, name + " is not built yet: ./lab builds it for the first run that needs it",
+            ""};
+  }
+  return {Level::kWarning, name + " is not installed: " + consequence,
+          installation().installHint(name, "")};
 }
 
 Finding clockState(const MachineFacts& facts) {
@@ -165,10 +169,8 @@ std::vector<Finding> judge(const MachineFacts& facts, const DoctorOptions& optio
       display(facts),
       program(facts.has_ssh, "ssh", "openssh-client", Level::kWarning,
               "no service can be placed on another host"),
-      part(facts.has_gateway, "dds_gateway", "no ROS 2, and no other hosts over DDS",
-           "./lab --version  # builds it"),
-      part(facts.has_emulator, "robot_emulator", "no robots with body = \"firmware\"",
-           "sudo apt-get install gcc-avr avr-libc libsimavr-dev && ./lab --version  # builds it"),
+      part(facts.has_gateway, "dds_gateway", "no ROS 2, and no other hosts over DDS"),
+      part(facts.has_emulator, "robot_emulator", "no robots with body = \"firmware\""),
   };
   for (const std::filesystem::path& file : facts.stale_registrations) {
     findings.push_back({Level::kWarning, "a lab ended without removing " + file.string(),

@@ -9,10 +9,10 @@
 #include <stdexcept>
 #include <thread>
 
+#include "common/experiment/service_placement.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/error.hpp"
 #include "dds_gateway/gateway_domain.hpp"
-#include "runner/virtual_time/services.hpp"
 
 namespace lab::runner {
 namespace {

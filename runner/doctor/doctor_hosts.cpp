@@ -9,7 +9,6 @@
 
 #include "common/experiment/service_placement.hpp"
 #include "runner/hosts/remote_host.hpp"
-#include "runner/virtual_time/services.hpp"
 
 namespace lab::runner {
 namespace {

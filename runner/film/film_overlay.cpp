@@ -12,8 +12,8 @@
 #include <utility>
 
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/output_file.hpp"
 #include "runner/film/movie_writer.hpp"
-#include "runner/film/named_files.hpp"
 #include "tracker_svc/overlay.hpp"
 
 namespace lab::runner {

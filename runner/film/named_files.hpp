@@ -1,18 +1,12 @@
 /// Files that a command line names.
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <string>
 
 #include "tracker_svc/film_reader.hpp"
 
 namespace lab::runner {
-
-/// Whether a file can be written, before the work for it begins.
-/// @throws UserError when it is there already and may not be replaced, is a folder, or when its
-///   folder is not there or lets nobody write.
-void checkOutput(const std::filesystem::path& path, bool force);
 
 /// FilmReader::open().
 /// @param fps [1/s] of pictures without times, 0: 30

@@ -9,7 +9,7 @@
 
 #include "common/experiment/experiment_file.hpp"
 #include "light/field/image.hpp"
-#include "runner/commands/commands.hpp"
+#include "runner/film/film_commands.hpp"
 #include "runner/film/light_preview.hpp"
 #include "runner/film/movie_writer.hpp"
 

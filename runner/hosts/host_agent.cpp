@@ -212,7 +212,7 @@ class Agent {
     const fs::path program = programs_ / name;
     if (access(program.c_str(), X_OK) != 0) {
       throw UserError(program.string() + " is not there: " +
-                      installation().installHint(name, "build the lab there (./lab --version)"));
+                      installation().installHint(name, "build the lab there (./lab build)"));
     }
     std::vector<std::string> arguments{
         program.string(), "--experiment",

@@ -110,7 +110,7 @@ std::string refusal(const HostSpec& host, const HostHello& here, const HostHello
       "(ssh {}, then {}), or name the folder of the right programs there: "
       "hosts.{}.programs",
       host.name, difference, versionText(there), versionText(here), host.ssh,
-      installation().installHint("lab", "git pull and ./lab --version in its folder"), host.name);
+      installation().installHint("lab", "git pull and ./lab build in its folder"), host.name);
 }
 
 void ClockMeasurement::add(std::int64_t asked, std::int64_t there, std::int64_t answered) {
@@ -144,7 +144,7 @@ std::string sshTrouble(const HostSpec& host, const std::string& said, const std:
     std::string explanation;
   };
   const std::string programs = installation().installHint(
-      "lab", "build it there (./lab --version in its folder) and set hosts." + host.name +
+      "lab", "build it there (./lab build in its folder) and set hosts." + host.name +
                  ".programs = \"FOLDER/build/release/bin\"");
   const std::vector<KnownError> known_errors = {
       {"Could not resolve hostname", "no machine of that name is known: set hosts." + host.name +

@@ -15,7 +15,7 @@
 namespace lab::runner {
 namespace {
 
-/// Runs in the child, between fork and exec: nothing but system calls.
+/// Runs in the child between fork and exec, so only system calls are allowed.
 [[noreturn]] void becomeProgram(char* const* arguments, int output, ChildProcess::Streams streams,
                                 pid_t parent) {
   setpgid(0, 0);

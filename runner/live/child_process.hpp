@@ -1,4 +1,4 @@
-/// A process that never outlives the runner.
+/// A child process that never outlives the runner.
 #pragma once
 
 #include <sys/types.h>
@@ -11,20 +11,20 @@
 
 namespace lab::runner {
 
-/// Starts a program in a process group of its own (a Ctrl-C in the terminal reaches the runner
-/// alone, which ends its children in the right order), with SIGTERM sent by the kernel should the
-/// runner die, and its output appended to a file.
+/// Starts a program and appends its output to a file. The program has its own process group, so
+/// that Ctrl-C reaches the runner only, which ends its children in the right order. The kernel
+/// sends it SIGTERM when the runner dies.
 class ChildProcess final : public ServiceProcess {
  public:
-  /// Descriptors to talk through, which stay their owner's; -1: input is empty, output a file.
+  /// Descriptors for stdin and stdout, not owned. -1: empty input, output to the file.
   struct Streams {
     int input = -1;
     int output = -1;
   };
 
-  /// @param arguments the program's path first.
-  /// @param output the file for what it prints, beyond what goes to a stream.
-  /// @throws std::runtime_error when it cannot be started.
+  /// @param arguments the program's path first
+  /// @param output file for stderr, and for stdout without a stream
+  /// @throws std::runtime_error when it cannot be started
   ChildProcess(std::string name, const std::vector<std::string>& arguments,
                const std::filesystem::path& output, Streams streams);
   ChildProcess(std::string name, const std::vector<std::string>& arguments,
@@ -40,7 +40,7 @@ class ChildProcess final : public ServiceProcess {
   [[nodiscard]] const std::string& ending() const override { return ending_; }
   void terminate() override;
 
-  /// SIGKILL is never the first choice for lcm-logger.
+  /// lcm-logger must get time to write its data: SIGKILL would lose it.
   bool waitOrKill(int patience_ms) override;
 
  private:

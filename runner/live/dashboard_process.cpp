@@ -11,21 +11,21 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/process/installation.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "runner/live/progress_line.hpp"
+#include "runner/command_line/print_line.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kMostPageRestarts = 5;  // as of every service
+constexpr int kMostPageRestarts = 5;  // as for the services
 constexpr int kPatience_ms = 2000;
-constexpr const char* kBuild = "build the lab again (./lab --version)";
+constexpr const char* kBuild = "build the lab again (./lab build)";
 
 }  // namespace
 
 void writePrivately(const fs::path& path, const std::string& text) {
   std::error_code error;
-  fs::remove(path, error);  // a file that others may read stays readable
+  fs::remove(path, error);  // an existing file would keep its permissions
   const int file = open(path.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0600);
   const bool written =
       file >= 0 && write(file, text.data(), text.size()) == static_cast<ssize_t>(text.size());
@@ -91,7 +91,7 @@ void DashboardProcess::supervise(const Say& say) {
 }
 
 void DashboardProcess::findAddress() {
-  // Again and again: one that is started anew may find its port taken.
+  // The address may change: a restarted dashboard may find its port taken.
   std::ifstream file(options_.address_file);
   std::string address;
   if (!std::getline(file, address) || address.empty() || address == address_) return;
@@ -108,7 +108,8 @@ void DashboardProcess::end() {
   }
   std::error_code error;
   fs::remove(options_.address_file, error);
-  fs::remove(fs::path(options_.address_file) += ".part", error);  // it was ended while it wrote
+  fs::remove(fs::path(options_.address_file) += ".part",
+             error);  // left when it was ended while writing
   if (!options_.address_copy.empty() && !address_.empty()) {
     fs::remove(options_.address_copy, error);
   }

@@ -1,4 +1,4 @@
-/// The page in a browser beside a lab: a process on which nothing depends.
+/// The dashboard beside a run: a process on which nothing depends.
 #pragma once
 
 #include <filesystem>
@@ -16,19 +16,19 @@ namespace lab::runner {
 struct DashboardOptions {
   std::filesystem::path program;         ///< the dashboard
   std::string url;                       ///< of the bus
-  std::filesystem::path experiment{};    ///< its file, empty: none is known
+  std::filesystem::path experiment{};    ///< its file, empty: not known
   std::filesystem::path runs;            ///< folder of past runs
-  int port = 0;                          ///< the first one tried, 0: as the experiment says
-  std::filesystem::path address_file;    ///< for the user's eyes only, removed at the end
-  std::filesystem::path address_copy{};  ///< where else the address is written, empty: nowhere
-  std::filesystem::path output;          ///< file for what it prints
+  int port = 0;                          ///< first port tried, 0: from the experiment file
+  std::filesystem::path address_file;    ///< readable by the user only, removed at the end
+  std::filesystem::path address_copy{};  ///< second file for the address, empty: none
+  std::filesystem::path output;          ///< file for its output
 };
 
-/// Starts the dashboard, says where it is, starts it again on the same address when it dies, and
-/// gives it up when that happens too often. Nothing that goes wrong is thrown.
+/// Starts the dashboard, prints its address, restarts it when it dies, and gives it up after too
+/// many restarts. Errors are reported, never thrown.
 class DashboardProcess {
  public:
-  /// What is to be known about it, a sentence.
+  /// Receives a sentence for the user and the record.
   using Say = std::function<void(const std::string&)>;
 
   explicit DashboardProcess(DashboardOptions options) : options_(std::move(options)) {}
@@ -36,22 +36,22 @@ class DashboardProcess {
   DashboardProcess(const DashboardProcess&) = delete;
   DashboardProcess& operator=(const DashboardProcess&) = delete;
 
-  /// Starts it and returns at once; gives it up where it is not installed.
+  /// Starts it without waiting. Gives it up when it is not installed.
   /// @param say called when it cannot be started
   void start(const Say& say);
 
-  /// To be called again and again: prints the address when it is known and when it is another one,
-  /// restarts what has died.
+  /// Call regularly: prints the address once it is known and when it changes, and restarts a dead
+  /// process.
   /// @param say called for each death
   void supervise(const Say& say);
 
-  /// With the token; empty: not known yet.
+  /// The address with its token; empty: not known yet.
   [[nodiscard]] const std::string& address() const { return address_; }
 
-  /// It will not be tried again.
+  /// Whether it was given up.
   [[nodiscard]] bool givenUp() const { return given_up_; }
 
-  /// Ends it; nothing is left of its address.
+  /// Ends it and removes the files with its address.
   void end();
 
  private:
@@ -66,14 +66,14 @@ class DashboardProcess {
   bool given_up_ = false;
 };
 
-/// Writes a file that its owner alone can read, from its first moment: who has the page's address
-/// may use its buttons. Says so where it cannot.
+/// Writes a file that only its owner can read: whoever has the address can control the lab. Prints
+/// a line on stderr when that fails.
 void writePrivately(const std::filesystem::path& path, const std::string& text);
 
-/// What a user asks for with --web and --no-web, or what holds without.
-/// @param asked nothing: neither was said
-/// @param ci the environment's CI, may be null
-/// @throws UserError for a page of a run in virtual time
+/// Whether a run has the dashboard.
+/// @param asked --web or --no-web, nullopt: neither was given
+/// @param ci the environment variable CI, may be null
+/// @throws UserError for --web in virtual time
 [[nodiscard]] bool wantsDashboard(std::optional<bool> asked, bool virtual_time, const char* ci);
 
 }  // namespace lab::runner

@@ -1,15 +1,19 @@
 #include "runner/live/experiment_controller.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/fingerprints.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/experiment/service_placement.hpp"
-#include "common/files/json_section.hpp"
+#include "common/files/file_text.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
 
@@ -19,12 +23,13 @@ namespace {
 constexpr std::int64_t kRobotPeriod_us = 200'000;  // 5 Hz
 constexpr std::int64_t kHandshakePeriod_us = 20'000;
 constexpr std::int64_t kStopPeriod_us = 100'000;  // 10 Hz
-// Then the script starts without those that are missing. A board on a serial line needs 1.3 s for
-// its bootloader, up to 2.5 s until it is spoken to, and a second for its table.
+// After this time the script starts without the robots that have not echoed their table. A board on
+// a serial line needs 1.3 s for its bootloader, up to 2.5 s until robot_bridge opens the line, and
+// 1 s for its table.
 constexpr std::int64_t kLightEchoPatience_us = 3'000'000;
 constexpr std::int64_t kSerialEchoPatience_us = 10'000'000;
 constexpr std::int64_t kLightPatience_us = 2'000'000;
-// The network may lose one message; what happens once is said more than once.
+// Events are sent three times because LCM may drop messages.
 constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
 constexpr std::int64_t kStatusPeriod_us = 500'000;  // 2 Hz
@@ -33,10 +38,6 @@ bool waitsForEstimates(const Experiment& experiment) {
   return !experiment.stop_when.empty() ||
          std::ranges::any_of(experiment.light.steps,
                              [](const LightStep& step) { return !step.until.estimate.empty(); });
-}
-
-std::string ownerName(const std::string& sender, std::int64_t instance) {
-  return sender + " (instance " + std::to_string(instance) + ")";
 }
 
 }  // namespace
@@ -49,7 +50,7 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
       run_(context.directory.filename().string()),
       effective_(std::move(effective)),
       over_(std::move(over)),
-      request_log_([this](const experiment_command_t& wish) { return obey(wish); }),
+      request_log_([this](const experiment_command_t& request) { return execute(request); }),
       robots_(lightTableCommand(context.experiment)),
       handshake_(context.experiment),
       light_(context.node, context.loop, context.experiment, context.directory,
@@ -62,9 +63,11 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
                     return !robots_.orders.empty() &&
                            robots_.orders.front().mode == robot_order_t::TABLE;
                   },
-              .end = [this](const ScriptTransition& turn) { endScript(turn); }}),
-      stop_rules_(context.experiment) {
-  // The experiment's bands are light on the arena; robots compare what their sensors read.
+              .end = [this](const ScriptTransition& transition) { endScript(transition); }}),
+      stop_rules_(context.experiment),
+      stop_latch_(context.experiment) {
+  // The experiment's bands are intensities on the arena. Robots compare their sensor readings, so
+  // the calibration converts the bands.
   if (const auto calibration = activeLightCalibration(experiment_, context.directory)) {
     robots_ = withCalibratedBands(robots_, *calibration);
     light_calibration_ =
@@ -80,8 +83,8 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
                                 [this](const robot_stop_t& stop) { take(stop); });
   node_.subscribe<robot_command_t>(channels::kRobotCommand,
                                    [this](const robot_command_t& command) { take(command); });
-  node_.subscribe<experiment_command_t>(channels::kExperimentCommand,
-                                        [this](const experiment_command_t& wish) { take(wish); });
+  node_.subscribe<experiment_command_t>(
+      channels::kExperimentCommand, [this](const experiment_command_t& request) { take(request); });
   if (waitsForEstimates(experiment_)) {
     node_.subscribe<analysis_t>(channels::kAnalysis,
                                 [this](const analysis_t& analysis) { take(analysis); });
@@ -98,7 +101,7 @@ void ExperimentController::begin() {
     phase_ = Phase::kHandshake;
     after_handshake_ = robots_;
     light_.showEverywhere(1, "handshake");
-    loop_.every(kHandshakePeriod_us, now, [this] { shakeHands(); });
+    loop_.every(kHandshakePeriod_us, now, [this] { continueHandshake(); });
   } else {
     askRobots();
   }
@@ -108,7 +111,7 @@ void ExperimentController::begin() {
   loop_.every(kStatusPeriod_us, now, [this] { sendStatus(); });
 }
 
-void ExperimentController::shakeHands() {
+void ExperimentController::continueHandshake() {
   if (phase_ != Phase::kHandshake) return;
   const bool another =
       handshake_.advance(loop_.now(), [this](std::int32_t id) { return isObeyedBy(id); });
@@ -122,7 +125,8 @@ void ExperimentController::shakeHands() {
   dim();
 }
 
-/// No robot is to see the light of the handshake with a light table in its hands.
+/// Before the robots get their light table, the light of the handshake must be gone: they would
+/// start programs by it.
 void ExperimentController::dim() {
   phase_ = Phase::kDimming;
   command(standCommand(experiment_));
@@ -136,7 +140,7 @@ void ExperimentController::lightShown() {
   if (phase_ == Phase::kDimming) askRobots();
   if (phase_ == Phase::kLeaving) {
     safe_light_ = true;
-    leave();
+    endIfStopped();
   }
 }
 
@@ -201,7 +205,7 @@ void ExperimentController::mark(const std::string& what) {
 
 void ExperimentController::sendRobots() {
   if (phase_ == Phase::kIdle) return;
-  // A robot that has just booted hears of a stop before it hears of anything else.
+  // A robot that has just booted must receive a stop in force before its first command.
   repeatStops();
   robot_command_t command = yielded_.without(robots_, loop_.now());
   command.utime = 0;
@@ -220,22 +224,22 @@ void ExperimentController::startScript() {
   light_.startScript();
 }
 
-void ExperimentController::endScript(const ScriptTransition& turn) {
+void ExperimentController::endScript(const ScriptTransition& transition) {
   if (phase_ != Phase::kScript || stop_reached_) return;
-  if (turn.kind == ScriptTransition::Kind::kOver && stop_rules_.given()) {
-    // They would have ended the run before.
+  if (transition.kind == ScriptTransition::Kind::kOver && stop_rules_.given()) {
+    // The script ended before the rules of stop_when were met.
     const std::string unmet = stop_rules_.unmet();
     fault(unmet);
     over_(Ending::kUnmet, unmet);
-  } else if (turn.kind == ScriptTransition::Kind::kOver) {
+  } else if (transition.kind == ScriptTransition::Kind::kOver) {
     over_(Ending::kDone,
-          "the script is over" + (turn.ended_by.empty() ? "" : ": " + turn.ended_by));
-  } else if (turn.kind == ScriptTransition::Kind::kEnd) {
-    over_(Ending::kUnmet, turn.fault);
+          "the script is over" + (transition.ended_by.empty() ? "" : ": " + transition.ended_by));
+  } else if (transition.kind == ScriptTransition::Kind::kEnd) {
+    over_(Ending::kUnmet, transition.fault);
   } else {
     phase_ = Phase::kLeaving;
     ended_ = light_.script().elapsed(loop_.now());
-    leaving_because_ = turn.fault;
+    leaving_because_ = transition.fault;
     command(standCommand(experiment_));
     light_.showEverywhere(experiment_.light.safe_intensity, "safe");
     sendStatus();
@@ -245,24 +249,27 @@ void ExperimentController::endScript(const ScriptTransition& turn) {
   }
 }
 
-/// The run ends when the safe light is on the arena and every robot stands, or when that takes
-/// long.
-void ExperimentController::leave() {
+/// Ends the run once the safe light is shown and every robot has stopped. endScript() sets a
+/// timeout for this.
+void ExperimentController::endIfStopped() {
   if (phase_ == Phase::kLeaving && safe_light_ && allEchoed()) {
     over_(Ending::kUnmet, leaving_because_);
   }
 }
 
 void ExperimentController::take(const robot_status_t& status) {
-  checkOwner(status);
+  for (const std::string& dispute : owners_.take(status)) {
+    fault(dispute);
+    over_(Ending::kBroken, dispute);
+  }
   for (const robot_state_t& robot : status.robots) states_[robot.robot_id] = robot;
   if (phase_ == Phase::kAskingRobots && allEchoed()) startScript();
   light_.take(status);
-  leave();
+  endIfStopped();
 }
 
 bool ExperimentController::hasEchoed(const RobotSpec& robot) const {
-  const bool takes_none = robot.body == Body::kReplay;  // a recorded one takes no orders
+  const bool takes_none = robot.body == Body::kReplay;  // a recorded robot takes no commands
   const bool table = !robots_.orders.empty() && robots_.orders.front().mode == robot_order_t::TABLE;
   return takes_none || isObeyedBy(robot.id) || (table && yielded_.contains(robot.id, loop_.now()));
 }
@@ -286,30 +293,6 @@ std::string ExperimentController::silentRobots() const {
   return ids;
 }
 
-void ExperimentController::checkOwner(const robot_status_t& status) {
-  for (const robot_state_t& robot : status.robots) {
-    Owner& owner = owners_[robot.robot_id];
-    const bool same = owner.sender == status.sender && owner.instance == status.instance;
-    const bool other_is_alive =
-        !owner.sender.empty() && status.utime - owner.utime < units::kSecond_us;
-    // A restarted service takes its robots over; only two that speak at once are in dispute. An
-    // older instance of the same service is on its way out.
-    const bool takes_over = owner.sender == status.sender && status.instance > owner.instance;
-    if (!same && other_is_alive && !takes_over) {
-      if (disputed_.insert(robot.robot_id).second) {
-        const std::string what = "robot " + std::to_string(robot.robot_id) + " has two owners, " +
-                                 ownerName(owner.sender, owner.instance) + " and " +
-                                 ownerName(status.sender, status.instance) +
-                                 ": stop one of them or give its robot another id";
-        fault(what);
-        over_(Ending::kBroken, what);
-      }
-      continue;
-    }
-    owner = {status.sender, status.instance, status.utime};
-  }
-}
-
 void ExperimentController::take(const tracked_frame_t& frame) {
   if (phase_ == Phase::kHandshake) handshake_.see(frame);
   for (const tracked_pose_t& pose : frame.robots) {
@@ -321,8 +304,7 @@ void ExperimentController::take(const tracked_frame_t& frame) {
 
 void ExperimentController::take(const robot_stop_t& stop) {
   const bool own = stop.sender == node_.identity().name;
-  if (own || phase_ == Phase::kIdle || !stops_heard_.insert(stop.seq).second) return;
-  latch(stop);
+  if (own || phase_ == Phase::kIdle || !stop_latch_.take(stop)) return;
   mark(std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") + stop.sender +
        (stop.reason.empty() ? "" : ": " + stop.reason));
 }
@@ -340,44 +322,115 @@ void ExperimentController::take(const analysis_t& analysis) {
       over_(Ending::kDone, *why);
     }
   }
-  // A script that the same message ends has nothing to say any more.
+  // The message that ends the run does not advance the script.
   if (!stop_reached_) light_.take(analysis);
 }
 
 void ExperimentController::take(const service_status_t& status) {
   const bool own = status.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || status.last_error.empty()) return;
-  if (!complaints_.insert(status.sender + ": " + status.last_error).second) return;
+  if (!errors_recorded_.insert(status.sender + ": " + status.last_error).second) return;
   const std::string what = status.sender + ": " + status.last_error;
   status.sender == kObserverService ? mark(what) : fault(what);
 }
 
-void ExperimentController::latch(const robot_stop_t& stop) {
-  std::vector<std::int32_t> ids = stop.robot_ids;
-  if (ids.empty()) {
-    for (const RobotSpec& robot : experiment_.robots) ids.push_back(robot.id);
-  }
-  for (const std::int32_t id : ids) {
-    if (stop.clear != 0) {
-      latched_.erase(id);
-    } else {
-      latched_[id] = stop.seq;
-    }
+void ExperimentController::repeatStops() {
+  for (robot_stop_t& stop : stop_latch_.inForce(loop_.now())) {
+    node_.publishCommand(channels::kRobotStop, stop);
   }
 }
 
-void ExperimentController::repeatStops() {
-  std::map<std::int64_t, robot_stop_t> by_seq;
-  for (const auto& [id, seq] : latched_) {
-    robot_stop_t& stop = by_seq[seq];
-    stop.seq = seq;
-    stop.utime = loop_.now();
-    stop.clear = 0;
-    stop.reason = "stop in force";
-    stop.robot_ids.push_back(id);
-    stop.num_robots = static_cast<std::int32_t>(stop.robot_ids.size());
+void ExperimentController::take(const experiment_command_t& request) {
+  if (phase_ == Phase::kIdle) return;
+  request_log_.take(request);
+  sendStatus();
+}
+
+std::string ExperimentController::execute(const experiment_command_t& request) {
+  if (phase_ == Phase::kConcluded) return "the run is over";
+  switch (request.action) {
+    case experiment_command_t::PAUSE:
+      return pauseScript(request.sender);
+    case experiment_command_t::RESUME:
+      return resumeScript(request.sender);
+    case experiment_command_t::MARK:
+      if (request.text.empty()) return "a mark needs a text";
+      mark(request.sender + ": " + request.text);
+      return {};
+    case experiment_command_t::END:
+      end("ended by " + request.sender + (request.text.empty() ? "" : ": " + request.text));
+      return {};
+    case experiment_command_t::SEEK:
+    case experiment_command_t::SPEED:
+      return "this is a running lab, whose time nobody sets: only a played log has that";
+    default:
+      return fmt::format("an unknown wish ({})", request.action);
   }
-  for (auto& [seq, stop] : by_seq) node_.publishCommand(channels::kRobotStop, stop);
+}
+
+/// A run that is ending because a condition was not met keeps that reason.
+void ExperimentController::end(const std::string& why) {
+  if (phase_ == Phase::kLeaving) {
+    over_(Ending::kUnmet, leaving_because_ + "; " + why);
+  } else {
+    over_(Ending::kRequested, why);
+  }
+}
+
+std::string ExperimentController::pauseScript(const std::string& who) {
+  if (phase_ == Phase::kLeaving) return "the script is over";
+  if (phase_ != Phase::kScript) return "the script has not begun";
+  if (light_.script().paused()) return "the script is paused already";
+  paused_utime_ = loop_.now();
+  light_.pause();
+  mark("script paused by " + who);
+  return {};
+}
+
+std::string ExperimentController::resumeScript(const std::string& who) {
+  if (phase_ != Phase::kScript || !light_.script().paused()) return "the script is not paused";
+  mark(fmt::format("script resumed by {} after {:.1f} s", who,
+                   units::seconds(loop_.now() - paused_utime_)));
+  light_.resume();
+  return {};
+}
+
+experiment_status_t ExperimentController::status() const {
+  const Progress now = progress();
+  experiment_status_t status{};
+  // In virtual time the log must not depend on the name of the run's folder.
+  if (!loop_.isVirtual()) status.run = run_;
+  switch (phase_) {
+    case Phase::kScript:
+      status.phase = now.paused ? experiment_status_t::PAUSED : experiment_status_t::SCRIPT;
+      break;
+    case Phase::kLeaving:
+      status.phase = experiment_status_t::LEAVING;
+      break;
+    case Phase::kConcluded:
+      status.phase = experiment_status_t::ENDED;
+      break;
+    default:
+      status.phase = experiment_status_t::PREPARING;
+  }
+  const bool in_script = phase_ == Phase::kScript;
+  status.elapsed = now.elapsed;
+  status.left = now.left;
+  status.at_most = now.at_most ? 1 : 0;
+  status.rate = 1;
+  status.step = in_script ? light_.script().number() : -1;
+  status.label = now.light;
+  status.step_left =
+      in_script ? light_.script().stepLeft(loop_.now()) : std::numeric_limits<double>::quiet_NaN();
+  status.stop = now.stop;
+  request_log_.write(status);
+  return status;
+}
+
+void ExperimentController::sendStatus() {
+  if (phase_ == Phase::kIdle) return;
+  experiment_status_t message = status();
+  node_.publish(channels::kExperimentStatus, message);
 }
 
 void ExperimentController::stopRobots(const std::string& why) {
@@ -385,7 +438,7 @@ void ExperimentController::stopRobots(const std::string& why) {
   stop.seq = loop_.now();
   stop.utime = stop.seq;
   stop.reason = why;
-  latch(stop);
+  stop_latch_.set(stop);
   node_.publishCommand(channels::kRobotStop, stop);
 }
 

@@ -9,8 +9,9 @@ namespace lab::runner {
 namespace {
 
 constexpr double kTurnRate = 2;                       // [rad/s]
-constexpr std::int64_t kTurnPatience_us = 3'000'000;  // some six times what the tracker needs
-// A board on a serial line needs 2.5 s until it is spoken to, and a second for its settings.
+constexpr std::int64_t kTurnPatience_us = 3'000'000;  // about six times what the tracker needs
+// A board on a serial line needs up to 2.5 s until robot_bridge opens the line, and 1 s for its
+// settings.
 constexpr std::int64_t kHandshakePatience_us = 10'000'000;
 constexpr std::int64_t kSwing_us = 600'000;  // 70 degrees
 constexpr int kRequestTries = 2;
@@ -70,8 +71,8 @@ void Handshake::turn(std::int64_t utime) {
   obeyed_utime_ = 0;
 }
 
-/// Back, and forth again: that a cap changes its turn when the robot does says more than that it
-/// turns.
+/// Reverses the direction. A cap that reverses together with the robot is stronger evidence than
+/// one that only turns.
 bool Handshake::swing(std::int64_t utime) {
   if (obeyed_utime_ == 0 || utime - swung_utime_ < kSwing_us) return false;
   speed_ = -speed_;

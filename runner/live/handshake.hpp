@@ -1,5 +1,5 @@
-/// The start-up handshake: each robot in turn turns on the spot, so that the tracker sees which cap
-/// it is.
+/// The start-up handshake: one robot after the other turns on the spot, so that the tracker finds
+/// which cap is which robot.
 #pragma once
 
 #include <cstdint>
@@ -13,28 +13,28 @@
 
 namespace lab::runner {
 
-/// Decides who turns, to and fro, and for how long; the controller does what it says. All others
-/// stand meanwhile. A robot that the tracker already knows is left out. One that it does not
-/// recognise has a second turn when all others are through.
+/// Decides which robot turns, in which direction and for how long; the controller sends its
+/// command(). All other robots stand still. A robot that the tracker knows already is skipped. A
+/// robot that is not recognised gets a second try after all others.
 class Handshake {
  public:
   explicit Handshake(const Experiment& experiment);
 
-  /// Whether there is a robot to be recognised.
+  /// Whether some robot must be recognised.
   [[nodiscard]] bool needed() const { return !waiting_.empty(); }
 
-  /// Notes whom the tracker knows.
+  /// Takes note of the robots that the tracker knows.
   void see(const tracked_frame_t& frame);
 
-  /// Moves on where it is time.
-  /// @param obeyed whether a robot does what it was told last
-  /// @return whether somebody else has to turn now, or back: then command() has changed
+  /// Goes on to the next direction or robot when it is time.
+  /// @param obeyed whether a robot has echoed the last command
+  /// @return whether command() has changed
   [[nodiscard]] bool advance(std::int64_t utime, const std::function<bool(std::int32_t)>& obeyed);
 
   [[nodiscard]] const robot_command_t& command() const { return command_; }
   [[nodiscard]] bool done() const { return waiting_.empty(); }
 
-  /// Robots that were given up.
+  /// Robots that were not recognised.
   [[nodiscard]] const std::vector<std::int32_t>& unknown() const { return unknown_; }
 
  private:
@@ -49,15 +49,15 @@ class Handshake {
   [[nodiscard]] bool isOver(std::int64_t utime, const std::function<bool(std::int32_t)>& obeyed);
 
   const Experiment& experiment_;
-  double speed_;  ///< [m/s] of the right wheel of who turns, minus that of the left one
-  std::vector<Turn> waiting_;  ///< the first one turns
+  double speed_;               ///< [m/s] speed of the right wheel; the left wheel has its negative
+  std::vector<Turn> waiting_;  ///< the first one turns now
   std::set<std::int32_t> known_;
   std::vector<std::int32_t> unknown_;
   robot_command_t command_{};
   bool begun_ = false;
   std::int64_t told_utime_ = 0;
-  std::int64_t obeyed_utime_ = 0;  ///< 0: not yet
-  std::int64_t swung_utime_ = 0;   ///< when it turned back last
+  std::int64_t obeyed_utime_ = 0;  ///< 0: no echo yet
+  std::int64_t swung_utime_ = 0;   ///< last change of direction
 };
 
 }  // namespace lab::runner

@@ -1,4 +1,4 @@
-/// Who has fallen silent without having ended: no bus, no file.
+/// Detects processes that run but are silent. No bus, no file.
 #pragma once
 
 #include <cstdint>
@@ -8,37 +8,38 @@
 
 namespace lab::runner {
 
-/// Knows processes by signs of life that come about once a second. Its clock stands while it is not
-/// looked at: where the one who looks was not scheduled, or was halted, nobody else was silent.
+/// Expects a heartbeat of each process about once per second. Time counts only while look() is
+/// called regularly: when this process was not scheduled or was stopped, the others are not to
+/// blame.
 class HeartbeatMonitor {
  public:
-  /// Three signs of life, and what the fourth may be late.
+  /// Three missed heartbeats, and half a second of delay.
   static constexpr std::int64_t kPatience_us = 3'500'000;
-  /// A process that starts may open a camera or a display first.
+  /// Timeout after a start: a process may open a camera or a display first.
   static constexpr std::int64_t kStartPatience_us = 10'000'000;
-  /// It is to be looked at at least so often.
+  /// Longest time between calls of look() that counts in full.
   static constexpr std::int64_t kLongestStep_us = 200'000;
 
   struct Change {
     std::string name;
-    bool silent = false;         ///< or heard of again
-    std::int64_t silence_s = 0;  ///< [s] so far, whole ones
+    bool silent = false;         ///< false: heard of again
+    std::int64_t silence_s = 0;  ///< [s] of silence so far
   };
 
-  /// A process that has just been started, in place of any of that name.
+  /// A process was started. It replaces an earlier one of that name.
   void expect(const std::string& name, std::int64_t patience_us = kStartPatience_us) {
     heartbeats_[name] = {.heard_us = clock_us_, .patience_us = patience_us};
   }
 
-  /// A sign of life; of those that are not expected nothing is noted.
+  /// A heartbeat. Processes that are not expected are ignored.
   void beat(const std::string& name);
 
-  /// @return who has fallen silent or has been heard of again since the last look, each once
+  /// @return the processes that became silent, or were heard again, since the last call
   [[nodiscard]] std::vector<Change> look(std::int64_t now);
 
  private:
   struct Heartbeat {
-    std::int64_t heard_us = 0;  ///< on our clock
+    std::int64_t heard_us = 0;  ///< on clock_us_
     std::int64_t patience_us = 0;
     bool silent = false;
   };
@@ -46,7 +47,7 @@ class HeartbeatMonitor {
   std::map<std::string, Heartbeat> heartbeats_;
   std::vector<Change> again_;
   std::int64_t clock_us_ = 0;
-  std::int64_t looked_utime_ = 0;  ///< 0: not yet
+  std::int64_t looked_utime_ = 0;  ///< last call of look(), 0: none
 };
 
 }  // namespace lab::runner

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -19,11 +20,8 @@
 #include "runner/command_line/exit_code.hpp"
 #include "runner/doctor/doctor.hpp"
 #include "runner/hosts/remote_hosts.hpp"
-#include "runner/live/run_live.hpp"
-#include "runner/runs/disk_need.hpp"
 #include "runner/runs/lab_registry.hpp"
 #include "runner/runs/network.hpp"
-#include "runner/virtual_time/services.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -42,29 +40,22 @@ void requireDisk(const Experiment& experiment, const fs::path& folder) {
                   folder.string(), need / 1'000'000, have / 1'000'000));
 }
 
-/// Packages leave out what only some experiments need.
+/// Packages leave out programs that only some experiments need, and `./lab` builds only those that
+/// the command needs.
 void requireParts(const Experiment& experiment, bool virtual_time) {
-  std::vector<std::string> names;
-  const auto here = [&](const std::string& service) {
-    return virtual_time || hostOf(experiment, service).empty();
-  };
-  for (const ServiceDescription& service : labServices(experiment)) {
-    if (!virtual_time && here(service.name)) names.push_back(service.name);
-  }
-  const bool chips = std::ranges::any_of(
-      experiment.robots, [](const RobotSpec& robot) { return robot.body == Body::kFirmware; });
-  if (chips && here("sim_svc")) names.insert(names.end(), {"robot_emulator", "robot_firmware.elf"});
-  for (const std::string& name : names) {
+  for (const std::string& name : neededPrograms(experiment, virtual_time)) {
     const fs::path file = installation().programs / name;
     if (fs::exists(file)) continue;
-    throw UserError(
-        fmt::format("this experiment needs {}, which is not there: {}", file.string(),
-                    installation().installHint(
-                        name, "install gcc-avr, avr-libc, libsimavr-dev and build again")));
+    const bool chip = name.starts_with("robot_emulator") || name.starts_with("robot_firmware");
+    throw UserError(fmt::format(
+        "this experiment needs {}, which is not there: {}", file.string(),
+        installation().installHint(
+            name, chip ? "install gcc-avr, avr-libc, libsimavr-dev and build again"
+                       : "build it again: ./lab run FILE builds what its experiment needs")));
   }
 }
 
-/// With ttl 0 the kernel holds messages back only while the interface stays as it was.
+/// With ttl 0 the kernel keeps messages on this machine only while the interface does not change.
 void warnUnpinned() {
   if (const std::string warning = unpinnedWarning(); !warning.empty()) {
     fmt::print(stderr, "warn     {}\n", warning);
@@ -73,8 +64,9 @@ void warnUnpinned() {
 
 RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& name,
                    const std::string& url, const fs::path& logger, RemoteHosts* hosts,
-                   const ShowProgress& show, const ProcedureFactory& pilot) {
-  if (!options.virtual_time) {
+                   const std::function<void()>& announce, const ShowProgress& show,
+                   const ProcedureFactory& procedure) {
+  if (!options.run_virtual) {
     return runLive(run,
                    {.name = name,
                     .url = url,
@@ -83,16 +75,19 @@ RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const s
                     .hosts = hosts,
                     .port = run.experiment.network.port,
                     .web = options.web,
-                    .web_address = options.web_address},
-                   show, pilot);
+                    .web_address = options.web_address,
+                    .cameras = options.cameras,
+                    .announce = announce},
+                   show, procedure);
   }
+  announce();
   std::signal(SIGINT, [](int) { interrupted = 1; });
   std::signal(SIGTERM, [](int) { interrupted = 1; });
-  return runVirtual(
-      run, show, [] { return interrupted != 0; }, pilot);
+  return options.run_virtual(
+      run, show, [] { return interrupted != 0; }, procedure);
 }
 
-/// What differs between two runs of the same file and seed.
+/// Writes what may differ between two runs of the same file and seed.
 void writeProvenance(const LaunchOptions& options, const PreparedRun& run, const std::string& url,
                      std::int64_t start, const RunOutcome& outcome) {
   char host[256] = {};
@@ -103,7 +98,7 @@ void writeProvenance(const LaunchOptions& options, const PreparedRun& run, const
                                     {"started", utcText(start)},
                                     {"ended", utcText(end)},
                                     {"wall_s", units::seconds(end - start)},
-                                    {"virtual_time", options.virtual_time},
+                                    {"virtual_time", static_cast<bool>(options.run_virtual)},
                                     {"host", host},
                                     {"bus", url},
                                     {"version", kVersion},
@@ -114,34 +109,54 @@ void writeProvenance(const LaunchOptions& options, const PreparedRun& run, const
 
 }  // namespace
 
+std::vector<std::string> neededPrograms(const Experiment& experiment, bool virtual_time) {
+  std::vector<std::string> names;
+  const auto is_here = [&](const std::string& service) {
+    return virtual_time || hostOf(experiment, service).empty();
+  };
+  if (!virtual_time) {
+    for (const std::string& service : neededServices(experiment)) {
+      if (is_here(service)) names.push_back(service);
+    }
+  }
+  const bool chips = std::ranges::any_of(
+      experiment.robots, [](const RobotSpec& robot) { return robot.body == Body::kFirmware; });
+  if (chips && is_here("sim_svc")) {
+    names.insert(names.end(), {"robot_emulator", "robot_firmware.elf"});
+  }
+  return names;
+}
+
 fs::path requireProgram(const std::string& name, const std::string& package) {
   if (const auto path = findProgram(name)) return *path;
   throw UserError(fmt::format("{} is not installed: sudo apt-get install {}", name, package));
 }
 
 Launched launch(const LaunchOptions& options, Experiment experiment, const ShowProgress& show,
-                const ProcedureFactory& pilot) {
+                const ProcedureFactory& procedure) {
+  const bool virtual_time = static_cast<bool>(options.run_virtual);
   fs::path logger;
   std::string url;
   std::optional<PortLock> port_lock;
   std::optional<RemoteHosts> hosts;
   const Camera& camera = experiment.camera;
-  if (options.virtual_time && camera.tracker == Tracker::kCamera && !isPainted(camera)) {
+  if (virtual_time && camera.tracker == Tracker::kCamera && !isPainted(camera)) {
     throw UserError(fmt::format(
         "camera.camera = \"{}\": in virtual time there is only the simulated camera; say camera = "
         "\"sim\", or run in real time",
         camera.source));
   }
-  requireParts(experiment, options.virtual_time);
+  requireParts(experiment, virtual_time);
   requireDisk(experiment, options.out);
-  if (!options.virtual_time) {
+  if (!virtual_time) {
     logger = requireProgram("lcm-logger", "liblcm-bin");
     if (const auto problem = multicastProblem()) throw UserError(*problem);
     const bool wanted = experiment.network.port != 0;
     experiment.network.port = choosePort(experiment.network.port);
     port_lock.emplace(experiment.network.port);
     url = lcmUrl(experiment.network.port, experiment.network.ttl);
-    // A heartbeat comes once a second; a port that nobody had bound cannot have a speaker for long.
+    // Services send a heartbeat once a second. A port that was free a moment ago is watched only
+    // briefly.
     refuseForeignTraffic(url, wanted ? 1300 : 300);
     if (experiment.network.ttl == 0) warnUnpinned();
     const std::vector<std::string> others = hostsInUse(experiment);
@@ -151,29 +166,33 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   const std::int64_t start = wallClock();
   const PreparedRun prepared =
       prepareRun(std::move(experiment), options.file.parent_path(), options.out, start);
-  fmt::print("run      {}\n", prepared.directory.string());
   std::optional<Registration> registration;
   std::string name = prepared.directory.filename().string();
-  if (!options.virtual_time) {
-    fmt::print("bus      {}\n", url);
-    if (hosts) fmt::print("{}", hosts->describe());
+  std::string head = fmt::format("run      {}\n", prepared.directory.string());
+  if (!virtual_time) {
+    head += fmt::format("bus      {}\n", url);
+    if (hosts) head += hosts->describe();
     registration.emplace(
         RunningLab{name, url, getpid(), fs::absolute(prepared.directory).string()});
     if (registration->name() != name) {
-      fmt::print("lab      {} (another one that runs is named {})\n", registration->name(), name);
+      head += fmt::format("lab      {} (another running lab is named {})\n", registration->name(),
+                          name);
     }
     name = registration->name();
   }
-  std::fflush(stdout);
-  RunOutcome outcome =
-      execute(options, prepared, name, url, logger, hosts ? &*hosts : nullptr, show, pilot);
+  const auto announce = [&head] {
+    fmt::print("{}", head);
+    std::fflush(stdout);
+  };
+  RunOutcome outcome = execute(options, prepared, name, url, logger, hosts ? &*hosts : nullptr,
+                               announce, show, procedure);
   registration.reset();
-  // The run is kept whatever happens; a report takes seconds and is not left half-written.
+  // The report takes seconds; Ctrl-C must not leave it half-written.
   std::signal(SIGINT, SIG_IGN);
   try {
     writeProvenance(options, prepared, url, start, outcome);
   } catch (const UserError& error) {
-    // The run has been, and what broke in it is not to be lost with the file that would say so.
+    // The run is over, and its faults must be reported although this file cannot be written.
     outcome.closed_early = true;
     outcome.faults.emplace_back(error.what());
   }

@@ -1,25 +1,32 @@
-/// Everything around a run: looking before leaping, its folder, its record.
+/// Everything around a run: checks before it starts, its folder, its record.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
 #include "runner/live/procedure.hpp"
+#include "runner/live/progress.hpp"
+#include "runner/live/run_live.hpp"
 #include "runner/runs/run_directory.hpp"
-#include "runner/virtual_time/run_virtual.hpp"
 
 namespace lab::runner {
 
+/// runVirtual(). Passed in by the programs that link all services.
+using RunVirtual = std::function<RunOutcome(const PreparedRun& run, const ShowProgress& show,
+                                            const std::function<bool()>& interrupted,
+                                            const ProcedureFactory& procedure)>;
+
 struct LaunchOptions {
-  std::filesystem::path file;      ///< the experiment came from
-  std::filesystem::path out;       ///< where run folders are made
-  std::filesystem::path programs;  ///< folder of the services' programs
-  std::vector<std::string> set;    ///< key=value, for the record
-  bool virtual_time = false;
-  bool web = false;                     ///< with a page in a browser, in real time
-  std::filesystem::path web_address{};  ///< file for its address too, empty: none
+  std::filesystem::path file;           ///< of the experiment
+  std::filesystem::path out;            ///< where run folders are made
+  std::filesystem::path programs;       ///< folder of the services' programs
+  std::vector<std::string> set;         ///< key=value, for the record
+  RunVirtual run_virtual{};             ///< runs in virtual time; empty: in real time
+  MakeCameras cameras{};                ///< for a procedure in real time; empty: none
+  bool web = false;                     ///< starts the dashboard; in real time only
+  std::filesystem::path web_address{};  ///< a second file for its address, empty: none
 };
 
 struct Launched {
@@ -27,14 +34,19 @@ struct Launched {
   RunOutcome outcome;
 };
 
-/// The path of a program. @throws UserError that says which package has it.
+/// The path of a program. @throws UserError that names the Debian package to install.
 std::filesystem::path requireProgram(const std::string& name, const std::string& package);
 
-/// Runs an experiment, in real or in virtual time, to its end, and leaves its folder with the log.
-/// @param show how it stands
-/// @param pilot drives the robots instead of their light table; may be empty
-/// @throws UserError for what the user can mend, before anything is started
+/// File names, in the folder of programs, of what the experiment needs on this machine: its
+/// services (in virtual time they are part of the runner), robot_emulator and its firmware.
+[[nodiscard]] std::vector<std::string> neededPrograms(const Experiment& experiment,
+                                                      bool virtual_time);
+
+/// Runs an experiment to its end, in real or in virtual time, and leaves its folder with the log.
+/// @param show called with the state of the run, again and again
+/// @param procedure drives the robots instead of their light table; may be empty
+/// @throws UserError for what the user can correct, before anything is started
 [[nodiscard]] Launched launch(const LaunchOptions& options, Experiment experiment,
-                              const ShowProgress& show, const ProcedureFactory& pilot = {});
+                              const ShowProgress& show, const ProcedureFactory& procedure = {});
 
 }  // namespace lab::runner

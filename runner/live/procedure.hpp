@@ -1,6 +1,7 @@
-/// Who drives the robots of a run by hand, instead of their light table.
+/// A procedure (a calibration) that drives the robots of a run instead of their light table.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 
@@ -9,17 +10,17 @@
 
 namespace lab::runner {
 
-/// Makes a pilot beside the controller, before the run begins. The robots stand until it commands
-/// them.
-/// @param context with a node of the pilot's own
+/// Makes a procedure beside the controller, before the run begins. The robots stand still until the
+/// procedure commands them.
+/// @param context with a node of the procedure's own
 /// @param done ends the run
 using ProcedureFactory = std::function<std::unique_ptr<Service>(
     const ServiceContext& context, ExperimentController& controller, std::function<void()> done)>;
 
-/// Why a run ended that its pilot ended.
+/// The recorded reason when a procedure ended the run.
 inline constexpr const char* kProcedureDone = "the pilot is done";
 
-/// A pilot with its node, beside the controller.
+/// A procedure and its node. Logs know the node as "pilot".
 class ProcedureNode {
  public:
   ProcedureNode(Bus& bus, Loop& loop, Cameras& cameras, const PreparedRun& run,

@@ -5,30 +5,20 @@
 
 #include <chrono>
 #include <cstdio>
-#include <system_error>
 
 #include "common/text/duration_text.hpp"
+#include "runner/command_line/print_line.hpp"
 
 namespace lab::runner {
 namespace {
 
-constexpr double kPrints = 10;  // over the whole run, where the output is not a terminal
+constexpr double kPrints = 10;  // lines per run when the output is not a terminal
 constexpr std::int64_t kShortest_us = 100'000;
 
 std::int64_t steady_us() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
-}
-
-/// Prints, even where nobody reads any more (lab run ... | head): the run goes on without a line.
-template <class Print>
-void withoutReader(const Print& print) {
-  try {
-    print();
-  } catch (const std::system_error&) {
-    if (std::freopen("/dev/null", "w", stdout) == nullptr) return;
-  }
 }
 
 }  // namespace
@@ -55,14 +45,7 @@ ProgressLine::~ProgressLine() {
 }
 
 void ProgressLine::show(const Progress& progress) {
-  withoutReader([&] { print(progress); });
-}
-
-void printLine(std::string_view text) {
-  withoutReader([text] {
-    fmt::print("{}{}\n", isatty(STDOUT_FILENO) == 1 ? "\r\033[K" : "", text);
-    std::fflush(stdout);
-  });
+  evenWithoutReader([&] { print(progress); });
 }
 
 void ProgressLine::print(const Progress& progress) {
@@ -73,7 +56,7 @@ void ProgressLine::print(const Progress& progress) {
     std::fflush(stdout);
     return;
   }
-  // Virtual time asks a thousand times a second.
+  // In virtual time this is called up to a thousand times a second.
   const std::int64_t now = steady_us();
   if (shown_ && now - last_shown_us_ < kShortest_us) return;
   last_shown_us_ = now;

@@ -1,13 +1,17 @@
-/// One line on the terminal that says how the run stands.
+/// The progress line of a run on the terminal.
 #pragma once
 
-#include "runner/live/experiment_controller.hpp"
+#include <cstdint>
+#include <string>
+
+#include "runner/live/progress.hpp"
 
 namespace lab::runner {
 
-/// Rewrites its line on a terminal; elsewhere (a log file, CI) it prints one now and then.
+/// Rewrites its line on a terminal. Elsewhere (a log file, CI) prints about ten lines per run.
 class ProgressLine {
  public:
+  /// @param duration of the run [s]
   explicit ProgressLine(double duration);
   ~ProgressLine();
   ProgressLine(const ProgressLine&) = delete;
@@ -21,14 +25,11 @@ class ProgressLine {
   double duration_;
   bool terminal_;
   bool shown_ = false;
-  double next_print_ = 0;  ///< [s] of the script, where it is not a terminal
+  double next_print_ = 0;  ///< [s] of the script, when not on a terminal
   std::int64_t last_shown_us_ = 0;
 };
 
-/// "12 s left | light: ABP | 3 of robots seen: 2 abp, 1 bp | 0 messages lost"
+/// "12 s left | light blue | 3 robots seen | 2 ABP, 1 BP | 0 lost"
 [[nodiscard]] std::string progressText(const Progress& progress);
-
-/// Prints a line over the progress line, which comes again below.
-void printLine(std::string_view text);
 
 }  // namespace lab::runner

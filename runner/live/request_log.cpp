@@ -8,9 +8,9 @@
 namespace lab::runner {
 namespace {
 
-// A wish is repeated for a few seconds: nobody makes so many meanwhile.
+// More than the requests that are repeated at one time: each is repeated for a few seconds.
 constexpr std::size_t kAnswersKept = 256;
-constexpr std::size_t kLongestName = 64;  // [byte]
+constexpr std::size_t kLongestName = 64;  // bytes
 
 bool hasName(const experiment_command_t& command) {
   return !command.sender.empty() && command.sender.size() <= kLongestName &&

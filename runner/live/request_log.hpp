@@ -1,4 +1,4 @@
-/// Answers to EXPERIMENT_COMMAND: each wish is obeyed once, however often it is repeated.
+/// Answers to EXPERIMENT_COMMAND. Each request is executed once, however often it is repeated.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@
 
 namespace lab::runner {
 
-/// Keeps the last answers: no bus, no clock.
+/// Keeps the last answers. No bus, no clock.
 class RequestLog {
  public:
-  /// Does what is wished. @return why it is refused, empty: it is done.
+  /// Executes a request. @return why it is refused; empty: executed
   using Handler = std::function<std::string(const experiment_command_t&)>;
 
-  explicit RequestLog(Handler obey) : handler_(std::move(obey)) {}
+  explicit RequestLog(Handler handler) : handler_(std::move(handler)) {}
 
-  /// Obeys a wish that is new; answers one that is not as before.
+  /// Executes a new request. A repeated one gets the same answer again.
   void take(const experiment_command_t& command);
 
-  /// Fills in which wish was answered last, and how.
+  /// Fills in the last answer and the request that it belongs to.
   void write(experiment_status_t& status) const;
 
  private:
@@ -34,7 +34,7 @@ class RequestLog {
   };
 
   Handler handler_;
-  std::deque<Answer> answers_;  ///< the newest last
+  std::deque<Answer> answers_;  ///< newest last
 };
 
 }  // namespace lab::runner

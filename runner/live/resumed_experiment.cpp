@@ -10,8 +10,7 @@ namespace lab::runner {
 namespace {
 
 constexpr int kRounds = 200;
-constexpr double kGap =
-    1e-4;  // [m] kept between robots, so that rounding in the file costs nothing
+constexpr double kGap = 1e-4;  // [m] gap kept between robots, more than the rounding in the file
 
 void keepInside(StartPose& pose, const Experiment& experiment) {
   const double margin = experiment.hardware.diameter / 2 + kGap;
@@ -52,7 +51,7 @@ Experiment resumedExperiment(const Experiment& experiment,
   for (RobotSpec& robot : resumed.robots) {
     const auto pose = seen.find(robot.id);
     robot.start.reset();
-    // Only what sim_svc moves starts somewhere.
+    // Only robots that sim_svc simulates have a start pose.
     if (pose == seen.end() || !isSimulated(robot.body)) continue;
     robot.start = StartPose{pose->second.x, pose->second.y, pose->second.theta};
     poses.push_back(&*robot.start);

@@ -1,4 +1,4 @@
-/// What a restarted sim_svc begins with.
+/// The experiment file for a restarted sim_svc.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,12 @@
 
 namespace lab::runner {
 
-/// The experiment with the robots where the tracker last saw them, and with a seed of its own, so
-/// that no random number is drawn twice.
+/// The experiment with the robots where the tracker last saw them, and with a new seed, so that no
+/// random number is drawn twice.
 ///
-/// Robots in contact seem to overlap by the tracker's noise, or to stand in a wall: they are moved
-/// apart by as much. A robot for which there is no room that way, or that was never seen, is placed
-/// at random.
-/// @param restart 1 for the first.
+/// By the noise of the tracker, robots in contact may overlap each other or a wall. They are moved
+/// apart by that much. A robot that still has no room, or that was never seen, is placed at random.
+/// @param restart 1 for the first restart
 [[nodiscard]] Experiment resumedExperiment(const Experiment& experiment,
                                            const std::map<std::int32_t, tracked_pose_t>& seen,
                                            int restart);

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <lab/link_status_t.hpp>
 #include <lab/service_status_t.hpp>
+#include <optional>
 #include <thread>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
@@ -14,33 +17,34 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/hosts/remote_hosts.hpp"
 #include "runner/live/dashboard_process.hpp"
-#include "runner/live/progress_line.hpp"
 #include "runner/live/resumed_experiment.hpp"
 #include "runner/live/supervisor.hpp"
 #include "runner/runs/lab_registry.hpp"
-#include "tracker_svc/camera_devices.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kLookAfterPage_us = 100'000;
+constexpr std::int64_t kSupervise_us = 100'000;
 constexpr std::int64_t kShowEvery_us = 500'000;
 constexpr std::int64_t kDiskEvery_us = 1'000'000;
-constexpr std::int64_t kReadyPatience_us = 10'000'000;
+constexpr std::int64_t kReadyTimeout_us = 10'000'000;
 constexpr std::int64_t kAttend_us = 50'000;
-constexpr std::int64_t kJoinPatience_us = 20'000'000;
+constexpr std::int64_t kJoinTimeout_us = 20'000'000;
+// The script starts without waiting longer for the dashboard's address, which is printed first.
+constexpr std::int64_t kDashboardTimeout_us = 3'000'000;
 constexpr int kTick_ms = 20;
-constexpr int kRobotsStandPatience_ms = 500;
+constexpr int kRobotsStop_ms = 500;
 constexpr int kBusSettles_ms = 500;
 
 /// One live run from the first process to the last.
 class LiveRun {
  public:
   LiveRun(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
-          const ProcedureFactory& pilot)
+          const ProcedureFactory& procedure)
       : run_(run),
         options_(options),
         show_(show),
@@ -49,9 +53,10 @@ class LiveRun {
         controller_({node_, loop_, run.experiment, run.directory}, run.effective,
                     [this](Ending ending, const std::string& why) { over(ending, why); }),
         supervisor_(run, options) {
-    if (pilot) {
-      seat_.emplace(bus_, loop_, cameras_, run, loop_.now(), pilot, controller_,
-                    [this] { finish(kProcedureDone); });
+    if (procedure) {
+      if (options.cameras) cameras_ = options.cameras(loop_, run.directory / files::kPorts);
+      procedure_.emplace(bus_, loop_, cameras_ ? *cameras_ : noCameras(), run, loop_.now(),
+                         procedure, controller_, [this] { finish(kProcedureDone); });
     }
     node_.subscribe<service_status_t>(channels::kServiceStatus, [this](const auto& status) {
       supervisor_.noteHeartbeat(status.sender, status.pid, status.state == service_status_t::READY);
@@ -68,7 +73,13 @@ class LiveRun {
   }
 
   RunOutcome execute() {
-    start();
+    try {
+      start();
+    } catch (...) {
+      announce();
+      throw;
+    }
+    announce();
     guarded([this] { conduct(); });
     guarded([this] { end(); });
     endProcesses();
@@ -81,16 +92,16 @@ class LiveRun {
   void conduct() {
     controller_.begin();
     conducting_ = true;
-    for (const std::string& what : said_of_page_) controller_.mark(what);
-    loop_.every(kLookAfterPage_us, loop_.now(), [this] { supervise(); });
+    for (const std::string& what : early_remarks_) controller_.mark(what);
+    loop_.every(kSupervise_us, loop_.now(), [this] { supervise(); });
     loop_.every(kShowEvery_us, loop_.now(), [this] { show_(controller_.progress()); });
     loop_.every(kDiskEvery_us, loop_.now(), [this] { watchDisk(); });
     if (hosts() != nullptr) loop_.every(kAttend_us, loop_.now(), [this] { watchHosts(); });
     loop_.run();
   }
 
-  /// Once a run has begun, whatever breaks (the network goes down, a program cannot be started
-  /// again) ends it marked, with its data.
+  /// After the run has begun, an error (the network goes down, a program cannot be restarted) ends
+  /// it early, but keeps its data.
   void guarded(const std::function<void()>& part) {
     try {
       part();
@@ -102,29 +113,44 @@ class LiveRun {
 
   [[nodiscard]] RemoteHosts* hosts() const { return options_.hosts; }
 
+  void announce() {
+    if (announced_) return;
+    announced_ = true;
+    if (options_.announce) options_.announce();
+  }
+
   void start() {
+    // Connecting the buses of several hosts may take 20 s: the user sees the run's folder
+    // meanwhile.
+    if (!options_.web || hosts() != nullptr) announce();
     if (hosts() != nullptr) {
       hosts()->begin(run_, options_.name, supervisor_.logFolder(), options_.port);
     }
     supervisor_.startLogger();
-    // The heartbeat is what the logger's first words are made of.
+    // This node's heartbeat is the first message for the logger.
     waitUntil([this] { return supervisor_.loggerWrites(); }, [this] { node_.ready(); },
-              [this] { return "lcm-logger writes nothing" + lookInto(); });
+              [this] { return "lcm-logger writes nothing" + whereToLook(); });
     if (hosts() != nullptr) joinBuses();
-    startPage();
+    startDashboard();
     supervisor_.startServices();
-    waitUntil([this] { return supervisor_.missing().empty(); }, [] {},
-              [this] {
-                const std::string ended = supervisor_.endedWith();
-                return (ended.empty() ? "not ready: " + supervisor_.missing() : ended) + lookInto();
-              });
+    const std::int64_t give_up_utime = loop_.now() + kDashboardTimeout_us;
+    waitUntil(
+        [&] {
+          return supervisor_.missing().empty() && (announced_ || loop_.now() > give_up_utime);
+        },
+        [] {},
+        [this] {
+          const std::string ended = supervisor_.endedWith();
+          return (ended.empty() ? "not ready: " + supervisor_.missing() : ended) + whereToLook();
+        });
     node_.start();
-    if (seat_) seat_->begin();
+    if (procedure_) procedure_->begin();
     started_ = true;
   }
 
-  /// It hears of the run from its first word, and nobody waits for it.
-  void startPage() {
+  /// Starts the dashboard before the services, so that it receives their first messages. Nothing
+  /// waits for it.
+  void startDashboard() {
     if (!options_.web) return;
     page_.emplace(DashboardOptions{.program = options_.programs / kObserverService,
                                    .url = options_.url,
@@ -133,19 +159,21 @@ class LiveRun {
                                    .address_file = registryFile(".web"),
                                    .address_copy = options_.web_address,
                                    .output = supervisor_.logFolder() / "dashboard.txt"});
-    page_->start([this](const std::string& what) { sayOfPage(what); });
+    page_->start([this](const std::string& what) { reportDashboard(what); });
   }
 
-  void lookAfterPage() {
-    if (page_) page_->supervise([this](const std::string& what) { sayOfPage(what); });
+  void superviseDashboard() {
+    if (!page_) return;
+    page_->supervise([this](const std::string& what) { reportDashboard(what); });
+    if (!page_->address().empty() || page_->givenUp()) announce();
   }
 
-  void sayOfPage(const std::string& what) {
+  void reportDashboard(const std::string& what) {
     printLine("web      " + what);
-    conducting_ ? controller_.mark(what) : said_of_page_.push_back(what);
+    conducting_ ? controller_.mark(what) : early_remarks_.push_back(what);
   }
 
-  /// Nobody speaks before everybody can hear it.
+  /// Connects the buses of all hosts before the services start, so that no message is missed.
   void joinBuses() {
     supervisor_.startGateways();
     waitUntil([this] { return supervisor_.missing().empty() && hosts()->notJoined().empty(); },
@@ -156,20 +184,20 @@ class LiveRun {
                 return (!ended.empty()     ? ended
                         : !missing.empty() ? "not ready: " + missing
                                            : hosts()->notJoined()) +
-                       lookInto();
+                       whereToLook();
               },
-              kJoinPatience_us);
+              kJoinTimeout_us);
   }
 
-  [[nodiscard]] std::string lookInto() const {
+  [[nodiscard]] std::string whereToLook() const {
     return "; see " + supervisor_.logFolder().string() + ". Nothing is left running.";
   }
 
-  /// Calls `meanwhile` at kTick_ms until `done`; ends everything and throws when it takes too long,
-  /// or when the user ends it, be it in the moment in which it is done.
+  /// Calls `meanwhile` every kTick_ms until `done`.
+  /// @throws UserError, after ending all processes, on timeout and when the user ends the run
   void waitUntil(const std::function<bool()>& done, const std::function<void()>& meanwhile,
                  const std::function<std::string()>& complaint,
-                 std::int64_t patience_us = kReadyPatience_us) {
+                 std::int64_t patience_us = kReadyTimeout_us) {
     const std::int64_t deadline = loop_.now() + patience_us;
     while (!done() || outcome_.interrupted) {
       std::string trouble = hosts() == nullptr ? "" : hosts()->trouble();
@@ -180,7 +208,7 @@ class LiveRun {
         throw UserError(text);
       }
       meanwhile();
-      lookAfterPage();
+      superviseDashboard();
       if (hosts() != nullptr) hosts()->attend();
       loop_.poll();
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
@@ -208,7 +236,7 @@ class LiveRun {
 
   void supervise() {
     if (finishing_) return;
-    lookAfterPage();
+    superviseDashboard();
     const bool all_up = supervisor_.restartEnded(
         [this](const std::string& what) { controller_.fault(what); }, [this] { return resume(); });
     if (!all_up) closeEarly("a process would not stay up");
@@ -263,18 +291,17 @@ class LiveRun {
     finishing_ = true;
     outcome_.ended_because = why;
     controller_.conclude(why);
-    // The robots hear it and say so before their services end.
-    loop_.at(loop_.now() + kRobotsStandPatience_ms * 1000, [this] { loop_.stop(); });
+    // Robots receive the stop and report it before their services end.
+    loop_.at(loop_.now() + kRobotsStop_ms * 1000, [this] { loop_.stop(); });
   }
 
-  /// Publishers first, then a pause, then the logger: a logger that is stopped too early loses its
-  /// tail.
+  /// Ends the publishers, waits, then ends the logger, so that the log has the last messages.
   void end() {
     show_(controller_.progress());
     supervisor_.endServices([this](const std::string& what) { controller_.fault(what); });
-    if (seat_) seat_->end();
+    if (procedure_) procedure_->end();
     node_.close();
-    page_.reset();  // it has shown how the run ended
+    page_.reset();  // only now, so that it can show the end of the run
     for (int waited = 0; waited < kBusSettles_ms; waited += kTick_ms) {
       bus_.drain();
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
@@ -287,16 +314,17 @@ class LiveRun {
   const ShowProgress& show_;
   AsioLoop loop_;
   LcmBus bus_;
-  CameraDevices cameras_{loop_, run_.directory / files::kPorts};
+  std::unique_ptr<Cameras> cameras_;  ///< for the procedure
   Node node_;
   ExperimentController controller_;
-  std::optional<ProcedureNode> seat_;
+  std::optional<ProcedureNode> procedure_;
   Supervisor supervisor_;
   std::optional<DashboardProcess> page_;
   RunOutcome outcome_;
+  bool announced_ = false;
   bool started_ = false;
   bool conducting_ = false;
-  std::vector<std::string> said_of_page_;  ///< before there was a record to say it in
+  std::vector<std::string> early_remarks_;  ///< of the dashboard, made before the record began
   bool finishing_ = false;
   int restarts_ = 0;
 };
@@ -304,8 +332,8 @@ class LiveRun {
 }  // namespace
 
 RunOutcome runLive(const PreparedRun& run, const LiveOptions& options, const ShowProgress& show,
-                   const ProcedureFactory& pilot) {
-  return LiveRun(run, options, show, pilot).execute();
+                   const ProcedureFactory& procedure) {
+  return LiveRun(run, options, show, procedure).execute();
 }
 
 }  // namespace lab::runner

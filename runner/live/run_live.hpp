@@ -1,29 +1,49 @@
-/// The lab as independent processes in real time.
+/// A run as independent processes in real time.
 #pragma once
 
-#include "runner/virtual_time/run_virtual.hpp"
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "common/camera/cameras.hpp"
+#include "common/loop/asio_loop.hpp"
+#include "runner/live/procedure.hpp"
+#include "runner/live/progress.hpp"
+#include "runner/runs/run_directory.hpp"
 
 namespace lab::runner {
 
 class RemoteHosts;
 
+/// Makes the cameras that a procedure may open. Passed in by the commands that need them, so that
+/// `lab run` does not link the camera drivers.
+/// @param folder identifies the run, see CameraDevices
+using MakeCameras =
+    std::function<std::unique_ptr<Cameras>(AsioLoop& loop, const std::filesystem::path& folder)>;
+
 struct LiveOptions {
-  std::string name;                        ///< of the lab, as registered
-  std::string url;                         ///< of the bus
-  std::filesystem::path programs;          ///< folder of the services' programs
-  std::filesystem::path lcm_logger;        ///< stock lcm-logger
-  RemoteHosts* hosts = nullptr;            ///< other hosts, met already; nullptr: none
-  int port = 0;                            ///< of the bus
-  bool web = false;                        ///< with a page in a browser
-  std::filesystem::path web_address;       ///< file for its address too, empty: none
-  std::int64_t disk_reserve = 50'000'000;  ///< [bytes] a run is closed when less is left
+  std::string name;                   ///< of the lab, as registered
+  std::string url;                    ///< of the bus
+  std::filesystem::path programs;     ///< folder of the services' programs
+  std::filesystem::path lcm_logger;   ///< stock lcm-logger
+  RemoteHosts* hosts = nullptr;       ///< other hosts, connected; nullptr: none
+  int port = 0;                       ///< of the bus
+  bool web = false;                   ///< starts the dashboard
+  std::filesystem::path web_address;  ///< a second file for its address, empty: none
+  MakeCameras cameras{};              ///< empty: a procedure has no camera
+  /// Prints the head of the run (its folder, its bus). Called once, after the dashboard's address
+  /// has been printed; at the latest when the script starts or when the run cannot start.
+  std::function<void()> announce{};
+  std::int64_t disk_reserve = 50'000'000;  ///< [bytes] the run is closed when less is left
 };
 
-/// Starts lcm-logger, then the services, waits for READY, conducts the experiment, restarts what
-/// dies, and ends publishers before the logger.
-/// @param pilot drives the robots instead of their light table; may be empty.
-/// @throws UserError when a service does not get ready; nothing is left running.
+/// Starts lcm-logger, then the services, waits for READY, conducts the experiment, restarts
+/// processes that die, and ends the publishers before the logger.
+/// @param procedure drives the robots instead of their light table; may be empty
+/// @throws UserError when a service does not get ready; nothing is left running
 [[nodiscard]] RunOutcome runLive(const PreparedRun& run, const LiveOptions& options,
-                                 const ShowProgress& show, const ProcedureFactory& pilot = {});
+                                 const ShowProgress& show, const ProcedureFactory& procedure = {});
 
 }  // namespace lab::runner

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <fstream>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -12,7 +14,6 @@
 #include "common/experiment/service_placement.hpp"
 #include "runner/hosts/host_files.hpp"
 #include "runner/hosts/remote_hosts.hpp"
-#include "runner/virtual_time/services.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -21,8 +22,8 @@ namespace {
 constexpr int kMostRestarts = 5;
 constexpr const char* kGatewayService = "dds_gateway";
 constexpr int kServicePatience_ms = 3000;
-constexpr int kLinkSettles_ms = 300;       // the last messages of other hosts are on their way
-constexpr int kLoggerPatience_ms = 10000;  // it writes what it holds before it ends
+constexpr int kLinkSettles_ms = 300;       // [ms] for the last messages of other hosts
+constexpr int kLoggerPatience_ms = 10000;  // it writes its buffers before it ends
 
 }  // namespace
 
@@ -71,17 +72,15 @@ bool Supervisor::joinsBuses() const {
 
 void Supervisor::startGateways() {
   if (!joinsBuses()) return;
-  // On this machine the local one is READY before anybody else can be heard through it.
+  // The local gateway first: it must be READY before messages of other hosts can pass.
   add(kGatewayService, "", false);
   for (const std::string& host : options_.hosts->names()) add(kGatewayService, host, false);
 }
 
 void Supervisor::startServices() {
-  for (const ServiceDescription& description : labServices(run_.experiment)) {
-    if (joinsBuses() && description.name == kGatewayService) continue;
-    const std::string host =
-        options_.hosts == nullptr ? "" : hostOf(run_.experiment, description.name);
-    add(description.name, host, description.uses_ports);
+  for (const std::string& name : neededServices(run_.experiment)) {
+    if (joinsBuses() && name == kGatewayService) continue;
+    add(name, options_.hosts == nullptr ? "" : hostOf(run_.experiment, name), usesPorts(name));
   }
 }
 
@@ -124,7 +123,7 @@ static std::string titleOf(const std::string& name, const std::string& host) {
   return host.empty() ? name : name + " on " + host;
 }
 
-/// What a program said last, without the time and level that its log begins a line with.
+/// The last line of a log file, without its time and level.
 static std::string lastLine(const fs::path& log) {
   std::ifstream file(log);
   std::string last;
@@ -165,7 +164,8 @@ void Supervisor::noteHeartbeat(const std::string& sender, pid_t pid, bool ready)
   }
 }
 
-/// A log grows by what the services say. Where they are silent too, nothing is known of the logger.
+/// The log grows by the messages of the services. While these are silent, a log that does not grow
+/// says nothing about the logger.
 void Supervisor::checkLogGrowth() {
   std::error_code error;
   const auto size = fs::file_size(logFile(), error);
@@ -242,8 +242,8 @@ void Supervisor::endServices(const std::function<void(const std::string&)>& repo
     if (!entry.process->waitOrKill(kServicePatience_ms)) return;
     report(killedText(titleOf(entry.name, entry.host), kServicePatience_ms));
   };
-  // One after the other: their closing messages together would overflow the logger's queue. Last
-  // who brings the messages of other hosts.
+  // One after the other: their closing messages together would overflow the logger's queue. The
+  // gateways last, as they bring the messages of other hosts.
   for (Entry& entry : services_) {
     if (entry.name != kGatewayService) end(entry);
   }

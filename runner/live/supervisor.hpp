@@ -1,7 +1,8 @@
-/// The processes of a live run.
+/// The processes of a run in real time.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <memory>
 #include <set>
@@ -15,50 +16,51 @@
 
 namespace lab::runner {
 
-/// Starts, watches, restarts and ends lcm-logger and the services of one run, those on other hosts
-/// too.
+/// Starts, watches, restarts and ends lcm-logger and the services of one run, on this machine and
+/// on other hosts.
 class Supervisor {
  public:
   Supervisor(const PreparedRun& run, const LiveOptions& options);
 
   void startLogger();
 
-  /// Those that join the buses of all hosts; none where all services are here.
+  /// Starts the gateways that connect the buses of all hosts; none if all services are here.
   void startGateways();
   void startServices();
 
-  /// Whether lcm-logger, the newest one, has written something: it says nothing itself.
+  /// Whether the newest lcm-logger has written something. It does not report READY itself.
   [[nodiscard]] bool loggerWrites() const;
 
-  /// Takes note of a heartbeat, and whether it says READY. Two hosts may have the same pid.
+  /// Takes a heartbeat. Processes are known by sender and pid: two hosts may use the same pid.
   void noteHeartbeat(const std::string& sender, pid_t pid, bool ready);
 
-  /// Names of the services that were started and have not said READY.
+  /// Names of the services that were started and are not READY, for the user; empty: none.
   [[nodiscard]] std::string missing() const;
 
-  /// The service that ended by itself, and what it said last; empty: none.
+  /// A service that ended by itself, with its last line of output; empty: none.
   [[nodiscard]] std::string endedWith() const;
 
-  /// Whether a process has already ended by itself.
+  /// Whether a process has ended by itself.
   [[nodiscard]] bool anyEnded() const;
 
-  /// What the processes printed, to look into.
+  /// Folder of the output of all processes.
   [[nodiscard]] std::filesystem::path logFolder() const;
 
-  /// Restarts what has died. @param report called with a sentence for each, once there is a logger
-  /// that hears it.
-  /// @param resume the experiment file for a restarted sim_svc, made when it is needed.
-  /// @return false when something died so often that it is given up.
+  /// Restarts processes that died.
+  /// @param report called with a sentence for each, once a logger runs that records it
+  /// @param resume makes the experiment file for a restarted sim_svc
+  /// @return false when a process died too often and is given up
   [[nodiscard]] bool restartEnded(const std::function<void(const std::string&)>& report,
                                   const std::function<std::filesystem::path()>& resume);
 
-  /// Looks, at least every HeartbeatMonitor::kLongestStep_us, whether the services of this machine
-  /// are heard of and the log grows. @param silent called with a sentence when not, once
-  /// @param again called with a sentence when they are again
+  /// Checks that the services of this machine send heartbeats and that the log grows. Call at least
+  /// every HeartbeatMonitor::kLongestStep_us.
+  /// @param silent called once with a sentence when one does not
+  /// @param again called with a sentence when it does again
   void checkHeartbeats(std::int64_t now, const std::function<void(const std::string&)>& silent,
                        const std::function<void(const std::string&)>& again);
 
-  /// Reports what no logger was there to hear.
+  /// Reports what happened while no logger ran.
   void reportHeld(const std::function<void(const std::string&)>& report);
 
   /// @param report called with a sentence for each that had to be killed
@@ -91,10 +93,10 @@ class Supervisor {
   Entry logger_{"lcm-logger"};
   std::vector<Entry> services_;
   std::set<std::pair<std::string, pid_t>> ready_;
-  std::vector<std::string> held_;  ///< what is to be reported
+  std::vector<std::string> held_;  ///< sentences to report once a logger runs
   HeartbeatMonitor heartbeats_;
-  std::uintmax_t log_size_ = 0;      ///< when it was last looked at
-  int heartbeats_since_growth_ = 0;  ///< which the log should have grown by
+  std::uintmax_t log_size_ = 0;      ///< at the last check
+  int heartbeats_since_growth_ = 0;  ///< heartbeats since the log last grew
 };
 
 }  // namespace lab::runner

@@ -28,7 +28,7 @@ std::optional<RunningLab> read(const fs::path& file) {
     return RunningLab{json.at("name"), json.at("url"), json.at("pid"), json.at("directory"),
                       json.at("replay")};
   } catch (const nlohmann::json::exception&) {
-    return std::nullopt;  // no registration of ours
+    return std::nullopt;  // not a registration
   }
 }
 
@@ -43,10 +43,10 @@ bool isFolder(const std::string& path, const RunningLab& lab) {
   return !lab.directory.empty() && fs::equivalent(path, lab.directory, error) && !error;
 }
 
-/// `name`, or with a number behind it when another living runner's lab has it.
+/// `name`, with a number appended if a running lab has it.
 std::string freeName(const std::string& name, int own_pid) {
   std::vector<RunningLab> others = runningLabs();
-  // A file of our process id is what an earlier process of that id left.
+  // A file with this pid was left by an earlier process.
   std::erase_if(others, [&](const RunningLab& lab) { return lab.pid == own_pid; });
   for (int number = 1;; ++number) {
     const std::string chosen = number == 1 ? name : name + "-" + std::to_string(number);
@@ -54,7 +54,7 @@ std::string freeName(const std::string& name, int own_pid) {
   }
 }
 
-/// Held while a name is chosen and written: of labs that register at once each sees the other's.
+/// Held while a name is chosen and written, so that labs that register at once get different names.
 class NamesLock {
  public:
   NamesLock() {
@@ -73,7 +73,7 @@ class NamesLock {
   int descriptor_ = -1;
 };
 
-/// A dead runner's own file: "4711.web", "4711.web.txt".
+/// Whether this is a private file of a dead runner: "4711.web", "4711.web.txt".
 bool isLeftOver(const fs::path& file) {
   const std::string name = file.filename().string();
   const std::string owner = name.substr(0, name.find('.'));
@@ -83,7 +83,7 @@ bool isLeftOver(const fs::path& file) {
   return file.extension() != ".json" && named_by_pid && !lives(pid);
 }
 
-/// In /tmp anyone may have made the folder first: it must be ours and closed to others.
+/// Another user may have made the folder in /tmp first, so owner and permissions are checked.
 void claim(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder.parent_path(), error);

@@ -1,4 +1,4 @@
-/// Which labs run on this machine, so that `lab stop`, `lab spy` and `lab light` find them.
+/// The labs that run on this machine, so that `lab stop`, `lab spy` and `lab light` find them.
 #pragma once
 
 #include <filesystem>
@@ -9,35 +9,34 @@
 namespace lab::runner {
 
 struct RunningLab {
-  std::string name;       ///< of the run's folder, with a number behind it when that is taken
+  std::string name;       ///< of the run's folder, with a number appended if it is taken
   std::string url;        ///< of its bus
   int pid = 0;            ///< of its runner
   std::string directory;  ///< of the run
-  bool replay = false;    ///< a log being played: no robot obeys
+  bool replay = false;    ///< a replay of a log: there are no robots
 };
 
-/// The folder of the registrations: $XDG_RUNTIME_DIR/active-lab, or one in /tmp that belongs to the
-/// user alone.
+/// The folder of the registrations: $XDG_RUNTIME_DIR/active-lab, or one in /tmp that only
+/// the user can access.
 [[nodiscard]] std::filesystem::path registryDirectory();
 
-/// Every registered lab whose runner lives. What dead runners left is removed.
+/// Every registered lab whose runner lives. Removes the files of dead runners.
 [[nodiscard]] std::vector<RunningLab> runningLabs();
 
-/// The lab meant by `name`, which may be its run's folder too, or the only one that runs when
-/// `name` is empty.
-/// @throws UserError when there is none, or several, with what tells them apart.
+/// The lab of that name or run folder; if `name` is empty, the only running one.
+/// @throws UserError when there is none, or several, with their names
 [[nodiscard]] RunningLab findLab(const std::string& name);
 
-/// Where a runner keeps something of its own while it lives: <pid><ending> in the registry, closed
-/// to others. What dead runners left there is removed by runningLabs().
-/// @param ending ".web"
-/// @throws UserError when the folder cannot be made.
+/// Path of a private file of this runner: <pid><ending> in the registry. runningLabs() removes
+/// those of dead runners.
+/// @param ending as ".web"
+/// @throws UserError when the folder cannot be made
 [[nodiscard]] std::filesystem::path registryFile(const std::string& ending);
 
-/// An registryFile() that is gone with the object.
+/// A registryFile() that is removed with the object.
 class RegistryFile {
  public:
-  /// @throws UserError when the folder cannot be made.
+  /// @throws UserError when the folder cannot be made
   explicit RegistryFile(const std::string& ending) : path_(registryFile(ending)) {}
   ~RegistryFile();
   RegistryFile(const RegistryFile&) = delete;
@@ -49,8 +48,8 @@ class RegistryFile {
   std::filesystem::path path_;
 };
 
-/// A bus that belongs to one lab for as long as the object lives: two labs that start at the same
-/// moment cannot hear each other yet.
+/// Reserves the port of a bus while the object lives. Needed because two labs that start at the
+/// same moment do not notice each other on the bus.
 class PortLock {
  public:
   /// @throws UserError when another lab of this user holds the port.
@@ -63,8 +62,8 @@ class PortLock {
   int descriptor_ = -1;
 };
 
-/// A registration that lasts as long as the object. No two labs that run have the same name, also
-/// when they began in the same second, in folders of the same name.
+/// Registers a lab while the object lives. Names of running labs are unique, also when labs start
+/// in the same second in folders of the same name.
 class Registration {
  public:
   /// @throws UserError when the folder cannot be written.
@@ -73,7 +72,7 @@ class Registration {
   Registration(const Registration&) = delete;
   Registration& operator=(const Registration&) = delete;
 
-  /// What the lab is called: `lab.name`, or with a number behind it.
+  /// `lab.name`, with a number appended if it was taken.
   [[nodiscard]] const std::string& name() const { return name_; }
 
  private:

@@ -5,6 +5,8 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <cstdint>
+
 #include "common/bus/lcm_bus.hpp"
 #include "common/bus/message_header.hpp"
 #include "runner/command_line/exit_code.hpp"
@@ -27,7 +29,7 @@ bool portIsFree(int port, Sharing sharing) {
 
 int choosePort(int wanted) {
   if (wanted != 0) return wanted;
-  // Starting from the process number keeps labs that start together apart.
+  // The search starts at a port derived from the pid, so that labs that start together differ.
   constexpr int kPorts = kLastPort - kFirstPort + 1;
   for (int offset = 0; offset < kPorts; ++offset) {
     const int port = kFirstPort + (getpid() * 7 + offset) % kPorts;

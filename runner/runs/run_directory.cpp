@@ -5,13 +5,16 @@
 
 #include <fstream>
 #include <iterator>
+#include <vector>
 
 #include "common/calibration/camera_file.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/motor_file.hpp"
 #include "common/calibration/projector_file.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_log_size.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/files/file_text.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "projector_ctl/projector_messages.hpp"
@@ -32,7 +35,7 @@ std::vector<std::uint8_t> readFile(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
 }
 
-/// The log of each robot, empty for those that are not replayed.
+/// The log for each robot; empty for robots that are not replayed.
 std::vector<fs::path> findRecordings(const Experiment& experiment, const fs::path& source) {
   std::vector<fs::path> recordings;
   for (const RobotSpec& robot : experiment.robots) {
@@ -52,7 +55,7 @@ std::vector<fs::path> findRecordings(const Experiment& experiment, const fs::pat
   return recordings;
 }
 
-/// Under another name than that of a calibration that the run makes itself.
+/// Copied under another name than the calibration that the run may make itself.
 void adoptMotors(Experiment& experiment, const fs::path& motors, const fs::path& run) {
   const fs::path name = fs::path(files::kCalibration) / "motors_in_force.toml";
   fs::create_directories(run / files::kCalibration);
@@ -81,12 +84,12 @@ void adoptLight(Experiment& experiment, const fs::path& calibration, const fs::p
   experiment.projector.light_calibration = name.string();
 }
 
-/// The files of ROS 2's side are copied; certificates, being secret, stay where they are.
+/// Copies the ROS 2 configuration. Certificates are secret and stay where they are.
 void adoptNetwork(Experiment& experiment, const fs::path& source, const fs::path& run) {
   const auto adopt = [&](std::string& path, const char* name) {
     if (path.empty()) return;
     const fs::path from = source / path;
-    if (!fs::is_regular_file(from)) return;  // dds_gateway says what it misses
+    if (!fs::is_regular_file(from)) return;  // dds_gateway reports what is missing
     const fs::path to = fs::path("gateway") / name;
     fs::create_directories(run / to.parent_path());
     fs::copy_file(from, run / to);
@@ -99,8 +102,7 @@ void adoptNetwork(Experiment& experiment, const fs::path& source, const fs::path
   }
 }
 
-/// Recordings stay where they are, as they are large: the run's file names them from its own
-/// folder.
+/// Recordings are large and stay where they are. Their paths become relative to the run's folder.
 void adoptRecordings(Experiment& experiment, const std::vector<fs::path>& recordings,
                      const fs::path& run) {
   for (std::size_t i = 0; i < recordings.size(); ++i) {
@@ -131,8 +133,7 @@ std::string cameraInForce(const Experiment& experiment, const fs::path& source) 
         "change them, or calibrate at that size",
         file.string(), calibrated.width, calibrated.height, camera.width, camera.height));
   }
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
+  return readWholeFile(file).value_or("");
 }
 
 std::string utcText(std::int64_t utime) {
@@ -197,18 +198,27 @@ void writeNewFile(const fs::path& path, const std::string& text) {
                        : ": its folder is gone"));
 }
 
+std::int64_t diskNeed_bytes(const Experiment& experiment) {
+  constexpr double kTrajectoryRow = 90;  // bytes of a line in trajectories.csv
+  constexpr double kReserve = 100e6;     // bytes
+  const double rows =
+      static_cast<double>(experiment.robots.size()) * experiment.camera.fps * experiment.duration;
+  return static_cast<std::int64_t>(kReserve + static_cast<double>(expectedLogBytes(experiment)) +
+                                   rows * kTrajectoryRow);
+}
+
 PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::path& parent,
                        std::int64_t utime) {
   PreparedRun run;
   const std::vector<fs::path> recordings = findRecordings(experiment, source);
   const fs::path motors = experiment.hardware.motors;
-  if (!motors.empty()) static_cast<void>(readMotorFile(source / motors));  // or say why not, now
+  if (!motors.empty()) static_cast<void>(readMotorFile(source / motors));  // throws if unusable
   const bool by_camera = experiment.camera.tracker == Tracker::kCamera;
   const std::string camera = by_camera ? cameraInForce(experiment, source) : std::string();
   checkProjectorFile(experiment, source);
   const fs::path projector = experiment.projector.calibration;
   const fs::path light = experiment.projector.light_calibration;
-  static_cast<void>(activeLightCalibration(experiment, source));  // or say why not, now
+  static_cast<void>(activeLightCalibration(experiment, source));  // throws if unusable
   checkScenes(experiment, source);
   run.directory = makeRunDirectory(parent, experiment.name, utime);
   if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);

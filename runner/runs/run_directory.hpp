@@ -1,6 +1,7 @@
-/// The folder that a run leaves behind.
+/// The folder of a run.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 
@@ -15,44 +16,52 @@ inline constexpr const char* kProvenance = "provenance.json";
 inline constexpr const char* kImages = "images";
 inline constexpr const char* kCalibration = "calibration";
 inline constexpr const char* kServiceLogs = "logs";
-inline constexpr const char* kPorts = "ports";  ///< while it runs: lines of simulated robots
+inline constexpr const char* kPorts = "ports";  ///< while it runs: serial lines of simulated robots
 }  // namespace files
 
-/// Makes `parent`/<name>-<UTC time>, with a number behind it when that exists: nothing is ever
-/// overwritten. @throws UserError when it cannot be made.
+/// Makes `parent`/<name>-<UTC time>, with a number appended if that exists: nothing is overwritten.
+/// @throws UserError when it cannot be made
 [[nodiscard]] std::filesystem::path makeRunDirectory(const std::filesystem::path& parent,
                                                      const std::string& name, std::int64_t utime);
 
-/// Whether the projector takes every step of the script, copies for robots counted.
+/// Checks that the projector can show every step of the script, with one copy of a layer per
+/// followed robot.
 /// @throws UserError that names the step
 void checkScenes(const Experiment& experiment, const std::filesystem::path& source);
 
-/// Copies the images of the light script into the run, named by their SHA-256, and lets the
-/// experiment speak of them by that name. @param source folder that the script's paths are relative
-/// to. @throws UserError when an image cannot be read.
+/// Copies the images of the light script into the run, named by their SHA-256, and changes their
+/// paths in the experiment.
+/// @param source folder to which the paths are relative
+/// @throws UserError when an image cannot be read
 void adoptImages(Experiment& experiment, const std::filesystem::path& source,
                  const std::filesystem::path& run);
 
-/// Writes a whole new file, or none. @throws UserError when it exists or cannot be written.
+/// Writes a new file completely or not at all.
+/// @throws UserError when it exists or cannot be written
 void writeNewFile(const std::filesystem::path& path, const std::string& text);
 
 /// "2026-01-31T12:00:00Z"
 [[nodiscard]] std::string utcText(std::int64_t utime);
 
-/// The calibration file that the tracker is to use: as the experiment says it, or the simulated
-/// camera's own, which is then made. @param source folder that the path is relative to.
-/// @throws ExperimentError, UserError when it cannot be read or is of pictures of another size.
+/// Text of the calibration file for the tracker: the experiment's file, or the exact calibration of
+/// the simulated camera.
+/// @param source folder to which its path is relative
+/// @throws ExperimentError, UserError when it cannot be read or is for another picture size
 [[nodiscard]] std::string cameraInForce(const Experiment& experiment,
                                         const std::filesystem::path& source);
 
-/// The experiment file as run, for the folder and the record.
+/// Disk space that a run of this experiment needs, with a margin: log, trajectories, figures, and a
+/// reserve that stays free [bytes].
+[[nodiscard]] std::int64_t diskNeed_bytes(const Experiment& experiment);
+
+/// An experiment ready to run, with its folder.
 struct PreparedRun {
   Experiment experiment;
-  std::string effective;  ///< experiment.toml's text
+  std::string effective;  ///< text of experiment.toml, with every default filled in
   std::filesystem::path directory;
 };
 
-/// Makes the folder with experiment.toml and the images in it.
+/// Makes the folder with experiment.toml, images and calibrations.
 [[nodiscard]] PreparedRun prepareRun(Experiment experiment, const std::filesystem::path& source,
                                      const std::filesystem::path& parent, std::int64_t utime);
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "projector_ctl/projector_core.hpp"
 

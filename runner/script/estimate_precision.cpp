@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <limits>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::runner {
 

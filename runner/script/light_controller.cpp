@@ -4,8 +4,9 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_conversions.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/light_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "light/field/field.hpp"
 

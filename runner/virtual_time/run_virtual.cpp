@@ -1,23 +1,47 @@
 #include "runner/virtual_time/run_virtual.hpp"
 
+#include <cstdint>
+#include <filesystem>
 #include <lab/clock_t.hpp>
 #include <list>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "analyzer/analyzer_service.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/memory_bus.hpp"
 #include "common/camera/memory_cameras.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/units.hpp"
 #include "common/serial/memory_serial.hpp"
-#include "runner/virtual_time/services.hpp"
+#include "projector_ctl/projector_service.hpp"
+#include "robot_bridge/bridge_service.hpp"
+#include "runner/live/experiment_controller.hpp"
+#include "sim_svc/sim_service.hpp"
+#include "tracker_svc/tracker_service.hpp"
 
 namespace lab::runner {
 namespace {
 
-constexpr std::int64_t kSettle_us = 500'000;  // for what is still under way at the end
+// Messages under way at the end are delivered and logged within this time.
+constexpr std::int64_t kSettle_us = 500'000;
 
-/// One service with its node, as a process would hold them.
+/// The services that the experiment needs, except those that run in real time only.
+std::vector<ServiceDescription> virtualServices(const Experiment& experiment) {
+  std::vector<ServiceDescription> services = {
+      analysis::serviceDescription(), projector::serviceDescription(), bridge::serviceDescription(),
+      tracker::serviceDescription(), sim::serviceDescription()};
+  std::erase_if(services, [&](const ServiceDescription& service) {
+    return !isNeeded(experiment, service.name);
+  });
+  return services;
+}
+
+/// A service and its node, which in real time are one process.
 struct Member {
   Member(Bus& bus, Loop& loop, SerialPorts& ports, Cameras& cameras,
          const ServiceDescription& description, const PreparedRun& run)
@@ -32,7 +56,7 @@ struct Member {
 }  // namespace
 
 RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
-                      const std::function<bool()>& interrupted, const ProcedureFactory& pilot) {
+                      const std::function<bool()>& interrupted, const ProcedureFactory& procedure) {
   VirtualLoop loop;
   MemoryBus bus([&loop] { return loop.now(); });
   loop.drainWith([&bus] { bus.deliver(); });
@@ -43,9 +67,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   MemoryCameras cameras(loop);
   RunOutcome outcome;
   std::list<Member> members;
-  for (const ServiceDescription& description : labServices(run.experiment)) {
-    // What is outside does not live in virtual time (docs/ros2.md).
-    if (description.real_time_only) continue;
+  for (const ServiceDescription& description : virtualServices(run.experiment)) {
     members.emplace_back(bus, loop, ports, cameras, description, run);
   }
   Node node(bus, loop, {"lab", 0, 1});
@@ -58,9 +80,9 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
                                         ending == Ending::kUnmet || ending == Ending::kBroken;
                                     loop.stop();
                                   });
-  std::optional<ProcedureNode> seat;
-  if (pilot) {
-    seat.emplace(bus, loop, cameras, run, 1, pilot, controller, [&] {
+  std::optional<ProcedureNode> procedure_node;
+  if (procedure) {
+    procedure_node.emplace(bus, loop, cameras, run, 1, procedure, controller, [&] {
       why = kProcedureDone;
       loop.stop();
     });
@@ -72,7 +94,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   for (Member& member : members) member.node.start();
   node.start();
   node.ready();
-  if (seat) seat->begin();
+  if (procedure_node) procedure_node->begin();
   loop.every(units::kSecond_us, loop.now(), [&] {
     clock_t clock{};
     node.publish(channels::kClock, clock);
@@ -89,13 +111,13 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
     controller.conclude(why);
     loop.runUntil(loop.now() + kSettle_us);
     for (Member& member : members) member.node.close();
-    if (seat) seat->end();
+    if (procedure_node) procedure_node->end();
     node.close();
     bus.deliver();
     log.flush();
     outcome.faults = controller.faults();
   } catch (const std::exception& error) {
-    // The log takes no more: what it has is kept, and the run is marked.
+    // The log could not be written. What it holds is kept, and the run is marked.
     outcome.faults = controller.faults();
     outcome.faults.emplace_back(error.what());
     outcome.closed_early = true;

@@ -1,4 +1,4 @@
-/// Robots whose programs run outside the world.
+/// Interface to robots whose programs run outside the world.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace lab::sim {
 
-/// Some external robots of a world with their programs and their end of the serial lines. Robot k
-/// of a driver is the world's robot body(k).
+/// A group of external robots of a world, with their programs and their ends of the serial lines.
+/// Robot k of a driver is the world's robot body(k).
 class BodyDriver {
  public:
   BodyDriver() = default;
@@ -21,17 +21,18 @@ class BodyDriver {
   [[nodiscard]] virtual std::size_t size() const = 0;
   [[nodiscard]] virtual std::size_t body(std::size_t k) const = 0;
 
-  /// Bytes that the host sends to robot k at the world's time. They take the line's time.
+  /// Takes bytes that the host sends to robot k at the world's time. They reach the robot at the
+  /// line's speed.
   virtual void receive(std::size_t k, std::span<const std::uint8_t> bytes) = 0;
 
-  /// Runs the programs from the world's time to until_us (world time). They sense the world as it
-  /// is and set its motors, at exact times before until_us; the world itself is not advanced.
+  /// Runs the programs from the world's time to until_us (world time). They sense the present world
+  /// and set its motors at exact times before until_us; the world itself is not advanced.
   virtual void advance(World& world, std::int64_t until_us) = 0;
 
-  /// What robot k has sent to the host in the last advance().
+  /// The bytes that robot k has sent to the host in the last advance().
   [[nodiscard]] virtual std::span<const std::uint8_t> sent(std::size_t k) const = 0;
 
-  /// The kind of program that robot k runs (program_t's), or kUnknown.
+  /// The kind of program that robot k runs (as in program_t), or kUnknown.
   [[nodiscard]] virtual std::int8_t kind(std::size_t k) const = 0;
   static constexpr std::int8_t kUnknown = -1;
 };

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/math/units.hpp"
+#include "sim_svc/bodies/experiment_setup.hpp"
 
 namespace lab::sim {
 namespace {
@@ -26,14 +27,6 @@ bool contains(const std::vector<std::int32_t>& ids, std::int32_t id) {
 
 }  // namespace
 
-dynamics::WheelCalibration wheelCalibration(double gain, double dead_band) {
-  dynamics::WheelCalibration wheel;
-  wheel.gain_ppm = static_cast<std::int32_t>(std::lround(std::clamp(gain, 0.5, 1.5) * 1e6));
-  const double duty = std::clamp(dead_band, 0.0, 0.5) * dynamics::kMaxDuty;
-  wheel.dead_band = static_cast<std::uint8_t>(std::min(127L, std::lround(duty)));
-  return wheel;
-}
-
 BusRobots::BusRobots(World& world, const std::vector<std::size_t>& bodies, double sensor_period)
     : world_(world), sensor_period_(sensor_period) {
   for (const std::size_t body : bodies) {
@@ -45,7 +38,7 @@ BusRobots::BusRobots(World& world, const std::vector<std::size_t>& bodies, doubl
 std::string BusRobots::take(const robot_command_t& command) {
   std::string refusal;
   for (const robot_order_t& order : command.orders) {
-    std::map<double, OrderSettings> settings;  // by the wheel base that the robot believes
+    std::map<double, OrderSettings> settings;  // by the wheel base stored in the robot
     for (const std::int32_t id : order.robot_ids) {
       const auto entry = links_.find(id);
       if (entry == links_.end()) continue;
@@ -63,7 +56,7 @@ std::string BusRobots::take(const robot_command_t& command) {
         if (!converted->second.refusal.empty()) refusal = converted->second.refusal;
         link.command_seq = command.seq;
         link.command_instance = command.instance;
-        obey(link, order, converted->second);
+        execute(link, order, converted->second);
       }
       const auto lease_ms = static_cast<std::uint32_t>(std::max(0, command.lease_ms));
       world_.order(link.body, [lease_ms](dynamics::RobotCore& core, std::uint32_t now_ms) {
@@ -74,7 +67,7 @@ std::string BusRobots::take(const robot_command_t& command) {
   return refusal;
 }
 
-void BusRobots::obey(Link& link, const robot_order_t& order, const OrderSettings& settings) {
+void BusRobots::execute(Link& link, const robot_order_t& order, const OrderSettings& settings) {
   link.rejected = !settings.refusal.empty();
   if (link.rejected) return;
   switch (order.mode) {
@@ -203,7 +196,7 @@ robot_state_t BusRobots::stateOf(Link& link, std::int64_t origin_utime) {
     message.reversal_end_utime = reversing ? 0 : utimeOf(state.reversal_end);
   }
   message.tumble_count = static_cast<std::int32_t>(state.core.tumble_count);
-  // As the bridge of a real robot would: in the host's seconds, not in those of the robot's clock.
+  // In seconds of the host, as in robot_bridge, not of the robot's clock.
   message.run_time = state.run_time / world_.clock(link.body).rate();
   message.battery = static_cast<float>(state.battery);
   message.link_sent = link.messages_to;

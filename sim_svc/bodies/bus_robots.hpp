@@ -1,4 +1,5 @@
-/// The robots that sim_svc simulates as a whole: their orders from the bus, their reports for it.
+/// Robots that are simulated completely: executes their orders from the bus and reports their
+/// state.
 #pragma once
 
 #include <cstdint>
@@ -16,33 +17,30 @@
 
 namespace lab::sim {
 
-/// What a robot's EEPROM makes of a calibrated wheel: whole duties, within the robot's limits.
-/// @param dead_band share of full duty
-[[nodiscard]] dynamics::WheelCalibration wheelCalibration(double gain, double dead_band);
-
-/// Obeys and reports as robot_bridge does for robots on the wire.
+/// Has the same behaviour on the bus as robot_bridge has for robots on the wire.
 class BusRobots {
  public:
-  /// @param bodies the world's robots that are on the bus
-  /// @param sensor_period of all of them, s
+  /// @param bodies indices of these robots in the world
+  /// @param sensor_period s
   BusRobots(World& world, const std::vector<std::size_t>& bodies, double sensor_period);
 
   [[nodiscard]] bool empty() const { return links_.empty(); }
 
-  /// @return what is wrong with an order in it, empty when nothing is
+  /// @return why an order in it was rejected; empty if none was
   std::string take(const robot_command_t& command);
 
   void take(const robot_stop_t& stop);
 
-  /// Stores what is meant for these robots. @return what they hold now, nothing when none was meant
+  /// Stores the calibrations for these robots. @return the calibrations that they hold now; empty
+  /// if the message is for none of them
   std::optional<robot_calibration_t> take(const robot_calibration_t& calibration);
 
   /// Adds the state of every robot.
-  /// @param origin_utime of world time 0
+  /// @param origin_utime the utime of world time 0
   void report(std::int64_t origin_utime, std::vector<robot_state_t>& states);
 
  private:
-  /// What is kept for each robot beside the world.
+  /// The state of each robot that is not part of the world.
   struct Link {
     std::size_t body = 0;
     std::int64_t command_seq = 0;
@@ -52,13 +50,13 @@ class BusRobots {
     std::int32_t messages_from = 0;
     bool rejected = false;
     std::vector<program_t> programs;  ///< by slot
-    program_t driven{};               ///< what runs while it is driven by hand
+    program_t driven{};               ///< the wheel speeds of the last DRIVE order
     std::int64_t robot_contacts = 0;  ///< already reported
     std::int64_t wall_contacts = 0;
     std::uint32_t saturations = 0;
   };
 
-  void obey(Link& link, const robot_order_t& order, const OrderSettings& settings);
+  void execute(Link& link, const robot_order_t& order, const OrderSettings& settings);
   [[nodiscard]] robot_state_t stateOf(Link& link, std::int64_t origin_utime);
 
   World& world_;

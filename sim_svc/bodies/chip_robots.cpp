@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <span>
 #include <stdexcept>
 
 #include "common/process/installation.hpp"
@@ -16,7 +17,7 @@ void append(std::vector<std::uint8_t>& packet, const T& item) {
   std::memcpy(packet.data() + packet.size() - sizeof item, &item, sizeof item);
 }
 
-/// Takes an answer apart, front to back.
+/// Reads an answer from front to back.
 class Parser {
  public:
   explicit Parser(std::span<const std::uint8_t> bytes) : left_(bytes) {}
@@ -29,7 +30,7 @@ class Parser {
   }
 
   std::span<const std::uint8_t> takeBytes(std::size_t size) {
-    if (size > left_.size()) throw std::runtime_error("its answer is cut short");
+    if (size > left_.size()) throw std::runtime_error("its answer is truncated");
     const auto bytes = left_.first(size);
     left_ = left_.subspan(size);
     return bytes;
@@ -51,17 +52,17 @@ void append(std::vector<std::uint8_t>& packet, chip::Packet kind, std::int64_t u
   append(packet, header);
 }
 
-/// Reads the header of an answer, which must be of this kind.
+/// Reads the header of an answer and checks its kind.
 void expect(Parser& answer, chip::Packet kind, std::size_t robots) {
   const auto header = answer.take<chip::Header>();
   if (header.version != chip::kLinkVersion) {
-    throw std::runtime_error("it speaks version " + std::to_string(header.version) +
+    throw std::runtime_error("it uses version " + std::to_string(header.version) +
                              " of the link, expected " + std::to_string(chip::kLinkVersion) +
-                             "; build both anew");
+                             "; build both programs again");
   }
   if (header.packet == chip::Packet::kFailed) throw std::runtime_error(answer.rest());
   if (header.packet != kind || header.robots != robots) {
-    throw std::runtime_error("its answer is not one to what it was asked");
+    throw std::runtime_error("its answer does not match the request");
   }
 }
 
@@ -78,16 +79,17 @@ ChipRobots::ChipRobots(const World& world, std::vector<ChipRobotSetup> setups,
     chip.setup = std::move(setup);
     chips_.push_back(std::move(chip));
   }
-  const std::string who = chips_.empty() ? "robots" : "robot " + std::to_string(chips_.front().id);
+  const std::string robot =
+      chips_.empty() ? "robots" : "robot " + std::to_string(chips_.front().id);
   for (const char* file : {"robot_emulator", "robot_firmware.elf"}) {
     if (std::filesystem::exists(programs / file)) continue;
     throw std::runtime_error(
-        who + " has body = \"firmware\", which needs " + (programs / file).string() +
+        robot + " has body = \"firmware\", which needs " + (programs / file).string() +
         ": not there; " +
         installation().installHint(file,
                                    "install gcc-avr, avr-libc and libsimavr-dev "
                                    "and build again") +
-        ", or say body = \"wire\"");
+        ", or use body = \"wire\"");
   }
   try {
     start(world.timeUs());
@@ -114,7 +116,7 @@ void ChipRobots::start(std::int64_t now_us) {
 }
 
 void ChipRobots::receive(std::size_t k, std::span<const std::uint8_t> bytes) {
-  // One STEP must stay a packet, whatever is poured into a line.
+  // Limits the size of a STEP packet, however much is written to a line.
   constexpr std::size_t kMost = 1024;
   std::vector<std::uint8_t>& received = chips_[k].received;
   const auto taken = bytes.first(std::min(bytes.size(), kMost - received.size()));
@@ -191,7 +193,7 @@ void ChipRobots::fail(World& world, const std::string& why) {
   }
   report_(
       "robot_emulator: " + why + "; its robots stand and " +
-      (failures_ < kMostFailures ? "are switched on anew in 1 s" : "stay off: restart the lab"));
+      (failures_ < kMostFailures ? "are switched on again in 1 s" : "stay off: restart the lab"));
 }
 
 }  // namespace lab::sim

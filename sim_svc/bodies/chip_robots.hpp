@@ -1,10 +1,11 @@
-/// Robots whose program is the firmware itself, on simulated chips in a process of their own.
+/// Robots that run the firmware binary on simulated chips, in the process robot_emulator.
 #pragma once
 
 #include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -14,31 +15,31 @@
 
 namespace lab::sim {
 
-/// One robot on a chip as it is built.
+/// Initial state of one robot on a chip.
 struct ChipRobotSetup {
   std::size_t body = 0;              ///< The world's robot that it drives.
   std::vector<std::uint8_t> eeprom;  ///< From address 0; the rest is blank.
 };
 
 /// The chips of robot_emulator in lockstep with the world: they run exactly as far as advance()
-/// says, and nobody moves meanwhile.
+/// requests, and the world does not move meanwhile.
 ///
-/// When the emulator ends, hangs or answers nonsense, the robots stand, `report` is told once, and
-/// a second later (of the world) the chips are switched on anew, with their EEPROM as at the
-/// beginning. After three failures in a row they stay off.
+/// If the emulator ends, hangs or sends an invalid answer, the robots stand and `report` is called
+/// once. One second of world time later the chips are switched on again with their initial EEPROM.
+/// After three failures in a row they stay off.
 class ChipRobots final : public BodyDriver {
  public:
   using Report = std::function<void(const std::string&)>;
 
-  static constexpr int kStepTimeout_ms = 2000;    ///< Real time, for one step.
-  static constexpr int kStartTimeout_ms = 10000;  ///< Real time, to load the firmware.
+  static constexpr int kStepTimeout_ms = 2000;    ///< For one step; real time.
+  static constexpr int kStartTimeout_ms = 10000;  ///< To load the firmware; real time.
   static constexpr std::int64_t kRestartDelay_us = 1'000'000;
   static constexpr int kMostFailures = 3;
-  /// So long without a failure, and the earlier ones are forgotten.
+  /// Failures are forgotten after this time without another one.
   static constexpr std::int64_t kFailureMemory_us = 30'000'000;
 
   /// @param programs folder with robot_emulator and robot_firmware.elf
-  /// @throws std::runtime_error: one line, what is missing or why the emulator does not start
+  /// @throws std::runtime_error (one line) if something is missing or the emulator does not start
   ChipRobots(const World& world, std::vector<ChipRobotSetup> setups,
              const std::filesystem::path& programs, Report report);
 

@@ -20,18 +20,18 @@ namespace {
 
 std::string errorText(const std::string& what) { return what + ": " + std::strerror(errno); }
 
-/// In the child. Only calls that are allowed between fork and exec.
+/// Runs in the child. Only uses calls that are allowed between fork and exec.
 [[noreturn]] void becomeEmulator(const char* program, int socket, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(127);  // it ended in between
-  // The terminal's Ctrl-C ends the lab, which ends its emulator.
+  if (getppid() != parent) _exit(127);  // the parent has already ended
+  // Ctrl-C in the terminal must only reach the lab, which then ends its emulator.
   setpgid(0, 0);
   if (socket == chip::kArenaSocket) {
     fcntl(socket, F_SETFD, 0);
   } else {
     dup2(socket, chip::kArenaSocket);
   }
-  // Nothing else of the service's: neither its bus nor its serial lines.
+  // Close all other descriptors, such as the bus and the serial lines.
   close_range(chip::kArenaSocket + 1, ~0U, 0);
   static_assert(chip::kArenaSocket == 3);
   execl(program, program, "--arena-socket", "3", static_cast<char*>(nullptr));
@@ -68,11 +68,11 @@ EmulatorProcess::~EmulatorProcess() {
 }
 
 std::span<const std::uint8_t> EmulatorProcess::exchange(std::span<const std::uint8_t> packet,
-                                                        int patience_ms) {
-  // An emulator that has ended may have left word why: that is read below.
+                                                        int timeout_ms) {
+  // Errors are ignored, because an emulator that has ended may have left a reason to be read below.
   static_cast<void>(send(socket_, packet.data(), packet.size(), MSG_NOSIGNAL));
   using Clock = std::chrono::steady_clock;
-  const Clock::time_point deadline = Clock::now() + std::chrono::milliseconds(patience_ms);
+  const Clock::time_point deadline = Clock::now() + std::chrono::milliseconds(timeout_ms);
   for (;;) {
     const auto left =
         std::chrono::duration_cast<std::chrono::milliseconds>(deadline - Clock::now()).count();
@@ -80,7 +80,7 @@ std::span<const std::uint8_t> EmulatorProcess::exchange(std::span<const std::uin
     const int count = left > 0 ? poll(&ready, 1, static_cast<int>(left)) : 0;
     if (count < 0 && errno == EINTR) continue;
     if (count <= 0) {
-      throw std::runtime_error("no answer within " + std::to_string(patience_ms / 1000) + " s");
+      throw std::runtime_error("no answer within " + std::to_string(timeout_ms / 1000) + " s");
     }
     ssize_t size = recv(socket_, answer_.data(), answer_.size(), 0);
     if (size < 0) size = recv(socket_, answer_.data(), answer_.size(), MSG_DONTWAIT);
@@ -91,7 +91,7 @@ std::span<const std::uint8_t> EmulatorProcess::exchange(std::span<const std::uin
 
 std::string EmulatorProcess::howItEnded() {
   int status = 0;
-  // Its end of the socket closes a moment before it can be waited for.
+  // A process closes its socket shortly before it can be waited for.
   for (int attempt = 0; attempt < 100; ++attempt) {
     if (waitpid(pid_, &status, WNOHANG) == pid_) {
       pid_ = -1;

@@ -1,4 +1,4 @@
-/// The process that runs the simulated chips, and the socket to it.
+/// The child process that runs the simulated chips, and its socket.
 #pragma once
 
 #include <sys/types.h>
@@ -11,24 +11,24 @@
 
 namespace lab::sim {
 
-/// robot_emulator as a child that ends with this process. Packets as in
-/// sim_svc/bodies/chip_link.hpp.
+/// robot_emulator as a child that ends with this process. sim_svc/bodies/chip_link.hpp describes
+/// the packets.
 class EmulatorProcess {
  public:
   /// Starts `program --arena-socket 3`.
-  /// @throws std::runtime_error: no such program, or no process can be made
+  /// @throws std::runtime_error if the program does not exist or no process can be created
   explicit EmulatorProcess(const std::filesystem::path& program);
 
-  /// Ends it at once.
+  /// Kills the process.
   ~EmulatorProcess();
   EmulatorProcess(const EmulatorProcess&) = delete;
   EmulatorProcess& operator=(const EmulatorProcess&) = delete;
 
-  /// Sends one packet and waits for the one that answers it.
-  /// @param patience_ms real time, also where the lab's time is simulated
-  /// @throws std::runtime_error, without naming the program: it ended, it does not answer
+  /// Sends one packet and waits for the answer.
+  /// @param timeout_ms real time, also in virtual time
+  /// @throws std::runtime_error (text without the program's name) if it ended or does not answer
   [[nodiscard]] std::span<const std::uint8_t> exchange(std::span<const std::uint8_t> packet,
-                                                       int patience_ms);
+                                                       int timeout_ms);
 
   [[nodiscard]] pid_t pid() const { return pid_; }
 

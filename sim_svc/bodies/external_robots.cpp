@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <span>
 
 namespace lab::sim {
 
@@ -43,7 +44,7 @@ void ExternalRobots::advanceTo(std::int64_t time_us) {
     world_.advanceTo(until);
     for (const auto& [body, robot] : robots_) {
       const std::span<const std::uint8_t> sent = robot.driver->sent(robot.k);
-      // What the line does not take is lost, as on a cable that nobody reads.
+      // Bytes that the line does not accept are lost, as on a cable without a reader.
       if (!sent.empty()) static_cast<void>(robot.port->write(sent));
     }
   }

@@ -1,4 +1,4 @@
-/// The robots whose programs run outside the world, in step with it, and their serial lines.
+/// Runs external robots in step with the world and connects them with serial lines.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@ namespace lab::sim {
 /// Advances drivers and world together and carries bytes between drivers and lines.
 class ExternalRobots {
  public:
-  /// World and programs advance by at most this much at a time: what a program senses is at most
-  /// this old (a robot moves 0.54 mm in it), and what it sends is at most this late.
+  /// Longest step of world and programs. Sensor readings are at most this old (a robot moves
+  /// 0.54 mm in this time), and sent bytes are at most this late.
   static constexpr std::int64_t kSlice_us = 2000;
 
-  /// @param ports where the robots' lines are offered
-  /// @param catch_up advances world and robots to the present: called before bytes are taken from a
-  /// line, so that they come at their time
+  /// @param ports offers the robots' lines
+  /// @param catch_up advances world and robots to the present; called before bytes are read from a
+  ///        line, so that they arrive at the right time
   ExternalRobots(World& world, SerialPorts& ports, std::function<void()> catch_up)
       : world_(world), ports_(ports), catch_up_(std::move(catch_up)) {}
 
-  /// Takes in a driver and offers a line for each of its robots, named robot_07 for id 7.
-  /// @throws SerialError when a line cannot be made
+  /// Adds a driver and offers a line for each of its robots, named robot_07 for id 7.
+  /// @throws SerialError if a line cannot be created
   void add(std::unique_ptr<BodyDriver> driver);
 
   [[nodiscard]] bool empty() const { return robots_.empty(); }
@@ -35,7 +35,7 @@ class ExternalRobots {
   /// Advances everything to the given world time.
   void advanceTo(std::int64_t time_us);
 
-  /// The kind of program that the world's robot i runs, BodyDriver::kUnknown where nobody knows.
+  /// The kind of program that the world's robot i runs, or BodyDriver::kUnknown.
   [[nodiscard]] std::int8_t kind(std::size_t i) const;
 
  private:
@@ -51,7 +51,7 @@ class ExternalRobots {
   SerialPorts& ports_;
   std::function<void()> catch_up_;
   std::vector<std::unique_ptr<BodyDriver>> drivers_;
-  std::map<std::size_t, Robot> robots_;  ///< By the world's robot. They stay where they are.
+  std::map<std::size_t, Robot> robots_;  ///< By the world's robot; callbacks keep references.
 };
 
 /// The name under which the line of a simulated robot is offered.

@@ -15,7 +15,7 @@ KinematicRobots::KinematicRobots(World& world, const Experiment& experiment,
                                  const std::filesystem::path& directory, std::int64_t start_utime)
     : world_(world) {
   for (const RobotSpec& robot : experiment.robots) {
-    if (robot.body == Body::kSerial) real_[robot.id].ghost = world_.addKinematicDisk();
+    if (robot.body == Body::kSerial) real_[robot.id].disk = world_.addKinematicDisk();
     if (robot.body != Body::kReplay) continue;
     const std::int32_t recorded = robot.recorded_id == 0 ? robot.id : robot.recorded_id;
     try {
@@ -34,7 +34,7 @@ void KinematicRobots::see(const tracked_frame_t& frame, std::int64_t now) {
     if (entry == real_.end()) continue;
     entry->second.there = true;
     entry->second.seen_utime = now;
-    world_.moveKinematicDisk(entry->second.ghost, {pose.x, pose.y});
+    world_.moveKinematicDisk(entry->second.disk, {pose.x, pose.y});
   }
 }
 
@@ -42,15 +42,15 @@ void KinematicRobots::follow(std::int64_t now) {
   for (auto& [id, real] : real_) {
     if (!real.there || now - real.seen_utime <= kLost_us) continue;
     real.there = false;
-    world_.hideKinematicDisk(real.ghost);
+    world_.hideKinematicDisk(real.disk);
   }
   for (Replayed& replayed : replayed_) {
     if (const auto pose = replayed.robot.lastPose(now)) {
       replayed.there = true;
-      world_.moveKinematicDisk(replayed.ghost, {pose->x, pose->y});
+      world_.moveKinematicDisk(replayed.disk, {pose->x, pose->y});
     } else if (replayed.there) {
       replayed.there = false;
-      world_.hideKinematicDisk(replayed.ghost);
+      world_.hideKinematicDisk(replayed.disk);
     }
   }
 }
@@ -67,7 +67,7 @@ void KinematicRobots::addStates(std::int64_t utime, std::vector<robot_state_t>& 
   }
 }
 
-/// Where the recorded tracker had lost a robot, it stands as it was seen last.
+/// While the recorded tracker had lost a robot, it is painted at its last pose.
 void KinematicRobots::addPainted(std::int64_t exposure_utime, double exposure,
                                  std::vector<PaintedRobot>& robots) const {
   const std::int64_t half = std::max<std::int64_t>(1, units::microseconds(exposure) / 2);

@@ -1,5 +1,5 @@
-/// The robots that sim_svc does not move but that its robots meet: real ones, as a camera sees
-/// them, and recorded ones.
+/// Robots with prescribed motion that simulated robots can collide with: real robots that a camera
+/// sees, and recorded ones.
 #pragma once
 
 #include <cstdint>
@@ -18,28 +18,28 @@
 
 namespace lab::sim {
 
-/// Moves the world's ghosts.
+/// Moves the world's kinematic disks.
 class KinematicRobots {
  public:
-  /// A real robot that no frame has shown for this long has been taken away.
+  /// A real robot is removed if no frame has contained it for this long.
   static constexpr std::int64_t kLost_us = 2'000'000;
 
-  /// @param directory of the experiment file: recordings are named from there
-  /// @param start_utime when recordings begin to play
-  /// @throws std::runtime_error: see loadRecording()
+  /// @param directory of the experiment file, which recordings are relative to
+  /// @param start_utime when the playback starts
+  /// @throws std::runtime_error see loadRecording()
   KinematicRobots(World& world, const Experiment& experiment,
                   const std::filesystem::path& directory, std::int64_t start_utime);
 
   [[nodiscard]] bool anyReal() const { return !real_.empty(); }
   [[nodiscard]] bool anyReplayed() const { return !replayed_.empty(); }
 
-  /// Moves the real robots among those of a camera frame.
+  /// Moves the real robots to their poses in a camera frame.
   void see(const tracked_frame_t& frame, std::int64_t now);
 
-  /// Moves the recorded robots to where they are now, and takes out who is gone.
+  /// Moves the recorded robots to their present poses, and removes robots that are gone.
   void follow(std::int64_t now);
 
-  /// Adds what is to be said of the recorded robots at a time.
+  /// Add the recorded robots at a time to the outputs of the service.
   void addTracked(std::int64_t exposure_utime, TrackerModel& tracker) const;
   void addStates(std::int64_t utime, std::vector<robot_state_t>& states) const;
   void addPainted(std::int64_t exposure_utime, double exposure,
@@ -48,12 +48,12 @@ class KinematicRobots {
 
  private:
   struct Real {
-    std::size_t ghost = 0;
+    std::size_t disk = 0;
     std::int64_t seen_utime = 0;
     bool there = false;
   };
   struct Replayed {
-    std::size_t ghost = 0;
+    std::size_t disk = 0;
     ReplayRobot robot;
     bool there = false;
   };

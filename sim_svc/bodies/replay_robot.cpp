@@ -20,10 +20,10 @@ namespace lab::sim {
 namespace {
 
 constexpr const char* kLogOfARun = "log.lcmlog";
-/// Two frames further apart than this many periods have a drop-out between them.
+/// A gap between frames of more than this many periods is a drop-out.
 constexpr double kDropOut = 1.5;
 
-/// Everything that a log says of one robot.
+/// Collects all messages about one robot from a log.
 class Collector {
  public:
   explicit Collector(std::int32_t robot_id) : robot_id_(robot_id) {}
@@ -44,7 +44,7 @@ class Collector {
   Recording recording;
   std::set<std::int32_t> ids;
 
-  /// When the script started; without one, the first frame.
+  /// When the script started; without a script, the time of the first frame.
   [[nodiscard]] std::int64_t scriptStart() const {
     return script_start_ != 0 ? script_start_ : recording.frames.front().utime;
   }
@@ -73,7 +73,7 @@ class Collector {
   std::int64_t script_start_ = 0;
 };
 
-/// Puts items in order of time, keeps one of each time, and drops those before `begin`.
+/// Sorts items by time, removes duplicates, and drops items before `begin`.
 template <class Item>
 void order(std::vector<Item>& items, std::int64_t begin) {
   const auto earlier = [](const Item& a, const Item& b) { return a.utime < b.utime; };
@@ -145,7 +145,7 @@ std::optional<tracked_pose_t> ReplayRobot::trackedPose(std::int64_t utime) const
   const Recording::Frame* last = lastBefore(recording_.frames, recorded);
   if (last == nullptr || isOver(utime)) return std::nullopt;
   if (last->utime == recorded) return named(last->pose);
-  const Recording::Frame& next = *(last + 1);  // there is one: it is not over
+  const Recording::Frame& next = *(last + 1);  // exists because isOver() is false
   const double gap = units::seconds(next.utime - last->utime);
   if (gap > kDropOut * recording_.frame_period) return std::nullopt;
   const double share = units::seconds(recorded - last->utime) / gap;

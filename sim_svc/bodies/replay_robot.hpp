@@ -1,4 +1,4 @@
-/// A recorded robot played back into a live run.
+/// Playback of a recorded robot in a run.
 #pragma once
 
 #include <cstdint>
@@ -10,29 +10,30 @@
 
 namespace lab::sim {
 
-/// What a log has of one robot, from some time on.
+/// The messages about one robot in a log, from some time on.
 struct Recording {
   struct Frame {
-    std::int64_t utime = 0;  ///< Of the exposure.
+    std::int64_t utime = 0;  ///< Time of the exposure.
     tracked_pose_t pose{};
   };
-  std::vector<Frame> frames;          ///< In order of time, each time once; at least two.
-  std::vector<robot_state_t> states;  ///< Likewise; may be empty.
+  std::vector<Frame> frames;          ///< In order of time, no duplicates; at least two.
+  std::vector<robot_state_t> states;  ///< In order of time, no duplicates; may be empty.
   double frame_period = 0;            ///< Nominal, s.
 };
 
-/// Reads a log, or the log of a run's folder.
+/// Reads a log, or the log in the folder of a run.
 /// @param robot_id of the robot in the log
 /// @param from s after the start of the log's light script (without one: after its first frame)
-/// @throws std::runtime_error, one line: no such log, no such robot (and which there are), or it
-/// ends before there is anything to play
+/// @throws std::runtime_error (one line) if there is no such log or no such robot, or if the
+/// robot's
+///         frames end before `from`
 [[nodiscard]] Recording loadRecording(const std::filesystem::path& log, std::int32_t robot_id,
                                       double from);
 
-/// The recording at the same pace, shifted so that its first frame falls on start_utime.
+/// The recording at its original pace, shifted so that its first frame is at start_utime.
 class ReplayRobot {
  public:
-  /// @param id of the robot that plays it
+  /// @param id of the robot in this run
   ReplayRobot(Recording recording, std::int32_t id, std::int64_t start_utime);
 
   [[nodiscard]] std::int32_t id() const { return id_; }
@@ -40,15 +41,15 @@ class ReplayRobot {
   /// Whether the recording is over; then the robot is gone.
   [[nodiscard]] bool isOver(std::int64_t utime) const { return utime > end_utime_; }
 
-  /// Where it was last seen: for those who may run into it.
+  /// The last recorded pose, for collisions.
   [[nodiscard]] std::optional<tracked_pose_t> lastPose(std::int64_t utime) const;
 
-  /// The pose as tracked at this time: a recorded one, or between two frames that followed each
-  /// other the one on the straight line between them. None where the tracker had lost the robot.
+  /// The tracked pose at this time, linearly interpolated between consecutive frames. Empty if the
+  /// tracker had lost the robot.
   [[nodiscard]] std::optional<tracked_pose_t> trackedPose(std::int64_t utime) const;
 
-  /// The last state before this time: with origin REPLAY, all its times shifted, and no command or
-  /// stop obeyed, as it obeys nobody.
+  /// The last state before this time, with origin REPLAY and shifted times, and without command and
+  /// stop numbers because it follows no commands.
   [[nodiscard]] std::optional<robot_state_t> state(std::int64_t utime) const;
 
  private:

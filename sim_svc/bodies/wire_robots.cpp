@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "robot/wire/messages.hpp"
 
 namespace lab::sim {
 namespace {
 
-constexpr double kBitsPerByte = 10;  // start, eight, stop
+constexpr double kBitsPerByte = 10;  // start, eight data bits, stop
 constexpr std::uint8_t kHostBoard = 2;
-constexpr std::uint16_t kEnoughStack = 1024;  // bytes, of a host that has more
+constexpr std::uint16_t kEnoughStack = 1024;  // bytes; not measured on a host
 
 RobotClock clockFrom(std::int64_t boot_us, double rate) {
   return RobotClock(-1e-3 * static_cast<double>(boot_us) * rate, rate);
@@ -45,7 +46,7 @@ void WireRobot::switchOn(std::int64_t at_us, std::uint8_t cause) {
 
 void WireRobot::reset(std::int64_t now_us) {
   switchOn(now_us, wire::kResetPin);
-  setMotors(0, 0);  // pins let go, and the driver falls into standby
+  setMotors(0, 0);  // in reset the pins float, and the driver is in standby
 }
 
 void WireRobot::receive(std::int64_t now_us, std::span<const std::uint8_t> bytes) {
@@ -85,7 +86,7 @@ void WireRobot::takeByte() {
   const std::uint8_t byte = incoming_.front();
   incoming_.pop_front();
   if (!incoming_.empty()) received_us_ += byte_us_;
-  if (next_ms_ == 0) return;  // nobody listens before the robot is switched on
+  if (next_ms_ == 0) return;  // the robot is not yet switched on
   const std::int64_t now_ms = next_ms_ - 1;
   const double since_us = (now_us_ - 1e6 * clock_.worldTime(now_ms)) * rate_;
   device_->receive(static_cast<std::uint32_t>(now_ms),
@@ -102,8 +103,8 @@ void WireRobot::takeTick(World& world) {
   device_->tick(now_ms);
 }
 
-// Lets the line take what it can until then. A byte leaves the buffer when the line begins with it,
-// and has arrived a byte's time later.
+// Transmits until `time_us`. A byte leaves the buffer when its transmission starts, and arrives one
+// byte duration later.
 void WireRobot::sendUntil(double time_us) {
   while (line_free_us_ <= time_us) {
     if (under_way_) sent_.push_back(*under_way_);

@@ -1,10 +1,11 @@
-/// Robots on the wire without a chip: the program of the firmware, compiled for the host.
+/// Robots on the wire without a chip: the firmware compiled for the host.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "robot/firmware/device.hpp"
@@ -14,25 +15,24 @@
 
 namespace lab::sim {
 
-/// One robot on the wire as it is built.
+/// Initial state of one robot on the wire.
 struct WireSetup {
   std::size_t body = 0;  ///< The world's robot that it drives.
   int baud = 38400;
-  firmware::Settings settings;  ///< What its EEPROM holds, the uid among it.
+  firmware::Settings settings;  ///< The contents of its EEPROM, including the uid.
 };
 
-/// The electronics around a firmware::Device: a clock of its own that starts with the robot, a
-/// serial line with the speed and the send buffer of the real one, an EEPROM that keeps what is
-/// written while the robot is reset.
+/// The electronics around a firmware::Device: its own clock, which starts when the robot boots; a
+/// serial line with the speed and the send buffer of the real one; an EEPROM that keeps its
+/// contents during resets.
 ///
-/// What is simpler than on the chip (docs/bodies.md): a scan of the sensors is taken at one
-/// instant, an EEPROM write takes no time, no byte from the line is ever overrun, and the program
-/// itself takes no time.
+/// Simplifications compared with the chip (docs/bodies.md): a sensor scan happens at one point in
+/// time, EEPROM writes and the program take no time, and no received byte is lost.
 class WireRobot final : private firmware::Board {
  public:
-  /// What the firmware's send buffer holds, bytes (robot/firmware/avr/uart.cpp).
+  /// Capacity of the firmware's send buffer, bytes (robot/firmware/avr/uart.cpp).
   static constexpr std::size_t kSendBuffer = 127;
-  /// What waits on the host's side of the line at most; more is lost.
+  /// Capacity of the line on the host's side, bytes; more is lost.
   static constexpr std::size_t kLineBuffer = 4096;
 
   /// @param boot_us when it is switched on, world time
@@ -63,25 +63,25 @@ class WireRobot final : private firmware::Board {
 
   WireSetup setup_;
   double rate_;
-  double byte_us_;  ///< The line's time for one byte.
+  double byte_us_;  ///< Duration of one byte on the line.
   RobotClock clock_;
   std::uint8_t reset_cause_ = 0;
   std::optional<firmware::Device> device_;
   std::vector<std::uint8_t> store_;
-  std::int64_t next_ms_ = 0;  ///< Of the robot's clock; 0: not yet booted.
+  std::int64_t next_ms_ = 0;  ///< Next tick of the robot's clock; 0: not yet booted.
   double now_us_ = 0;         ///< World time.
   std::deque<std::uint8_t> incoming_;
-  double received_us_ = 0;  ///< When the byte in front has come in, world time.
+  double received_us_ = 0;  ///< When the first byte of incoming_ is complete, world time.
   std::deque<std::uint8_t> waiting_;
-  double line_free_us_ = 0;  ///< When the line can begin with the next byte, world time.
-  std::optional<std::uint8_t> under_way_;  ///< Has come in at line_free_us_.
+  double line_free_us_ = 0;                ///< When the next byte can start, world time.
+  std::optional<std::uint8_t> under_way_;  ///< The byte that is complete at line_free_us_.
   std::vector<std::uint8_t> sent_;
   std::int16_t left_ = 0;
   std::int16_t right_ = 0;
   std::vector<MotorChange> changes_;
 };
 
-/// All of them: cheap, hundreds to a core.
+/// All robots of this kind. One processor core can run hundreds of them.
 class WireRobots final : public BodyDriver {
  public:
   WireRobots(const World& world, const std::vector<WireSetup>& setups);

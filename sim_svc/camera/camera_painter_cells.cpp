@@ -23,8 +23,8 @@ void split(const float* __restrict both, float* __restrict even, float* __restri
 }  // namespace
 
 PointSpread::PointSpread(double blur) {
-  // The pixel's square is two cells wide. Sampled at whole cells, the Gaussian of 1.5 cells is
-  // exact to 1e-19 of its transform; one far below a cell becomes the cell itself.
+  // The pixel's square is two cells wide. Sampled at whole cells, a Gaussian of 1.5 cells is exact
+  // to 1e-19 of its transform; a Gaussian far below a cell reduces to the cell itself.
   const double sigma = std::max(2 * blur, 0.2);
   const int most = static_cast<int>(std::ceil(3.7 * sigma));
   const auto gauss = [&](int offset) { return std::exp(-0.5 * offset * offset / (sigma * sigma)); };

@@ -1,22 +1,15 @@
-/// Half-pixel cells: where the simulated camera is painted before its lens blurs it.
+/// Cells of half a pixel, in which the simulated camera is painted before the lens blurs them.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <vector>
 
-// The same source for the processor at hand: results do not depend on the choice, as nothing is
-// contracted or summed in another order. Sanitizers do not bear the dispatcher.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-#define LAB_TARGET_CLONES __attribute__((target_clones("avx2", "default")))
-#else
-#define LAB_TARGET_CLONES
-#endif
+#include "light/field/target_clones.hpp"
 
 namespace lab::sim::painter {
 
-/// x0 <= x < x1, y0 <= y < y1, in pixels or cells.
+/// The rectangle x0 <= x < x1, y0 <= y < y1, in pixels or cells.
 struct Box {
   int x0 = 0, y0 = 0, x1 = 0, y1 = 0;
 
@@ -30,11 +23,11 @@ struct Box {
   }
 };
 
-/// The lattice of cells: two by two to a pixel, with a margin of whole pixels around the picture.
+/// The lattice of cells: 2 x 2 per pixel, with a margin of whole pixels around the picture.
 /// Cell (i, j) has its centre at pixel coordinate i / 2 - margin - 1/4.
 struct Lattice {
-  int width = 0;   ///< [px] of the picture
-  int height = 0;  ///< [px]
+  int width = 0;   ///< [px] picture
+  int height = 0;  ///< [px] picture
   int margin = 0;  ///< [px]
 
   [[nodiscard]] int columns() const { return 2 * (width + 2 * margin); }
@@ -57,12 +50,13 @@ struct Lattice {
   }
 };
 
-/// How much of a cell lies behind a straight edge `inside` [m] from the cell's centre (negative:
-/// the edge has not reached it), for cells that measure a and b across the edge and a shape that
-/// moves by m meanwhile: the integral of three boxes one after the other. That of the cell alone is
-/// exact, so that no pattern of cells is left in the picture.
+/// The share of a cell that a shape with a straight edge covers. `inside` [m] is the distance from
+/// the edge to the cell's centre, positive if the centre is inside the shape; a and b are the
+/// widths of the cell's two sides across the edge, m that of the shape's motion during the
+/// exposure. The result is the integral of the convolution of three boxes. It is exact for the
+/// cell, so that the lattice leaves no pattern in the picture.
 inline float coverOf(float inside, float a, float b, float m) {
-  constexpr float kLeast = 0.05F;  // of the widest: a box of no width has no quotient
+  constexpr float kLeast = 0.05F;  // of the widest box: avoids a division by zero
   const float widest = (a > b ? a : b) > m ? (a > b ? a : b) : m;
   const float least = kLeast * widest;
   a = a > least ? a : least;
@@ -76,7 +70,7 @@ inline float coverOf(float inside, float a, float b, float m) {
   float t = inside * per_whole;
   t = t > -0.5F ? t : -0.5F;
   t = t < 0.5F ? t : 0.5F;
-  // Symmetric: the sum is taken on the emptier side, where it is the more exact.
+  // By symmetry, the sum is computed on the less covered side, where it is more accurate.
   const float from = 0.5F - (t < 0.0F ? -t : t);  // distance from the end of the edge
   const auto cube = [](float x) {
     x = x > 0.0F ? x : 0.0F;
@@ -88,21 +82,21 @@ inline float coverOf(float inside, float a, float b, float m) {
   return t < 0.0F ? part : 1.0F - part;
 }
 
-/// What lens and pixel make of the cells: a Gaussian over the square of the pixel.
+/// The point spread function: the Gaussian blur of the lens, convolved with the pixel's square.
 class PointSpread {
  public:
   /// @param blur [px] standard deviation of the Gaussian
   explicit PointSpread(double blur);
 
-  /// How many pixels a cell reaches beyond its own.
+  /// The distance from a cell's own pixel to the last pixel that it affects [px].
   [[nodiscard]] int reach() const { return reach_; }
 
-  /// Pixels of `box` into `out` (rows of lattice.width); `cells` are those of the whole lattice.
+  /// Computes the pixels of `box` in `out` (rows of lattice.width) from the cells of the lattice.
   void apply(const Lattice& lattice, const float* cells, const Box& box, float* out);
 
  private:
   int reach_ = 0;
-  std::vector<float> taps_;  ///< of the cells to one side, the nearest first
+  std::vector<float> taps_;  ///< weights of the cells on one side, the nearest first
   std::vector<float> column_;
   std::vector<float> even_;
   std::vector<float> odd_;

@@ -1,15 +1,17 @@
 #include "sim_svc/camera/camera_painter_ground.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "common/math/random.hpp"
 
 namespace lab::sim::painter {
 namespace {
 
-constexpr double kFarAway = 1e3;  // [m] where a line of sight misses the floor
+constexpr double kFarAway = 1e3;  // [m] used if a line of sight misses the floor
 constexpr double kWall = 0.015;   // [m] width
-constexpr double kFoot = 0.002;   // [m] dark line where the wall stands on the floor
+constexpr double kFoot = 0.002;   // [m] width of the dark line at the foot of the wall
 constexpr int kScuffs = 8;
 
 double clamp01(double value) { return std::min(std::max(value, 0.0), 1.0); }
@@ -44,7 +46,7 @@ class Mottle {
   double per_cell_;
 };
 
-/// Colour of floor, wall and what lies around, edges blurred over a cell.
+/// Albedo of floor, wall and surroundings, with edges blurred over a cell.
 class Room {
  public:
   explicit Room(const PainterSettings& settings)
@@ -91,10 +93,10 @@ std::vector<FloorStrip> scuffs(const PainterSettings& settings) {
   return strips;
 }
 
-/// Points of all cells on the floor, or on the sheet that hides it: exact on every second pixel,
-/// straight between (an error of 2e-4 px for a lens of k1 = -0.12).
-void tracePlaces(const Lattice& lattice, const optics::CameraModel& model, double height,
-                 Ground& ground) {
+/// Computes the points of all cells on the floor, or on the sheet that hides it: exact on every
+/// second pixel, linearly interpolated between (error 2e-4 px for a lens with k1 = -0.12).
+void projectCells(const Lattice& lattice, const optics::CameraModel& model, double height,
+                  Ground& ground) {
   constexpr int kStep = 4;  // [cells]
   const int nodes_x = lattice.columns() / kStep + 2;
   const int nodes_y = lattice.rows() / kStep + 2;
@@ -138,7 +140,8 @@ void lay(const FloorStrip& strip, double half, const Lattice& lattice,
   const Box box =
       lattice.cells(pixelsAround(model, strip.x0 + dx / 2, strip.y0 + dy / 2, 0, length / 2 + half))
           .within(lattice.all());
-  // A disc smeared over a cell keeps its area; so does the length of a strip its width.
+  // Corrects the radius so that a disc blurred over a cell keeps its area. The straight edges of a
+  // strip need no correction.
   const double edge = length > 0 ? half : std::sqrt(std::max(half * half - cell * cell / 12, 0.0));
   for (int j = box.y0; j < box.y1; ++j) {
     for (int i = box.x0; i < box.x1; ++i) {
@@ -155,7 +158,7 @@ void lay(const FloorStrip& strip, double half, const Lattice& lattice,
       const float cover = coverOf(static_cast<float>(edge - from),
                                   across(per_cell * scale.vy, -per_cell * scale.vx),
                                   across(-per_cell * scale.uy, per_cell * scale.ux), 0);
-      // A strip thinner than a cell covers a part of it at most.
+      // A strip thinner than a cell covers at most a part of it.
       const float most = static_cast<float>(std::min(2 * half / cell, 1.0));
       ground.albedo[at] +=
           std::min(cover, most) * (static_cast<float>(strip.albedo) - ground.albedo[at]);
@@ -173,7 +176,7 @@ double cellSize(const optics::CameraModel& model, double x, double y) {
 Ground::Ground(const PainterSettings& settings, const Lattice& lattice,
                const optics::CameraModel& model)
     : x(lattice.size()), y(lattice.size()), albedo(lattice.size()) {
-  tracePlaces(lattice, model, settings.sheet, *this);
+  projectCells(lattice, model, settings.sheet, *this);
   const Room room(settings);
   const double cell = cellSize(model, settings.arena_width / 2, settings.arena_height / 2);
   for (std::size_t at = 0; at < lattice.size(); ++at) {
@@ -194,12 +197,12 @@ Ground::Ground(const PainterSettings& settings, const Lattice& lattice,
 }
 
 Box pixelsAround(const optics::CameraModel& model, double x, double y, double z, double radius) {
-  constexpr double kSpare = 2;  // [px] for what the derivative does not say, and for rounding
+  constexpr double kSpare = 2;  // [px] for the linearisation and for rounding
   optics::PlaneScale scale;
   const optics::Pixel centre = model.project(x, y, z, scale);
   const double across = 1.02 * radius * std::hypot(scale.ux, scale.uy) + kSpare;
   const double down = 1.02 * radius * std::hypot(scale.vx, scale.vy) + kSpare;
-  constexpr double kMost = 1e6;  // a place that no camera sees must not overflow
+  constexpr double kMost = 1e6;  // avoids overflow for points far outside the picture
   const auto whole = [&](double pixel) {
     return static_cast<int>(std::clamp(pixel, -kMost, kMost));
   };

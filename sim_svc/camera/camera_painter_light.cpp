@@ -1,27 +1,28 @@
 #include "sim_svc/camera/camera_painter_light.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace lab::sim::painter {
 namespace {
 
-constexpr double kOverscan = 0.05;  // [m] of the projector's picture beyond the walls
-constexpr double kAnywhere = 1e3;   // [m] where the picture's edge is known otherwise
-constexpr double kBorder = 0.01;    // [m] in which it fades out
-constexpr float kBend = 5e-4F;      // [1] light that bends less from pixel to pixel is interpolated
-constexpr int kTile = 16;           // [px]
-constexpr double kLeastCells = 1.5;  // that an edge is wide
+constexpr double kOverscan = 0.05;   // [m] of the projector's picture beyond the walls
+constexpr double kAnywhere = 1e3;    // [m] margin if LitPlaces::lit gives the picture's edge
+constexpr double kBorder = 0.01;     // [m] width in which the picture fades out
+constexpr float kBend = 5e-4F;       // [1] smaller second differences of light are interpolated
+constexpr int kTile = 16;            // [px]
+constexpr double kLeastCells = 1.5;  // smallest width of an edge
 
 LAB_TARGET_CLONES
 void dimBy(const float* __restrict share, float* __restrict light, int count) {
   for (int i = 0; i < count; ++i) light[i] *= share[i];
 }
 
-/// The light at many places at once, which is several times faster than one by one.
+/// Evaluates the light at many points at once, which is several times faster than one by one.
 template <class Share>
 class Places {
  public:
-  /// @param share [1] of the light that is shown at a place; none where it is negative
+  /// @param share [1] of the light that reaches a point; negative: none
   Places(const light::CompiledLayers& layers, Share share) : layers_(layers), share_(share) {}
 
   void add(double x, double y) {
@@ -29,7 +30,7 @@ class Places {
     y_[count_++] = y;
   }
 
-  /// In the order in which they were added.
+  /// The light at the points in the order in which they were added.
   const double* evaluate() {
     layers_.evaluateAt(x_.data(), y_.data(), count_, light_.data());
     for (std::size_t i = 0; i < count_; ++i) {
@@ -63,7 +64,8 @@ Projection::Projection(const std::vector<light::Layer>& layers, const PainterSet
                                         : std::make_shared<const optics::ToneTable>(settings.tones);
 }
 
-/// How far a place lies inside the projector's picture [m].
+/// Distance from a point inside the projector's picture to the picture's edge [m]; negative
+/// outside.
 double Projection::marginInside(const LitPlaces& places, double x, double y) const {
   if (places.lit != nullptr) return kAnywhere;
   return std::min(std::min(x, width_ - x), std::min(y, height_ - y)) + kOverscan;
@@ -90,7 +92,7 @@ Projection::Tile Projection::tile(const Lattice& lattice, const LitPlaces& place
                  std::hypot(shift.scale * static_cast<double>(places.x[at]) + shift.x0 - tile.x,
                             shift.scale * static_cast<double>(places.y[at]) + shift.y0 - tile.y));
   }
-  tile.radius *= 1.1;  // a side between two corners may be bent outwards
+  tile.radius *= 1.1;  // a side between two corners may be curved outwards
   return tile;
 }
 
@@ -141,7 +143,7 @@ void Projection::light(const Lattice& lattice, const LitPlaces& places, const Bo
   }
 }
 
-/// From the light that is wanted to what the projector gives.
+/// Converts the commanded light into the light that the projector gives.
 void Projection::tone(const Lattice& lattice, const LitPlaces& places, const Box& cells,
                       std::vector<float>& out) const {
   const PlaneShift& shift = places.shift;
@@ -149,8 +151,8 @@ void Projection::tone(const Lattice& lattice, const LitPlaces& places, const Box
     for (int i = cells.x0; i < cells.x1; ++i) {
       const std::size_t at = lattice.at(i, j);
       if (out[at] <= 0) continue;
-      // Where geometry is bent the white of the source stands for that of the place, a few
-      // millimetres beside it.
+      // With geometric errors of the projector, this uses the brightness at the source point, a few
+      // millimetres beside the cell.
       const optics::Place source{shift.scale * static_cast<double>(places.x[at]) + shift.x0,
                                  shift.scale * static_cast<double>(places.y[at]) + shift.y0};
       out[at] = static_cast<float>(tones_->light(static_cast<double>(out[at]), source, source));
@@ -158,7 +160,8 @@ void Projection::tone(const Lattice& lattice, const LitPlaces& places, const Box
   }
 }
 
-/// One value a pixel; its four cells by the slopes there, or one by one where the light bends.
+/// Computes one value per pixel and its four cells from the local slopes, or all cells one by one
+/// where the light is not linear.
 void Projection::paint(const light::CompiledLayers& layers, const Tile& tile,
                        const Lattice& lattice, const LitPlaces& places,
                        std::vector<float>& out) const {
@@ -204,9 +207,9 @@ void Projection::paint(const light::CompiledLayers& layers, const Tile& tile,
   for (int y = pixels.y0; y < pixels.y1; ++y) {
     for (int x = pixels.x0; x < pixels.x1; ++x) bent[index(x, y)] = bends(x, y);
   }
-  // Where the light bends, the neighbours are not to be trusted either: an edge right through the
-  // middle of a pixel bends in them alone. Those outside the tile are judged by its own border.
-  const auto trusted = [&](int x, int y) {
+  // If a pixel is not linear, its neighbours are computed cell by cell too: an edge through the
+  // middle of a pixel only shows in them. Pixels outside the tile are represented by its border.
+  const auto isLinear = [&](int x, int y) {
     const bool border =
         x == pixels.x0 || y == pixels.y0 || x + 1 == pixels.x1 || y + 1 == pixels.y1;
     if (bent[index(x, y)]) return false;
@@ -227,7 +230,7 @@ void Projection::paint(const light::CompiledLayers& layers, const Tile& tile,
   };
   for (int y = pixels.y0; y < pixels.y1; ++y) {
     for (int x = pixels.x0; x < pixels.x1; ++x) {
-      if (trusted(x, y)) {
+      if (isLinear(x, y)) {
         const float here = middle[index(x, y)];
         const float right = 0.125F * (middle[index(x + 1, y)] - middle[index(x - 1, y)]);
         const float down = 0.125F * (middle[index(x, y + 1)] - middle[index(x, y - 1)]);

@@ -18,9 +18,9 @@ namespace painter {
 namespace {
 
 constexpr std::size_t kTable = 1U << 16U;
-constexpr int kPiece = 256;      // [px] read in one go
+constexpr int kPiece = 256;      // [px] read from consecutive entries of the table
 constexpr int kFullScale = 255;  // [DN]
-constexpr int kFine = 64;        // [1/DN] steps of light that is encoded: finer than its noise
+constexpr int kFine = 64;        // [1/DN] resolution of light before the response; below the noise
 
 struct Law {
   float floor;
@@ -28,7 +28,7 @@ struct Law {
   float black;
 };
 
-// Light with its noise, in steps of which `fine` are one DN.
+// Adds noise to the light; the result is in units of 1 / fine DN.
 template <typename Step>
 [[gnu::always_inline]] inline void finishPiece(const float* __restrict mean,
                                                const float* __restrict normal, Law law, float fine,
@@ -72,7 +72,7 @@ SensorNoise::SensorNoise(std::uint64_t seed, const optics::CameraResponse& respo
   const double mean = sum / kTable;
   const double deviation = std::sqrt(squares / kTable - mean * mean);
   for (std::size_t i = 0; i < table_.size(); ++i) {
-    // Coarse steps, so that the last digit of a logarithm does not reach a picture.
+    // Rounded, so that differences of std::log between libraries do not change a picture.
     const double normal = (normals[i % kTable] - mean) / deviation;
     table_[i] = static_cast<float>(std::round(normal * 4096) / 4096);
   }

@@ -1,4 +1,4 @@
-/// From expected light to a camera's bytes.
+/// Converts expected light into a camera's bytes.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,13 @@
 
 namespace lab::sim::painter {
 
-/// Normal noise from a table, read from another random place for every piece of every row.
+/// Normal noise from a table, read from a random position for every piece of every row.
 class SensorNoise {
  public:
-  /// @param response how the bytes follow the light
+  /// @param response maps light to bytes
   SensorNoise(std::uint64_t seed, const optics::CameraResponse& response);
 
+  /// Adds noise and applies the camera's response.
   /// @param mean [DN] expected values, linear in light, rows of `width`
   void finish(std::span<const float> mean, int width, const PixelNoise& noise, double black,
               std::int64_t frame, std::span<std::uint8_t> out) const;
@@ -23,7 +24,7 @@ class SensorNoise {
  private:
   std::uint64_t seed_;
   std::vector<float> table_;
-  std::vector<std::uint8_t> steps_;  // of a light in units of 1 / kFine DN; empty: linear
+  std::vector<std::uint8_t> steps_;  // byte for a light in units of 1 / kFine DN; empty: linear
 };
 
 }  // namespace lab::sim::painter

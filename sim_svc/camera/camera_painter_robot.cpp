@@ -9,25 +9,25 @@ namespace {
 constexpr double kPenumbra = 0.001;  // [m] width of a shadow's edge on the floor
 constexpr float kTiny = 1e-12F;      // [m^2]
 
-/// A disc on a plane that `shift` reaches from the floor.
+/// A disc on a plane above the floor.
 struct Disc {
-  float scale, x0, y0;  // floor point to place relative to the disc's centre
-  float radius;         // [m] after the edge's share of the area is taken off
-  float right_x, right_y, down_x, down_y, move_x, move_y;  // [m] the cell, the way moved
+  float scale, x0, y0;  // maps a floor point to the position relative to the disc's centre
+  float radius;         // [m] corrected for the blurred edge
+  float right_x, right_y, down_x, down_y, move_x, move_y;  // [m] sides of the cell, and the motion
   float albedo, ambient;
 };
 
-/// An upright cylinder seen from a far point: what lies on the lines from the floor to its top.
+/// An upright cylinder as seen from a far point.
 struct Cylinder {
   float x, y;                 // [m] axis
-  float scale, far_x, far_y;  // from a floor point to the top plane, towards the far point
+  float scale, far_x, far_y;  // maps a floor point to the top plane, towards the far point
   float radius;               // [m]
   float per_width;            // [1/m]
 };
 
 struct Side {
   float albedo, ambient;
-  float light_x, light_y;  // [1] towards the projector, of the height
+  float light_x, light_y;  // [1] horizontal direction to the projector per height
 };
 
 inline float clamped(float value) {
@@ -65,7 +65,7 @@ void sideRow(Cylinder cylinder, Side side, const float* __restrict fx, const flo
     float gx = 0;
     float gy = 0;
     const float cover = coverOfCylinder(cylinder, fx[i], fy[i], gx, gy);
-    // Where the line of sight, coming from the top plane, meets the side.
+    // The point where the line of sight, coming from the top plane, meets the side.
     const float px = fx[i] + gx - cylinder.x;
     const float py = fy[i] + gy - cylinder.y;
     const float a = gx * gx + gy * gy + kTiny;
@@ -127,7 +127,7 @@ RobotPainter::RobotPainter(const PainterSettings& settings, const optics::Camera
       std::max(settings.cap.robot_radius, settings.cap.cap_radius) + kPenumbra + moved;
   solid_ = settings.cap.cap_radius - moved;
   const double height = settings.cap.height;
-  // The far end of the shadow: the top, seen from the projector on the floor.
+  // The far end of the shadow: the top, projected from the projector onto the floor.
   const double grown = 1 / to_projector_.scale;
   pixels_ = joined(joined(pixelsAround(model, robot.x, robot.y, 0, radius),
                           pixelsAround(model, robot.x, robot.y, height, radius)),
@@ -151,7 +151,7 @@ RobotPainter::Cell RobotPainter::cellAt(double x, double y) const {
 RobotPainter::Rows::Rows(const RobotPainter& painter, const Lattice& lattice, double x, double y,
                          double z) {
   constexpr double kSpareCells = 0.5;   // for rounding
-  constexpr double kSpareShare = 0.02;  // for what is not straight about the lens
+  constexpr double kSpareShare = 0.02;  // for the nonlinearity of the lens
   const Cell cell = painter.cellAt(x, y);
   const optics::Pixel at = painter.model_.project(x, y, z);
   i_ = 2 * (at.x + lattice.margin) + 0.5;
@@ -159,7 +159,8 @@ RobotPainter::Rows::Rows(const RobotPainter& painter, const Lattice& lattice, do
   aa_ = cell.right_x * cell.right_x + cell.right_y * cell.right_y;
   ab_ = cell.right_x * cell.down_x + cell.right_y * cell.down_y;
   bb_ = cell.down_x * cell.down_x + cell.down_y * cell.down_y;
-  // Half an edge: three boxes whose squares add up to at most twice the mean square.
+  // Includes half the width of an edge: three boxes whose squares add up to at most twice the mean
+  // square.
   spare_ = kSpareCells * std::sqrt(std::max(aa_, bb_)) + 0.5 * std::sqrt(6 * cell.meanSquare()) +
            kSpareShare * painter.settings_.cap.robot_radius;
 }
@@ -186,8 +187,8 @@ template <class Row>
 void RobotPainter::forCylinder(const Canvas& canvas, const PlaneShift& far, Row row) const {
   const Lattice& lattice = *canvas.lattice;
   const double radius = settings_.cap.robot_radius + kPenumbra;
-  // What the far point sees behind foot, top and some heights between, on the floor: discs so near
-  // each other that rows of their hull are hardly longer than those of the discs.
+  // The projection of the cylinder onto the floor, approximated by the discs of foot, top and some
+  // heights between. They are so close that their union nearly fills the hull.
   std::vector<Rows> hull;
   double largest = 0;
   const double length =
@@ -257,14 +258,15 @@ void RobotPainter::paintSides(const Canvas& canvas) const {
   });
 }
 
-/// A disc on the cap. Nearer than `hidden` [m] to its centre another one will lie over it.
+/// Paints a disc on the cap, except within `hidden` [m] of its centre, where another disc will be
+/// painted over it.
 void RobotPainter::paintDisc(const Canvas& canvas, double forward, double radius, double hidden,
                              double albedo) const {
   const double x = robot_.x + forward * cosine_;
   const double y = robot_.y + forward * sine_;
   const Cell cell = cellAt(x, y);
   const double mean2 = cell.meanSquare();
-  // An edge smeared evenly to both sides would add area.
+  // An edge blurred evenly to both sides would increase the area; correct the radius.
   const double inner = std::sqrt(std::max(radius * radius - mean2 / 12, 0.0));
   const Disc disc{static_cast<float>(to_camera_.scale),
                   static_cast<float>(to_camera_.x0 - x),
@@ -296,7 +298,7 @@ void RobotPainter::paintDisc(const Canvas& canvas, double forward, double radius
         solidRow(disc.albedo, disc.ambient, canvas.cap_light + at, canvas.grey + at, to - from);
       }
     };
-    // Whole vectors: further out there is nothing of the disc, exactly.
+    // Round up to whole vectors; cells further out are exactly 0.
     const auto whole = [](int count) { return (count + 7) / 8 * 8; };
     const Span all = rows.touching(j, radius);
     const Span solid = rows.inside(j, hidden > 0 ? hidden : radius);
@@ -311,7 +313,7 @@ void RobotPainter::paintDisc(const Canvas& canvas, double forward, double radius
 }
 
 void RobotPainter::paintTop(const Canvas& canvas) const {
-  constexpr double kHole = 0.0325;       // [m] before and behind the axis
+  constexpr double kHole = 0.0325;       // [m] distance before and behind the axis
   constexpr double kHoleRadius = 0.002;  // [m]
   const optics::CapGeometry& cap = settings_.cap;
   const Albedos& albedos = settings_.albedos;

@@ -1,4 +1,4 @@
-/// One robot in the cells of the simulated camera.
+/// Paints one robot into the cells of the simulated camera.
 #pragma once
 
 #include "sim_svc/camera/camera_painter_cells.hpp"
@@ -8,22 +8,22 @@
 
 namespace lab::sim::painter {
 
-/// Where robots are painted: all cells, each of these arrays.
+/// The arrays that robots are painted into, with one value per cell.
 struct Canvas {
   const Lattice* lattice = nullptr;
   const Ground* ground = nullptr;
-  const float* cap_light = nullptr;  ///< [1] of the projector, on the cap plane
-  float* grey = nullptr;             ///< [1] light sent back
+  const float* cap_light = nullptr;  ///< [1] projector light on the cap plane
+  float* grey = nullptr;             ///< [1] reflected light
 };
 
-/// A robot at one instant, with the movement of the piece of the exposure around it.
+/// A robot at one time, with its motion in the piece of the exposure around this time.
 class RobotPainter {
  public:
-  /// @param duration [s] of the piece of the exposure in which the robot moves on
+  /// @param duration [s] of the piece of the exposure
   RobotPainter(const PainterSettings& settings, const optics::CameraModel& model,
                const PaintedRobot& robot, double duration);
 
-  /// All pixels in which any of its shapes lie.
+  /// All pixels that any of its shapes touch.
   [[nodiscard]] const Box& pixels() const { return pixels_; }
 
   void castShadow(const Canvas& canvas) const;
@@ -31,13 +31,13 @@ class RobotPainter {
   void paintTop(const Canvas& canvas) const;
 
  private:
-  /// A cell, and the way moved, as sides in the cap plane [m].
+  /// The sides of a cell, and the motion during the piece, as vectors in the cap plane [m].
   struct Cell {
     double right_x = 0, right_y = 0;
     double down_x = 0, down_y = 0;
     double move_x = 0, move_y = 0;
 
-    /// Mean over all directions of the squared width of an edge.
+    /// The squared width of an edge, averaged over all directions.
     [[nodiscard]] double meanSquare() const {
       return 0.5 * (right_x * right_x + right_y * right_y + down_x * down_x + down_y * down_y +
                     move_x * move_x + move_y * move_y);
@@ -49,29 +49,30 @@ class RobotPainter {
     int from = 0, to = 0;
   };
 
-  /// Which cells of a row lie within a distance of a place, by a straight map.
+  /// Finds the cells of a row within a distance of a point, with a linear approximation of the
+  /// lens.
   class Rows {
    public:
     Rows(const RobotPainter& painter, const Lattice& lattice, double x, double y, double z);
 
-    /// Cells that may lie within `radius` [m] of the place, and a few more.
+    /// A superset of the cells within `radius` [m] of the point.
     [[nodiscard]] Span touching(int row, double radius) const;
-    /// Cells that lie within `radius` of the place, without a few; may be empty.
+    /// A subset of the cells within `radius` [m] of the point; may be empty.
     [[nodiscard]] Span inside(int row, double radius) const;
 
    private:
     [[nodiscard]] Span within(int row, double radius) const;
 
-    double i_ = 0, j_ = 0;             ///< [cells] of the place
-    double aa_ = 1, ab_ = 0, bb_ = 1;  ///< [m^2] squared distance by cells
-    double spare_ = 0;                 ///< [m]
+    double i_ = 0, j_ = 0;             ///< [cells] the point
+    double aa_ = 1, ab_ = 0, bb_ = 1;  ///< [m^2] quadratic form: squared distance from cell offsets
+    double spare_ = 0;                 ///< [m] safety margin
   };
 
   [[nodiscard]] Cell cellAt(double x, double y) const;
   void paintDisc(const Canvas& canvas, double forward, double radius, double hidden,
                  double albedo) const;
-  /// Calls row(first, count) for the cells that the upright cylinder around the robot's axis may
-  /// cover as seen from a far point, but for those that its own cap covers.
+  /// Calls row(first, count) for the cells that the robot's upright cylinder may cover as seen from
+  /// a far point, except those that its own cap covers.
   template <class Row>
   void forCylinder(const Canvas& canvas, const PlaneShift& far, Row row) const;
 
@@ -82,7 +83,7 @@ class RobotPainter {
   PlaneShift to_projector_;
   PlaneShift to_camera_;
   double cosine_, sine_;
-  double solid_ = 0;  ///< [m] from the axis: nothing but the cap is seen there
+  double solid_ = 0;  ///< [m] distance from the axis within which only the cap is visible
   Box pixels_;
 };
 

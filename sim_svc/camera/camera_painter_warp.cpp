@@ -1,12 +1,13 @@
 #include "sim_svc/camera/camera_painter_warp.hpp"
 
 #include <algorithm>
+#include <optional>
 
 namespace lab::sim::painter {
 namespace {
 
 constexpr int kStep = 4;         // [cells]
-constexpr double kAround = 0.5;  // [m] of the arena: further out no lens model holds
+constexpr double kAround = 0.5;  // [m] around the arena: further out the lens model is not valid
 
 struct Node {
   double x = 0;
@@ -19,7 +20,7 @@ Node nodeAt(const PainterSettings& settings, const optics::Place& place) {
       place.y > settings.arena_height + kAround) {
     return {place.x, place.y, -1};
   }
-  // What lies just outside the picture still has a source: the edge is drawn between the nodes.
+  // Points just outside the picture need a source too, because its edge lies between nodes.
   const std::optional<optics::Place> source = settings.warp.sourceUnclipped(place);
   if (!source) return {place.x, place.y, -1};
   return {source->x, source->y, std::clamp(settings.warp.marginInside(place), -50.0, 50.0)};

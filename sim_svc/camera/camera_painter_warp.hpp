@@ -1,4 +1,4 @@
-/// The places of the commanded field that light the cells of the simulated camera.
+/// Computes the points of the commanded field that light the cells of the simulated camera.
 #pragma once
 
 #include <vector>
@@ -10,11 +10,11 @@
 
 namespace lab::sim::painter {
 
-/// Of a projector that is not what it is believed to be: worked out once, exact on every second
-/// pixel and straight between.
+/// The points for a projector that differs from its calibration. They are computed once, exactly on
+/// every second pixel and linearly interpolated between.
 class WarpedPlaces {
  public:
-  /// @param shift takes the ground's points to where light is meant
+  /// @param shift maps the ground's points to the height at which light is commanded
   WarpedPlaces(const PainterSettings& settings, const Lattice& lattice, const Ground& ground,
                const PlaneShift& shift);
 
@@ -23,7 +23,7 @@ class WarpedPlaces {
  private:
   std::vector<float> x_;    ///< [m]
   std::vector<float> y_;    ///< [m]
-  std::vector<float> lit_;  ///< [1] share of a cell that the picture reaches
+  std::vector<float> lit_;  ///< [1] share of a cell inside the projector's picture
 };
 
 }  // namespace lab::sim::painter

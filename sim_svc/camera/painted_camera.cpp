@@ -8,7 +8,7 @@
 namespace lab::sim {
 namespace {
 
-constexpr double kBehindTheWall = 0.28;    // [m] from the far wall to the projector
+constexpr double kBehindTheWall = 0.28;    // [m] distance of the projector from the far wall
 constexpr double kProjectorHeight = 2.10;  // [m]
 
 CameraFormat formatOf(const Camera& camera) {
@@ -63,7 +63,7 @@ void PaintedCamera::take(std::int64_t number, std::int64_t exposure_utime,
 }
 
 void PaintedCamera::develop(const Scene& scene) {
-  // A picture is a function of its scene alone: what was not painted changes no later one.
+  // A picture depends only on its own scene, so pictures without a subscriber need not be painted.
   if (!sink_->isWatched()) return;
   if (scene.light != painted_light_) painter_.setLight(*scene.light);
   painted_light_ = scene.light;

@@ -1,4 +1,4 @@
-/// sim_svc's camera, where an experiment wants real pictures of simulated robots.
+/// The camera of sim_svc for experiments that track simulated robots by pictures.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +13,22 @@
 
 namespace lab::sim {
 
-/// How the simulated camera of an experiment paints: the camera over its arena, its exposure and
-/// gain, the room's light, and the projector 28 cm behind the far wall. The calibration file is
-/// what the tracker believes, not what the camera is, and plays no part here.
+/// The painter's settings for an experiment: the camera over its arena, exposure and gain, the room
+/// light, and the projector 28 cm behind the far wall. The calibration file is not used: it
+/// describes what the tracker assumes, not the simulated camera itself.
 [[nodiscard]] PainterSettings painterSettings(const Experiment& experiment,
                                               const optics::ProjectorWarp& warp = {},
                                               const optics::ProjectorTones& tones = {});
 
-/// Takes scenes and shows pictures of them, a delay later, to whoever watches.
+/// Exposes scenes and delivers their pictures to the subscribers after the camera's delay.
 class PaintedCamera {
  public:
-  /// @param warp, tones of the light in the scenes
-  /// @throws CameraError when this lab has a simulated camera already.
+  /// @param warp, tones errors of the projector
+  /// @throws CameraError if there is already a simulated camera in this process.
   PaintedCamera(const Experiment& experiment, Cameras& cameras, Loop& loop,
                 const optics::ProjectorWarp& warp = {}, const optics::ProjectorTones& tones = {});
 
-  /// The light in the scenes from now on.
+  /// Sets the light in the scenes.
   void show(light::Field field);
 
   /// Takes a picture of the robots as they are at `exposure_utime`, the middle of the exposure.

@@ -1,5 +1,7 @@
 #include "sim_svc/camera/projector_light.hpp"
 
+#include <optional>
+
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/projector_file.hpp"
 
@@ -22,7 +24,7 @@ optics::ProjectorTones tonesOf(const Experiment& experiment,
   const Projector& projector = experiment.projector;
   if (projector.display != kHeadless) return {};
   const std::optional<LightCalibration> calibration = activeLightCalibration(experiment, directory);
-  // The light of a corner is less by `vignetting` than that of the middle.
+  // The light in a corner is lower than in the middle by the share `vignetting`.
   const double side = -projector.vignetting / 2;
   return {
       calibration ? calibration->tone() : optics::ProjectorTone(),

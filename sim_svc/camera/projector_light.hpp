@@ -1,4 +1,4 @@
-/// What the simulated projector makes of the light that is wanted.
+/// Errors of the simulated projector: differences between commanded and projected light.
 #pragma once
 
 #include <filesystem>
@@ -9,14 +9,15 @@
 
 namespace lab::sim {
 
-/// Between the calibration that projector_ctl goes by and what the experiment says the simulated
-/// projector is. A real display's projector is not simulated: its light is where it is wanted.
+/// The geometric difference between the calibration that projector_ctl uses and the simulated
+/// projector of the experiment. With a real display there is no simulated projector, and the result
+/// is the identity.
 /// @param directory that the calibration's path is relative to
-/// @throws ExperimentError when the calibration cannot be used.
+/// @throws ExperimentError if the calibration cannot be used.
 [[nodiscard]] optics::ProjectorWarp projectorWarpOf(const Experiment& experiment,
                                                     const std::filesystem::path& directory);
 
-/// As projectorWarpOf(): the calibration of light, and what the experiment says.
+/// The same for brightness: the calibration of light, and the simulated projector's tone.
 [[nodiscard]] optics::ProjectorTones tonesOf(const Experiment& experiment,
                                              const std::filesystem::path& directory);
 

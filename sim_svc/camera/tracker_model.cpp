@@ -18,7 +18,7 @@ bool TrackerModel::begin(std::int64_t exposure_utime) {
 void TrackerModel::see(std::int32_t robot_id, const dynamics::Pose& truth) {
   Random& random =
       robots_.try_emplace(robot_id, deriveSeed(seed_, robot_id, "tracker noise")).first->second;
-  // All numbers are drawn for every frame, so that a drop-out changes nothing after it.
+  // All numbers are drawn in every frame, so that a drop-out does not change later frames.
   const bool missed = random.uniform() < camera_.dropout;
   const double dx = random.normal();
   const double dy = random.normal();

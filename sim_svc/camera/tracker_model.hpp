@@ -1,4 +1,4 @@
-/// The camera and its tracker as the rest of the lab meets them: noise, delay, drop-outs.
+/// A model of camera and tracker: noise and drop-outs.
 #pragma once
 
 #include <cstdint>
@@ -11,18 +11,18 @@
 
 namespace lab::sim {
 
-/// Turns true poses into what a tracker would publish. Every robot has a noise stream of its own.
+/// Converts true poses into a TRACKED_FRAME. Every robot has its own noise stream.
 class TrackerModel {
  public:
   TrackerModel(const Camera& camera, std::uint64_t seed) : camera_(camera), seed_(seed) {}
 
-  /// Begins the next camera frame. @return false when the camera loses it.
+  /// Begins the next camera frame. @return false if the camera drops it.
   [[nodiscard]] bool begin(std::int64_t exposure_utime);
 
-  /// Adds one robot, unless the tracker misses it in this frame.
+  /// Adds one robot with noise, unless the tracker misses it in this frame.
   void see(std::int32_t robot_id, const dynamics::Pose& truth);
 
-  /// Adds a pose as it is.
+  /// Adds a pose without noise.
   void add(const tracked_pose_t& pose);
 
   [[nodiscard]] const tracked_frame_t& frame() const { return frame_; }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <string>
 
 #include "common/math/random.hpp"
@@ -16,9 +17,12 @@ namespace lab::emulator {
 namespace {
 
 constexpr std::uint32_t kSupplyMv = 3300;
-constexpr std::uint64_t kSettleCycles = 400;  // 50 us
+constexpr std::uint64_t kSettleCycles = 400;         // 50 us
+constexpr std::uint64_t kEepromWriteCycles = 27200;  // 3.4 ms (ATmega328P data sheet)
+constexpr unsigned kReceiverDepth = 2;               // bytes
 
-/// Smallest voltage that the converter turns into these counts (simavr: counts = mV * 1023 / 3300).
+/// Smallest voltage that the converter converts into these counts (simavr: counts = mV * 1023 /
+/// 3300).
 std::uint32_t millivolts(std::uint16_t counts) {
   return (std::min<std::uint32_t>(counts, 1023) * kSupplyMv + 1022) / 1023;
 }
@@ -38,13 +42,13 @@ Module* findModule(avr_t* avr, const char* kind) {
 Chip::Simavr::Simavr(Chip& chip) {
   avr = avr_make_mcu_by_name("atmega328p");
   if (avr == nullptr) {
-    throw FirmwareImageError("this libsimavr knows no ATmega328P");
+    throw FirmwareImageError("this libsimavr does not support the ATmega328P");
   }
   avr_init(avr);
   avr->custom.data = &chip;
   avr->frequency = static_cast<std::uint32_t>(kChipHz);
   avr->vcc = avr->avcc = avr->aref = kSupplyMv;
-  avr->sleep = onSleep;  // the caller paces, not simavr
+  avr->sleep = onSleep;  // replaces simavr's real-time sleep
   core_reset = avr->reset;
   avr->reset = onReset;
 
@@ -63,9 +67,10 @@ Chip::Simavr::Simavr(Chip& chip) {
   watch(kEecr, onEeprom, chip);
 }
 
-/// Called before the count of cycles goes on by `cycles` + 1: a sleep ends one cycle after the
-/// timer that ends it. Where our stop ends it one cycle before another timer, that one would be
-/// punctual for once: go past it, as without the stop.
+/// Called before simavr adds `cycles` + 1 to its cycle count: a sleep ends one cycle after the
+/// timer that ends it. If onStop ends the sleep one cycle before another timer, that timer would
+/// come one cycle earlier than without the stop. Skipping a cycle keeps its time independent of the
+/// stop.
 void Chip::Simavr::onSleep(avr_t* avr, avr_cycle_count_t cycles) {
   const avr_cycle_timer_slot_t* first = avr->cycle_timers.timer;
   if (first != nullptr && first->timer == onStop && first->next != nullptr &&
@@ -138,12 +143,11 @@ void Chip::reset(std::uint64_t held_cycles) {
   held_until_ = cycle() + held_cycles;
 }
 
-/// Pins float, so the motors stand; what was on its way out is cut off.
+/// The pins float, so the motors stand, and a transmission is cut off.
 void Chip::halt(ChipPower power) {
   power_ = power;
   const std::uint64_t now = cycle();
-  std::erase_if(sent_, [now](const SentByte& byte) { return byte.cycle > now; });
-  transmitter_free_ = now;
+  uart_.cutOff(now);
   if (duty_ != Duty{}) {
     duty_ = {};
     changes_.push_back({now, duty_});
@@ -158,25 +162,24 @@ void Chip::start(ResetSource source) {
   simavr_->data(kMcusr) = static_cast<std::uint8_t>(source);
 }
 
-/// A reset gives simavr its defaults back and forgets all of our timers.
+/// A reset restores simavr's defaults and removes all our timers.
 void Chip::afterReset() {
   Simavr& s = *simavr_;
   s.reset_seen = false;
   s.avr->run_cycle_limit = settings_.profile ? 1 : settings_.run_limit;
   s.uart->flags = 0;  // no text on stdout, no sleep when the program polls
-  // Else a low D2 or D3, output or not, is looked at in every cycle.
+  // Otherwise simavr polls D2 and D3 in every cycle while they are low.
   avr_extint_set_strict_lvl_trig(s.avr, 0, 0);
   avr_extint_set_strict_lvl_trig(s.avr, 1, 0);
   s.writing_eeprom = false;
   settling_ = false;
-  bit_cycles_ = 0;
+  uart_.setBitCycles(0);
   interrupts_seen_on_ = false;
   emitters_on_ = false;
   applyInputs();
   halt(power_);
-  const double now = static_cast<double>(cycle());
-  while (!arriving_.empty() && arriving_.front().end <= now) {
-    arriving_.pop_front();  // nobody was listening
+  while (uart_.takeArrived(cycle())) {
+    // Bytes that arrived while the chip was off are lost.
   }
   armReceiver();
 }
@@ -298,6 +301,121 @@ void Chip::hang() {
   simavr_->avr->pc = program_->endlessLoop();
   simavr_->avr->state = cpu_Running;
   simavr_->avr->sreg[S_I] = 1;
+}
+
+// ---- serial line ----
+
+void Chip::Simavr::onSent(avr_irq_t*, std::uint32_t value, void* object) {
+  Chip& chip = chipOf(object);
+  chip.uart_.send(static_cast<std::uint8_t>(value), chip.cycle());
+  ++chip.counts_.bytes_sent;
+}
+
+avr_cycle_count_t Chip::Simavr::onArrival(avr_t* avr, avr_cycle_count_t, void* object) {
+  Chip& chip = chipOf(object);
+  const std::uint64_t now = chip.cycle();
+  while (const std::optional<LineByte> byte = chip.uart_.takeArrived(now)) {
+    chip.deliver(*byte);
+  }
+  const std::optional<std::uint64_t> next = chip.uart_.nextArrival();
+  return next ? std::max(*next - chip.offset_, avr->cycle + 1) : 0;
+}
+
+void Chip::receive(LineByte byte) {
+  uart_.receive(byte, now_);
+  if (uart_.arriving() == 1 && power_ == ChipPower::kRunning) {
+    armReceiver();
+  }
+}
+
+void Chip::receive(std::span<const std::uint8_t> bytes) {
+  for (const std::uint8_t byte : bytes) {
+    receive(LineByte{byte, false});
+  }
+}
+
+void Chip::armReceiver() {
+  const std::optional<std::uint64_t> next = uart_.nextArrival();
+  if (!next) {
+    return;
+  }
+  avr_cycle_timer_register(simavr_->avr, *next > cycle() ? *next - cycle() : 1, Simavr::onArrival,
+                           this);
+}
+
+/// Passes a byte whose stop bit has just ended to simavr, which would only begin to receive it now;
+/// therefore its time per byte is set to one cycle meanwhile.
+void Chip::deliver(LineByte byte) {
+  avr_uart_t* uart = simavr_->uart;
+  if (avr_regbit_get(simavr_->avr, uart->rxen) == 0) {
+    return;
+  }
+  if (simavr_->waiting() >= kReceiverDepth) {
+    ++counts_.bytes_overrun;
+    avr_regbit_set(simavr_->avr, uart->dor);
+    return;
+  }
+  ++counts_.bytes_received;
+  const auto cycles_per_byte = uart->cycles_per_byte;
+  uart->cycles_per_byte = 1;
+  avr_raise_irq(uart->io.irq + UART_IRQ_INPUT,
+                byte.value | (byte.framing_error ? static_cast<std::uint32_t>(UART_INPUT_FE) : 0U));
+  uart->cycles_per_byte = cycles_per_byte;
+}
+
+/// Computes the speed, because simavr adds a parity bit that does not exist, and only computes it
+/// when the divider is written.
+void Chip::updateBaud() {
+  const Simavr& s = *simavr_;
+  const std::uint64_t divider =
+      1U + (s.data(kUbrr0Low) | (static_cast<std::uint64_t>(s.data(kUbrr0High) & 0x0FU) << 8U));
+  uart_.setBitCycles(divider * ((s.data(kUcsr0A) & kU2x0) != 0 ? 8U : 16U));
+  s.uart->cycles_per_byte = 10 * uart_.bitCycles();
+}
+
+double Chip::baud() const {
+  const std::uint64_t bit_cycles = uart_.bitCycles();
+  return bit_cycles == 0 ? 0 : kChipHz / static_cast<double>(bit_cycles);
+}
+
+// ---- EEPROM ----
+
+avr_cycle_count_t Chip::Simavr::onEepromWritten(avr_t*, avr_cycle_count_t, void* object) {
+  Simavr& self = *chipOf(object).simavr_;
+  self.writing_eeprom = false;
+  self.data(kEecr) = static_cast<std::uint8_t>(self.data(kEecr) & ~kEepe);
+  return 0;
+}
+
+std::vector<std::uint8_t> Chip::eeprom() const {
+  return {simavr_->eeprom->eeprom, simavr_->eeprom->eeprom + kEepromSize};
+}
+
+void Chip::loadEeprom(std::span<const std::uint8_t> bytes) {
+  const std::size_t size = std::min<std::size_t>(bytes.size(), kEepromSize);
+  std::fill_n(simavr_->eeprom->eeprom, kEepromSize, std::uint8_t{0xFF});
+  std::copy_n(bytes.begin(), size, simavr_->eeprom->eeprom);
+}
+
+/// Called at every access to EECR. simavr writes the EEPROM in no time; on the chip, bit EEPE is
+/// set for 3.4 ms.
+void Chip::watchEeprom(std::uint32_t value) {
+  Simavr& s = *simavr_;
+  if (s.writing_eeprom || (value & (kEepe | kEempe)) != (kEepe | kEempe)) {
+    return;
+  }
+  s.writing_eeprom = true;
+  ++counts_.eeprom_writes;
+  s.data(kEecr) = static_cast<std::uint8_t>(s.data(kEecr) | kEepe);
+  avr_cycle_timer_register(s.avr, kEepromWriteCycles, Simavr::onEepromWritten, this);
+  if (cut_in_write_ > 0 && --cut_in_write_ == 0) {
+    const std::size_t address =
+        (s.data(kEearLow) | (static_cast<std::size_t>(s.data(kEearHigh)) << 8U)) % kEepromSize;
+    Random random(settings_.seed, address);
+    s.eeprom->eeprom[address] = static_cast<std::uint8_t>(random.next());
+    power_cut_ = true;
+    s.avr->run_cycle_count = 1;  // leave the simulator after this instruction
+  }
 }
 
 }  // namespace lab::emulator

@@ -1,4 +1,4 @@
-/// One ATmega328P at 8 MHz that runs a program unmodified.
+/// A simulated ATmega328P at 8 MHz that runs an unmodified program.
 #pragma once
 
 #include <array>
@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "sim_svc/emulator/chip_uart.hpp"
 #include "sim_svc/emulator/firmware_image.hpp"
 #include "sim_svc/emulator/line_faults.hpp"
 
@@ -16,9 +17,9 @@ namespace lab::emulator {
 inline constexpr double kChipHz = 8e6;
 inline constexpr std::uint64_t kNever = ~0ULL;
 
-/// What the pins A0 to A7 are connected to, in counts 0..1023.
+/// The inputs at the pins A0 to A7, in counts 0..1023.
 struct AnalogInputs {
-  std::array<std::uint16_t, 6> ir{};  ///< A0 to A5, seen only while the emitters (D10) are on
+  std::array<std::uint16_t, 6> ir{};  ///< A0 to A5, applied only while the emitters (D10) are on
   std::uint16_t light_front = 0;      ///< A6
   std::uint16_t light_back = 0;       ///< A7
 };
@@ -35,56 +36,50 @@ struct DutyChange {
   Duty duty;
 };
 
-/// A byte from the chip's transmitter and the cycle at which its stop bit ends.
-struct SentByte {
-  std::uint64_t cycle = 0;
-  std::uint8_t value = 0;
-};
-
 enum class ChipPower : std::uint8_t {
   kOff,
-  kHeld,  ///< in reset or in a bootloader that leaves all pins alone
+  kHeld,  ///< in reset, or in a bootloader that does not drive any pins
   kRunning,
-  kCrashed,  ///< it sleeps with interrupts off, or ran into no program; its pins stay as they are
+  kCrashed,  ///< it sleeps with interrupts off, or left the program memory; pins keep their state
 };
 
-/// Why the chip starts, as its register MCUSR tells the program.
+/// Why the chip starts, as in its register MCUSR.
 enum class ResetSource : std::uint8_t { kPowerOn = 1, kPin = 2, kBrownOut = 4 };
 
-/// What was counted and measured since the chip was made.
+/// Counts and measurements since the object was created.
 struct ChipCounts {
-  std::uint32_t resets = 0;  ///< of any kind but switching on
+  std::uint32_t resets = 0;  ///< of any kind except power-on
   std::uint64_t bytes_received = 0;
-  std::uint64_t bytes_overrun = 0;  ///< lost because two were waiting in the receiver already
+  std::uint64_t bytes_overrun = 0;  ///< lost because the receiver already held two bytes
   std::uint64_t bytes_sent = 0;
   std::uint64_t eeprom_writes = 0;
-  std::uint64_t cycles_run = 0;     ///< switched on
-  std::uint64_t cycles_asleep = 0;  ///< of these
-  std::uint64_t rounds = 0;         ///< of the simulator: what it costs
-  /// Measured with ChipSettings::profile only.
-  std::uint64_t longest_interrupts_off = 0;  ///< cycles, from the first time they were on
+  std::uint64_t cycles_run = 0;     ///< with the chip switched on
+  std::uint64_t cycles_asleep = 0;  ///< part of cycles_run
+  std::uint64_t rounds = 0;         ///< iterations of the simulator, a measure of its cost
+  /// Only measured with ChipSettings::profile.
+  std::uint64_t longest_interrupts_off = 0;  ///< cycles, after the first time they were on
   std::uint16_t lowest_stack = 0xFFFF;       ///< smallest stack pointer
 };
 
 struct ChipSettings {
-  double line_baud = 38400;  ///< of the other end, in bits per second of this chip's own time
-  std::uint64_t seed = 1;    ///< of what RAM holds when the chip is switched on
-  /// How many cycles the simulator may run between two looks at its timers. Changes nothing but the
+  double line_baud = 38400;  ///< of the other end, in bits per second of this chip's time
+  std::uint64_t seed = 1;    ///< of the contents of RAM at power-on
+  /// Largest number of cycles that the simulator runs before it checks its timers. Only affects the
   /// speed.
   std::uint64_t run_limit = 8000;
-  bool profile = false;  ///< look after every instruction; a third slower
+  bool profile = false;  ///< measure after every instruction; a third slower
 };
 
-/// The electronics around it are the robot's (docs/robot.md): TB6612FNG on D2, D4, D5 (left wheel),
-/// D8, D7, D6 (right wheel) and D9 (standby), IR emitters on D10, a serial line on D0 and D1.
+/// The chip in the robot's electronics (docs/robot.md): TB6612FNG on D2, D4, D5 (left wheel), D8,
+/// D7, D6 (right wheel) and D9 (standby), IR emitters on D10, a serial line on D0 and D1.
 ///
-/// Time is in cycles of the chip's own oscillator since the object was made, also while it is off.
-/// What comes out depends on what went in and when, not on how the time was sliced.
+/// Time is in cycles of the chip's oscillator since the object was created, also while the chip is
+/// off. The outputs depend on the inputs and their times, not on the lengths of the runTo() steps.
 ///
-/// Where libsimavr 1.6 differs from the chip, this class makes up for it: a byte takes ten bits;
-/// the receiver holds two bytes and takes them at the sender's pace; an EEPROM write takes 3.4 ms.
-/// What remains: PWM is taken from the registers, not from the pins; no noise; the brown-out
-/// detector does not exist.
+/// This class corrects differences between libsimavr 1.6 and the chip: a byte takes ten bits; the
+/// receiver holds two bytes and receives at the sender's speed; an EEPROM write takes 3.4 ms.
+/// Remaining differences: PWM is read from the registers, not from the pins; there is no analog
+/// noise; there is no brown-out detector.
 class Chip {
  public:
   explicit Chip(std::shared_ptr<const FirmwareImage> program, const ChipSettings& settings = {});
@@ -92,11 +87,11 @@ class Chip {
   Chip(const Chip&) = delete;
   Chip& operator=(const Chip&) = delete;
 
-  /// Runs until the cycle; it may have gone up to a few cycles further.
+  /// Runs until the cycle, or a few cycles further, because instructions are not interrupted.
   void runTo(std::uint64_t cycle);
   [[nodiscard]] std::uint64_t cycle() const;
 
-  /// Switches on: RAM holds random bytes, the EEPROM what it held.
+  /// Switches on, with random bytes in RAM and the EEPROM unchanged.
   void switchOn();
   void switchOff();
   /// Pulls the reset pin; the program starts after `held_cycles` (a bootloader's wait).
@@ -105,41 +100,42 @@ class Chip {
 
   void setInputs(const AnalogInputs& inputs);
 
-  /// Bytes that the other end sends from now on, or as soon as the line is free.
+  /// The other end sends bytes now, or as soon as the line is free.
   void receive(LineByte byte);
   void receive(std::span<const std::uint8_t> bytes);
-  /// Until when the line to the chip is busy [cycles].
-  [[nodiscard]] std::uint64_t receivingUntil() const;
-  /// Speed at which the other end sends, see ChipSettings.
-  void setLineBaud(double line_baud) { line_bit_cycles_ = kChipHz / line_baud; }
+  /// When the line to the chip is free [cycles].
+  [[nodiscard]] std::uint64_t receivingUntil() const { return uart_.receivingUntil(); }
+  /// Sets the speed at which the other end sends, see ChipSettings.
+  void setLineBaud(double line_baud) { uart_.setLineBitCycles(kChipHz / line_baud); }
 
   /// The bytes whose stop bits ended by `cycle`.
-  [[nodiscard]] std::vector<SentByte> takeSent(std::uint64_t cycle);
-  /// The bits per second of the chip's transmitter and receiver, 0: not set up.
+  [[nodiscard]] std::vector<SentByte> takeSent(std::uint64_t cycle) {
+    return uart_.takeSent(cycle);
+  }
+  /// Speed of the chip's transmitter and receiver in bits per second; 0: not set up.
   [[nodiscard]] double baud() const;
 
-  /// What the motors were told up to `cycle`. Changes within 50 us of the first are one: a program
-  /// sets pins and duties one after the other.
+  /// The changes of the motor duties up to `cycle`. Changes within 50 us are combined, because a
+  /// program sets pins and duties one after the other.
   [[nodiscard]] std::vector<DutyChange> takeChanges(std::uint64_t cycle);
   [[nodiscard]] Duty duty() const { return duty_; }
 
-  /// Contents of the EEPROM, kEepromSize bytes. load() fills what is missing with 0xFF.
+  /// Contents of the EEPROM, kEepromSize bytes. loadEeprom() fills missing bytes with 0xFF.
   [[nodiscard]] std::vector<std::uint8_t> eeprom() const;
   void loadEeprom(std::span<const std::uint8_t> bytes);
-  /// Cuts the power in the middle of the n-th EEPROM write from now on (1: the next): that byte
-  /// holds garbage, the chip is off. 0: never.
+  /// Cuts the power during the n-th EEPROM write from now (1: the next). Then that byte has a
+  /// random value and the chip is off. 0: never.
   void cutPowerInWrite(std::uint32_t n) { cut_in_write_ = n; }
 
-  /// From now on the program counter stands in an endless loop, with interrupts on: what a program
-  /// that hangs looks like to its watchdog.
+  /// Puts the program counter into an endless loop, with interrupts on, to test the watchdog.
   void hang();
 
   [[nodiscard]] const ChipCounts& counts() const { return counts_; }
-  /// The smallest number of bytes between stack and variables, measured with profile.
+  /// Smallest number of bytes between stack and variables; needs profile.
   [[nodiscard]] int stackHeadRoom() const;
 
  private:
-  struct Simavr;  // everything that needs simavr's headers
+  struct Simavr;  // isolates simavr's headers
 
   void start(ResetSource source);
   void afterReset();
@@ -166,17 +162,7 @@ class Chip {
   AnalogInputs inputs_;
   bool emitters_on_ = false;
 
-  struct Arriving {
-    double end = 0;  // cycle at which its stop bit ends
-    LineByte byte;
-  };
-  std::deque<Arriving> arriving_;
-  double line_bit_cycles_ = 0;
-  double line_free_ = 0;  // cycle
-
-  std::deque<SentByte> sent_;
-  std::uint64_t bit_cycles_ = 0;
-  std::uint64_t transmitter_free_ = 0;  // cycle
+  ChipUart uart_;
 
   Duty duty_;
   bool settling_ = false;

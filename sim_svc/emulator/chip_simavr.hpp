@@ -1,10 +1,11 @@
-/// Inside of Chip only: what needs simavr's headers.
+/// Implementation of Chip that needs simavr's headers.
 #pragma once
 
 #include <simavr/avr_eeprom.h>
 #include <simavr/avr_uart.h>
 #include <simavr/sim_avr.h>
 
+#include <cstdint>
 #include <cstdlib>
 
 #include "sim_svc/emulator/chip.hpp"

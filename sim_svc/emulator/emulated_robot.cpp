@@ -38,7 +38,7 @@ std::uint64_t EmulatedRobot::cycleAt(std::int64_t at_us) const {
       std::llround(static_cast<double>(at_us - start_us_) * 1e-6 * kChipHz * settings_.clock_rate));
 }
 
-/// Within the last advance(): a cycle lies between two microseconds.
+/// The time of a cycle, limited to the last advance() because of rounding to microseconds.
 std::int64_t EmulatedRobot::timeOf(std::uint64_t cycle) const {
   const double elapsed_us = static_cast<double>(cycle) / (kChipHz * 1e-6 * settings_.clock_rate);
   return std::clamp(start_us_ + static_cast<std::int64_t>(elapsed_us), before_us_, now_us_);
@@ -70,7 +70,7 @@ std::vector<std::uint8_t> EmulatedRobot::takeSent() {
   const double ratio = robotBaud() > 0 ? robotBaud() / settings_.line_baud : 1;
   std::vector<std::uint8_t> bytes;
   for (const SentByte& sent : chip_.takeSent(cycleAt(now_us_))) {
-    // A host passes a byte with a framing error on all the same.
+    // A host's serial driver also delivers bytes with a framing error.
     if (const auto byte = from_robot_.pass(timeOf(sent.cycle), sent.value, ratio)) {
       bytes.push_back(byte->value);
     }

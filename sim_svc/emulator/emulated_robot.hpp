@@ -1,4 +1,4 @@
-/// A chip on its robot, with its line, on the arena's clock.
+/// A chip with its serial line, in times of the arena's clock.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@ namespace lab::emulator {
 struct RobotSettings {
   std::vector<std::uint8_t> eeprom{};  ///< from address 0; the rest is blank
   std::int64_t boot_us = 0;            ///< when it is switched on
-  double clock_rate = 1;               ///< of its oscillator against the arena's clock
+  double clock_rate = 1;               ///< of its oscillator relative to the arena's clock
   int line_baud = 38400;               ///< of the host's end
   LineFaultSettings line{};
-  std::uint64_t seed = 1;  ///< of its RAM when it is switched on
+  std::uint64_t seed = 1;  ///< of its RAM at power-on
 };
 
-/// A motor order at an instant of the arena's clock.
+/// A change of the motor duties at a time of the arena's clock.
 struct DutyAt {
   std::int64_t at_us = 0;
   Duty duty;
 };
 
-/// Times are microseconds of the arena's clock. Nothing in here waits or reads a clock.
+/// Times are microseconds of the arena's clock. This class does not wait or read a clock.
 class EmulatedRobot {
  public:
   EmulatedRobot(std::shared_ptr<const FirmwareImage> program, const RobotSettings& settings,
@@ -34,16 +34,16 @@ class EmulatedRobot {
 
   void sense(const AnalogInputs& inputs) { chip_.setInputs(inputs); }
 
-  /// What the host has sent by now.
+  /// Takes bytes that the host sends now.
   void receive(std::span<const std::uint8_t> bytes);
 
   /// Runs until `until_us`.
   void advance(std::int64_t until_us);
 
-  /// What came out of the host's end of the line by now.
+  /// The bytes that have reached the host by now.
   [[nodiscard]] std::vector<std::uint8_t> takeSent();
 
-  /// The motor orders of the advance() before.
+  /// The changes of the motor duties in the last advance().
   [[nodiscard]] std::vector<DutyAt> takeChanges();
 
   [[nodiscard]] Chip& chip() { return chip_; }
@@ -57,7 +57,7 @@ class EmulatedRobot {
 
   RobotSettings settings_;
   std::int64_t start_us_;
-  std::int64_t before_us_;  // the now() of the advance() before the last
+  std::int64_t before_us_;  // now() before the last advance()
   std::int64_t now_us_;
   Chip chip_;
   LineFaults to_robot_;

@@ -14,12 +14,12 @@ namespace {
 
 constexpr std::uint16_t kElfMachineAvr = 83;
 constexpr std::uint16_t kJumpToItself = 0xCFFF;
-constexpr std::uint32_t kRamOffset = 0x800000;  // where avr-gcc puts RAM in its address space
+constexpr std::uint32_t kRamOffset = 0x800000;  // start of RAM in avr-gcc's address space
 
-/// simavr writes to stdout and stderr what it notices. What matters is asked for instead.
+/// Suppresses simavr's messages on stdout and stderr; errors are detected by other means.
 void ignoreLog(avr_t*, const int, const char*, va_list) {}
 
-/// The header of the file, looked at before simavr does: it does not say what it dislikes.
+/// Checks the header of the file, because simavr does not report what is wrong with it.
 void checkHeader(const std::filesystem::path& elf) {
   std::ifstream file(elf, std::ios::binary);
   if (!file) {
@@ -86,7 +86,7 @@ std::uint32_t FirmwareImage::endlessLoop() const {
       return flash_base_ + static_cast<std::uint32_t>(i);
     }
   }
-  throw FirmwareImageError("the program has no endless loop to hang in");
+  throw FirmwareImageError("the program contains no endless loop");
 }
 
 }  // namespace lab::emulator

@@ -6,6 +6,8 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
+#include <span>
+#include <stdexcept>
 
 #include "common/experiment/experiment.hpp"
 #include "robot/firmware/settings.hpp"
@@ -15,7 +17,7 @@ namespace {
 
 constexpr std::int64_t kSliceUs = 2'000;
 constexpr std::int64_t kLargestLagUs = 100'000;
-constexpr std::uint64_t kBootloaderCycles = 10'640'000;  // 1.33 s: stock Pro Mini, measured
+constexpr std::uint64_t kBootloaderCycles = 10'640'000;  // 1.33 s, measured on a stock Pro Mini
 constexpr std::int64_t kPowerCutUs = 1'000'000;
 
 std::vector<std::uint8_t> freshEeprom(int id) {
@@ -141,7 +143,7 @@ std::string FreeRun::summary() const {
   }
   return std::to_string(received) + " bytes received, " + std::to_string(overrun) + " overrun, " +
          std::to_string(sent) + " sent, " + std::to_string(resets) + " resets, " +
-         std::to_string(skipped_us_ / 1000) + " ms given up";
+         std::to_string(skipped_us_ / 1000) + " ms skipped";
 }
 
 int freeRun(const FreeRunSettings& settings) {

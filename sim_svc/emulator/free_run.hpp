@@ -1,4 +1,4 @@
-/// Chips in real time behind pseudo terminals, without an arena: to try a host against.
+/// Chips in real time on pseudo terminals, without an arena, to test a host program.
 #pragma once
 
 #include <cstdint>
@@ -17,26 +17,26 @@ struct FreeRunSettings {
   std::filesystem::path elf;
   std::filesystem::path ports;  ///< folder of the lines
   int robots = 1;
-  int line_baud = 38400;       ///< of the host's end; of the robots' another one garbles
+  int line_baud = 38400;       ///< of the host's end; a speed other than the robots' garbles bytes
   std::uint16_t light = 512;   ///< counts of both light sensors
   double clock_error_ppm = 0;  ///< of the oscillators
   double bit_error_rate = 0;
   std::uint64_t seed = 1;
   double cable_out_at_s = -1;  ///< below 0: never
   double cable_out_for_s = 1;
-  bool reset_on_open = false;  ///< a host that opens the line resets the chip, through a bootloader
-  std::uint32_t cut_in_write = 0;  ///< see Chip::cutPowerInWrite; on again a second later
+  bool reset_on_open = false;      ///< opening the line resets the chip and starts its bootloader
+  std::uint32_t cut_in_write = 0;  ///< see Chip::cutPowerInWrite; power returns after a second
   std::filesystem::path
       eeproms{};  ///< folder of <robot>.eeprom, read at the start, written at the end
 };
 
-/// Each robot has the number simulatedUid(id) unless its EEPROM file says otherwise.
+/// Each robot has the uid simulatedUid(id), unless its EEPROM file contains another one.
 class FreeRun {
  public:
   /// @throws FirmwareImageError, SerialError
   FreeRun(AsioLoop& loop, const FreeRunSettings& settings);
 
-  /// The EEPROMs to their files. @throws std::runtime_error
+  /// Writes the EEPROMs to their files. @throws std::runtime_error
   void save() const;
 
   [[nodiscard]] std::string summary() const;
@@ -60,10 +60,10 @@ class FreeRun {
   SerialDevices devices_;
   std::vector<Unit> units_;
   std::int64_t start_us_;
-  std::int64_t skipped_us_ = 0;  // given up when the machine was busy elsewhere
+  std::int64_t skipped_us_ = 0;  // not simulated because the machine was busy
 };
 
-/// Runs until Ctrl-C. @return 0 then, 2 when the robots cannot be set up.
+/// Runs until Ctrl-C. @return exit code: 0, or 2 if the robots cannot be set up.
 int freeRun(const FreeRunSettings& settings);
 
 }  // namespace lab::emulator

@@ -1,3 +1,4 @@
-// libsimavr never frees the names of its interrupt lines, about 7 kB a chip.
+// libsimavr never frees the names of its interrupt lines, about 7 kB per chip. The tests link this
+// file too.
 extern "C" const char* __lsan_default_suppressions();
 extern "C" const char* __lsan_default_suppressions() { return "leak:libsimavr\n"; }

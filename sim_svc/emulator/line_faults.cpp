@@ -7,7 +7,7 @@ namespace {
 
 constexpr int kFrameBits = 10;  // start, eight data bits (lowest first), stop
 
-/// A byte as levels on the line, first bit lowest.
+/// A byte as levels on the line; the first bit sent is the lowest.
 unsigned levels(LineByte byte) {
   return (static_cast<unsigned>(byte.value) << 1U) | (byte.framing_error ? 0U : 1U << 9U);
 }

@@ -1,4 +1,4 @@
-/// What a serial line does to bytes: wrong bits, a cable that is out, two ends at different speeds.
+/// Faults of a serial line: wrong bits, an unplugged cable, ends with different speeds.
 #pragma once
 
 #include <cstdint>
@@ -9,13 +9,13 @@
 
 namespace lab::emulator {
 
-/// A byte as a receiver takes it from the line.
+/// A byte as a receiver sees it.
 struct LineByte {
   std::uint8_t value = 0;
-  bool framing_error = false;  ///< its stop bit was not there
+  bool framing_error = false;  ///< the stop bit is missing
 };
 
-/// The cable is out from `from_us` (included) to `to_us` (not included).
+/// The cable is unplugged from `from_us` (included) to `to_us` (not included).
 struct Outage {
   std::int64_t from_us = 0;
   std::int64_t to_us = 0;
@@ -27,18 +27,18 @@ struct LineFaultSettings {
   std::vector<Outage> outages{};
 };
 
-/// What a receiver reads whose bits are `ratio` times as long as the sender's: it finds the start
-/// bit, with 1/16 bit of delay, and then samples the middle of each of its own bits. Right up to
-/// about 5 % either way, the same garbage every time beyond.
+/// The byte that a receiver reads if its bits are `ratio` times as long as the sender's. It detects
+/// the start bit with a delay of 1/16 bit and then samples the middle of each of its own bits. The
+/// byte is correct up to a difference of about 5 %; beyond, the error is deterministic.
 [[nodiscard]] LineByte sampleAt(LineByte byte, double ratio);
 
-/// One direction of a line. The same seed makes the same errors.
+/// One direction of a line. The same seed gives the same errors.
 class LineFaults {
  public:
   LineFaults(const LineFaultSettings& settings, std::uint64_t direction)
       : settings_(settings), random_(settings.seed, direction) {}
 
-  /// What becomes of a byte at `at_us`; nothing when it is lost.
+  /// The byte that arrives for a byte sent at `at_us`; empty if it is lost.
   [[nodiscard]] std::optional<LineByte> pass(std::int64_t at_us, std::uint8_t value, double ratio);
 
   [[nodiscard]] bool isOut(std::int64_t at_us) const;

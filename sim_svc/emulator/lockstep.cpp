@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <iostream>
 #include <system_error>
 
@@ -50,7 +51,7 @@ chip::ChipState stateOf(ChipPower power) {
 
 }  // namespace
 
-/// Takes plain values off the front of a packet.
+/// Reads plain values from a packet.
 class Lockstep::Reader {
  public:
   explicit Reader(std::span<const std::uint8_t> packet) : left_(packet) {}
@@ -190,7 +191,7 @@ void sendPacket(int socket, const std::vector<std::uint8_t>& packet) {
   }
 }
 
-/// @return false when the other end has closed the socket.
+/// @return false if the other end has closed the socket.
 bool receivePacket(int socket, std::vector<std::uint8_t>& packet) {
   packet.resize(chip::kLargestPacket);
   ssize_t size = 0;

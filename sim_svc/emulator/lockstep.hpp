@@ -1,9 +1,11 @@
-/// The chips' side of sim_svc/bodies/chip_link.hpp: packets in, packets out.
+/// The emulator's side of the protocol in sim_svc/bodies/chip_link.hpp.
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -11,7 +13,7 @@
 
 namespace lab::emulator {
 
-/// A packet that breaks the protocol: what was found and what was expected.
+/// A packet that violates the protocol; the text says what was found and expected.
 class LinkError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -22,7 +24,7 @@ class Lockstep {
  public:
   explicit Lockstep(std::shared_ptr<const FirmwareImage> program) : program_(std::move(program)) {}
 
-  /// Obeys one packet. @return the answer to it.
+  /// Executes one packet. @return the answer
   /// @throws LinkError
   [[nodiscard]] std::vector<std::uint8_t> answer(std::span<const std::uint8_t> packet);
 
@@ -38,11 +40,11 @@ class Lockstep {
   bool set_up_ = false;
 };
 
-/// The packet that says why there will be no further answer.
+/// The packet with the reason why there will be no further answers.
 [[nodiscard]] std::vector<std::uint8_t> failedPacket(const std::string& why);
 
-/// Answers the packets of `socket` until the other end closes it.
-/// @return 0 then; 1 after an error, which the other end and stderr were told.
+/// Answers the packets from `socket` until the other end closes it.
+/// @return exit code: 0, or 1 after an error, which is sent to the other end and to stderr
 int serveArena(int socket, const std::filesystem::path& elf);
 
 }  // namespace lab::emulator

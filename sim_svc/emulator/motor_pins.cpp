@@ -14,7 +14,7 @@ constexpr unsigned kLeftPwm = 1U << 5U;   // PD5, D5: PWMA, OC0B
 constexpr unsigned kLeft2 = 1U << 4U;     // PD4, D4: AIN2
 constexpr unsigned kLeft1 = 1U << 2U;     // PD2, D2: AIN1
 
-/// How long a PWM pin is high, 0..255.
+/// The duty of a PWM pin, 0..255.
 int width(unsigned connection, std::uint8_t compare, const std::uint8_t* data, bool port_high) {
   if (connection == 0) {
     return port_high ? 255 : 0;

@@ -1,5 +1,4 @@
-/// The addresses and bits of the ATmega328P that this component looks at (data sheet, "Register
-/// summary"), and how the robot uses its pins.
+/// Addresses and bits of the ATmega328P that the emulator reads (data sheet, "Register Summary").
 #pragma once
 
 #include <cstdint>

@@ -1,4 +1,4 @@
-/// The room the simulated robots live in.
+/// The simulated arena and its light.
 #pragma once
 
 namespace lab::sim {
@@ -15,7 +15,7 @@ struct Vec {
   double y = 0;
 };
 
-/// The light on the arena, as the simulated sensors see it.
+/// The light on the arena as the simulated sensors see it.
 class LightSampler {
  public:
   virtual ~LightSampler() = default;

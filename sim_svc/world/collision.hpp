@@ -1,4 +1,4 @@
-/// Moves that stop at contact: hard disks between hard walls.
+/// Moves of hard disks that stop at contact with disks or walls.
 #pragma once
 
 #include <algorithm>
@@ -12,7 +12,8 @@ namespace lab::sim {
 inline constexpr double kContactGap = 1e-9;  // m
 
 /// The share (0..1) of a straight move that a disk can make before its centre comes within
-/// `distance` of another centre. 1 for a move that does not approach: what touches may leave.
+/// `distance` of another centre. 1 for a move that does not approach, so that touching disks can
+/// separate.
 /// @param to_other from the moving centre to the other one, at the start of the move
 /// @param squared_distance the square of the contact distance, m^2
 [[nodiscard]] inline double freeShareToDisk(Vec to_other, Vec move, double squared_distance) {

@@ -9,7 +9,7 @@ namespace {
 constexpr double kSin60 = 0.86602540378443864676;
 constexpr double kFullScale = 1023;
 
-// How far along a direction with component `along` on the axis a wall of the arena is.
+// Distance to the wall, on one axis, along a direction whose component on this axis is `along`.
 double toWall(double from, double along, double size) {
   if (along > 0) {
     return (size - from) / along;

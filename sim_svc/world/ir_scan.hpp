@@ -9,7 +9,7 @@
 namespace lab::sim {
 
 /// One scan: along each of the six directions (counter-clockwise from the heading, in steps of 60
-/// degrees) the distance from the rim to the nearest thing, at most the range.
+/// degrees) the distance from the rim to the nearest wall or robot, at most the range.
 class IrScan {
  public:
   static constexpr std::size_t kDirections = 6;
@@ -19,10 +19,10 @@ class IrScan {
   /// @param range of the sensors from the rim, m
   IrScan(Vec centre, Vec heading, double radius, double range);
 
-  /// Sees the walls of the arena.
+  /// Adds the walls of the arena.
   void addWalls(const Arena& arena);
 
-  /// Sees another robot whose centre is at `to_other` from the scanning one's.
+  /// Adds another robot; `to_other` is the vector from the scanning robot's centre to its centre.
   void addDisk(Vec to_other);
 
   /// Whether anything is in range of any sensor.

@@ -6,8 +6,8 @@
 namespace lab::sim {
 namespace {
 
-// Many more cells than points cost more than they save: a few robots in a hall. But robots may also
-// crowd in a part of it.
+// Limits the number of cells for few robots in a large arena, where empty cells cost more than they
+// save. It is well above the number of robots, because they may crowd in a part of the arena.
 constexpr std::size_t kCellsPerSide = 16;
 constexpr std::size_t kMostCellsPerSide = 512;
 

@@ -1,4 +1,4 @@
-/// Who is near whom: a list that stays valid while nobody has moved far.
+/// Neighbour lists (Verlet lists), valid until a point has moved too far.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ namespace lab::sim {
 /// depends on the positions alone.
 class NeighbourList {
  public:
-  /// Lists the pairs closer than `cutoff` (m). Points outside the arena are taken to its edge
-  /// cells.
+  /// Lists the pairs closer than `cutoff` (m). Points outside the arena are sorted into the cells
+  /// at its edge.
   void build(std::span<const Vec> points, const Arena& arena, double cutoff);
 
   /// The neighbours of point i.

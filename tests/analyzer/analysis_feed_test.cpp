@@ -19,7 +19,7 @@ program_t abp() {
   return program;
 }
 
-/// One robot that drives straight on, frame after frame, and says that it runs an ABP.
+/// One robot that drives straight and reports that it runs an ABP.
 class StraightRobot {
  public:
   explicit StraightRobot(AnalysisFeed& feed) : feed_(feed) {}
@@ -90,8 +90,8 @@ TEST(AnalysisFeed, MapsMessagesToTheAnalysis) {
   EXPECT_EQ(dut.results().front().program.kind, program_t::ABP);
 }
 
-// A joystick has a new speed with every message: as programs, they would fill the memory.
-TEST(AnalysisFeed, MakesNoProgramOfWhatIsDrivenByHand) {
+// A joystick changes the speed with every message. Each speed as a program would exhaust memory.
+TEST(AnalysisFeed, CountsManualControlAsNoProgram) {
   AnalysisFeed dut{Experiment{}};
   StraightRobot robot(dut);
   robot.band = -1;
@@ -106,7 +106,7 @@ TEST(AnalysisFeed, MakesNoProgramOfWhatIsDrivenByHand) {
   EXPECT_TRUE(dut.results().empty());
 }
 
-TEST(AnalysisFeed, CutsWhereTheSenderStartedAnew) {
+TEST(AnalysisFeed, CutsAtARestartOfTheSender) {
   AnalysisFeed dut{Experiment{}};
   StraightRobot robot(dut);
   robot.run(250);
@@ -117,7 +117,7 @@ TEST(AnalysisFeed, CutsWhereTheSenderStartedAnew) {
   EXPECT_EQ(poolOf(dut).segments, 2);
 }
 
-TEST(AnalysisFeed, CutsWhereTheRobotCountsItsProgramsAgain) {
+TEST(AnalysisFeed, CutsIfTheProgramCountDecreases) {
   AnalysisFeed dut{Experiment{}};
   StraightRobot robot(dut);
   robot.epoch = 5;
@@ -129,7 +129,7 @@ TEST(AnalysisFeed, CutsWhereTheRobotCountsItsProgramsAgain) {
   EXPECT_EQ(poolOf(dut).segments, 2);
 }
 
-TEST(AnalysisFeed, DoesNotTakeALateMessageForARestart) {
+TEST(AnalysisFeed, DoesNotMistakeALateMessageForARestart) {
   AnalysisFeed dut{Experiment{}};
   StraightRobot robot(dut);
   robot.epoch = 5;
@@ -144,7 +144,7 @@ TEST(AnalysisFeed, DoesNotTakeALateMessageForARestart) {
   EXPECT_EQ(poolOf(dut).segments, 1);
 }
 
-TEST(AnalysisFeed, LeavesOutContactsAndStops) {
+TEST(AnalysisFeed, OmitsContactsAndStops) {
   for (const std::int32_t flag : {static_cast<std::int32_t>(robot_state_t::FLAG_CONTACT_ROBOT),
                                   static_cast<std::int32_t>(robot_state_t::FLAG_CONTACT_WALL),
                                   static_cast<std::int32_t>(robot_state_t::FLAG_STOPPED),
@@ -163,7 +163,7 @@ TEST(AnalysisFeed, LeavesOutContactsAndStops) {
   }
 }
 
-TEST(AnalysisFeed, LeavesOutPosesThatTheTrackerDoubts) {
+TEST(AnalysisFeed, OmitsPosesWithLowConfidence) {
   AnalysisFeed dut{Experiment{}};
   StraightRobot robot(dut);
   robot.run(200);
@@ -174,7 +174,7 @@ TEST(AnalysisFeed, LeavesOutPosesThatTheTrackerDoubts) {
   EXPECT_EQ(poolOf(dut).samples, 200);
 }
 
-TEST(AnalysisFeed, SaysWhichLagsALightThatDependsOnPlaceSelects) {
+TEST(AnalysisFeed, MarksLagsThatASpatialLightSelects) {
   AnalysisFeed dut{Experiment{}};
   light_status_t light{};
   light.mix = 1;
@@ -193,7 +193,7 @@ TEST(AnalysisFeed, SaysWhichLagsALightThatDependsOnPlaceSelects) {
   EXPECT_GT(poolOf(dut).unbiased_lag, 0);
 }
 
-TEST(AnalysisFeed, DoesNotCallAUniformLightSelective) {
+TEST(AnalysisFeed, MarksNoLagUnderUniformLight) {
   AnalysisFeed dut{Experiment{}};
   light_status_t light{};
   light.mix = 1;

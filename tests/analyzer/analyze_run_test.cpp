@@ -27,7 +27,7 @@ std::string problemOf(const fs::path& path) {
   return "none";
 }
 
-/// Whether something like 2026-01-31 stands in the text.
+/// Whether the text contains a date like 2026-01-31.
 bool holdsDate(const std::string& text) {
   const std::string pattern = "dddd-dd-dd";
   const auto fits = [](char letter, char wanted) {
@@ -45,7 +45,7 @@ std::vector<std::string> namesIn(const fs::path& folder) {
   return names;
 }
 
-TEST(AnalyzeRun, WritesEverythingBesideTheLog) {
+TEST(AnalyzeRun, WritesAllFilesBesideTheLog) {
   const TemporaryFolder run;
   SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(2, 30, 20, {paperAbp()}, 30)).run();
 
@@ -59,6 +59,8 @@ TEST(AnalyzeRun, WritesEverythingBesideTheLog) {
                                    "trajectory_time.svg"));
   ASSERT_FALSE(dut.headline.empty());
   EXPECT_THAT(dut.headline[0], HasSubstr("abp: "));
+  EXPECT_THAT(dut.headline.back(), testing::AllOf(HasSubstr("diffusion of 2 robots"),
+                                                  HasSubstr("abp: D = "), HasSubstr(" (law: ")));
   EXPECT_THAT(readFile(dut.report), HasSubstr("<svg"));
 }
 
@@ -80,7 +82,7 @@ TEST(AnalyzeRun, WritesTheSameBytesEveryTimeAndEverywhere) {
   }
 }
 
-TEST(AnalyzeRun, TellsNeitherWhereNorWhenItWasMade) {
+TEST(AnalyzeRun, ContainsNeitherPlaceNorTimeOfTheAnalysis) {
   const TemporaryFolder run;
   SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 10, 20, {paperAbp()}, 30)).run();
 
@@ -91,7 +93,7 @@ TEST(AnalyzeRun, TellsNeitherWhereNorWhenItWasMade) {
   }
 }
 
-TEST(AnalyzeRun, MakesAReportOfASecond) {
+TEST(AnalyzeRun, MakesAReportOfARunOfOneSecond) {
   const TemporaryFolder run;
   SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 1, 10, {paperAbp()}, 30)).run();
 
@@ -111,28 +113,28 @@ TEST(AnalyzeRun, MakesAReportOfManyRobots) {
   EXPECT_THAT(readFile(dut.report), HasSubstr("40 robots"));
 }
 
-TEST(AnalyzeRun, SaysThatThereIsNoSuchFile) {
+TEST(AnalyzeRun, ReportsAMissingFile) {
   const TemporaryFolder folder;
 
   EXPECT_THAT(problemOf(folder.path() / "nothing"), HasSubstr("no such file or folder"));
   EXPECT_THAT(problemOf(folder.path()), HasSubstr("no log.lcmlog in this folder"));
 }
 
-TEST(AnalyzeRun, SaysThatATextIsNoLog) {
+TEST(AnalyzeRun, ReportsAFileThatIsNotALog) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "notes.txt") << "frame,particle,x,y\n1,1,2,3\n";
 
   EXPECT_THAT(problemOf(folder.path() / "notes.txt"), HasSubstr("not an LCM log"));
 }
 
-TEST(AnalyzeRun, SaysThatALogIsEmpty) {
+TEST(AnalyzeRun, ReportsAnEmptyLog) {
   const TemporaryFolder folder;
   std::ofstream(folder.path() / "log.lcmlog") << "";
 
   EXPECT_THAT(problemOf(folder.path()), HasSubstr("the log is empty"));
 }
 
-TEST(AnalyzeRun, SaysWhatALogWithoutFramesHoldsInstead) {
+TEST(AnalyzeRun, ReportsTheContentOfALogWithoutFrames) {
   const TemporaryFolder run;
   SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 5, 20, {paperAbp()}, 30),
                [](const Packet& packet) { return packet.channel != channels::kTrackedFrame; })
@@ -143,7 +145,7 @@ TEST(AnalyzeRun, SaysWhatALogWithoutFramesHoldsInstead) {
   EXPECT_THAT(namesIn(run.path()), testing::ElementsAre("log.lcmlog"));
 }
 
-TEST(AnalyzeRun, ReportsARunWithoutFramesWhereThatIsWanted) {
+TEST(AnalyzeRun, AnalyzesARunWithoutFramesIfAsked) {
   const TemporaryFolder run;
   SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 5, 20, {paperAbp()}, 30),
                [](const Packet& packet) { return packet.channel != channels::kTrackedFrame; })
@@ -155,7 +157,7 @@ TEST(AnalyzeRun, ReportsARunWithoutFramesWhereThatIsWanted) {
   EXPECT_THAT(readFile(dut.report), HasSubstr("<b>Lost:</b> 100 of "));
 }
 
-TEST(AnalyzeRun, SaysHowToGetGnuplot) {
+TEST(AnalyzeRun, ErrorNamesThePackageOfGnuplot) {
   const TemporaryFolder run;
   SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(1, 5, 20, {paperAbp()}, 30)).run();
   const std::string path = std::getenv("PATH");

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <lab/analysis_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
@@ -16,7 +17,7 @@ namespace {
 
 constexpr int kRobots = 7;
 
-/// A lab in which seven robots drive straight on under one program.
+/// A lab in which seven robots drive straight under one program.
 class AnalyzerServiceTest : public testing::Test {
  protected:
   AnalyzerServiceTest() {
@@ -87,7 +88,7 @@ TEST_F(AnalyzerServiceTest, SpreadsItsMessagesOverTheSecond) {
   for (const auto& [utime, all] : heard_) EXPECT_EQ(all.size(), 1U) << utime;
 }
 
-TEST_F(AnalyzerServiceTest, StampsWithTheLastFrameThatWentIn) {
+TEST_F(AnalyzerServiceTest, StampsMessagesWithTheLastFrameUsed) {
   loop_.runUntil(VirtualLoop::kEpoch + 3'000'000);
 
   const analysis_t& last = heard_.rbegin()->second.back();

@@ -6,8 +6,9 @@
 #include <cmath>
 #include <numbers>
 #include <string>
+#include <vector>
 
-#include "analyzer/phased_noise.hpp"
+#include "analyzer/laws/phased_noise.hpp"
 #include "tests/support/reference_table.hpp"
 
 namespace lab::analysis::laws_test {
@@ -76,7 +77,7 @@ TEST(ExactLaw, AgreesWithTheHighPrecisionTable) {
   }
 }
 
-TEST(PhasedNoise, ManyPhasesAreARandomOne) {
+TEST(PhasedNoise, ManyPhasesEqualARandomPhase) {
   for (const bool wheels : {false, true}) {
     const HeldNoise noise = wheels ? HeldNoise::uniformWheels(0.01, 0.1, 0.075, 0.4)
                                    : HeldNoise::uniformTurning(0.03, 6, 0.9);
@@ -96,8 +97,8 @@ TEST(PhasedNoise, ManyPhasesAreARandomOne) {
   }
 }
 
-TEST(PhasedNoise, LockedClocksSeeAnotherLaw) {
-  // Figure 3b filmed at 10 frames a second: one phase.
+TEST(PhasedNoise, LockedClocksChangeTheObservedLaw) {
+  // Figure 3b recorded at 10 frames a second: one phase.
   const HeldNoise noise = HeldNoise::uniformWheels(0.01, 0.1, 0.075, 0.1);
   const PhasedNoise dut(noise);
   const auto msd = [&](double first) {
@@ -225,7 +226,7 @@ TEST(ExactLaw, IsContinuousAcrossTheUpdatesAndMatchesItsOwnDiffusivity) {
   EXPECT_NEAR(slope / dut.diffusivity(), 1, 1e-9);
 }
 
-TEST(ExactLaw, StaysExactWhereTheNoiseVanishes) {
+TEST(ExactLaw, StaysExactForVanishingNoise) {
   const ExactLaw straight(abp(3, 0, 0.5));
   EXPECT_NEAR(straight.msd(40) / (0.03 * 0.03 * 1600), 1, 1e-12);
   EXPECT_TRUE(std::isinf(straight.diffusivity()));
@@ -242,7 +243,7 @@ TEST(ExactLaw, PersistenceLengthApproachesThePaperForShortHolds) {
   EXPECT_DOUBLE_EQ(ExactLaw(rtp(5, 2, 0.5)).persistenceLength(), 0.025);
 }
 
-TEST(ExactLaw, IsNotANumberWithoutALaw) {
+TEST(ExactLaw, IsNanWithoutALaw) {
   ProgramLaw wheels;
   wheels.kind = ProgramKind::kWheels;
   EXPECT_FALSE(ExactLaw(wheels).exists());

@@ -14,14 +14,14 @@
 
 namespace lab::analysis {
 
-/// A film after stitching.
+/// The stitched samples of a recording.
 struct StitchedRecording {
   std::vector<Sample> samples;
   StitcherCounters counters;
   ProgramTally tally;
 };
 
-/// Takes a second out every now and then; no window crosses it.
+/// Removes a second now and then; no window crosses the gap.
 inline void cut(std::vector<Sample>& samples, double every, std::mt19937_64& random) {
   std::exponential_distribution<double> wait(1 / every);
   double next = wait(random);
@@ -42,16 +42,16 @@ inline void cut(std::vector<Sample>& samples, double every, std::mt19937_64& ran
   samples = std::move(left);
 }
 
-inline StitchedRecording stitch(const WalkerRecording& film) {
+inline StitchedRecording stitch(const WalkerRecording& recording) {
   StitchedRecording result;
   TrackStitcher stitcher{StitcherConfig{}};
-  Walker walker(film);
-  std::mt19937_64 random(film.seed + 1);
+  Walker walker(recording);
+  std::mt19937_64 random(recording.seed + 1);
   std::uniform_real_distribution<double> uniform(0, 1);
   bool is_lost = false;
   walker.on_frame = [&](const TrackPoint& point) {
-    const double stays = 1 - 1 / film.missing_length;
-    const double begins = film.missing / (1 - film.missing) / film.missing_length;
+    const double stays = 1 - 1 / recording.missing_length;
+    const double begins = recording.missing / (1 - recording.missing) / recording.missing_length;
     is_lost = uniform(random) < (is_lost ? stays : begins);
     if (!is_lost) stitcher.addFrame(point, result.samples);
   };
@@ -60,22 +60,22 @@ inline StitchedRecording stitch(const WalkerRecording& film) {
   };
   walker.run();
   stitcher.flush(result.samples);
-  if (film.cut_every > 0) cut(result.samples, film.cut_every, random);
+  if (recording.cut_every > 0) cut(result.samples, recording.cut_every, random);
   result.counters = stitcher.counters();
   result.tally = stitcher.tally(0);
   return result;
 }
 
-inline ProgramResult analyseRecording(const WalkerRecording& film,
+inline ProgramResult analyseRecording(const WalkerRecording& recording,
                                       const StitchedRecording& stitched, double max_lag = 100) {
-  ProgramAnalysis analysis(film.law, 1 / film.fps, max_lag);
+  ProgramAnalysis analysis(recording.law, 1 / recording.fps, max_lag);
   for (const Sample& sample : stitched.samples) {
     analysis.add(sample);
   }
-  return analyse(film.law, analysis.data(), stitched.tally, CurveOptions{});
+  return analyse(recording.law, analysis.data(), stitched.tally, CurveOptions{});
 }
 
-/// Mean and scatter of one number over films.
+/// Mean and scatter of one number over recordings.
 struct Scatter {
   double n = 0;
   double sum = 0;
@@ -90,14 +90,14 @@ struct Scatter {
   }
   [[nodiscard]] double mean() const { return sum / n; }
   [[nodiscard]] double deviation() const { return std::sqrt((sum2 - sum * sum / n) / (n - 1)); }
-  /// The deviation of the mean from `expected`, as a normal deviate (the scatter of few films is
-  /// itself uncertain: Student's t).
+  /// The deviation of the mean from `expected`, as a normal deviate (by Student's t, because the
+  /// scatter of few recordings is uncertain).
   [[nodiscard]] double z(double expected) const {
     return normalDeviate((mean() - expected) / (deviation() / std::sqrt(n)), n - 1);
   }
 };
 
-/// One lag over an ensemble of films.
+/// One lag over an ensemble of recordings.
 struct LagScatter {
   double tau = 0;
   double exact = 0;
@@ -126,19 +126,20 @@ struct EnsembleCurves {
   }
 };
 
-/// Every lag that all films observed follows the exact law.
-inline void expectUnbiased(const std::vector<LagScatter>& lags, double films, const char* what) {
+/// Expects that every lag that all recordings observed follows the exact law.
+inline void expectUnbiased(const std::vector<LagScatter>& lags, double recordings,
+                           const char* what) {
   for (const LagScatter& lag : lags) {
-    if (lag.value.n == films) {
+    if (lag.value.n == recordings) {
       EXPECT_LT(std::abs(lag.value.z(lag.exact)), 4)
           << what << " at " << lag.tau << " s: " << lag.value.mean() / lag.exact;
     }
   }
 }
 
-/// How often the 95 % interval of each estimate held the true value, and its bias.
+/// The coverage of the 95 % interval of each estimate, and its bias.
 struct Coverage {
-  int films = 0;
+  int recordings = 0;
   std::map<std::string, int> covered;
   std::map<std::string, Scatter> value;
   std::map<std::string, Scatter> sigma;
@@ -147,16 +148,16 @@ struct Coverage {
   EnsembleCurves curves;
 
   [[nodiscard]] double share(const std::string& name) const {
-    return static_cast<double>(covered.at(name)) / films;
+    return static_cast<double>(covered.at(name)) / recordings;
   }
 };
 
-inline Coverage cover(WalkerRecording film, int films, double max_lag) {
+inline Coverage cover(WalkerRecording recording, int recordings, double max_lag) {
   Coverage result;
-  result.films = films;
-  for (int i = 0; i < films; ++i) {
-    film.seed = 7000U + static_cast<unsigned>(i);
-    const ProgramResult analysed = analyseRecording(film, stitch(film), max_lag);
+  result.recordings = recordings;
+  for (int i = 0; i < recordings; ++i) {
+    recording.seed = 7000U + static_cast<unsigned>(i);
+    const ProgramResult analysed = analyseRecording(recording, stitch(recording), max_lag);
     for (const Estimate& estimate : analysed.estimates) {
       const bool inside = estimate.low95 <= estimate.theory && estimate.theory <= estimate.high95;
       result.covered[estimate.name] += inside ? 1 : 0;
@@ -170,20 +171,20 @@ inline Coverage cover(WalkerRecording film, int films, double max_lag) {
   return result;
 }
 
-/// 90 to 97 %, or the binomial 3-sigma band around 95 % where that is wider.
+/// 90 to 97 %, or the binomial 3-sigma band around 95 % if that is wider.
 inline void expectCoverage(const Coverage& coverage, const std::string& name) {
-  const double band = 3 * std::sqrt(0.95 * 0.05 / coverage.films);
+  const double band = 3 * std::sqrt(0.95 * 0.05 / coverage.recordings);
   EXPECT_GT(coverage.share(name), std::min(0.90, 0.95 - band)) << name;
   EXPECT_LT(coverage.share(name), std::max(0.97, 0.95 + band)) << name;
 }
 
-/// Block errors over true scatter, lag by lag up to film / 180, and on average.
-inline void expectTrueErrors(const std::vector<LagScatter>& lags, double film) {
+/// Block errors over true scatter, lag by lag up to recording / 180, and on average.
+inline void expectTrueErrors(const std::vector<LagScatter>& lags, double recording) {
   Scatter ratios;
   for (const LagScatter& lag : lags) {
-    if (lag.tau <= film / 180) {
+    if (lag.tau <= recording / 180) {
       const double ratio = lag.sigma.mean() / lag.value.deviation();
-      // The deviation of n films is itself uncertain.
+      // The standard deviation of n recordings is uncertain.
       const double slack = 2 / std::sqrt(2 * lag.value.n);
       EXPECT_GT(ratio, 0.9 * (1 - slack)) << lag.tau;
       EXPECT_LT(ratio, 1.15 * (1 + slack)) << lag.tau;
@@ -195,14 +196,14 @@ inline void expectTrueErrors(const std::vector<LagScatter>& lags, double film) {
   EXPECT_LT(ratios.mean(), 1.15);
 }
 
-/// A short film with the noise of a good tracker.
+/// A short recording with the noise of a good tracker.
 inline WalkerRecording shortRecording(const ProgramLaw& law) {
-  WalkerRecording film;
-  film.law = law;
-  film.duration = 120;
-  film.sigma = 0.0005;
-  film.sigma_theta = 0.025;
-  return film;
+  WalkerRecording recording;
+  recording.law = law;
+  recording.duration = 120;
+  recording.sigma = 0.0005;
+  recording.sigma_theta = 0.025;
+  return recording;
 }
 
 }  // namespace lab::analysis

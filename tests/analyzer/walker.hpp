@@ -12,8 +12,8 @@
 
 namespace lab::analysis {
 
-/// A film of one robot, for tests. A frame rate that no hold time is a multiple of lets the
-/// observation phase sweep, as real clocks do.
+/// A recording of one robot, for tests. Hold times are not multiples of the frame period, so the
+/// observation phase sweeps as with real clocks.
 struct WalkerRecording {
   ProgramLaw law;
   double duration = 600;  ///< s.
@@ -21,31 +21,32 @@ struct WalkerRecording {
   double telemetry_rate = 50;  ///< 1/s.
   double sigma = 0;            ///< Tracker noise per axis, m.
   double sigma_theta = 0;      ///< rad.
-  double missing = 0;          ///< Share of frames that are lost,
-  double missing_length = 1;   ///< so many in a row, on average.
-  double cut_every = 0;        ///< s between cuts, as by contacts, on average; 0: none.
-  bool walls = false;          ///< 0.9 m x 1.2 m with reversals; otherwise an endless plane.
+  double missing = 0;          ///< Share of lost frames.
+  double missing_length = 1;   ///< Mean number of consecutive lost frames.
+  double cut_every = 0;        ///< Mean time between cuts (as by contacts), s; 0: none.
+  bool walls = false;          ///< 0.9 m x 1.2 m with reversals; otherwise an infinite plane.
   std::uint64_t seed = 1;
 };
 
-/// An independent walker: exact arcs, draws held to the instant, walls from which it reverses 40 cm
-/// (or to the opposite wall) at 10 cm/s and then resumes exactly where it was interrupted.
+/// An independent implementation of the programs: exact arcs, draws held exactly, and walls from
+/// which it reverses 40 cm (or to the opposite wall) at 10 cm/s and then resumes exactly.
 class Walker {
  public:
-  explicit Walker(const WalkerRecording& film) : film_(film), random_(film.seed) {}
+  explicit Walker(const WalkerRecording& recording)
+      : recording_(recording), random_(recording.seed) {}
 
   std::function<void(const TrackPoint&)> on_frame;
   std::function<void(const RobotTelemetry&)> on_telemetry;
 
   void run() {
-    x_ = film_.walls ? uniform(0.3, 0.9) : 0;
-    y_ = film_.walls ? uniform(0.3, 0.6) : 0;
+    x_ = recording_.walls ? uniform(0.3, 0.9) : 0;
+    y_ = recording_.walls ? uniform(0.3, 0.6) : 0;
     theta_ = uniform(-std::numbers::pi, std::numbers::pi);
     begin();
-    double next_frame = uniform(0, 1 / film_.fps);
-    double next_telemetry = uniform(0, 1 / film_.telemetry_rate);
+    double next_frame = uniform(0, 1 / recording_.fps);
+    double next_telemetry = uniform(0, 1 / recording_.telemetry_rate);
     double next_look = 0;
-    while (time_ < film_.duration) {
+    while (time_ < recording_.duration) {
       const double event = reversing_ ? time_ + reversal_left_ : time_ + hold_left_;
       const double stop = std::min({event, next_frame, next_telemetry, next_look});
       advance(stop - time_);
@@ -54,13 +55,13 @@ class Walker {
         reversing_ ? endReversal() : draw();
       } else if (stop == next_frame) {
         frame();
-        next_frame += 1 / film_.fps;
+        next_frame += 1 / recording_.fps;
       } else if (stop == next_telemetry) {
         report();
-        next_telemetry += 1 / film_.telemetry_rate;
+        next_telemetry += 1 / recording_.telemetry_rate;
       } else {
         look();
-        next_look = film_.walls ? time_ + 0.01 : film_.duration + 1;
+        next_look = recording_.walls ? time_ + 0.01 : recording_.duration + 1;
       }
     }
   }
@@ -70,9 +71,9 @@ class Walker {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
 
-  /// The stationary state: a random time into a hold, a run or a tumble.
+  /// Begins in the stationary state: at a random time within a hold, a run or a tumble.
   void begin() {
-    const ProgramLaw& p = film_.law;
+    const ProgramLaw& p = recording_.law;
     if (p.kind == ProgramKind::kRtp) {
       tumbling_ = uniform(0, 1) > p.gamma * p.tau_t / (1 + p.gamma * p.tau_t);
       draw();
@@ -85,7 +86,7 @@ class Walker {
   }
 
   void draw() {
-    const ProgramLaw& p = film_.law;
+    const ProgramLaw& p = recording_.law;
     if (p.kind == ProgramKind::kRtp) {
       tumbling_ = !tumbling_;
       speed_ = tumbling_ ? 0 : p.v;
@@ -132,7 +133,7 @@ class Walker {
   }
 
   void look() {
-    if (!film_.walls) {
+    if (!recording_.walls) {
       return;
     }
     if (reversing_) {
@@ -159,12 +160,12 @@ class Walker {
     TrackPoint point;
     point.time = time_;
     point.frame = ++frames_;
-    point.x = x_ + film_.sigma * normal(random_);
-    point.y = y_ + film_.sigma * normal(random_);
+    point.x = x_ + recording_.sigma * normal(random_);
+    point.y = y_ + recording_.sigma * normal(random_);
     point.theta =
-        std::remainder(theta_ + film_.sigma_theta * normal(random_), 2 * std::numbers::pi);
-    point.sigma = film_.sigma;
-    point.sigma_theta = film_.sigma_theta;
+        std::remainder(theta_ + recording_.sigma_theta * normal(random_), 2 * std::numbers::pi);
+    point.sigma = recording_.sigma;
+    point.sigma_theta = recording_.sigma_theta;
     on_frame(point);
   }
 
@@ -177,16 +178,16 @@ class Walker {
     t.reversal_start = reversal_start_;
     t.reversal_end = reversal_end_;
     t.reversing = reversing_;
-    t.v_l = speed_ - 0.5 * turning_ * film_.law.wheel_base;
-    t.v_r = speed_ + 0.5 * turning_ * film_.law.wheel_base;
+    t.v_l = speed_ - 0.5 * turning_ * recording_.law.wheel_base;
+    t.v_r = speed_ + 0.5 * turning_ * recording_.law.wheel_base;
     t.tumble_count = tumble_count_;
     t.run_time = run_time_;
     on_telemetry(t);
   }
 
-  static constexpr double kMargin = 0.0875;  // rim plus 5 cm, m
+  static constexpr double kMargin = 0.0875;  // m: radius of the robot plus 5 cm
 
-  WalkerRecording film_;
+  WalkerRecording recording_;
   std::mt19937_64 random_;
   double time_ = 0;
   double x_ = 0;

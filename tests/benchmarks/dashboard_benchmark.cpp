@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "dashboard/views/lab_view.hpp"
 
 namespace lab::dashboard {
@@ -40,9 +40,8 @@ Experiment crowd() {
   Experiment experiment;
   experiment.name = "crowd";
   experiment.duration = 60;
-  ProgramSpec swim;
-  swim.name = "swim";
-  swim.model = Model::kAbp;
+  RobotProgram swim;
+  swim.kind = ProgramKind::kAbp;
   swim.v = 0.04;
   swim.epsilon = 0.2;
   swim.eta = 3;

@@ -1,4 +1,4 @@
-/// The service between a bus and the hub, in virtual time; its inbox between threads.
+/// Tests DashboardBus in virtual time, RequestQueue between threads, and the address file.
 #include "dashboard/dashboard_service.hpp"
 
 #include <gmock/gmock.h>
@@ -9,7 +9,12 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string_view>
 #include <thread>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
@@ -23,7 +28,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A dashboard, and a robot owner that obeys stops as robots do.
+/// A dashboard and a service whose two robots obey stops unless it is deaf.
 struct Bench {
   Bench() {
     loop.drainWith([this] { bus.deliver(); });
@@ -67,11 +72,11 @@ struct Bench {
       context, hub, "runs", {.viewers = [] { return 1; }, .facts = [] { return ServerFacts{}; }}};
 };
 
-TEST(DashboardBus, AStopReachesEveryRobotWithinAFifthOfASecondAndThePageSaysSo) {
+TEST(DashboardBus, AStopReachesEveryRobotWithin200msAndItsTopicShowsTheConfirmations) {
   Bench bench;
   bench.run(1);
   const std::int64_t begin = bench.loop.now();
-  ASSERT_EQ(bench.dut.wish(StopRobots{"test"}), "");
+  ASSERT_EQ(bench.dut.request(StopRobots{"test"}), "");
   while (bench.topic("stop")["state"] != "stopped") {
     bench.run(0.005);
     ASSERT_LT(bench.loop.now() - begin, 200'000);
@@ -82,27 +87,27 @@ TEST(DashboardBus, AStopReachesEveryRobotWithinAFifthOfASecondAndThePageSaysSo) 
   const int stops = bench.stops;
   EXPECT_LE(stops, 4) << "at 10 Hz for 0.3 s";
   bench.run(5);
-  EXPECT_EQ(bench.stops, stops) << "all obey: nothing is repeated";
-  ASSERT_EQ(bench.dut.wish(ReleaseStop{}), "");
+  EXPECT_EQ(bench.stops, stops) << "not repeated after all robots have confirmed";
+  ASSERT_EQ(bench.dut.request(ReleaseStop{}), "");
   bench.run(0.2);
   EXPECT_EQ(bench.topic("stop")["state"], "free");
   EXPECT_EQ(bench.robots[0].flags, 0);
 }
 
-TEST(DashboardBus, AStopThatARobotDoesNotConfirmIsRepeatedAndSaid) {
+TEST(DashboardBus, RepeatsAStopThatARobotDoesNotConfirm) {
   Bench bench;
   bench.deaf = true;
   bench.run(1);
-  ASSERT_EQ(bench.dut.wish(StopRobots{}), "");
+  ASSERT_EQ(bench.dut.request(StopRobots{}), "");
   bench.run(10);
   EXPECT_NEAR(bench.stops, 100, 2);
   EXPECT_EQ(bench.topic("stop")["state"], "stopping");
   EXPECT_EQ(bench.topic("stop")["unconfirmed"], Json({3, 7}));
 }
 
-TEST(DashboardBus, LightIsRefreshedAtTwoHertzAndGivenBack) {
+TEST(DashboardBus, RefreshesManualLightAtTwoHertzAndReleasesIt) {
   Bench bench;
-  ASSERT_EQ(bench.dut.wish(ShowLight{0.5, 3}), "");
+  ASSERT_EQ(bench.dut.request(ShowLight{0.5, 3}), "");
   bench.run(2.9);
   EXPECT_EQ(bench.lights.size(), 6U);
   bench.run(3);
@@ -111,7 +116,7 @@ TEST(DashboardBus, LightIsRefreshedAtTwoHertzAndGivenBack) {
   EXPECT_GT(bench.lights.back().utime, bench.lights.front().utime);
 }
 
-TEST(DashboardBus, TellsInItsHeartbeatWhatItHeardAndNeverComplains) {
+TEST(DashboardBus, ReportsReceivedMessagesInTheHeartbeatButNoErrors) {
   Bench bench;
   service_status_t last{};
   bench.owner.subscribe<service_status_t>(channels::kServiceStatus,
@@ -121,33 +126,33 @@ TEST(DashboardBus, TellsInItsHeartbeatWhatItHeardAndNeverComplains) {
   const std::vector<std::uint8_t> junk{1, 2, 3};
   bench.bus.publish(channels::kLightStatus, junk);
   bench.run(3.5);
-  bool heard = false;
+  bool received = false;
   for (const stream_count_t& row : last.received) {
-    if (row.channel == channels::kRobotStatus) heard = row.received >= 40;
+    if (row.channel == channels::kRobotStatus) received = row.received >= 40;
   }
-  EXPECT_TRUE(heard);
-  EXPECT_EQ(last.last_error, "") << "the conductor marks the run for whatever a service says here";
+  EXPECT_TRUE(received);
+  EXPECT_EQ(last.last_error, "") << "an error here would mark the run";
 }
 
 std::optional<std::string> nothing(std::string_view, std::string_view) { return std::nullopt; }
 
-TEST(RequestQueue, AnswersFromTheLoopsThread) {
+TEST(RequestQueue, CallsHandlersOnTheLoopsThread) {
   const auto loop_thread = std::this_thread::get_id();
   std::thread::id answered;
-  RequestQueue dut({.wish =
+  RequestQueue dut({.request =
                         [&](const OperatorRequest&) {
                           answered = std::this_thread::get_id();
                           return std::string("no");
                         },
-                    .ask =
+                    .query =
                         [](std::string_view what, std::string_view which) {
                           return std::optional(std::string(what) + "/" + std::string(which));
                         }});
   std::string refusal;
   std::optional<std::string> answer;
   std::thread web([&] {
-    refusal = dut.wish(PauseScript{});
-    answer = dut.ask("a", "b");
+    refusal = dut.request(PauseScript{});
+    answer = dut.query("a", "b");
   });
   for (int served = 0; served < 2; ++served) {
     pollfd waiting{dut.descriptor(), POLLIN, 0};
@@ -160,14 +165,14 @@ TEST(RequestQueue, AnswersFromTheLoopsThread) {
   EXPECT_EQ(answered, loop_thread);
 }
 
-TEST(RequestQueue, NoWishWaitsBehindMoreThanOneQuestion) {
+TEST(RequestQueue, ARequestWaitsForAtMostOneQuery) {
   std::string order;
-  RequestQueue dut({.wish =
+  RequestQueue dut({.request =
                         [&](const OperatorRequest&) {
-                          order += 'w';
+                          order += 'r';
                           return std::string();
                         },
-                    .ask =
+                    .query =
                         [&](std::string_view, std::string_view) {
                           order += 'q';
                           return std::optional<std::string>("");
@@ -183,42 +188,43 @@ TEST(RequestQueue, NoWishWaitsBehindMoreThanOneQuestion) {
     }
   };
   for (eventfd_t i = 1; i <= 3; ++i) {
-    web.emplace_back([&] { static_cast<void>(dut.ask("a", "b")); });
+    web.emplace_back([&] { static_cast<void>(dut.query("a", "b")); });
     waitFor(i);
   }
-  web.emplace_back([&] { EXPECT_EQ(dut.wish(StopRobots{}), ""); });
+  web.emplace_back([&] { EXPECT_EQ(dut.request(StopRobots{}), ""); });
   waitFor(4);
   dut.serve();
-  EXPECT_EQ(order, "wq");
+  EXPECT_EQ(order, "rq");
   pollfd waiting{dut.descriptor(), POLLIN, 0};
   for (int served = 0; served < 2; ++served) {
-    EXPECT_EQ(poll(&waiting, 1, 0), 1) << "others wait";
+    EXPECT_EQ(poll(&waiting, 1, 0), 1) << "more queries are pending";
     dut.serve();
   }
   EXPECT_EQ(poll(&waiting, 1, 0), 0);
   for (std::thread& thread : web) thread.join();
-  EXPECT_EQ(order, "wqqq");
+  EXPECT_EQ(order, "rqqq");
 }
 
-TEST(RequestQueue, WhatWaitedTooLongIsNeverDone) {
+TEST(RequestQueue, DoesNotRunRequestsAfterTheirTimeout) {
   int done = 0;
-  RequestQueue dut({.wish =
+  RequestQueue dut({.request =
                         [&](const OperatorRequest&) {
                           ++done;
                           return std::string();
                         },
-                    .ask = nothing},
+                    .query = nothing},
                    std::chrono::milliseconds(20));
-  EXPECT_THAT(dut.wish(StopRobots{}), HasSubstr("nothing was done"));
+  EXPECT_THAT(dut.request(StopRobots{}), HasSubstr("nothing was done"));
   dut.serve();
   EXPECT_EQ(done, 0);
 }
 
-TEST(RequestQueue, ClosedItRefusesAtOnce) {
-  RequestQueue dut({.wish = [](const OperatorRequest&) { return std::string(); }, .ask = nothing},
-                   std::chrono::hours(1));
+TEST(RequestQueue, RefusesAtOnceWhenClosed) {
+  RequestQueue dut(
+      {.request = [](const OperatorRequest&) { return std::string(); }, .query = nothing},
+      std::chrono::hours(1));
   std::string refusal;
-  std::thread web([&] { refusal = dut.wish(PauseScript{}); });
+  std::thread web([&] { refusal = dut.request(PauseScript{}); });
   dut.close();
   web.join();
   EXPECT_NE(refusal, "");
@@ -235,7 +241,7 @@ TEST(AddressFile, IsReadAgainAfterARestart) {
   EXPECT_EQ(read->token, token);
 }
 
-TEST(AddressFile, BelongsToItsOwnerAlone) {
+TEST(AddressFile, IsReadableByItsOwnerOnly) {
   const TemporaryFolder folder;
   const auto file = folder / "address";
   writeAddressFile(file, "http://127.0.0.1:8481/#token=x");
@@ -245,7 +251,7 @@ TEST(AddressFile, BelongsToItsOwnerAlone) {
   EXPECT_THROW(writeAddressFile("/nowhere/address", "x"), std::runtime_error);
 }
 
-TEST(AddressFile, WhatIsNoAddressIsNone) {
+TEST(AddressFile, RefusesInvalidAddresses) {
   for (const char* text : {"", "http://127.0.0.1:8480/", "http://127.0.0.1:8480/#token=short",
                            "http://127.0.0.1:99999/#token=0123456789abcdef0123456789abcdef",
                            "http://127.0.0.1:x/#token=0123456789abcdef0123456789abcdef"}) {

@@ -1,4 +1,4 @@
-/// Messages made by hand.
+/// Sample messages and a sample experiment for the tests of the dashboard.
 #pragma once
 
 #include <cstdint>

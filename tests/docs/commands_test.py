@@ -25,7 +25,7 @@ from markdown import Page, WORDS, logical_lines
 OPTION = re.compile(r"^--?[a-zA-Z][\w-]*")
 LINE_LIMIT_S = 300
 HIDDEN = {"host-agent"}          # of lab: not for people
-SCRIPT_ONLY = {"test", "package"}  # of ./lab: not in the built program
+SCRIPT_ONLY = {"test", "package", "build"}  # of ./lab: not in the built program
 
 ROOT, PROGRAMS, PAGE = Path(), Path(), None
 

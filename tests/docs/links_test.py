@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Every link of every page leads somewhere, and every chapter is in the book's contents.
+"""Every link of every page has a target, and every page is in the contents of the manual.
 
     links_test.py ROOT
 """
@@ -12,7 +12,10 @@ from pathlib import Path
 from markdown import Page
 
 ROOT = Path()
-FOLDERS = ("docs", "experiments", "tests", "lcmtypes", "cmake")
+FOLDERS = ("docs", "experiments", "tests", "lcmtypes", "cmake", "common", "robot", "light", "analyzer",
+           "robot_bridge", "projector_ctl", "tracker_svc", "sim_svc", "dds_gateway", "dashboard",
+           "runner")
+SOURCES = tuple(name for name in FOLDERS if name not in ("docs", "experiments", "tests", "cmake"))
 
 
 @lru_cache(maxsize=None)
@@ -32,7 +35,7 @@ class Links(unittest.TestCase):
         if wrong:
             self.fail("\n" + "\n".join(wrong))
 
-    def test_lead_somewhere(self):
+    def test_have_targets(self):
         wrong = []
         for name in pages():
             for line, link in page(name).links():
@@ -48,10 +51,10 @@ class Links(unittest.TestCase):
                         wrong.append(f"{name}:{line}: {file or name} has no heading #{anchor}")
         self.nothing(wrong)
 
-    def test_files_that_are_named_exist(self):
+    def test_named_files_exist(self):
         wrong = []
         for name in pages():
-            if name == "CHANGELOG.md":  # also speaks of what is gone
+            if name == "CHANGELOG.md":  # it also names files of earlier versions
                 continue
             for line, code in page(name).inline_code():
                 if re.match(rf"^({'|'.join(FOLDERS)})/[\w/-]+\.\w+$", code) and "/X/" not in code:
@@ -59,21 +62,21 @@ class Links(unittest.TestCase):
                         wrong.append(f"{name}:{line}: there is no {code}")
         self.nothing(wrong)
 
-    def test_messages_that_are_quoted_are_printed(self):
-        """In the tables by symptom; an ellipsis stands for what differs from time to time."""
-        sources = [path.read_text(encoding="utf-8") for folder in ROOT.iterdir() if folder.is_dir()
-                   for path in folder.glob("*.[ch]pp")]
-        printed = re.sub(r'"\s*(?:R?")', "", "\n".join(sources))  # literals in pieces are one
+    def test_quoted_messages_are_printed(self):
+        """In the tables of symptoms; an ellipsis stands for the part that varies."""
+        sources = [path.read_text(encoding="utf-8") for folder in SOURCES
+                   for path in sorted((ROOT / folder).rglob("*.[ch]pp"))]
+        printed = re.sub(r'"\s*(?:R?")', "", "\n".join(sources))  # joins adjacent string literals
         wrong = []
         for line, row in page("docs/troubleshooting.md").prose:
             first_cell = row.split("|")[1] if row.startswith("|") else ""
             for quoted in re.findall(r"`([^`]+)`", first_cell):
-                wrong += [f"docs/troubleshooting.md:{line}: nobody says: {part}"
+                wrong += [f"docs/troubleshooting.md:{line}: no program prints: {part}"
                           for part in re.split(r"\s*…\s*", quoted)
                           if part not in printed and not part.startswith("--")]
         self.nothing(wrong)
 
-    def test_every_chapter_is_in_the_contents(self):
+    def test_every_page_is_in_the_contents(self):
         listed = {Path(link.partition("#")[0]).name for _, link in page("docs/README.md").links()}
         missing = [path.name for path in (ROOT / "docs").glob("*.md")
                    if path.name not in listed | {"README.md"}]

@@ -5,11 +5,14 @@
 #include <sys/wait.h>
 
 #include <array>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <stdexcept>
+#include <string>
 
 #include "lcmtypes/encoding_checker.hpp"
 #include "tests/lcmtypes/contract.hpp"

@@ -1,5 +1,5 @@
-/// The contract as data: every type, its fields in order, and two walks over them that share
-/// nothing with LCM's generated code.
+/// The message types as data: every type, its fields in order, and two visitors of them that do not
+/// use LCM's generated code.
 #pragma once
 
 #include <bit>
@@ -36,14 +36,14 @@ namespace lab {
 template <class... Types>
 struct TypeList {};
 
-/// What travels on a channel.
+/// Types that are sent on a channel.
 using ChannelTypes =
     TypeList<analysis_t, clock_t, experiment_command_t, experiment_event_t, experiment_status_t,
              light_command_t, light_delivery_t, light_seen_t, light_status_t, link_status_t,
              robot_calibration_t, robot_command_t, robot_status_t, robot_steps_t, robot_stop_t,
              service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t, tracker_status_t>;
 
-/// What travels inside those.
+/// Types that are parts of those.
 using PartTypes = TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t,
                            light_delay_t, light_drive_t, light_layer_t, link_peer_t,
                            motor_calibration_t, program_t, robot_order_t, robot_state_t,
@@ -251,8 +251,8 @@ Message sample(std::size_t length) {
   return message;
 }
 
-/// LCM's wire format from its specification: the fingerprint, then the fields in order, big endian,
-/// strings with their length and a closing 0, arrays bare.
+/// LCM's encoding by its specification: the fingerprint, then the fields in order, big endian,
+/// strings with their length and a final 0, arrays without length.
 class WireWriter {
  public:
   std::vector<std::uint8_t> bytes;

@@ -1,17 +1,23 @@
-// The contract itself: every type, field and constant. Facts 1 (lcm-gen's exit code tells nothing:
-// the compiler and this are the type checkers) and 9 (constants are not in the fingerprint).
+// The message contract: every type, field and constant. lcm-gen's exit code reports no errors, so
+// the compiler and this test check the types; and constants are not part of LCM's fingerprint.
 #include "tests/lcmtypes/contract.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
+#include <optional>
 #include <regex>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/fingerprints.hpp"
@@ -33,7 +39,7 @@ void forEveryType(Visit visit) {
   forEachType(PartTypes{}, visit);
 }
 
-/// "type hash" and "type.CONSTANT = value", one a line, types and constants as they stand.
+/// Lines "type hash" and "type.CONSTANT = value", in the order of the files.
 std::string contractInWords() {
   std::map<std::string, std::string> hashes;
   forEveryType([&hashes]<class Message>() {
@@ -55,7 +61,7 @@ std::string contractInWords() {
   return words;
 }
 
-TEST(Contract, TestsEveryTypeOfItsFolder) {
+TEST(Contract, CoversEveryTypeOfItsFolder) {
   std::set<std::string> tested;
   std::set<std::string> written;
   forEveryType([&tested]<class Message>() { tested.insert(Message::getTypeName()); });
@@ -77,7 +83,7 @@ TEST(Contract, ChangesOnlyWithItsVersion) {
                     << proposal;
 }
 
-TEST(Contract, GoesOnTheWireFieldByFieldAsLcmSpecifies) {
+TEST(Contract, IsEncodedAsLcmSpecifies) {
   forEveryType([]<class Message>() {
     for (const std::size_t length : {0U, 1U, 3U}) {
       SCOPED_TRACE(std::string(Message::getTypeName()) + " with arrays of " +
@@ -97,7 +103,7 @@ TEST(Contract, SurvivesTheRoundTripFieldByField) {
       SCOPED_TRACE(std::string(Message::getTypeName()) + " with arrays of " +
                    std::to_string(length));
       auto message = sample<Message>(length);
-      auto heard = sample<Message>(7);  // what is in a reused message must go
+      auto heard = sample<Message>(7);  // a reused message must be cleared
       ASSERT_TRUE(decode(encode(message), heard));
       WireWriter said;
       WireWriter understood;
@@ -126,7 +132,7 @@ TEST(Contract, StartsEveryChannelTypeWithTheHeader) {
   });
 }
 
-TEST(Contract, NamesEveryChannelTypeByItsFingerprint) {
+TEST(Contract, FindsEveryChannelTypeByItsFingerprint) {
   std::set<std::int64_t> hashes;
   forEachType(ChannelTypes{}, [&hashes]<class Message>() {
     hashes.insert(Message::getHash());

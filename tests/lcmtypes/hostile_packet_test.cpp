@@ -3,11 +3,14 @@
 // counts what the program allocates.
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <limits>
 #include <new>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "tests/lcmtypes/contract.hpp"

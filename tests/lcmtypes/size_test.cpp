@@ -1,6 +1,11 @@
-// The size budget, house rule 5: one message a tick for all robots, below 60 KB (61 440 bytes), in
-// one UDP datagram. The numbers are those of lcmtypes/README.md.
+// The size budget: one message per tick with all robots, below 60 KB (61 440 bytes), in one UDP
+// datagram. The numbers are those of lcmtypes/README.md.
 #include <gtest/gtest.h>
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "tests/lcmtypes/contract.hpp"
@@ -12,7 +17,7 @@ constexpr std::size_t kLargest = 60'000;  // a little below 60 KB, for the names
 constexpr std::size_t kLargestAnalysis = 8'192;
 constexpr std::string_view kSender = "robot_bridge";
 
-/// `message` with one part a robot in `parts`.
+/// `message` with one part per robot in `parts`.
 template <class Message, class Part, class Count>
 std::size_t sizeWith(std::size_t robots, std::vector<Part> Message::*parts, Count Message::*count) {
   Message message{};
@@ -31,7 +36,7 @@ struct Row {
   std::size_t command;
 };
 
-/// One order with the longest table for all robots.
+/// One order for all robots, with the longest table.
 std::size_t commandSize(std::size_t robots) {
   robot_command_t command{};
   command.sender = kSender;
@@ -47,7 +52,7 @@ std::size_t commandSize(std::size_t robots) {
 
 class MessageSize : public testing::TestWithParam<Row> {};
 
-TEST_P(MessageSize, IsTheReadmesAndFitsOneDatagram) {
+TEST_P(MessageSize, IsThatOfTheReadmeAndFitsOneDatagram) {
   const Row row = GetParam();
   EXPECT_EQ(sizeWith(row.robots, &robot_status_t::robots, &robot_status_t::num_robots), row.status);
   EXPECT_EQ(sizeWith(row.robots, &tracked_frame_t::robots, &tracked_frame_t::num_robots),

@@ -44,7 +44,7 @@ LightCommand manual(std::int64_t seq, double intensity) {
 
 class ProjectorCoreTest : public testing::Test {
  protected:
-  /// Everything below is in seconds after kStart.
+  /// All times below are in seconds after kStart.
   static std::int64_t at(double seconds) {
     return kStart + static_cast<std::int64_t>(seconds * 1e6 + 0.5);
   }
@@ -89,7 +89,7 @@ TEST_F(ProjectorCoreTest, ShowsACommandFromTheNextFrameOnAndEchoesIt) {
   EXPECT_EQ(shown.first_shown_utime, at(0.016667));
 }
 
-TEST_F(ProjectorCoreTest, SaysChangedOnceAndKeepsWhenItWasFirstShown) {
+TEST_F(ProjectorCoreTest, ReportsAChangeOnceAndKeepsTheTimeOfTheFirstFrame) {
   dut.frame(at(0));
   EXPECT_FALSE(dut.frame(at(0.1)).changed);
   give(script(1, 0.6), 0.11);
@@ -100,7 +100,7 @@ TEST_F(ProjectorCoreTest, SaysChangedOnceAndKeepsWhenItWasFirstShown) {
   EXPECT_EQ(later.frame, 4);
 }
 
-TEST_F(ProjectorCoreTest, WaitsForTheCommandsTime) {
+TEST_F(ProjectorCoreTest, ShowsACommandFromItsStartTimeOn) {
   give(script(1, 0.2), 0);
   LightCommand later = script(2, 0.8);
   later.from_utime = at(1);
@@ -110,7 +110,7 @@ TEST_F(ProjectorCoreTest, WaitsForTheCommandsTime) {
   EXPECT_EQ(dut.frame(at(1.1)).first_shown_utime, at(1.0));
 }
 
-TEST_F(ProjectorCoreTest, KeepsSeveralCommandsForTheirTimes) {
+TEST_F(ProjectorCoreTest, KeepsSeveralScheduledCommands) {
   for (int step = 1; step <= 3; ++step) {
     LightCommand command = script(step, 0.2 * step);
     command.from_utime = at(0.5 * step);
@@ -122,7 +122,7 @@ TEST_F(ProjectorCoreTest, KeepsSeveralCommandsForTheirTimes) {
   EXPECT_NEAR(shownAt(1.5), 0.6, kExact);
 }
 
-TEST_F(ProjectorCoreTest, LetsANewerCommandReplaceWhatWasPlannedForLater) {
+TEST_F(ProjectorCoreTest, ANewerCommandReplacesCommandsScheduledForLater) {
   LightCommand planned = script(1, 0.2);
   planned.from_utime = at(1);
   give(planned, 0);
@@ -131,7 +131,7 @@ TEST_F(ProjectorCoreTest, LetsANewerCommandReplaceWhatWasPlannedForLater) {
   EXPECT_EQ(shownAt(1.1), 0.7);
 }
 
-TEST_F(ProjectorCoreRamp, FadesInAStraightLineOfTime) {
+TEST_F(ProjectorCoreRamp, FadesLinearlyInTime) {
   give(script(1, 0.2), 0);
   shownAt(0.5);
   LightCommand command = script(2, 0.8);
@@ -149,7 +149,7 @@ TEST_F(ProjectorCoreRamp, FadesInAStraightLineOfTime) {
   EXPECT_TRUE(over.field.previous.empty());
 }
 
-TEST_F(ProjectorCoreRamp, MovesUntilItsLastFrameWhichStillIsAChange) {
+TEST_F(ProjectorCoreRamp, IsMovingUntilItsLastFrameWhichIsStillAChange) {
   LightCommand command = script(1, 0.8);
   command.ramp = 1;
   give(command, 0);
@@ -159,7 +159,7 @@ TEST_F(ProjectorCoreRamp, MovesUntilItsLastFrameWhichStillIsAChange) {
   EXPECT_FALSE(last.moving);
 }
 
-TEST_F(ProjectorCoreRamp, DoesNotDependOnWhenFramesFall) {
+TEST_F(ProjectorCoreRamp, DoesNotDependOnTheTimesOfFrames) {
   ProjectorCore other{{uniform(kSafe), 2.5, {}}};
   LightCommand command = script(1, 0.8);
   command.ramp = 1;
@@ -169,7 +169,7 @@ TEST_F(ProjectorCoreRamp, DoesNotDependOnWhenFramesFall) {
   EXPECT_EQ(dut.frame(at(0.7)).field, other.frame(at(0.7)).field);
 }
 
-TEST_F(ProjectorCoreRamp, StartsAtArrivalWhenTheCommandComesLate) {
+TEST_F(ProjectorCoreRamp, StartsAtTheArrivalOfALateCommand) {
   LightCommand command = script(1, 1);
   command.ramp = 1;
   command.from_utime = at(0.5);
@@ -177,7 +177,7 @@ TEST_F(ProjectorCoreRamp, StartsAtArrivalWhenTheCommandComesLate) {
   EXPECT_NEAR(shownAt(1.5), 0.5 * kSafe + 0.5, kExact);
 }
 
-TEST_F(ProjectorCoreRamp, InterruptedFadesOnFromWhatWasShown) {
+TEST_F(ProjectorCoreRamp, InterruptedContinuesFromTheFieldShown) {
   LightCommand first = script(1, 0);
   first.layers = still(halfPlane(1.0, 0.2));
   first.ramp = 1;
@@ -186,7 +186,7 @@ TEST_F(ProjectorCoreRamp, InterruptedFadesOnFromWhatWasShown) {
   second.layers = still(halfPlane(0.6, 0.6));
   second.ramp = 1;
   give(second, 0.5);
-  const double before = 0.5 * kSafe + 0.5 * 1.0;  // at x = 0.3, lit by the first alone
+  const double before = 0.5 * kSafe + 0.5 * 1.0;  // at x = 0.3, which only the first command lights
   EXPECT_NEAR(shownAt(0.5), before, kExact);
   EXPECT_NEAR(shownAt(0.75), 0.75 * before, kExact);
   EXPECT_NEAR(shownAt(1.5), 0, kExact);
@@ -214,7 +214,7 @@ TEST_F(ProjectorCoreRamp, BetweenUniformFieldsStaysOneLayerHoweverOftenInterrupt
   EXPECT_EQ(dut.frame(at(5.05)).field.previous.size(), 1);
 }
 
-TEST_F(ProjectorCorePriority, GivesTheLightToTheHighest) {
+TEST_F(ProjectorCorePriority, TheHighestPriorityControlsTheLight) {
   give(script(1, 0.2), 0);
   give(manual(1, 0.9), 0.1);
   EXPECT_EQ(shownAt(0.2), 0.9);
@@ -223,7 +223,7 @@ TEST_F(ProjectorCorePriority, GivesTheLightToTheHighest) {
   EXPECT_EQ(dut.frame(at(0.5)).commander, "hand");
 }
 
-TEST_F(ProjectorCorePriority, ReturnsToTheScriptsLatestCommandWhenReleased) {
+TEST_F(ProjectorCorePriority, ReturnsToTheLatestCommandOfTheScriptAfterARelease) {
   give(script(1, 0.2), 0);
   give(manual(1, 0.9), 0.1);
   give(script(2, 0.4), 0.3);
@@ -234,7 +234,7 @@ TEST_F(ProjectorCorePriority, ReturnsToTheScriptsLatestCommandWhenReleased) {
   EXPECT_EQ(dut.frame(at(0.7)).commander, "lab");
 }
 
-TEST_F(ProjectorCorePriority, ReturnsOverTheRampOfTheRelease) {
+TEST_F(ProjectorCorePriority, ReturnsWithTheRampOfTheRelease) {
   give(script(1, 0.2), 0);
   give(manual(1, 1.0), 0.1);
   LightCommand release = manual(2, 0);
@@ -245,7 +245,7 @@ TEST_F(ProjectorCorePriority, ReturnsOverTheRampOfTheRelease) {
   EXPECT_NEAR(shownAt(2), 0.2, kExact);
 }
 
-TEST_F(ProjectorCorePriority, HoldsUntilTheStatedTimeWithoutRepetition) {
+TEST_F(ProjectorCorePriority, HoldsUntilTheGivenTimeWithoutRepetition) {
   LightCommand held = manual(1, 0.9);
   held.hold_until_utime = at(60);
   give(held, 0);
@@ -254,7 +254,7 @@ TEST_F(ProjectorCorePriority, HoldsUntilTheStatedTimeWithoutRepetition) {
   EXPECT_EQ(dut.frame(at(69)).first_shown_utime, at(68));
 }
 
-TEST_F(ProjectorCorePriority, HoldsExactlyToTheStatedTime) {
+TEST_F(ProjectorCorePriority, HoldsExactlyUntilTheGivenTime) {
   give(script(1, 0.2), 0);
   LightCommand held = manual(1, 0.9);
   held.hold_until_utime = at(2);
@@ -263,7 +263,7 @@ TEST_F(ProjectorCorePriority, HoldsExactlyToTheStatedTime) {
   EXPECT_EQ(shownAt(2), 0.2);
 }
 
-TEST_F(ProjectorCorePriority, FadesBackFromAHoldOverTheRampItCameWith) {
+TEST_F(ProjectorCorePriority, FadesBackFromAHoldWithTheRampOfItsCommand) {
   LightCommand held = script(1, 1);
   held.ramp = 0.5;
   held.hold_until_utime = at(2);
@@ -273,7 +273,7 @@ TEST_F(ProjectorCorePriority, FadesBackFromAHoldOverTheRampItCameWith) {
   EXPECT_EQ(shownAt(2.5), kSafe);
 }
 
-TEST_F(ProjectorCorePriority, AmongEqualsFollowsWhoCameLast) {
+TEST_F(ProjectorCorePriority, AmongEqualsTheLatestCommandControlsTheLight) {
   give(script(1, 0.2), 0);
   LightCommand other = script(1, 0.5);
   other.sender = "another";
@@ -283,7 +283,7 @@ TEST_F(ProjectorCorePriority, AmongEqualsFollowsWhoCameLast) {
   EXPECT_EQ(shownAt(0.4), 0.3);
 }
 
-TEST_F(ProjectorCorePriority, MayBeLoweredByItsOwner) {
+TEST_F(ProjectorCorePriority, MayBeLoweredByItsSender) {
   give(script(1, 0.2), 0);
   give(manual(1, 0.9), 0.1);
   LightCommand lower = manual(2, 0.7);
@@ -294,7 +294,7 @@ TEST_F(ProjectorCorePriority, MayBeLoweredByItsOwner) {
   EXPECT_NEAR(shownAt(2), 0.2, kExact);
 }
 
-TEST_F(ProjectorCoreSilence, EndsACommandAtTheTimeoutAndSaysSo) {
+TEST_F(ProjectorCoreSilence, EndsACommandAtTheTimeoutAndReportsIt) {
   give(script(1, 0.6), 0);
   EXPECT_EQ(shownAt(2.499), 0.6);
   const ShownFrame& shown = dut.frame(at(2.5));
@@ -304,7 +304,7 @@ TEST_F(ProjectorCoreSilence, EndsACommandAtTheTimeoutAndSaysSo) {
   EXPECT_EQ(shown.label, "safe field: lab fell silent");
 }
 
-TEST_F(ProjectorCoreSilence, IsBrokenByEveryRepetition) {
+TEST_F(ProjectorCoreSilence, RestartsAtEveryRepetition) {
   for (int half = 0; half <= 20; ++half) {
     EXPECT_EQ(give(script(1, 0.6), 0.5 * half),
               half == 0 ? Verdict::kAccepted : Verdict::kRepeated);
@@ -319,7 +319,7 @@ TEST_F(ProjectorCoreSilence, EndsAtOnceEvenWhenTheCommandHadARamp) {
   EXPECT_EQ(shownAt(2.5), kSafe);
 }
 
-TEST_F(ProjectorCoreSilence, IsForgivenWhenTheSenderIsHeardAgain) {
+TEST_F(ProjectorCoreSilence, EndsWhenTheSenderIsHeardAgain) {
   give(script(1, 0.6), 0);
   EXPECT_EQ(shownAt(5), kSafe);
   EXPECT_EQ(give(script(1, 0.6), 5.1), Verdict::kRepeated);
@@ -328,7 +328,7 @@ TEST_F(ProjectorCoreSilence, IsForgivenWhenTheSenderIsHeardAgain) {
   EXPECT_EQ(shown.first_shown_utime, at(5.2));
 }
 
-TEST_F(ProjectorCoreSilence, OfAnOverrideGivesTheLightBack) {
+TEST_F(ProjectorCoreSilence, OfAnOverrideReturnsControlToTheScript) {
   give(manual(1, 0.9), 0);
   give(script(1, 0.2), 1);
   EXPECT_EQ(shownAt(2.4), 0.9);
@@ -341,7 +341,7 @@ TEST_F(ProjectorCoreOrder, IgnoresOlderCommandsOfTheSameSender) {
   EXPECT_EQ(shownAt(0.2), 0.6);
 }
 
-TEST_F(ProjectorCoreOrder, TakesARepetitionForWhatItRepeats) {
+TEST_F(ProjectorCoreOrder, RecognisesRepetitions) {
   give(script(5, 0.6), 0);
   EXPECT_EQ(shownAt(0.1), 0.6);
   EXPECT_EQ(give(script(5, 0.6), 0.2), Verdict::kRepeated);
@@ -350,7 +350,7 @@ TEST_F(ProjectorCoreOrder, TakesARepetitionForWhatItRepeats) {
   EXPECT_EQ(shown.first_shown_utime, at(0.1));
 }
 
-TEST_F(ProjectorCoreOrder, FollowsANewInstanceWhateverItsSeqAndForgetsTheOldOne) {
+TEST_F(ProjectorCoreOrder, FollowsANewInstanceWithAnySeqAndIgnoresTheOldOne) {
   give(script(5, 0.6), 0);
   LightCommand restarted = script(1, 0.3);
   restarted.instance = 8;
@@ -359,7 +359,7 @@ TEST_F(ProjectorCoreOrder, FollowsANewInstanceWhateverItsSeqAndForgetsTheOldOne)
   EXPECT_EQ(shownAt(0.3), 0.3);
 }
 
-TEST_F(ProjectorCoreOrder, DropsWhatAnOldInstanceHadPlanned) {
+TEST_F(ProjectorCoreOrder, DropsTheScheduledCommandsOfAnOldInstance) {
   LightCommand planned = script(5, 0.6);
   planned.from_utime = at(1);
   give(planned, 0);
@@ -410,7 +410,7 @@ TEST_F(ProjectorCoreRefusal, NamesTheField) {
   EXPECT_EQ(shownAt(0.1), kSafe);
 }
 
-TEST_F(ProjectorCoreRefusal, KeepsTheNumberOfWaitingCommandsBounded) {
+TEST_F(ProjectorCoreRefusal, LimitsTheNumberOfScheduledCommands) {
   int accepted = 0;
   for (int step = 1; step <= 20; ++step) {
     LightCommand command = script(step, 0.5);
@@ -420,7 +420,7 @@ TEST_F(ProjectorCoreRefusal, KeepsTheNumberOfWaitingCommandsBounded) {
   EXPECT_EQ(accepted, static_cast<int>(ProjectorCore::kMostScheduled));
 }
 
-TEST(ProjectorCoreConfig, NeedsASafeFieldThatCanBePaintedAndATimeout) {
+TEST(ProjectorCoreConfig, NeedsAValidSafeFieldAndATimeout) {
   EXPECT_THROW(ProjectorCore({uniform(1.5), 2.5, {}}), std::invalid_argument);
   EXPECT_THROW(ProjectorCore({uniform(0.5), 0, {}}), std::invalid_argument);
 }

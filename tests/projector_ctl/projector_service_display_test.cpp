@@ -1,15 +1,19 @@
-// The projector on a display that misbehaves, in virtual time.
+// The projector with a faulty display, in virtual time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
 #include <cstdlib>
+#include <filesystem>
 #include <future>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <memory>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -96,7 +100,7 @@ class DisplayServiceTest : public testing::Test {
   std::unique_ptr<ProjectorService> dut;
 };
 
-TEST_F(DisplayServiceTest, ShowsTheSafeFieldThenWhatIsCommandedThenTheSafeField) {
+TEST_F(DisplayServiceTest, ShowsTheSafeFieldThenTheCommandThenTheSafeField) {
   start();
   EXPECT_EQ(shown(), kSafe);
   run(0.5);
@@ -115,17 +119,17 @@ TEST_F(DisplayServiceTest, ShowsTheSafeFieldThenWhatIsCommandedThenTheSafeField)
   EXPECT_EQ(script.closed, script.opened);
 }
 
-TEST_F(DisplayServiceTest, TakesItsTimesFromTheSwapsOfADisplayThatWaits) {
+TEST_F(DisplayServiceTest, UsesTheSwapTimesOfADisplayThatWaits) {
   experiment.projector.latency = 0.04;
   script.waits = true;
   script.info.refresh_rate = 50;
   std::vector<std::int64_t> swaps;
-  // Virtual time stands while a callback runs: the swap of this display is when it is asked.
+  // Virtual time does not advance during a callback, so the time of the swap is set here.
   std::int64_t extra = 0;
   Screen::Setup display = setup();
   display.now = [&] { return loop.now() + extra; };
   script.swap = [&] {
-    if (swaps.size() < 11) extra += 20'000;  // while the pace is measured
+    if (swaps.size() < 11) extra += 20'000;  // during the measurement of the pace
     swaps.push_back(loop.now());
   };
   Screen screen(std::move(display));
@@ -151,7 +155,7 @@ TEST_F(DisplayServiceTest, AddsTheLatencyToTheSwap) {
   dut.reset();  // its last picture needs `swaps`
 }
 
-TEST_F(DisplayServiceTest, GoesOnWithoutADisplayThatIsGoneAndOpensItAgain) {
+TEST_F(DisplayServiceTest, ContinuesWithoutADisplayThatIsGoneAndOpensItAgain) {
   start();
   command(0.8);
   run(0.5);
@@ -172,15 +176,15 @@ TEST_F(DisplayServiceTest, GoesOnWithoutADisplayThatIsGoneAndOpensItAgain) {
   script.there = true;
   run(1.1);
   EXPECT_EQ(script.opened, 2);
-  EXPECT_EQ(shown(), 102);  // what is commanded by now
+  EXPECT_EQ(shown(), 102);  // the present command
   EXPECT_EQ(statuses.back().trouble, "");
   EXPECT_EQ(statuses.back().display, "bench");
 }
 
-TEST_F(DisplayServiceTest, AFastDisplayThatIsGoneLeavesTheClockWhereItWas) {
+TEST_F(DisplayServiceTest, LosingAFastDisplayDoesNotDelayFrames) {
   script.waits = true;
   script.info.refresh_rate = 144;
-  // Virtual time stands while a callback runs: while it is opened the display takes time itself.
+  // Virtual time does not advance during a callback, so opening the display advances it itself.
   std::int64_t taken = 0;
   script.swap = [&] { taken += 6'944; };
   Screen::Setup display = setup();
@@ -206,7 +210,7 @@ TEST_F(DisplayServiceTest, AFastDisplayThatIsGoneLeavesTheClockWhereItWas) {
   dut.reset();  // its last picture needs `taken`
 }
 
-TEST_F(DisplayServiceTest, ADisplayThatFailsWhileItIsOpenedAgainStaysGone) {
+TEST_F(DisplayServiceTest, ADisplayThatFailsDuringReopeningStaysGone) {
   start();
   run(0.2);
   script.events = {DisplayEvent::kGone};
@@ -234,7 +238,7 @@ TEST_F(DisplayServiceTest, ADisplayThatFailsWhilePresentingIsGone) {
   EXPECT_EQ(script.opened, 2);
 }
 
-TEST_F(DisplayServiceTest, ClosedByHandItStaysClosed) {
+TEST_F(DisplayServiceTest, StaysClosedAfterEscapeTwice) {
   start();
   run(0.2);
   script.events = {DisplayEvent::kEscape};
@@ -251,7 +255,7 @@ TEST_F(DisplayServiceTest, ClosedByHandItStaysClosed) {
   EXPECT_THAT(said, HasSubstr("by hand"));
 }
 
-TEST_F(DisplayServiceTest, ClosingTheWindowIsClosingByHand) {
+TEST_F(DisplayServiceTest, StaysClosedAfterTheUserClosesTheWindow) {
   start();
   run(0.2);
   script.events = {DisplayEvent::kClosed};
@@ -260,7 +264,7 @@ TEST_F(DisplayServiceTest, ClosingTheWindowIsClosingByHand) {
   EXPECT_THAT(statuses.back().trouble, HasSubstr("window was closed"));
 }
 
-TEST_F(DisplayServiceTest, ADisplayOfAnotherSizeThanItsCalibrationShowsTheSafeField) {
+TEST_F(DisplayServiceTest, ShowsTheSafeFieldIfTheCalibrationDoesNotFit) {
   start();
   command(0.8);
   run(0.5);
@@ -268,7 +272,7 @@ TEST_F(DisplayServiceTest, ADisplayOfAnotherSizeThanItsCalibrationShowsTheSafeFi
   script.info.width = 320;
   script.events = {DisplayEvent::kResized};
   run(0.5);
-  EXPECT_EQ(script.opened, 3);  // once to see that it does not fit
+  EXPECT_EQ(script.opened, 3);  // including once to find that it does not fit
   EXPECT_EQ(script.screen.width, 320);
   EXPECT_EQ(shown(), kSafe);
   EXPECT_THAT(statuses.back().trouble, HasSubstr("calibration of another size"));
@@ -279,7 +283,7 @@ TEST_F(DisplayServiceTest, ADisplayOfAnotherSizeThanItsCalibrationShowsTheSafeFi
   EXPECT_EQ(statuses.back().trouble, "");
 }
 
-TEST_F(DisplayServiceTest, WritesOnThePictureOnlyWhenAsked) {
+TEST_F(DisplayServiceTest, DrawsTheOverlayOnlyIfItIsOn) {
   script.info.width = calibrated = 960;
   script.info.height = 180;
   start();
@@ -298,13 +302,13 @@ TEST_F(DisplayServiceTest, WritesOnThePictureOnlyWhenAsked) {
   EXPECT_EQ(std::count(script.screen.pixels.begin(), script.screen.pixels.end(), 0), 960 * 180);
 }
 
-/// A display whose swap never returns, in a process that ends meanwhile.
+/// Ends a process while the swap of its display never returns.
 [[noreturn]] void endWhileASwapHangs(bool comes_back) {
   auto script = std::make_unique<DisplayScript>();
   auto hangs = std::make_shared<std::promise<void>>();
   auto returns = std::make_shared<std::promise<void>>();
   script->swap = [&script = *script, hangs, returns] {
-    if (script.presented < 2) return;  // the first one opens it
+    if (script.presented < 2) return;  // the first picture is part of opening
     hangs->set_value();
     returns->get_future().wait();
   };
@@ -320,7 +324,7 @@ TEST_F(DisplayServiceTest, WritesOnThePictureOnlyWhenAsked) {
     presenter.submit({});
     hangs->get_future().wait();
   }
-  clock.reset();  // a thread that asked it would be killed
+  clock.reset();  // the abandoned thread must not use it
   if (comes_back) {
     returns->set_value();
     std::this_thread::sleep_for(std::chrono::milliseconds(50));

@@ -10,6 +10,8 @@
 #include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <limits>
+#include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "common/bus/channels.hpp"
@@ -26,9 +28,9 @@ namespace {
 using testing::HasSubstr;
 
 constexpr std::int64_t kEpoch = VirtualLoop::kEpoch;
-constexpr std::int64_t kFrame = 16'667;  // [us] the first frame's length
+constexpr std::int64_t kFrame = 16'667;  // [us] length of the first frame
 
-/// A projector on a bus of its own, in virtual time, and a sender beside it.
+/// A projector and a sender on a bus, in virtual time.
 class ProjectorServiceTest : public testing::Test {
  protected:
   ProjectorServiceTest() {
@@ -44,12 +46,12 @@ class ProjectorServiceTest : public testing::Test {
   }
 
   void start(const std::filesystem::path& pictures = {}) {
-    dut = std::make_unique<ProjectorService>(
-        ServiceContext{node, loop, experiment, folder.path()}, pictures);
+    dut = std::make_unique<ProjectorService>(ServiceContext{node, loop, experiment, folder.path()},
+                                             pictures);
     node.start();
   }
 
-  /// Repeats the command at 2 Hz from now on.
+  /// Starts to repeat the command at 2 Hz.
   void send(light_command_t command) {
     command.num_layers = static_cast<std::int32_t>(command.layers.size());
     sent = command;
@@ -88,7 +90,7 @@ class ProjectorServiceTest : public testing::Test {
   bool repeating = false;
 };
 
-TEST_F(ProjectorServiceTest, SaysTenTimesASecondThatItShowsTheSafeField) {
+TEST_F(ProjectorServiceTest, ReportsTheSafeFieldTenTimesASecond) {
   start();
   runTo(1.99);
   ASSERT_EQ(statuses.size(), 20);
@@ -171,7 +173,7 @@ TEST_F(ProjectorServiceTest, KeepsShowingARepeatedCommand) {
   EXPECT_EQ(statuses.back().first_shown_utime, kEpoch);
 }
 
-TEST_F(ProjectorServiceTest, SaysWhyItRefusedACommandAndKeepsTheLight) {
+TEST_F(ProjectorServiceTest, ReportsWhyACommandWasRefusedAndKeepsTheLight) {
   start();
   send(uniform(1, 0.6));
   runTo(1.005);
@@ -186,7 +188,7 @@ TEST_F(ProjectorServiceTest, SaysWhyItRefusedACommandAndKeepsTheLight) {
   EXPECT_THAT(heartbeat.last_error, HasSubstr("intensity = 1.5"));
 }
 
-TEST_F(ProjectorServiceTest, KeepsFramesOnTheirClockForAnHour) {
+TEST_F(ProjectorServiceTest, FramesStayOnTheClockForAnHour) {
   start();
   runTo(3600);
   EXPECT_EQ(statuses.back().utime, kEpoch + 3'600'000'000);
@@ -236,7 +238,7 @@ TEST_F(ProjectorServiceTest, RefusesAnImageThatTheExperimentDoesNotName) {
   EXPECT_THAT(statuses.back().last_refusal, HasSubstr("an image that was loaded here"));
 }
 
-TEST_F(ProjectorServiceTest, NamesAnImageThatIsMissingAtStart) {
+TEST_F(ProjectorServiceTest, NamesAMissingImageAtStart) {
   LightStep step;
   LayerSpec& picture = step.layers.emplace_back();
   picture.kind = light_layer_t::IMAGE;
@@ -244,13 +246,13 @@ TEST_F(ProjectorServiceTest, NamesAnImageThatIsMissingAtStart) {
   experiment.light.steps.push_back(step);
   try {
     start();
-    FAIL() << "it started without its image";
+    FAIL() << "the service started without its image";
   } catch (const std::runtime_error& error) {
     EXPECT_THAT(error.what(), HasSubstr("no_such_picture.png"));
   }
 }
 
-TEST_F(ProjectorServiceTest, LeavesAPictureOfEachNewFieldOnceItIsFadedIn) {
+TEST_F(ProjectorServiceTest, SavesAPictureOfEachNewFieldAfterItsCrossFade) {
   const std::filesystem::path directory = folder / "pictures";
   std::filesystem::create_directory(directory);
   start(directory);
@@ -273,7 +275,7 @@ TEST_F(ProjectorServiceTest, LeavesAPictureOfEachNewFieldOnceItIsFadedIn) {
   EXPECT_EQ(light::sample(*bright.image, 0.5, 0.5), 1);
 }
 
-TEST_F(ProjectorServiceTest, SaysWhenTheLightIsOnTheArenaAndHow) {
+TEST_F(ProjectorServiceTest, ReportsTimesAndDisplayOfTheLight) {
   experiment.projector.latency = 0.04;
   start();
   runTo(0.5);
@@ -286,7 +288,7 @@ TEST_F(ProjectorServiceTest, SaysWhenTheLightIsOnTheArenaAndHow) {
   EXPECT_EQ(statuses.front().first_shown_utime, kEpoch + 40'000);
 }
 
-TEST_F(ProjectorServiceTest, FollowsTrackedRobotsAndSaysWhichFramesItUsed) {
+TEST_F(ProjectorServiceTest, FollowsTrackedRobotsAndReportsTheFramesUsed) {
   experiment.robots.emplace_back().id = 3;
   experiment.projector.latency = 0.04;
   Node tracker{bus, loop, {"sim_svc", 2, 77}};
@@ -302,7 +304,7 @@ TEST_F(ProjectorServiceTest, FollowsTrackedRobotsAndSaysWhichFramesItUsed) {
     pose.confidence = 1;
     frame.robots = {pose};
     frame.num_robots = 1;
-    // It is not seen for a while.
+    // The robot is not seen for a while.
     if (number < 100 || number > 150) tracker.publish(channels::kTrackedFrame, frame);
   });
   start();
@@ -340,7 +342,7 @@ TEST_F(ProjectorServiceTest, FollowsTrackedRobotsAndSaysWhichFramesItUsed) {
   EXPECT_EQ(statuses.back().layers.size(), 1U);
 }
 
-TEST_F(ProjectorServiceTest, RefusesAFloodOfLayersAndNumbersThatAreNoneWithOneMessage) {
+TEST_F(ProjectorServiceTest, RefusesTooManyLayersAndNonFiniteNumbersWithOneMessage) {
   start();
   light_command_t command{};
   command.seq = 1;
@@ -362,9 +364,9 @@ TEST_F(ProjectorServiceTest, RefusesAFloodOfLayersAndNumbersThatAreNoneWithOneMe
   EXPECT_EQ(statuses.back().commander, "");
 }
 
-TEST_F(ProjectorServiceTest, GatesByTheNamesThatTheExperimentGivesItsPrograms) {
+TEST_F(ProjectorServiceTest, GatesByTheExperimentsNamesOfPrograms) {
   experiment.robots.emplace_back().id = 3;
-  ProgramSpec spec;
+  RobotProgram spec;
   spec.v = 0.05;
   experiment.programs["a_name"] = spec;
   experiment.programs["same"] = spec;

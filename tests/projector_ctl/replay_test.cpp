@@ -31,8 +31,8 @@ std::vector<DrivenLayer> layers() {
   return {{disk(), trail}, {disk(), spot}};
 }
 
-/// A minute of commands and of camera frames that come late and in bunches, some never; what the
-/// projector said of it and what it was made of.
+/// A minute of commands and camera frames, of which some come late, in bunches, or never; records
+/// the inputs of the projector and its reports.
 class ReplayTest : public testing::Test {
  protected:
   ReplayTest() {
@@ -85,7 +85,7 @@ class ReplayTest : public testing::Test {
              {2, 0.3, 0.3 + 0.02 * t, 1.57, 1e-7, 1e-4, 1}}};
   }
 
-  /// Same bytes, and the same numbers everywhere.
+  /// Compares all fields for exact equality.
   static void expectSame(const std::vector<Layer>& found, const std::vector<Layer>& shown) {
     ASSERT_EQ(found.size(), shown.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
@@ -127,7 +127,7 @@ class ReplayTest : public testing::Test {
   std::vector<ShownRecord> records;
 };
 
-TEST_F(ReplayTest, GivesTheFieldOfEveryStatusToTheBit) {
+TEST_F(ReplayTest, RecomputesTheFieldOfEveryStatusExactly) {
   run();
   Replay dut(config.scene_context);
   for (const LightCommand& command : commands) dut.take(command);
@@ -150,7 +150,7 @@ TEST_F(ReplayTest, GivesTheFieldOfEveryStatusToTheBit) {
   EXPECT_GT(brightest, 200);
 }
 
-TEST_F(ReplayTest, SaysSoWhereTheLogLacksAFrame) {
+TEST_F(ReplayTest, IsEmptyIfTheLogLacksAFrame) {
   run(1200);
   Replay dut(config.scene_context);
   for (const LightCommand& command : commands) dut.take(command);

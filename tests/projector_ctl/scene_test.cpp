@@ -45,7 +45,7 @@ DrivenLayer trail() {
   return {disk(), drive};
 }
 
-/// Robots 1 and 2 of an experiment, seen where a test says.
+/// Robots 1 and 2 of an experiment, with poses set by the tests.
 class SceneTest : public testing::Test {
  protected:
   void make(std::vector<DrivenLayer> layers) {
@@ -84,7 +84,7 @@ TEST_F(SceneTest, PutsACopyUnderEachRobotInItsOwnFrame) {
   EXPECT_NEAR(layers[1].angle, 0.5 + std::numbers::pi / 2, kClose);
 }
 
-TEST_F(SceneTest, FollowsTheRobotsNamedAlone) {
+TEST_F(SceneTest, FollowsOnlyTheNamedRobots) {
   Drive drive;
   drive.robots = {2};
   make({spot(drive)});
@@ -93,7 +93,7 @@ TEST_F(SceneTest, FollowsTheRobotsNamedAlone) {
   EXPECT_NEAR(layersAt(1)[0].x, 0.6, kClose);
 }
 
-TEST_F(SceneTest, PredictsToTheMomentOfItsLightUnlessToldNotTo) {
+TEST_F(SceneTest, PredictsToTheTimeOfTheLightUnlessDisabled) {
   Drive plain;
   plain.predict = false;
   plain.robots = {1};
@@ -106,7 +106,7 @@ TEST_F(SceneTest, PredictsToTheMomentOfItsLightUnlessToldNotTo) {
   EXPECT_NEAR(layers[1].x, 0.25, kClose);
 }
 
-TEST_F(SceneTest, TakesTimeFromItsCommand) {
+TEST_F(SceneTest, CountsTimeFromItsCommand) {
   Drive drive;
   drive.vx = 0.1;
   drive.waveform = light::Waveform::kSquare;
@@ -117,7 +117,7 @@ TEST_F(SceneTest, TakesTimeFromItsCommand) {
   EXPECT_EQ(layersAt(1.5)[0].intensity, 0);
 }
 
-TEST_F(SceneTest, RemovesHoldsOrGoesSafeWhenARobotIsLostAndSaysWhoSinceWhen) {
+TEST_F(SceneTest, RemovesHoldsOrGoesSafeWhenARobotIsLostAndReportsIt) {
   for (const WhenLost wanted : {WhenLost::kRemove, WhenLost::kHold, WhenLost::kSafe}) {
     Drive drive;
     drive.when_lost = wanted;
@@ -137,7 +137,7 @@ TEST_F(SceneTest, RemovesHoldsOrGoesSafeWhenARobotIsLostAndSaysWhoSinceWhen) {
     }
     // kStart is 1e6 s after 1970: 13:46:40.
     EXPECT_THAT(lost.trouble, HasSubstr("robot 1 (last seen 13:46:41.100 UTC)"));
-    EXPECT_EQ(pictureAt(9).trouble, pictureAt(2).trouble) << "one message, not one a frame";
+    EXPECT_EQ(pictureAt(9).trouble, pictureAt(2).trouble) << "one text, not one per frame";
   }
 }
 
@@ -147,7 +147,7 @@ TEST_F(SceneTest, GatesCopiesByTheProgramOfTheirRobot) {
   drive.gate_program = "abp";
   make({spot(drive)});
   see(1, {{1, 0.3, 0.4, 0}, {2, 0.6, 0.5, 0}});
-  EXPECT_EQ(layersAt(1).size(), 0U) << "nobody said what runs";
+  EXPECT_EQ(layersAt(1).size(), 0U) << "no robot has reported its program";
   robots.report(1, "bp", at(1));
   robots.report(2, "abp", at(1));
   ASSERT_EQ(layersAt(1.1).size(), 1U);
@@ -165,18 +165,18 @@ TEST_F(SceneTest, GatesByPlaceForOneRobotOrForAny) {
   Drive outside = first;
   outside.gate = Gate::kOutside;
   make({{disk(0.1, 0), any}, {disk(0.2, 0), first}, {disk(0.3, 0), outside}});
-  EXPECT_EQ(layersAt(0.5).size(), 0U) << "where nobody is seen, nobody is inside or outside";
+  EXPECT_EQ(layersAt(0.5).size(), 0U) << "a robot that is not seen is neither inside nor outside";
   see(1, {{1, 0.3, 0.4, 0}, {2, 0.6, 0.55, 0}});
   ASSERT_EQ(layersAt(1).size(), 2U);
   EXPECT_EQ(layersAt(1)[0].x, 0.1);
   EXPECT_EQ(layersAt(1)[1].x, 0.3);
   see(1.1, {{1, 0.6, 0.5, 0}});
-  see(1.2, {{1, 0.6, 0.5, 0}});  // the second says that it is true
+  see(1.2, {{1, 0.6, 0.5, 0}});  // the second pose confirms the jump
   ASSERT_EQ(layersAt(1.2).size(), 2U);
   EXPECT_EQ(layersAt(1.2)[1].x, 0.2);
 }
 
-TEST_F(SceneTest, ATrailIsAGridOverTheArenaThatGrowsUnderWhoIsFollowed) {
+TEST_F(SceneTest, ATrailIsAGridOverTheArenaThatGrowsUnderFollowedRobots) {
   DrivenLayer wanted = trail();
   wanted.drive.robots = {1};
   make({wanted});
@@ -190,7 +190,7 @@ TEST_F(SceneTest, ATrailIsAGridOverTheArenaThatGrowsUnderWhoIsFollowed) {
   EXPECT_EQ(static_cast<std::int64_t>(grid.seed), at(1));
 }
 
-TEST_F(SceneTest, ATrailHasNothingFromBeforeItsCommandNorAcrossAGap) {
+TEST_F(SceneTest, ATrailStartsWithItsCommandAndHasNoSourceInGaps) {
   make({trail()});
   for (int i = -60; i <= 0; ++i) see(i / 60.0, {{1, 0.3, 0.4, 0}});
   EXPECT_EQ(evaluate({layersAt(0), {}, 1}, 0.3, 0.4), 0);
@@ -212,7 +212,7 @@ TEST_F(SceneTest, ATrailIsLaidOnlyThroughAnOpenGate) {
   EXPECT_EQ(evaluate({layersAt(1), {}, 1}, 0.8, 0.5), 0);
 }
 
-TEST_F(SceneTest, TwoTrailsShareTheBytesOfOne) {
+TEST_F(SceneTest, TwoTrailsShareTheCellsOfOne) {
   make({trail(), trail()});
   std::size_t bytes = 0;
   for (const Layer& layer : layersAt(1)) bytes += layer.pixels->grey.size();
@@ -262,7 +262,7 @@ TEST(SceneProblem, NamesLayerFieldAndWhatIsAllowed) {
   EXPECT_THAT(problem(much), HasSubstr("bytes of LIGHT_STATUS, allowed: at most 29000"));
 }
 
-/// The core with scenes that change by themselves.
+/// ProjectorCore with scenes that change by themselves.
 class DrivenCore : public testing::Test {
  protected:
   LightCommand command(std::int64_t seq, std::vector<DrivenLayer> layers) {
@@ -288,7 +288,7 @@ class DrivenCore : public testing::Test {
   std::int64_t number = 0;
 };
 
-TEST_F(DrivenCore, ResolvesBothEndsOfAFadeInEveryFrame) {
+TEST_F(DrivenCore, ResolvesBothFieldsOfACrossFadeInEveryFrame) {
   LightCommand first = command(1, {moving(0.1)});
   first.from_utime = at(0);
   EXPECT_EQ(dut.apply(first, at(0)).verdict, Verdict::kAccepted);
@@ -304,7 +304,7 @@ TEST_F(DrivenCore, ResolvesBothEndsOfAFadeInEveryFrame) {
   EXPECT_TRUE(shown.moving);
 }
 
-TEST_F(DrivenCore, FreezesAFadeThatIsInterrupted) {
+TEST_F(DrivenCore, FreezesAnInterruptedCrossFade) {
   LightCommand first = command(1, {moving(0.1)});
   first.ramp = 1;
   first.from_utime = at(0);
@@ -319,7 +319,7 @@ TEST_F(DrivenCore, FreezesAFadeThatIsInterrupted) {
   EXPECT_EQ(early, late);
 }
 
-TEST_F(DrivenCore, KeepsAStillSceneAsItIs) {
+TEST_F(DrivenCore, KeepsAStaticScene) {
   EXPECT_EQ(dut.apply(command(1, {{disk(0.1, 0.1), {}}}), at(0)).verdict, Verdict::kAccepted);
   EXPECT_TRUE(dut.frame(at(0.1)).changed);
   for (int i = 2; i < 60; ++i) {
@@ -332,14 +332,14 @@ TEST_F(DrivenCore, KeepsAStillSceneAsItIs) {
   }
 }
 
-TEST_F(DrivenCore, CountsTimeFromTheCommandThoughItComesLate) {
+TEST_F(DrivenCore, CountsTimeFromTheStartOfALateCommand) {
   LightCommand late = command(1, {moving(0.1)});
   late.from_utime = at(1);
   EXPECT_EQ(dut.apply(late, at(3)).verdict, Verdict::kAccepted);
   EXPECT_NEAR(dut.frame(at(3)).field.layers[0].x, 0.4, kClose);
 }
 
-TEST_F(DrivenCore, WorksOutTheMomentOfTheLight) {
+TEST_F(DrivenCore, ComputesTheFieldForTheTimeOfTheLight) {
   ProjectorCore::Config slow = config();
   slow.latency = 0.04;
   ProjectorCore core(slow);
@@ -351,7 +351,7 @@ TEST_F(DrivenCore, WorksOutTheMomentOfTheLight) {
   EXPECT_NEAR(shown.field.layers[0].x, 0.254, kClose);
 }
 
-TEST_F(DrivenCore, KnowsHowRobotsMoveWhenACommandBeginsToFollowThem) {
+TEST_F(DrivenCore, HasTracksWhenACommandBeginsToFollowRobots) {
   for (int i = 0; i <= 30; ++i) {
     see(i / 60.0, 0.2 + 0.1 * i / 60);
     dut.frame(at(i / 60.0 + 0.01));
@@ -367,7 +367,7 @@ TEST_F(DrivenCore, KnowsHowRobotsMoveWhenACommandBeginsToFollowThem) {
   EXPECT_THAT(dut.frame(at(0.57)).tracked_frames, testing::ElementsAre(32));
 }
 
-TEST_F(DrivenCore, ShowsTheSafeFieldWhileWhoIsFollowedIsLost) {
+TEST_F(DrivenCore, ShowsTheSafeFieldWhileAFollowedRobotIsLost) {
   Drive drive;
   drive.when_lost = WhenLost::kSafe;
   EXPECT_EQ(dut.apply(command(1, {spot(drive)}), at(0)).verdict, Verdict::kAccepted);
@@ -381,7 +381,7 @@ TEST_F(DrivenCore, ShowsTheSafeFieldWhileWhoIsFollowedIsLost) {
   EXPECT_EQ(evaluate(found.field, 0.3, 0.4), 1);
 }
 
-TEST_F(DrivenCore, ATrailGoesOnUnderAnotherCommand) {
+TEST_F(DrivenCore, ATrailContinuesUnderAnotherCommand) {
   EXPECT_EQ(dut.apply(command(1, {trail()}), at(0)).verdict, Verdict::kAccepted);
   dut.frame(at(0));
   LightCommand other = command(1, {{Layer{.intensity = 0.5}, {}}});
@@ -396,7 +396,7 @@ TEST_F(DrivenCore, ATrailGoesOnUnderAnotherCommand) {
   EXPECT_GT(evaluate(dut.frame(at(1.1)).field, 0.3, 0.4), 0.9);
 }
 
-TEST_F(DrivenCore, StaysBelowAMessageWhenFadesOfTrailsAreInterrupted) {
+TEST_F(DrivenCore, StaysBelowTheMessageLimitWhenCrossFadesOfTrailsAreInterrupted) {
   for (int step = 1; step <= 40; ++step) {
     LightCommand next = command(step, {trail(), {disk(0.1, 0.1), {}}});
     next.ramp = 1;
@@ -409,7 +409,7 @@ TEST_F(DrivenCore, StaysBelowAMessageWhenFadesOfTrailsAreInterrupted) {
   }
 }
 
-TEST_F(DrivenCore, TurnsTheSyncPatchWithEveryCommandShownAlsoThroughRamps) {
+TEST_F(DrivenCore, TogglesTheSyncPatchWithEveryCommandAlsoDuringRamps) {
   ProjectorCore::Config with_patch = config();
   with_patch.sync_patch = 0.025;
   ProjectorCore core(with_patch);
@@ -425,7 +425,7 @@ TEST_F(DrivenCore, TurnsTheSyncPatchWithEveryCommandShownAlsoThroughRamps) {
   EXPECT_EQ(core.apply(ramp, at(0.1)).verdict, Verdict::kAccepted);
   EXPECT_EQ(patch(core.frame(at(0.2))), 0);
   EXPECT_EQ(patch(core.frame(at(0.6))), 0);
-  EXPECT_EQ(patch(core.frame(at(1.2))), 1) << "it also turns every half a second";
+  EXPECT_EQ(patch(core.frame(at(1.2))), 1) << "it also toggles every half second";
   EXPECT_EQ(core.apply(command(2, {{Layer{.intensity = 0.2}, {}}}), at(1.3)).verdict,
             Verdict::kAccepted);
   EXPECT_EQ(patch(core.frame(at(1.4))), 0);

@@ -1,4 +1,4 @@
-/// A display that does what a test says.
+/// A display that is controlled by a test.
 #pragma once
 
 #include <functional>
@@ -12,18 +12,18 @@
 
 namespace lab::projector {
 
-/// What a test does to its display, and finds on it. It outlives the displays opened of it.
+/// Controls and observes the displays of a test. Must outlive them.
 struct DisplayScript {
   DisplayInfo info{0, "bench", 0, 0, 240, 180, 60};
-  bool there = true;                   ///< else it cannot be opened
-  bool waits = false;                  ///< what mayWait() says
+  bool there = true;                   ///< false: it cannot be opened
+  bool waits = false;                  ///< result of mayWait()
   bool breaks = false;                 ///< the next present() fails
-  std::vector<DisplayEvent> events{};  ///< happen next
+  std::vector<DisplayEvent> events{};  ///< returned by the next events()
   std::function<void()> swap{};        ///< called by each present()
   int opened = 0;
   int closed = 0;
   int presented = 0;
-  optics::GreyImage screen{};  ///< what is on it
+  optics::GreyImage screen{};  ///< the picture on the display
 };
 
 class ScriptedDisplay final : public Display {

@@ -1,16 +1,18 @@
-/// The whole bridge in virtual time: lines in memory, robots that run their own program, and
-/// somebody on the bus who commands and listens.
+/// The whole bridge in virtual time: lines in memory, robots that run the firmware, and another
+/// node on the bus that sends commands and receives the results.
 #pragma once
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <deque>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
+#include <map>
 #include <memory>
 #include <set>
 #include <string>
@@ -41,7 +43,7 @@ class BridgeFixture : public testing::Test {
     other.subscribe<service_status_t>(channels::kServiceStatus,
                                       [this](const service_status_t& status) {
                                         if (status.sender == "robot_bridge")
-                                          complaints.insert(status.last_error);
+                                          errors.insert(status.last_error);
                                       });
   }
 
@@ -77,7 +79,7 @@ eta_rad_s = 3
 
   void run(double seconds) { loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6)); }
 
-  /// Runs with the present command repeated at 5 Hz, as the lab does.
+  /// Runs while the last command is repeated at 5 Hz, as the lab does.
   void runCommanded(double seconds) {
     for (double t = 0; t < seconds; t += 0.2) {
       repeatCommand();
@@ -155,7 +157,7 @@ eta_rad_s = 3
   std::vector<robot_status_t> statuses;
   std::map<std::int32_t, robot_state_t> last;
   std::vector<robot_step_t> steps;
-  std::set<std::string> complaints;
+  std::set<std::string> errors;
 };
 
 }  // namespace lab::bridge

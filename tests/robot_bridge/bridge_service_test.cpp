@@ -1,5 +1,10 @@
 #include "robot_bridge/bridge_service.hpp"
 
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <vector>
+
 #include "tests/robot_bridge/bridge_fixture.hpp"
 
 namespace lab::bridge {
@@ -10,7 +15,7 @@ using testing::HasSubstr;
 
 class BridgeServiceTest : public BridgeFixture {};
 
-TEST_F(BridgeServiceTest, FindsARobotAndReportsWhatItIs) {
+TEST_F(BridgeServiceTest, FindsARobotAndReportsIt) {
   addRobot(1);
   start();
   run(3);
@@ -76,7 +81,7 @@ TEST_F(BridgeServiceTest, StopsAtOnceAndStaysStopped) {
   EXPECT_EQ(last[1].stop_seq, 6);
 }
 
-TEST_F(BridgeServiceTest, ARobotStandsWhenTheLabFallsSilent) {
+TEST_F(BridgeServiceTest, ARobotStandsWhenCommandsStop) {
   WireRobot& robot = addRobot(1);
   start();
   command(drive({1}, 0.1, 0.1), 1);
@@ -100,15 +105,15 @@ TEST_F(BridgeServiceTest, ARobotThatRestartsStandsUntilANewOrder) {
   runCommanded(3);
   EXPECT_EQ(robot.left(), 0);
   EXPECT_EQ(last[1].command_seq, 0);
-  EXPECT_THAT(complaints, Contains(HasSubstr("robot 1: restarted; it stands")));
+  EXPECT_THAT(errors, Contains(HasSubstr("robot 1: restarted; it stands")));
   command(drive({1}, 0.1, 0.1), 2);
   runCommanded(1);
   EXPECT_GT(robot.left(), 0);
   EXPECT_EQ(last[1].command_seq, 2);
 }
 
-// As a simulated robot does whose simulator was restarted.
-TEST_F(BridgeServiceTest, ARobotThatBeginsAnewWithTheSameBootNumberStandsToo) {
+// This happens with a simulated robot if its simulator is restarted.
+TEST_F(BridgeServiceTest, ARobotThatRestartsWithTheSameBootNumberStandsToo) {
   WireRobot& robot = addRobot(1);
   start();
   command(drive({1}, 0.1, 0.1), 1);
@@ -120,8 +125,8 @@ TEST_F(BridgeServiceTest, ARobotThatBeginsAnewWithTheSameBootNumberStandsToo) {
   robot.plug("robot_1");
   const std::int64_t restarted = loop.now() - 500'000;
   runCommanded(4);
-  EXPECT_EQ(robot.left(), 0) << "it moves by itself";
-  EXPECT_THAT(complaints, testing::Contains(HasSubstr("robot 1: restarted")));
+  EXPECT_EQ(robot.left(), 0) << "it moves without a new order";
+  EXPECT_THAT(errors, testing::Contains(HasSubstr("robot 1: restarted")));
   EXPECT_NEAR(static_cast<double>(last.at(1).utime - loop.now()), 0, 100'000);
   EXPECT_GE(last.at(1).program_start_utime, restarted - 10'000);
   command(drive({1}, 0.1, 0.1), 2);
@@ -138,7 +143,7 @@ TEST_F(BridgeServiceTest, ReportsEveryDraw) {
   ASSERT_GE(steps.size(), 50U);
   for (std::size_t i = 0; i < steps.size(); ++i) {
     EXPECT_EQ(steps[i].draw_count, static_cast<std::int32_t>(i) + 1);
-    if (steps[i].slot < 0) continue;  // standing, before the table was there
+    if (steps[i].slot < 0) continue;  // standing, before it had settings
     EXPECT_EQ(steps[i].kind, program_t::ABP);
     EXPECT_EQ(steps[i].duration, 0.5);
   }
@@ -160,7 +165,7 @@ TEST_F(BridgeServiceTest, ReportsHostTimesOfARobotWhoseClockRunsWrong) {
   EXPECT_NEAR(static_cast<double>(step.utime - robot.utimeOf(t_ms)), 0, 3000);
 }
 
-TEST_F(BridgeServiceTest, AnOrderBeyondTheWheelsIsRejectedAndOthersGoOn) {
+TEST_F(BridgeServiceTest, AnOrderBeyondTheWheelLimitIsRejectedAndOthersContinue) {
   WireRobot& first = addRobot(1);
   WireRobot& second = addRobot(2);
   start();
@@ -172,18 +177,18 @@ TEST_F(BridgeServiceTest, AnOrderBeyondTheWheelsIsRejectedAndOthersGoOn) {
   runCommanded(2);
   EXPECT_TRUE(last[1].flags & robot_state_t::FLAG_REJECTED);
   EXPECT_EQ(last[1].command_seq, 2);
-  EXPECT_EQ(first.left(), 94) << "the order before goes on";
+  EXPECT_EQ(first.left(), 94) << "the previous order stays in force";
   EXPECT_FALSE(last[2].flags & robot_state_t::FLAG_REJECTED);
   EXPECT_EQ(last[2].command_seq, 2);
   EXPECT_EQ(second.left(), 47);
-  EXPECT_THAT(complaints, Contains(HasSubstr("beyond the wheels' limit")));
+  EXPECT_THAT(errors, Contains(HasSubstr("beyond the wheels' limit")));
   command(drive({1, 2}, 0.02, 0.02), 3);
   runCommanded(1);
   EXPECT_FALSE(last[1].flags & robot_state_t::FLAG_REJECTED);
   EXPECT_EQ(first.left(), 19);
 }
 
-TEST_F(BridgeServiceTest, ARobotResumesAfterARestartWhereTheExperimentSaysSo) {
+TEST_F(BridgeServiceTest, ARobotResumesAfterARestartIfTheExperimentAllowsIt) {
   experiment.hardware.resume_after_reboot = true;
   WireRobot& robot = addRobot(1);
   start();
@@ -196,19 +201,19 @@ TEST_F(BridgeServiceTest, ARobotResumesAfterARestartWhereTheExperimentSaysSo) {
   EXPECT_EQ(last[1].command_seq, 1);
 }
 
-TEST_F(BridgeServiceTest, ARestartIsNoticedAlsoWhenItsHelloIsLost) {
+TEST_F(BridgeServiceTest, DetectsARestartWhoseHelloWasLost) {
   WireRobot& robot = addRobot(1);
   start();
   command(drive({1}, 0.1, 0.1), 1);
   runCommanded(3);
   robot.boot(wire::kResetBrownOut);
-  robot.loseOutput();  // HELLO; the next host frame silences it
+  robot.loseOutput();  // loses HELLO, which is not repeated after the next frame from the host
   runCommanded(3);
   EXPECT_EQ(robot.left(), 0);
-  EXPECT_THAT(complaints, Contains(HasSubstr("robot 1: restarted; it stands")));
+  EXPECT_THAT(errors, Contains(HasSubstr("robot 1: restarted; it stands")));
 }
 
-TEST_F(BridgeServiceTest, AStopHoldsARobotThatRestartsAndOneThatComesLater) {
+TEST_F(BridgeServiceTest, AStopAlsoHoldsRobotsThatRestartOrConnectLater) {
   WireRobot& first = addRobot(1);
   start();
   command(drive({1, 2}, 0.1, 0.1), 1);
@@ -229,7 +234,7 @@ TEST_F(BridgeServiceTest, AStopHoldsARobotThatRestartsAndOneThatComesLater) {
   EXPECT_EQ(second.left(), 0);
 }
 
-TEST_F(BridgeServiceTest, AStopComesThroughANoisyLine) {
+TEST_F(BridgeServiceTest, AStopArrivesOnANoisyLine) {
   WireRobotOptions options;
   options.bit_error_rate = 2e-3;  // one frame in two is damaged
   WireRobot& robot = addRobot(1, options);
@@ -247,9 +252,9 @@ TEST_F(BridgeServiceTest, AStopComesThroughANoisyLine) {
   }
 }
 
-TEST_F(BridgeServiceTest, GetsAlongWithARobotThatAnswersSlowly) {
+TEST_F(BridgeServiceTest, WorksWithARobotThatAnswersSlowly) {
   WireRobotOptions options;
-  options.delay_us = 700'000;  // later than a command is waited for
+  options.delay_us = 700'000;  // longer than the timeout of a command
   WireRobot& robot = addRobot(1, options);
   robot.sensors().light_front = robot.sensors().light_back = 200;
   start();
@@ -259,7 +264,7 @@ TEST_F(BridgeServiceTest, GetsAlongWithARobotThatAnswersSlowly) {
   EXPECT_EQ(last[1].program.kind, program_t::ABP);
 }
 
-TEST_F(BridgeServiceTest, SeedsFollowFromTheExperimentAndNoneComesTwice) {
+TEST_F(BridgeServiceTest, SeedsAreDerivedFromTheExperimentAndNeverRepeat) {
   WireRobot& robot = addRobot(1);
   start();
   run(3);
@@ -277,18 +282,18 @@ TEST_F(BridgeServiceTest, SeedsFollowFromTheExperimentAndNoneComesTwice) {
   EXPECT_EQ(robot.device().core().rng().digest(), digestOf("program restart 2"));
 }
 
-TEST_F(BridgeServiceTest, TheRobotGetsTheSettingsThatASimulatedOneWouldHave) {
+TEST_F(BridgeServiceTest, SendsTheSameSettingsAsASimulatedRobotGets) {
   WireRobot& robot = addRobot(1);
   start();
   command(table({1}), 1);
   runCommanded(3);
-  const OrderSettings wanted =
+  const OrderSettings requested =
       settingsFrom(table({1}), {experiment.hardware.max_wheel_speed, experiment.hardware.diameter},
                    experiment.hardware.sensor_period);
-  EXPECT_TRUE(robot.device().core().settings() == wanted.core);
+  EXPECT_TRUE(robot.device().core().settings() == requested.core);
 }
 
-TEST_F(BridgeServiceTest, ASilentRobotIsLeftOutAndNamed) {
+TEST_F(BridgeServiceTest, ASilentRobotIsOmittedAndReported) {
   WireRobot& first = addRobot(1);
   addRobot(2);
   start();
@@ -297,11 +302,11 @@ TEST_F(BridgeServiceTest, ASilentRobotIsLeftOutAndNamed) {
   first.switchOff();
   run(2.5);
   EXPECT_EQ(statuses.back().robots.size(), 1U);
-  EXPECT_THAT(complaints, Contains(HasSubstr("robot_1: robot 1 is silent")));
+  EXPECT_THAT(errors, Contains(HasSubstr("robot_1: robot 1 is silent")));
   const std::size_t before = statuses.size();
   robots[1].switchOff();
   run(3);
-  EXPECT_LT(statuses.size() - before, 60U) << "nothing new is not worth a message";
+  EXPECT_LT(statuses.size() - before, 60U) << "nothing is published without new data";
 }
 
 class ManyRobots : public BridgeFixture {
@@ -309,7 +314,7 @@ class ManyRobots : public BridgeFixture {
   ManyRobots() : BridgeFixture(60) {}
 };
 
-TEST_F(ManyRobots, AllThatFallSilentAtOnceAreNamed) {
+TEST_F(ManyRobots, ReportsAllRobotsThatBecomeSilentAtOnce) {
   for (int id = 1; id <= 60; ++id) addRobot(id);
   start();
   run(5);
@@ -319,11 +324,11 @@ TEST_F(ManyRobots, AllThatFallSilentAtOnceAreNamed) {
   for (int id = 1; id <= 60; ++id) {
     const std::string number = std::to_string(id);
     const std::string name = "robot_" + number + ": robot " + number + " is silent";
-    EXPECT_THAT(complaints, Contains(HasSubstr(name)));
+    EXPECT_THAT(errors, Contains(HasSubstr(name)));
   }
 }
 
-TEST_F(BridgeServiceTest, SaysWhatTheLinesLost) {
+TEST_F(BridgeServiceTest, ReportsTheLossesOfTheLines) {
   WireRobotOptions options;
   options.bit_error_rate = 1e-3;
   addRobot(1, options);
@@ -341,7 +346,7 @@ TEST_F(BridgeServiceTest, SaysWhatTheLinesLost) {
   EXPECT_GT(row.decode_errors, 20);
 }
 
-TEST_F(BridgeServiceTest, StoresACalibrationAndSaysWhatTheRobotHolds) {
+TEST_F(BridgeServiceTest, StoresACalibrationAndReportsTheStoredValues) {
   WireRobot& robot = addRobot(1);
   std::optional<robot_calibration_t> held;
   other.subscribe<robot_calibration_t>(
@@ -350,14 +355,14 @@ TEST_F(BridgeServiceTest, StoresACalibrationAndSaysWhatTheRobotHolds) {
   run(3);
   robot_calibration_t request{};
   request.seq = 9;
-  motor_calibration_t wanted{};
-  wanted.robot_id = 1;
-  wanted.gain_left = 0.93;
-  wanted.gain_right = 1.07;
-  wanted.dead_band_left = 20.0 / 255;
-  wanted.dead_band_right = 25.0 / 255;
-  wanted.wheel_base = 0.0781;
-  request.robots = {wanted};
+  motor_calibration_t requested{};
+  requested.robot_id = 1;
+  requested.gain_left = 0.93;
+  requested.gain_right = 1.07;
+  requested.dead_band_left = 20.0 / 255;
+  requested.dead_band_right = 25.0 / 255;
+  requested.wheel_base = 0.0781;
+  request.robots = {requested};
   request.num_robots = 1;
   for (int i = 0; i < 6; ++i) {
     other.publishCommand(channels::kRobotCalibration, request);
@@ -369,11 +374,11 @@ TEST_F(BridgeServiceTest, StoresACalibrationAndSaysWhatTheRobotHolds) {
   EXPECT_DOUBLE_EQ(held->robots[0].gain_left, 0.93);
   EXPECT_DOUBLE_EQ(held->robots[0].dead_band_right, 25.0 / 255);
   EXPECT_DOUBLE_EQ(held->robots[0].wheel_base, 0.0781);
-  robot.boot(wire::kResetPower);  // it is stored for good
+  robot.boot(wire::kResetPower);  // the calibration must survive this
   EXPECT_EQ(robot.device().settings().left.gain_ppm, 930'000);
   EXPECT_EQ(robot.device().settings().right.dead_band, 25);
 
-  // From now on turning rates are made with the robot's own wheel base.
+  // From now on turning rates are converted with the robot's own wheel base.
   run(3);
   command(table({1}), 1);
   runCommanded(3);
@@ -382,7 +387,7 @@ TEST_F(BridgeServiceTest, StoresACalibrationAndSaysWhatTheRobotHolds) {
   EXPECT_TRUE(robot.device().core().settings() == with_own.core);
 }
 
-TEST_F(BridgeServiceTest, AsksARobotForItsCalibrationAndStoresNothing) {
+TEST_F(BridgeServiceTest, ReadsACalibrationWithoutStoringOne) {
   WireRobot& robot = addRobot(1);
   std::optional<robot_calibration_t> held;
   other.subscribe<robot_calibration_t>(
@@ -406,26 +411,26 @@ TEST_F(BridgeServiceTest, AsksARobotForItsCalibrationAndStoresNothing) {
   EXPECT_EQ(robot.device().settings().left.gain_ppm, 1'000'000);
 }
 
-TEST_F(BridgeServiceTest, AnImpossibleCalibrationIsNamedAndChangesNothing) {
+TEST_F(BridgeServiceTest, AnInvalidCalibrationIsReportedAndChangesNothing) {
   WireRobot& robot = addRobot(1);
   start();
   run(3);
   robot_calibration_t request{};
   request.seq = 9;
-  motor_calibration_t wanted{};
-  wanted.robot_id = 1;
-  wanted.gain_left = 9;
-  request.robots = {wanted};
+  motor_calibration_t requested{};
+  requested.robot_id = 1;
+  requested.gain_left = 9;
+  request.robots = {requested};
   request.num_robots = 1;
   for (int i = 0; i < 4; ++i) {
     other.publishCommand(channels::kRobotCalibration, request);
     run(0.5);
   }
-  EXPECT_THAT(complaints, Contains(HasSubstr("robot 1: did not take its calibration")));
+  EXPECT_THAT(errors, Contains(HasSubstr("robot 1: did not accept its calibration")));
   EXPECT_EQ(robot.device().settings().left.gain_ppm, 1'000'000);
 }
 
-TEST_F(BridgeServiceTest, ARunIsTheSameToTheBitWhenItIsRepeated) {
+TEST_F(BridgeServiceTest, RepeatedRunsAreIdenticalToTheBit) {
   const auto record = [] {
     class Again : public BridgeServiceTest {
      public:

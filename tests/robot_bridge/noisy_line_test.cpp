@@ -1,5 +1,9 @@
-// Commands over a line with bit errors: each is obeyed once, or given up and obeyed with the next
-// repeat of the state. LAB_COMMANDS: how many.
+// Commands over a line with bit errors: each is executed exactly once, if necessary after a later
+// repetition of the order. LAB_COMMANDS is the number of commands.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+
 #include "tests/robot_bridge/bridge_fixture.hpp"
 
 namespace lab::bridge {
@@ -13,7 +17,7 @@ class NoisyLineTest : public BridgeFixture {
   NoisyLineTest() : BridgeFixture(1) {}
 };
 
-TEST_F(NoisyLineTest, EveryCommandIsObeyedExactlyOnce) {
+TEST_F(NoisyLineTest, EveryCommandIsExecutedExactlyOnce) {
   WireRobotOptions options;
   options.bit_error_rate = kBitErrorRate;
   options.error_seed = 5;
@@ -24,9 +28,9 @@ TEST_F(NoisyLineTest, EveryCommandIsObeyedExactlyOnce) {
   ASSERT_EQ(last[1].command_seq, 1);
 
   const std::uint32_t first_epoch = robot.report().program_epoch;
-  int late = 0;  // not obeyed within the tries of one command: the next repeat of the state helped
+  int late = 0;  // commands that needed a repetition of the order
   int never = 0;
-  int wrong = 0;  // a speed that was never ordered
+  int wrong = 0;  // speeds that were never ordered
   for (int i = 1; i <= kCommands; ++i) {
     const double speed = 0.001 * (1 + i % 200);
     command(drive({1}, speed, -speed), i + 1);
@@ -45,9 +49,9 @@ TEST_F(NoisyLineTest, EveryCommandIsObeyedExactlyOnce) {
   }
   EXPECT_EQ(never, 0);
   EXPECT_EQ(robot.report().program_epoch - first_epoch, static_cast<std::uint32_t>(kCommands))
-      << "a command ran twice, or not at all";
+      << "a command was executed twice, or not at all";
   EXPECT_GT(last[1].link_errors, kCommands / 50) << "the line was not noisy";
-  // Of a damaged frame one in 65536 passes the check.
+  // One damaged frame in 65536 passes the CRC.
   EXPECT_LE(wrong, 2);
   EXPECT_LE(late, kCommands / 500 + 3);
   RecordProperty("damaged_frames", last[1].link_errors);

@@ -33,13 +33,13 @@ void expectNoOverlap(const std::vector<dynamics::Pose>& poses) {
   }
 }
 
-TEST(PlaceRobots, FindsRoomFromOneToACrowd) {
+TEST(PlaceRobots, PlacesOneToManyRobotsWithoutOverlap) {
   for (const int n : {1, 20, 80, 150, 170}) {
     expectNoOverlap(placeRobots(anywhere(n), kArena, kRadius, 7));
   }
 }
 
-TEST(PlaceRobots, ARobotMoreMovesNoOther) {
+TEST(PlaceRobots, AddingARobotDoesNotMoveTheOthers) {
   const auto few = placeRobots(anywhere(20), kArena, kRadius, 7);
   const auto more = placeRobots(anywhere(21), kArena, kRadius, 7);
   for (std::size_t i = 0; i < few.size(); ++i) {
@@ -49,12 +49,12 @@ TEST(PlaceRobots, ARobotMoreMovesNoOther) {
   }
 }
 
-TEST(PlaceRobots, AnotherSeedGivesOtherPlaces) {
+TEST(PlaceRobots, AnotherSeedGivesOtherPoses) {
   EXPECT_NE(placeRobots(anywhere(1), kArena, kRadius, 7)[0].x,
             placeRobots(anywhere(1), kArena, kRadius, 8)[0].x);
 }
 
-TEST(PlaceRobots, KeepsGivenPlacesAndKeepsOffThem) {
+TEST(PlaceRobots, KeepsGivenPosesAndAvoidsThem) {
   std::vector<Place> places = anywhere(100);
   places[50].given = dynamics::Pose{0.3, 0.4, 1};
   const auto poses = placeRobots(places, kArena, kRadius, 7);
@@ -75,7 +75,7 @@ TEST(PlaceRobots, NamesTheRobotsThatDoNotFit) {
   EXPECT_THAT(place({{4, dynamics::Pose{0.03, 0.4, 0}}}),
               ThrowsMessage<std::invalid_argument>(HasSubstr("outside")));
   EXPECT_THAT(place({{4, std::nullopt}, {4, std::nullopt}}),
-              ThrowsMessage<std::invalid_argument>(HasSubstr("robot 4 is named twice")));
+              ThrowsMessage<std::invalid_argument>(HasSubstr("robot 4 is listed twice")));
   EXPECT_THAT(place(anywhere(300)), ThrowsMessage<std::invalid_argument>(HasSubstr("no room")));
 }
 

@@ -1,18 +1,25 @@
-// Robots of different bodies in one arena, as the service serves them.
+// Robots with different bodies in one arena, with the whole service.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <lab/experiment_event_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/serial/memory_serial.hpp"
 #include "sim_svc/sim_service.hpp"
@@ -68,7 +75,7 @@ std::vector<std::int32_t> idsOf(const auto& message) {
   return ids;
 }
 
-/// A robot 8 that stands at (90, 20) cm for a second.
+/// A recording of robot 8, which stands at (90, 20) cm for a second.
 void record(const std::filesystem::path& path) {
   LogWriter log(path);
   const auto write = [&log](std::string_view channel, const auto& message) {
@@ -120,7 +127,7 @@ class BodiesTest : public testing::Test {
 
   void run(double seconds) { loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6)); }
 
-  /// A camera sees the real robot 3.
+  /// Publishes a camera frame with the real robot 3.
   void seeReal(double x, double y) {
     tracked_frame_t frame{};
     frame.utime = loop.now();
@@ -155,14 +162,15 @@ class BodiesTest : public testing::Test {
   std::vector<robot_calibration_t> calibrations;
 };
 
-TEST_F(BodiesTest, EachSpeaksOnItsOwnWay) {
+TEST_F(BodiesTest, EachBodyUsesItsOwnChannels) {
   EXPECT_THAT(ports.offered(), ElementsAre("robot_02"));
   WireHost host(ports, "robot_02");
   run(0.9);
-  EXPECT_THAT(idsOf(statuses.back()), ElementsAre(1, 4)) << "the wire robot is the bridge's";
+  EXPECT_THAT(idsOf(statuses.back()), ElementsAre(1, 4)) << "robot_bridge handles the wire robot";
   EXPECT_EQ(statuses.back().robots[1].origin, robot_state_t::REPLAY);
   EXPECT_EQ(statuses.back().robots[1].program.kind, program_t::BP);
-  EXPECT_THAT(idsOf(frames.back()), ElementsAre(1, 2, 4)) << "the real one is the camera's";
+  EXPECT_THAT(idsOf(frames.back()), ElementsAre(1, 2, 4))
+      << "the real camera tracks the real robot";
   EXPECT_THAT(idsOf(truths.back()), ElementsAre(1, 2, 4));
   EXPECT_EQ(truth(4).x, 0.9);
   EXPECT_EQ(truth(2).program, program_t::NONE);
@@ -170,14 +178,14 @@ TEST_F(BodiesTest, EachSpeaksOnItsOwnWay) {
   EXPECT_EQ(host.all<wire::Hello>()[0].uid, simulatedUid(2));
 }
 
-TEST_F(BodiesTest, ARecordedRobotIsGoneWhenItsRecordIsOver) {
+TEST_F(BodiesTest, ARecordedRobotIsRemovedAtTheEndOfItsRecording) {
   run(1.2);
   EXPECT_THAT(idsOf(statuses.back()), ElementsAre(1));
   EXPECT_THAT(idsOf(frames.back()), ElementsAre(1, 2));
   EXPECT_THAT(idsOf(truths.back()), ElementsAre(1, 2));
 }
 
-TEST_F(BodiesTest, SimulatedRobotsYieldToARealOneAndFeelIt) {
+TEST_F(BodiesTest, SimulatedRobotsAreMovedByARealOneAndSenseIt) {
   run(0.1);
   seeReal(0.26, 0.45);  // 4 cm behind robot 1
   run(0.2);
@@ -192,7 +200,7 @@ TEST_F(BodiesTest, SimulatedRobotsYieldToARealOneAndFeelIt) {
   EXPECT_GT(telemetry.back().sensors[2 + 3], 0);
 }
 
-TEST_F(BodiesTest, ARealRobotThatIsNotSeenForTwoSecondsIsGone) {
+TEST_F(BodiesTest, ARealRobotIsRemovedAfterTwoSecondsWithoutFrames) {
   run(0.1);
   seeReal(0.40, 0.45);  // 2.5 cm before robot 1's rim
   run(1.9);
@@ -201,7 +209,7 @@ TEST_F(BodiesTest, ARealRobotThatIsNotSeenForTwoSecondsIsGone) {
   EXPECT_EQ(statuses.back().robots[0].ir[0], 0);
 }
 
-TEST_F(BodiesTest, BusRobotsStoreACalibrationAndSaySo) {
+TEST_F(BodiesTest, BusRobotsStoreACalibrationAndReportIt) {
   run(0.1);
   robot_calibration_t calibration{};
   calibration.seq = 12;
@@ -220,7 +228,7 @@ TEST_F(BodiesTest, BusRobotsStoreACalibrationAndSaySo) {
   run(0.1);
   ASSERT_EQ(calibrations.size(), 1U);
   EXPECT_EQ(calibrations[0].seq, 12);
-  ASSERT_THAT(idsOf(calibrations[0]), ElementsAre(1)) << "the wire robot is the bridge's";
+  ASSERT_THAT(idsOf(calibrations[0]), ElementsAre(1)) << "robot_bridge handles the wire robot";
   const motor_calibration_t& held = calibrations[0].robots[0];
   EXPECT_NEAR(held.gain_left, 1.05, 1e-6);
   EXPECT_NEAR(held.gain_right, 0.95, 1e-6);
@@ -228,7 +236,7 @@ TEST_F(BodiesTest, BusRobotsStoreACalibrationAndSaySo) {
   EXPECT_NEAR(held.dead_band_right, 0.2, 0.5 / 255);
   EXPECT_NEAR(held.wheel_base, 0.076, 1e-9);
 
-  // A gain of 0 asks and stores nothing.
+  // A gain of 0 only reads the calibration.
   robot_calibration_t question{};
   question.seq = 13;
   question.robots.resize(1);
@@ -242,13 +250,13 @@ TEST_F(BodiesTest, BusRobotsStoreACalibrationAndSaySo) {
   EXPECT_EQ(calibrations[1].robots[0].wheel_base, held.wheel_base);
 }
 
-TEST_F(BodiesTest, WhatIsNotThereStopsTheStart) {
+TEST_F(BodiesTest, MissingFilesPreventTheStart) {
   experiment.robots[1].body = Body::kFirmware;
   MemorySerial own_ports(loop);
   const ServiceContext context{node, loop, experiment, folder / "", own_ports, folder / ""};
   EXPECT_THAT([&] { SimService service(context); },
               ThrowsMessage<std::runtime_error>(HasSubstr("robot_emulator: not there")));
-  EXPECT_THAT(own_ports.offered(), IsEmpty()) << "nothing half started";
+  EXPECT_THAT(own_ports.offered(), IsEmpty()) << "no line was created";
   experiment.robots[1].body = Body::kWire;
   experiment.robots[3].recorded_id = 9;
   EXPECT_THAT([&] { SimService service(context); },
@@ -257,11 +265,11 @@ TEST_F(BodiesTest, WhatIsNotThereStopsTheStart) {
                             ": no camera frame has robot 9; it has 8")));
 }
 
-TEST(Bodies, OnlyWhatItMovesMakesWorkForTheService) {
+TEST(Bodies, TheServiceIsNotNeededWhenAllRobotsAreReal) {
   Experiment experiment = parseExperiment(kExperiment, "bodies");
-  EXPECT_TRUE(serviceDescription().wanted(experiment));
+  EXPECT_TRUE(isNeeded(experiment, "sim_svc"));
   for (RobotSpec& robot : experiment.robots) robot.body = Body::kSerial;
-  EXPECT_FALSE(serviceDescription().wanted(experiment));
+  EXPECT_FALSE(isNeeded(experiment, "sim_svc"));
 }
 
 }  // namespace

@@ -1,7 +1,8 @@
-// A busy machine calls timers late, and in any order.
+// Timers that are late and out of order, as on a busy machine.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <lab/tracked_frame_t.hpp>
 #include <list>
 #include <utility>
@@ -15,7 +16,7 @@
 namespace lab::sim {
 namespace {
 
-/// Live time that moves when the test says so. Repeating timers are never called: they are late.
+/// Real time that the test controls. Repeating timers are never called, as if they were late.
 class LateLoop final : public Loop {
  public:
   [[nodiscard]] std::int64_t now() const override { return now_; }
@@ -53,7 +54,7 @@ Experiment oneRobot() {
   return experiment;
 }
 
-TEST(LateTimer, ShowsNoFrameWhatHappenedAfterIt) {
+TEST(LateTimer, FramesDoNotShowLaterEvents) {
   LateLoop loop;
   MemoryBus bus([&loop] { return loop.now(); });
   Node node(bus, loop, {"sim_svc", 0, 1});
@@ -77,7 +78,7 @@ TEST(LateTimer, ShowsNoFrameWhatHappenedAfterIt) {
   drive.orders[0].wheel_left = drive.orders[0].wheel_right = 0.1;
   other.publishCommand(channels::kRobotCommand, drive);
   bus.deliver();
-  // The next thing that happens is a repeated command, 95 ms later: five frames are overdue.
+  // The next event is a repeated command 95 ms later, when five frames are overdue.
   loop.moveTo(start + 95'000);
   other.publishCommand(channels::kRobotCommand, drive);
   bus.deliver();

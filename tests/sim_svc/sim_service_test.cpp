@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 
-/// The service on an in-memory bus, with somebody who commands and listens.
+/// The service on an in-memory bus, with another node that commands and receives.
 class SimServiceTest : public testing::Test {
  protected:
   SimServiceTest() {
@@ -95,7 +95,7 @@ delay_ms = 30
   std::vector<std::int64_t> frame_arrivals;
 };
 
-TEST_F(SimServiceTest, ReportsAtItsRatesOnExactGridsAndDelaysTheTracker) {
+TEST_F(SimServiceTest, PublishesAtExactMultiplesOfItsPeriodsAndDelaysTheTracker) {
   const std::int64_t start = loop.now();
   run(1);
   ASSERT_EQ(statuses.size(), 51U);
@@ -118,14 +118,14 @@ TEST_F(SimServiceTest, DrivesAtTheOrderedSpeedAndEchoesTheOrder) {
   run(0.5);
   EXPECT_EQ(last().command_seq, 5);
   EXPECT_EQ(last().program.kind, program_t::WHEELS);
-  // Frames in the last 30 ms are still under way.
+  // Frames of the last 30 ms are still delayed.
   const tracked_frame_t& frame = frames.back();
   const double driven_s = static_cast<double>(frame.utime - frames.at(before).utime) * 1e-6;
   EXPECT_NEAR(frame.robots[0].x - frames.at(before).robots[0].x, 0.1 * driven_s, 1e-9);
-  EXPECT_EQ(last(1).command_seq, 0) << "not meant";
+  EXPECT_EQ(last(1).command_seq, 0) << "the command is not for this robot";
 }
 
-TEST_F(SimServiceTest, AnOrderBeyondTheWheelsIsRefusedAndSaidSo) {
+TEST_F(SimServiceTest, AnOrderBeyondTheWheelLimitIsRefusedAndReported) {
   command(drive(1, 1), 6);
   run(0.1);
   EXPECT_NE(last().flags & robot_state_t::FLAG_REJECTED, 0);
@@ -141,7 +141,7 @@ TEST_F(SimServiceTest, StopsWhenTheHostIsSilentForItsLease) {
   EXPECT_NE(last().flags & robot_state_t::FLAG_LEASE_EXPIRED, 0);
 }
 
-TEST_F(SimServiceTest, AStopOutranksCommandsUntilItIsReleased) {
+TEST_F(SimServiceTest, AStopTakesPrecedenceOverCommandsUntilItIsReleased) {
   command(drive(0.1, 0.1), 1);
   robot_stop_t stop{};
   stop.seq = 77;
@@ -158,7 +158,7 @@ TEST_F(SimServiceTest, AStopOutranksCommandsUntilItIsReleased) {
   EXPECT_NE(last().wheel_left, 0);
 }
 
-TEST_F(SimServiceTest, TheShownLightSelectsTheProgramWithinASensorPeriod) {
+TEST_F(SimServiceTest, TheProjectedLightSelectsTheProgramWithinASensorPeriod) {
   command(lightTableCommand(experiment).orders.at(0), 1);
   run(0.1);
   light_status_t status{};
@@ -178,7 +178,7 @@ TEST_F(SimServiceTest, TheShownLightSelectsTheProgramWithinASensorPeriod) {
   }
 }
 
-TEST_F(SimServiceTest, LightThatIsAnnouncedComesOnAtItsTime) {
+TEST_F(SimServiceTest, AnnouncedLightIsSwitchedAtItsTime) {
   robot_order_t order = lightTableCommand(experiment).orders.at(0);
   order.bands.resize(1);
   order.num_bands = 1;
@@ -197,7 +197,7 @@ TEST_F(SimServiceTest, LightThatIsAnnouncedComesOnAtItsTime) {
     status.num_layers = 1;
     other.publish(channels::kLightStatus, status);
   };
-  // Three frames under way at once, as with a projector slower than its frames.
+  // Three frames are announced at once, as with a projector whose latency exceeds its frame period.
   const std::int64_t now = loop.now();
   announce(now + 40'000, 0.2);
   announce(now + 90'000, 0.5);

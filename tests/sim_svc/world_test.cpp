@@ -48,7 +48,7 @@ TEST(World, TheSameSeedGivesTheSameBits) {
   }
 }
 
-TEST(World, ARobotMoreChangesNoDrawOfTheOthers) {
+TEST(World, AddingARobotDoesNotChangeTheDrawsOfOthers) {
   WorldSettings settings;
   settings.arena = {20, 20};
   settings.wheel_gain_error = 0.02;
@@ -64,7 +64,7 @@ TEST(World, ARobotMoreChangesNoDrawOfTheOthers) {
   }
 }
 
-TEST(World, TheStepsDoNotMatterWhereNothingIsTouched) {
+TEST(World, StepLengthsDoNotMatterWithoutContacts) {
   WorldSettings coarse = idealHardware();
   coarse.arena = {10, 10};
   coarse.clock_error = 0.01;
@@ -84,7 +84,7 @@ TEST(World, TheStepsDoNotMatterWhereNothingIsTouched) {
   }
 }
 
-TEST(World, DrawsAreHeldForEpsilonOfTheRobotsOwnClock) {
+TEST(World, HoldsLastEpsilonOnTheRobotsOwnClock) {
   WorldSettings settings = idealHardware();
   settings.arena = {100, 100};
   settings.clock_error = 0.01;
@@ -95,12 +95,12 @@ TEST(World, DrawsAreHeldForEpsilonOfTheRobotsOwnClock) {
     const RobotState state = dut.state(i);
     ASSERT_NE(dut.clock(i).rate(), 1.0);
     const double since = (10 - state.program_start) * dut.clock(i).rate();
-    // Two starts of standing before the first draw: without settings, and without light.
+    // Before the first draw, standing starts twice: without settings, and without light.
     EXPECT_EQ(state.core.draw_count - 2, std::floor(since / 0.1) + 1) << i;
   }
 }
 
-TEST(World, ClocksHaveThePhaseAndTheErrorAskedFor) {
+TEST(World, ClocksHaveTheGivenPhaseAndError) {
   WorldSettings settings;
   settings.arena = {100, 100};
   settings.clock_error = 0.005;
@@ -120,7 +120,7 @@ TEST(World, ClocksHaveThePhaseAndTheErrorAskedFor) {
   EXPECT_LT(std::abs(phase / n - 0.5) / std::sqrt(1 / 12.0 / n), 4);
 }
 
-TEST(World, RobotsBootAtRandomInstantsInTheFirstSecond) {
+TEST(World, RobotsBootAtRandomTimesInTheFirstSecond) {
   WorldSettings settings;
   settings.arena = {100, 100};
   World dut(settings, robots(2000));
@@ -133,7 +133,8 @@ TEST(World, RobotsBootAtRandomInstantsInTheFirstSecond) {
     ASSERT_LE(start, 1.03);
     sum += start;
   }
-  // Uniform in a second, then up to a sensor period of 20 ms and half a millisecond of rounding.
+  // Uniform within a second, plus up to a sensor period of 20 ms, plus half a millisecond of
+  // rounding.
   EXPECT_LT(std::abs(sum / 2000 - 0.5105) / std::sqrt(1 / 12.0 / 2000), 4);
 }
 
@@ -150,7 +151,7 @@ TEST(World, DrivesExactArcsThroughProgramChangesInsideATick) {
   EXPECT_NEAR(state.pose.theta, expected.theta, 1e-13);
 }
 
-TEST(World, WheelsTurnInPwmStepsWithTheirHiddenGains) {
+TEST(World, WheelsTurnInPwmStepsWithTheirTrueGains) {
   WorldSettings settings = idealHardware();
   settings.pwm_steps = true;
   World dut(settings, robotAt(0.2, 0.45, 0));
@@ -158,7 +159,7 @@ TEST(World, WheelsTurnInPwmStepsWithTheirHiddenGains) {
   dut.advanceTo(5 * kSecond);
   const double driven = 5 - dut.state(0).program_start;
   EXPECT_NEAR(dut.pose(0).x - 0.2, 28 * 0.27 / 255 * driven, 1e-12);
-  EXPECT_EQ(dut.state(0).wheel_left, 0.03) << "what the robot believes";
+  EXPECT_EQ(dut.state(0).wheel_left, 0.03) << "the commanded speed";
 
   settings.wheel_gain_error = 0.05;
   World wrong(settings, robotAt(0.2, 0.45, 0));
@@ -193,10 +194,10 @@ TEST(World, LightSwitchesTheProgramWithinOneSensorPeriod) {
     ASSERT_LE(state.program_start, 2 + 0.020 / 0.97);
     latest = std::max(latest, state.program_start);
   }
-  EXPECT_GT(latest, 2.015) << "the sensors of the robots are not in step";
+  EXPECT_GT(latest, 2.015) << "the robots read their sensors at different times";
 }
 
-TEST(World, LightSensorsSitBeforeAndBehindTheAxle) {
+TEST(World, LightSensorsAreBeforeAndBehindTheAxle) {
   World dut(idealHardware(), robotAt(0.6, 0.45, 0));
   const StepLight light(0.6, 0.25, 0.75);
   dut.setLight(&light);
@@ -230,7 +231,7 @@ TEST(World, SensorsAreReadEveryTwentyMillisecondsOnly) {
   EXPECT_NEAR(scans, 47, 1);
 }
 
-TEST(World, AnExternalRobotObeysItsMotorsAlone) {
+TEST(World, AnExternalRobotIsOnlyDrivenBySetMotors) {
   std::vector<RobotSetup> setups = robotAt(0.3, 0.45, 0);
   setups[0].external = true;
   World dut(idealHardware(), setups);
@@ -244,7 +245,7 @@ TEST(World, AnExternalRobotObeysItsMotorsAlone) {
   EXPECT_NEAR(dut.pose(0).x, 0.3 + 2 * 0.09, 1e-12);
 }
 
-TEST(World, TheBatteryFallsSlowly) {
+TEST(World, TheBatteryVoltageDecreasesSlowly) {
   World dut(WorldSettings(), robots(1));
   const double full = dut.state(0).battery;
   dut.advanceTo(60 * kSecond);
@@ -252,7 +253,7 @@ TEST(World, TheBatteryFallsSlowly) {
   EXPECT_GT(dut.state(0).battery, full - 0.01);
 }
 
-TEST(World, ProcessNoiseMovesOnlyWhatMoves) {
+TEST(World, ProcessNoiseOnlyAffectsMovingRobots) {
   WorldSettings settings = idealHardware();
   settings.arena = {50, 50};
   settings.speed_noise = 0.01;

@@ -20,7 +20,7 @@ using testing::roundShape;
 using testing::shoot;
 using testing::softStep;
 
-// What a circle leaves that moves `along` [px] during the exposure.
+// Picture of a circle that moves by `along` [px] during the exposure.
 std::vector<double> smeared(CirclePicture p, double along, double angle) {
   constexpr int kPieces = 8;
   const double x = p.x;
@@ -48,7 +48,7 @@ struct Pool {
 
   [[nodiscard]] double rms() const { return std::sqrt(squares / std::max(1, fits - refused)); }
   [[nodiscard]] double nees() const { return normalised / (2.0 * std::max(1, fits - refused)); }
-  // By how much the normalised error squared may be off: 10 % and three standard deviations.
+  // Tolerance of the mean normalised squared error: 10 % plus three standard deviations.
   [[nodiscard]] double neesTolerance() const { return 0.1 + 3 * std::sqrt(2.0 / (2.0 * fits)); }
 };
 
@@ -83,7 +83,7 @@ class CircleFitTest : public ::testing::Test {
     CirclePicture p;
     std::vector<double> exact;
     for (int i = 0; i < count; ++i) {
-      if (i % 4 == 0) {  // painting takes long: four shots of each
+      if (i % 4 == 0) {  // painting is slow: four noise realisations of each picture
         p = picture(radius);
         change(p);
         exact = paint(p);
@@ -112,7 +112,7 @@ class CircleFitTest : public ::testing::Test {
   std::mt19937_64 random_{20};
 };
 
-// The Cramer-Rao bound of one axis with everything but the centre known.
+// Cramer-Rao bound of one coordinate with everything but the centre known.
 double bound(const CirclePicture& p) {
   const double contrast = p.white * (1 - p.ratio);
   const double variance = p.imaging.read_noise * p.imaging.read_noise +
@@ -124,7 +124,7 @@ double bound(const CirclePicture& p) {
                    (std::sqrt(std::numbers::pi) * static_cast<double>(p.shape.radius())));
 }
 
-TEST_F(CircleFitTest, EvenLightReachesTheBoundWithoutBias) {
+TEST_F(CircleFitTest, InEvenLightItReachesTheCramerRaoBoundWithoutBias) {
   for (const double radius : {3.4, 4.1, 6.7, 10.0}) {
     const int count = 120;
     const Pool pool = fitMany(radius, count, [](CirclePicture&) {});
@@ -134,7 +134,7 @@ TEST_F(CircleFitTest, EvenLightReachesTheBoundWithoutBias) {
     EXPECT_EQ(pool.refused, 0) << radius;
     EXPECT_EQ(pool.edges, 0) << radius;
     EXPECT_LT(pool.rms(), 1.4 * least) << radius;
-    EXPECT_GT(pool.rms(), 0.8 * least) << radius;  // better than possible: the test is wrong
+    EXPECT_GT(pool.rms(), 0.8 * least) << radius;  // below the bound the test itself is wrong
     EXPECT_NEAR(pool.nees(), 1, pool.neesTolerance()) << radius;
     const double allowed = 4 * pool.rms() / std::sqrt(2.0 * count);
     EXPECT_LT(std::abs(pool.sum_x / count), allowed) << radius;
@@ -142,7 +142,7 @@ TEST_F(CircleFitTest, EvenLightReachesTheBoundWithoutBias) {
   }
 }
 
-TEST_F(CircleFitTest, LittleLightIsFoundAndTheCovarianceIsHonest) {
+TEST_F(CircleFitTest, InDimLightItIsFoundAndTheCovarianceHolds) {
   for (const double light : {0.12, 0.05, 0.03}) {
     for (const double radius : {4.1, 6.7}) {
       const Pool pool = fitMany(radius, 200, [&](CirclePicture& p) { p.white = 190 * light; });
@@ -156,7 +156,7 @@ TEST_F(CircleFitTest, LittleLightIsFoundAndTheCovarianceIsHonest) {
   }
 }
 
-TEST_F(CircleFitTest, CovarianceFollowsNoiseThatNobodyTold) {
+TEST_F(CircleFitTest, TheCovarianceFollowsUnspecifiedNoise) {
   const Pool pool = fitMany(6.7, 200, [](CirclePicture& p) {
     p.imaging.read_noise = 4;
     p.imaging.shot_gain = 0.2;
@@ -165,8 +165,8 @@ TEST_F(CircleFitTest, CovarianceFollowsNoiseThatNobodyTold) {
   EXPECT_NEAR(pool.nees(), 1, pool.neesTolerance());
 }
 
-// A smeared outline is another shape, but the same on both sides of the centre.
-TEST_F(CircleFitTest, CovarianceForgivesWhatIsTheSameOnOppositeSides) {
+// A smeared outline has another shape, but a symmetric one.
+TEST_F(CircleFitTest, SymmetricResidualsDoNotWidenTheCovariance) {
   const Pool pool = fitMany(
       4.1, 80, [](CirclePicture&) {},
       [&](const CirclePicture& p) { return smeared(p, 2.2, even(0, 2 * std::numbers::pi)); });
@@ -174,7 +174,7 @@ TEST_F(CircleFitTest, CovarianceForgivesWhatIsTheSameOnOppositeSides) {
   EXPECT_NEAR(pool.nees(), 1, pool.neesTolerance());
 }
 
-TEST_F(CircleFitTest, EveryStartWithinAQuarterRadiusEndsAtTheSameBits) {
+TEST_F(CircleFitTest, EveryStartWithinAQuarterRadiusGivesTheSameBits) {
   for (const double light : {1.0, 0.05}) {
     for (int i = 0; i < 150; ++i) {
       CirclePicture p = picture(i % 2 == 0 ? 6.7 : 4.1);
@@ -192,7 +192,7 @@ TEST_F(CircleFitTest, EveryStartWithinAQuarterRadiusEndsAtTheSameBits) {
   }
 }
 
-TEST_F(CircleFitTest, ATiltedWhiteDoesNotDragTheCircle) {
+TEST_F(CircleFitTest, ALightGradientDoesNotDisplaceTheCircle) {
   const Pool pool = fitMany(6.7, 100, [](CirclePicture& p) {
     p.light = [](double x, double) { return 0.5 + 0.01 * (x - 24); };
   });
@@ -201,9 +201,9 @@ TEST_F(CircleFitTest, ATiltedWhiteDoesNotDragTheCircle) {
   EXPECT_LT(std::abs(pool.sum_x / 100), 0.004);
 }
 
-TEST_F(CircleFitTest, HolesRimsAndHotPixelsAreHarmless) {
+TEST_F(CircleFitTest, HolesRimsAndHotPixelsDoNotBias) {
   const Pool pool = fitMany(6.7, 100, [this](CirclePicture& p) {
-    const double px = 6.7 / 0.9;  // a centimetre
+    const double px = 6.7 / 0.9;  // pixels per centimetre
     p.sensor_hole = even(0, 6.3);
     p.hole_distance = 1.45 * px;
     p.hole_radius = 0.2 * px;
@@ -239,8 +239,8 @@ TEST_F(CircleFitTest, OverexposureAndDefocusDoNotBias) {
   EXPECT_LT(softer.rms(), 0.06);
 }
 
-// Glare adds the same to paint and white: the ratio rises, the circle stays.
-TEST_F(CircleFitTest, GlareOverACircleIsNoOtherPaint) {
+// Glare adds the same light to paint and white: the ratio rises, the centre stays.
+TEST_F(CircleFitTest, GlareOverACircleIsAcceptedAsGlare) {
   const Pool pool = fitMany(6.7, 40, [](CirclePicture& p) {
     p.white = 220;
     p.ratio = (0.0814 * 180 + 40) / 220;
@@ -250,7 +250,7 @@ TEST_F(CircleFitTest, GlareOverACircleIsNoOtherPaint) {
   EXPECT_LT(pool.rms(), 0.0125);
 }
 
-TEST_F(CircleFitTest, TellsRatioScaleAndWhite) {
+TEST_F(CircleFitTest, ReturnsRatioScaleAndWhite) {
   CirclePicture p = picture(6.7);
   p.ratio = 0.1;
   const DiscShape expected = p.shape;
@@ -263,11 +263,11 @@ TEST_F(CircleFitTest, TellsRatioScaleAndWhite) {
   EXPECT_FALSE(fit.edge);
 }
 
-TEST_F(CircleFitTest, AStrideAndTheBorderOfThePictureChangeNothing) {
+TEST_F(CircleFitTest, StrideAndBorderOfThePictureChangeNothing) {
   const CirclePicture p = picture(6.7);
   const optics::GreyImage image = shoot(p, random_);
   const CircleFit whole = fitCircle(image.view(), {24, 24}, p.shape, {});
-  // The same pixels with the picture cut off close to the circle, inside a larger memory.
+  // The same pixels, with the picture's edge close to the circle, inside a larger buffer.
   optics::GreyView cut = image.view();
   cut.data += 10 * cut.stride + 10;
   cut.width = 28;
@@ -276,13 +276,13 @@ TEST_F(CircleFitTest, AStrideAndTheBorderOfThePictureChangeNothing) {
   ASSERT_EQ(part.fault, FitFault::kNone);
   EXPECT_EQ(part.x + 10, whole.x);
   EXPECT_EQ(part.y + 10, whole.y);
-  // Cut into the white around the circle: less to go by, but a fit.
+  // The edge cuts the white around the circle: fewer pixels, but a fit.
   cut.data += 6;
   cut.width -= 6;
   const CircleFit less = fitCircle(cut, {8, 14}, p.shape, {});
   ASSERT_EQ(less.fault, FitFault::kNone);
   EXPECT_NEAR(less.x + 16, whole.x, 0.05);
-  // Cut into the circle: no fit, wherever it starts.
+  // The edge cuts the circle: no fit from any start.
   cut.data += 6;
   cut.width -= 6;
   for (const double x : {-3.0, 0.0, 2.0}) {
@@ -290,7 +290,7 @@ TEST_F(CircleFitTest, AStrideAndTheBorderOfThePictureChangeNothing) {
   }
 }
 
-TEST_F(CircleFitTest, OtherThingsAreRefused) {
+TEST_F(CircleFitTest, OtherShapesAreRejected) {
   struct Thing {
     std::string name;
     std::function<double(double, double)> paint;  // around (0, 0)
@@ -322,7 +322,7 @@ TEST_F(CircleFitTest, OtherThingsAreRefused) {
         p.white = 190 * light;
         p.around = [&, x, y](double u, double v) { return thing.paint(u - x, v - y); };
         const DiscShape expected = p.shape;
-        p.shape = roundShape(1e-3);  // no circle of its own
+        p.shape = roundShape(1e-3);  // paints no circle itself
         p.x = p.y = 0;
         const optics::GreyImage image = shoot(p, random_);
         const CircleFit fit =

@@ -1,8 +1,9 @@
-/// Something that lies over a cap: a wire, a finger, a sticker.
+/// Covers a part of a cap in a picture, as a wire, a finger or a sticker would.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 
 #include "light/optics/camera_model.hpp"
 #include "light/optics/cap.hpp"
@@ -11,7 +12,7 @@
 
 namespace lab::detector {
 
-/// A strip with round ends from one place at cap height to another [m], with soft edges.
+/// A strip with round ends between two places at cap height [m], with soft edges.
 struct Cover {
   optics::Place from;
   optics::Place to;
@@ -42,14 +43,14 @@ inline void lay(const Cover& cover, const optics::CameraModel& camera, optics::G
   }
 }
 
-/// A place on a cap.
+/// The arena position of a place on a cap.
 inline optics::Place onCap(const sim::PaintedRobot& robot, double forward, double left = 0) {
   const double c = std::cos(robot.theta);
   const double s = std::sin(robot.theta);
   return {robot.x + c * forward - s * left, robot.y + s * forward + c * left};
 }
 
-/// Over the small circle alone, or the big one, a little off its middle.
+/// Covers only the small or the big circle, slightly off its centre.
 inline Cover overCircle(const sim::PaintedRobot& robot, bool big) {
   const optics::CapGeometry cap;
   const optics::Place at = onCap(robot, big ? cap.big_offset : cap.small_offset, 0.001);

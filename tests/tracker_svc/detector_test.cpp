@@ -1,4 +1,4 @@
-/// Whole pictures from the simulated camera, with truth.
+/// Detection in whole pictures of the simulated camera, compared with the true poses.
 #include "tracker_svc/detector.hpp"
 
 #include <gtest/gtest.h>
@@ -128,7 +128,7 @@ TEST(Detector, FindsCapsThatLightEdgesCross) {
   }
 }
 
-TEST(Detector, FindsCapsInTheRoomLightThatIsLeft) {
+TEST(Detector, FindsCapsInResidualRoomLight) {
   Scene scene(20, 4);
   scene.field.layers = {{.kind = light::LayerKind::kUniform, .intensity = 0}};
   Detector detector = scene.detector();
@@ -137,9 +137,9 @@ TEST(Detector, FindsCapsInTheRoomLightThatIsLeft) {
   EXPECT_EQ(result.wrong, 0);
 }
 
-TEST(Detector, RefusesDiscsOnTheBareFloorAndSaysWhy) {
+TEST(Detector, RejectsDiscsOnTheBareFloorWithAReason) {
   Scene scene(0);
-  // On the floor a pair looks 3 % smaller: once as built, once so that it looks right.
+  // On the floor a pair looks 3 % smaller: tested with its real size, and enlarged by that factor.
   for (const double scale : {1.0, 1.03}) {
     const double x = scale > 1 ? 0.8 : 0.4;
     const optics::CapGeometry& cap = scene.settings.cap;
@@ -162,9 +162,10 @@ TEST(Detector, RefusesDiscsOnTheBareFloorAndSaysWhy) {
   EXPECT_GE(no_partner, 1);
 }
 
-TEST(Detector, KeepsNeighboursInContactApart) {
+TEST(Detector, SeparatesNeighboursInContact) {
   Scene scene(0);
-  // A chain whose facing circles are 3.9 cm apart, hardly more than the two of one robot.
+  // A chain in which facing circles of neighbours are 3.9 cm apart, hardly more than those of one
+  // robot.
   for (int i = 0; i < 10; ++i) {
     scene.robots.push_back({0.2 + 0.0751 * i, 0.45, i % 2 == 0 ? 0.0 : std::numbers::pi, 0, 0, 0});
   }
@@ -175,7 +176,7 @@ TEST(Detector, KeepsNeighboursInContactApart) {
   EXPECT_LT(result.heading, 0.01);
 }
 
-TEST(Detector, FollowsToTheSameBits) {
+TEST(Detector, FollowGivesTheSameBitsAsSearch) {
   Scene scene(30, 5);
   scene.field.layers.push_back({.kind = light::LayerKind::kHalfPlane,
                                 .x = 0.6,
@@ -192,16 +193,16 @@ TEST(Detector, FollowsToTheSameBits) {
   for (const Detection& one : all) {
     expected.push_back({one.x + 0.004, one.y - 0.003, one.theta + 0.2, 0.01, 0.5});
   }
-  expected.push_back(expected.front());      // asked for twice, given once
-  expected.push_back({0.6, 0.45, 0, 0, 0});  // nobody stands exactly there
-  expected.push_back({5, 5, 0, 0.01, 0.5});  // outside of the picture
+  expected.push_back(expected.front());      // requested twice, returned once
+  expected.push_back({0.6, 0.45, 0, 0, 0});  // no robot is exactly there
+  expected.push_back({5, 5, 0, 0.01, 0.5});  // outside the picture
   const std::vector<Detection>& followed = detector.follow(picture, expected);
   ASSERT_EQ(followed.size(), expected.size());
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_TRUE(sameBits(all[i], followed[i])) << i;
   for (std::size_t i = all.size(); i < followed.size(); ++i) EXPECT_EQ(followed[i].quality, 0);
 }
 
-TEST(Detector, FollowsToTheSameBitsFromAnyPlaceNearby) {
+TEST(Detector, FollowGivesTheSameBitsFromAnyPlaceNearby) {
   const Scene scene(40, 8);
   const optics::GreyImage image = scene.paint();
   const optics::GreyView picture{image.pixels.data(), kWidth, kHeight, kWidth};
@@ -223,7 +224,7 @@ TEST(Detector, FollowsToTheSameBitsFromAnyPlaceNearby) {
   }
 }
 
-TEST(Detector, FollowsToTheSameBitsWhereGreyStepsAreEncoded) {
+TEST(Detector, FollowGivesTheSameBitsWithGammaEncodedPictures) {
   Scene scene(20, 9);
   scene.settings.imaging.gamma = 2.2;
   const optics::GreyImage image = scene.paint();
@@ -234,13 +235,13 @@ TEST(Detector, FollowsToTheSameBitsWhereGreyStepsAreEncoded) {
   for (const Detection& one : all) expected.push_back({one.x, one.y, one.theta, 0.01, 0.5});
   const std::vector<Detection>& followed = detector.follow(image.view(), expected);
   for (std::size_t i = 0; i < all.size(); ++i) EXPECT_TRUE(sameBits(all[i], followed[i])) << i;
-  // The paint as it is, and not as the picture shows it.
+  // The ratio of the paint itself, not that of the encoded grey values.
   for (const Detection& one : all) EXPECT_NEAR(one.ratio, 0.08, 0.01);
   detector.setGamma(1);
   EXPECT_LT(detector.search(image.view()).size(), 10U);
 }
 
-TEST(Detector, FollowTakesNoCapThatIsTurnedTooFar) {
+TEST(Detector, FollowIgnoresACapThatIsTurnedTooFar) {
   const Scene scene(1, 6);
   Detector detector = scene.detector();
   const optics::GreyImage image = scene.paint();
@@ -252,7 +253,7 @@ TEST(Detector, FollowTakesNoCapThatIsTurnedTooFar) {
   EXPECT_GT(detector.follow(picture, {&right, 1}).front().quality, 0.5);
 }
 
-TEST(Detector, FindsNothingWhereThereIsNothing) {
+TEST(Detector, FindsNothingInEmptyPictures) {
   const Scene scene(0);
   Detector detector = scene.detector();
   std::mt19937_64 random(7);
@@ -269,7 +270,7 @@ TEST(Detector, FindsNothingWhereThereIsNothing) {
   }
 }
 
-TEST(Detector, ReadsNoPictureOfAnotherShape) {
+TEST(Detector, RejectsPicturesOfAnotherSize) {
   const Scene scene(0);
   Detector detector = scene.detector();
   optics::GreyImage image(kWidth, kHeight, 100);
@@ -281,7 +282,7 @@ TEST(Detector, ReadsNoPictureOfAnotherShape) {
   EXPECT_EQ(detector.follow({nullptr, 0, 0, 0}, {&one, 1}).front().quality, 0);
 }
 
-TEST(Detector, WorksWithCamerasThatSeeNoCapAtAll) {
+TEST(Detector, WorksWithCamerasThatSeeNoCaps) {
   for (const int size : {1, 8, 40}) {
     optics::CameraParameters camera = optics::simulatedCamera(size, size, 1.20, 0.90);
     Detector detector(optics::CameraModel(camera), {});
@@ -289,7 +290,7 @@ TEST(Detector, WorksWithCamerasThatSeeNoCapAtAll) {
     EXPECT_TRUE(detector.search(image.view()).empty()) << size;
   }
   optics::CameraParameters up = optics::simulatedCamera(kWidth, kHeight, 1.20, 0.90);
-  up.translation[2] = -1;  // the arena lies behind it
+  up.translation[2] = -1;  // the arena is behind the camera
   Detector detector(optics::CameraModel(up), {});
   EXPECT_TRUE(detector.search(optics::GreyImage(kWidth, kHeight, 50).view()).empty());
 }

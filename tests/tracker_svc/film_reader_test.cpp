@@ -4,6 +4,8 @@
 #include <gtest/gtest.h>
 #include <stb/stb_image_write.h>
 
+#include <filesystem>
+#include <fstream>
 #include <vector>
 
 #include "tests/support/film_samples.hpp"
@@ -28,7 +30,7 @@ class Films : public testing::Test {
     optics::GreyImage image;
   };
 
-  /// All of a recording.
+  /// Reads all frames of a recording.
   std::vector<Frame> read(const std::string& source, double fps = 0) {
     film_ = FilmReader::open(source, fps);
     std::vector<Frame> frames;
@@ -68,7 +70,7 @@ class Films : public testing::Test {
 
 using Pictures = Films;
 
-TEST_F(Pictures, ComeInTheOrderOfTheirNumbers) {
+TEST_F(Pictures, AreReadInTheOrderOfTheirNumbers) {
   for (const int number : {10, 2, 1}) {
     writePng(folder_ / ("f" + std::to_string(number) + ".png"), pictureOf(number));
   }
@@ -90,7 +92,7 @@ TEST_F(Pictures, ComeInTheOrderOfTheirNumbers) {
   EXPECT_EQ(film_->dropped(), 7);
 }
 
-TEST_F(Pictures, AreChosenByPatterns) {
+TEST_F(Pictures, AreSelectedByPatterns) {
   for (const int number : {0, 1}) {
     writePng(folder_ / ("a000" + std::to_string(number) + ".png"), pictureOf(number));
     writePng(folder_ / ("b000" + std::to_string(number) + ".png"), pictureOf(number + 5));
@@ -101,7 +103,7 @@ TEST_F(Pictures, AreChosenByPatterns) {
   EXPECT_THAT(numbers(folder_ / "a0001.png"), ElementsAre(1));
 }
 
-TEST_F(Pictures, AreChosenInFoldersWhoseNamesLookLikePatterns) {
+TEST_F(Pictures, AreSelectedInFoldersWhoseNamesLookLikePatterns) {
   fs::create_directory(folder_ / "run[1]");
   writePng(folder_ / "run[1]" / "f0.png", pictureOf(0));
   writePng(folder_ / "run[1]" / "f1.png", pictureOf(1));
@@ -110,7 +112,7 @@ TEST_F(Pictures, AreChosenInFoldersWhoseNamesLookLikePatterns) {
   EXPECT_THAT(numbers(folder_ / "run*/f*.png"), ElementsAre(0, 1));
 }
 
-TEST_F(Pictures, WithoutNumbersAreCounted) {
+TEST_F(Pictures, WithoutNumbersAreNumberedByPosition) {
   writePng(folder_ / "left.png", pictureOf(0));
   writePng(folder_ / "right.png", pictureOf(1));
 
@@ -134,7 +136,7 @@ TEST_F(Pictures, TakeTheirTimesFromATable) {
   EXPECT_NEAR(film_->format().fps, 20, 1e-9);
 }
 
-TEST_F(Pictures, TakeTheirTimesFromATableAsSpreadsheetsWriteThem) {
+TEST_F(Pictures, TakeTheirTimesFromATableWrittenByASpreadsheet) {
   writePng(folder_ / "f0.png", pictureOf(0));
   writePng(folder_ / "f1.png", pictureOf(1));
   write("frames.csv",
@@ -144,7 +146,7 @@ TEST_F(Pictures, TakeTheirTimesFromATableAsSpreadsheetsWriteThem) {
   EXPECT_EQ(read(folder_ / "").at(1).utime, 250'000);
 }
 
-TEST_F(Pictures, WithoutATableHaveTheRateThatIsGiven) {
+TEST_F(Pictures, WithoutATableHaveTheGivenRate) {
   writePng(folder_ / "f0.png", pictureOf(0));
   writePng(folder_ / "f2.png", pictureOf(2));
 
@@ -154,7 +156,7 @@ TEST_F(Pictures, WithoutATableHaveTheRateThatIsGiven) {
   EXPECT_EQ(film_->format().fps, 0);
 }
 
-TEST_F(Pictures, ThatACameraCompressedSaySo) {
+TEST_F(Pictures, FromJpegFilesAreReportedAsCompressed) {
   writePng(folder_ / "f0.png", pictureOf(0));
   read(folder_ / "f0.png");
   EXPECT_FALSE(film_->format().compressed);
@@ -164,7 +166,7 @@ TEST_F(Pictures, ThatACameraCompressedSaySo) {
   EXPECT_TRUE(film_->format().compressed);
 }
 
-TEST_F(Pictures, OfColourAreMixed) {
+TEST_F(Pictures, InColourAreConvertedToGrey) {
   write("c1.ppm", "P6\n2 1\n255\n" + std::string("\xff\x00\x00\x10\x20\x31", 6));
 
   const std::vector<Frame> frames = read(folder_ / "c1.ppm");
@@ -174,7 +176,7 @@ TEST_F(Pictures, OfColourAreMixed) {
   EXPECT_EQ(cameras::greyOf(255, 255, 255), 255);
 }
 
-TEST_F(Pictures, ThatAreDamagedAreLeftOutAndTold) {
+TEST_F(Pictures, ThatAreDamagedAreSkippedAndReported) {
   for (const int number : {0, 1, 2, 3}) {
     writePng(folder_ / ("f" + std::to_string(number) + ".png"), pictureOf(number));
   }
@@ -186,7 +188,7 @@ TEST_F(Pictures, ThatAreDamagedAreLeftOutAndTold) {
   EXPECT_EQ(film_->dropped(), 2);
 }
 
-TEST_F(Pictures, OfAnotherSizeSayWhich) {
+TEST_F(Pictures, OfAnotherSizeAreReportedByName) {
   writePng(folder_ / "f0.png", pictureOf(0));
   writePng(folder_ / "f1.png", pictureOf(1, 16, 20));
 
@@ -195,7 +197,7 @@ TEST_F(Pictures, OfAnotherSizeSayWhich) {
               HasSubstr("f1.png: found 16 x 20 pixels, expected 32 x 24 as in the first whole"));
 }
 
-TEST_F(Pictures, ThatComeBeforeTheFirstWholeOneAreLeftOutToo) {
+TEST_F(Pictures, ThatAreDamagedBeforeTheFirstGoodOneAreSkippedToo) {
   write("f0.png", "no picture");
   writePng(folder_ / "f1.png", pictureOf(1));
   writePng(folder_ / "f2.png", pictureOf(2));
@@ -205,16 +207,16 @@ TEST_F(Pictures, ThatComeBeforeTheFirstWholeOneAreLeftOutToo) {
   EXPECT_THAT(film_->problem(), HasSubstr("f0.png: is no picture"));
 }
 
-TEST_F(Pictures, ThatCannotBeUsedAreRefused) {
+TEST_F(Pictures, WithoutAnyUsableOneAreRejected) {
   write("f0.png", "no picture");
-  EXPECT_THAT(refusal(folder_ / "f0.png"), HasSubstr("f0.png: is no picture of a known format"));
+  EXPECT_THAT(refusal(folder_ / "f0.png"), HasSubstr("f0.png: is not a picture of a known format"));
   EXPECT_THAT(refusal(folder_ / "g*.png"), HasSubstr("found no pictures"));
   EXPECT_THAT(refusal(folder_ / "none.png"), EndsWith("none.png: no such file or folder"));
   fs::create_directory(folder_ / "empty");
   EXPECT_THAT(refusal(folder_ / "empty"), HasSubstr("empty: found no pictures"));
 }
 
-TEST_F(Pictures, WrongTablesAreRefused) {
+TEST_F(Pictures, WithAnInvalidTableAreRejected) {
   writePng(folder_ / "f0.png", pictureOf(0));
   writePng(folder_ / "f1.png", pictureOf(1));
   const auto refusalOf = [this](const std::string& table) {
@@ -235,7 +237,7 @@ class Movies : public Films {
     if (!hasFfmpeg()) GTEST_SKIP() << "ffmpeg is not installed: movies are not tested";
   }
 
-  /// How many frames came, each compared with what was filmed.
+  /// Counts the frames and compares each with the original.
   int framesAlike(const std::string& file, int slack) {
     int position = 0;
     for (const Frame& frame : read(file)) {
@@ -250,7 +252,7 @@ class Movies : public Films {
   void halve(const fs::path& file) { fs::resize_file(file, fs::file_size(file) / 2); }
 };
 
-TEST_F(Movies, WithoutLossKeepEveryGreyValue) {
+TEST_F(Movies, WithLosslessCodecKeepEveryGreyValue) {
   writeMovie(folder_ / "a.mkv", 5, "-c:v ffv1 -pix_fmt gray");
   writeMovie(folder_ / "b.avi", 5, "-c:v ffv1 -pix_fmt gray");
   writeMovie(folder_ / "c.mkv", 5, "-c:v ffv1 -pix_fmt bgr0");
@@ -266,7 +268,7 @@ TEST_F(Movies, WithoutLossKeepEveryGreyValue) {
   EXPECT_FALSE(film_->format().compressed);
 }
 
-TEST_F(Movies, OfFullAndLimitedRangeHaveTheSameGrey) {
+TEST_F(Movies, InFullAndLimitedRangeHaveTheSameGrey) {
   writeMovie(folder_ / "limited.mkv", 4, "-c:v libx264 -qp 0 -pix_fmt yuv420p");
   writeMovie(folder_ / "full.mp4", 4, "-c:v libx264 -qp 0 -pix_fmt yuvj420p");
 
@@ -274,7 +276,7 @@ TEST_F(Movies, OfFullAndLimitedRangeHaveTheSameGrey) {
   EXPECT_EQ(framesAlike(folder_ / "full.mp4", 1), 4);
 }
 
-TEST_F(Movies, WithReorderedFramesComeInOrder) {
+TEST_F(Movies, WithReorderedFramesAreReadInOrder) {
   writeMovie(folder_ / "b.mp4", 12, "-c:v libx264 -qp 0 -bf 3 -pix_fmt yuvj420p");
   writeMovie(folder_ / "b.avi", 12, "-c:v libx264 -qp 0 -bf 3 -pix_fmt yuvj420p");
 
@@ -282,7 +284,7 @@ TEST_F(Movies, WithReorderedFramesComeInOrder) {
   EXPECT_EQ(framesAlike(folder_ / "b.avi", 1), 12);
 }
 
-TEST_F(Movies, OfJpegsAreRead) {
+TEST_F(Movies, OfJpegFramesAreRead) {
   writeMovie(folder_ / "m.avi", 4, "-c:v mjpeg -q:v 1 -pix_fmt yuvj444p");
 
   EXPECT_EQ(framesAlike(folder_ / "m.avi", 24), 4);
@@ -290,7 +292,7 @@ TEST_F(Movies, OfJpegsAreRead) {
   EXPECT_THAT(film_->problem(), IsEmpty());
 }
 
-TEST_F(Movies, OfVaryingRateKeepTheirTimes) {
+TEST_F(Movies, OfVariableRateKeepTheirTimes) {
   writeMovie(folder_ / "v.mkv", 6,
              "-vf \"select='not(eq(n,2))'\" -fps_mode vfr -c:v ffv1 -pix_fmt gray");
 
@@ -302,7 +304,7 @@ TEST_F(Movies, OfVaryingRateKeepTheirTimes) {
   EXPECT_TRUE(isPictureOf(frames.at(2).image.view(), 3));
 }
 
-TEST_F(Movies, ThatEndEarlySaySo) {
+TEST_F(Movies, ThatEndEarlyReportIt) {
   for (const char* file : {"t.mkv", "t.avi"}) {
     SCOPED_TRACE(file);
     writeMovie(folder_ / file, 40, "-c:v ffv1 -pix_fmt gray", 160, 120);
@@ -317,29 +319,30 @@ TEST_F(Movies, ThatEndEarlySaySo) {
   }
 }
 
-TEST_F(Movies, WithoutTheirIndexAreRefused) {
+TEST_F(Movies, WithoutTheirIndexAreRejected) {
   writeMovie(folder_ / "t.mp4", 10, "-c:v libx264 -qp 0 -pix_fmt yuvj420p");
   halve(folder_ / "t.mp4");
 
-  EXPECT_THAT(refusal(folder_ / "t.mp4"),
-              AllOf(HasSubstr("t.mp4: is no movie that ffmpeg can read"), HasSubstr("record MKV")));
+  EXPECT_THAT(
+      refusal(folder_ / "t.mp4"),
+      AllOf(HasSubstr("t.mp4: is not a movie that ffmpeg can read"), HasSubstr("record MKV")));
 }
 
-TEST_F(Movies, ThatAreTextsAreRefused) {
+TEST_F(Movies, ThatAreTextFilesAreRejected) {
   write("text.avi", "frame,id,x\n0,1,2\n");
   write("empty.avi", "");
   write("text.ans", "hello\n");
 
-  EXPECT_THAT(refusal(folder_ / "text.avi"), HasSubstr("text.avi: is no movie that ffmpeg"));
-  EXPECT_THAT(refusal(folder_ / "empty.avi"), HasSubstr("empty.avi: is no movie that ffmpeg"));
-  EXPECT_THAT(refusal(folder_ / "text.ans"), HasSubstr("it is a text"));
+  EXPECT_THAT(refusal(folder_ / "text.avi"), HasSubstr("text.avi: is not a movie that ffmpeg"));
+  EXPECT_THAT(refusal(folder_ / "empty.avi"), HasSubstr("empty.avi: is not a movie that ffmpeg"));
+  EXPECT_THAT(refusal(folder_ / "text.ans"), HasSubstr("it is a text file"));
 }
 
-TEST_F(Films, ThatAreNotThereSaySo) {
+TEST_F(Films, ThatDoNotExistAreReported) {
   EXPECT_THAT(refusal(folder_ / "none.mkv"), EndsWith("none.mkv: no such file"));
 }
 
-TEST_F(Films, WithoutFfmpegSayWhatToInstall) {
+TEST_F(Films, WithoutFfmpegTheErrorNamesThePackage) {
   write("a.mkv", "whatever");
   const std::string path = getenv("PATH");
   setenv("PATH", "/nowhere", 1);

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "tests/tracker_svc/covered_cap.hpp"
@@ -11,7 +14,7 @@
 namespace lab::tracker::film_tracking_test {
 namespace {
 
-constexpr double kNear = 1e-4;  // [m] what a robot is found to at 640 x 480, many times over
+constexpr double kNear = 1e-4;  // [m] detection error at 640 x 480, with a large margin
 
 struct Bench {
   PaintedFilm film;
@@ -20,7 +23,7 @@ struct Bench {
   CapTracker caps{TrackerSettings{}, {}};
 };
 
-/// Which of the robots that are there is at this pose; -1: none.
+/// Index of the robot at this pose, -1 if none.
 int robotAt(const FilmRow& row, const std::vector<sim::PaintedRobot>& robots) {
   for (std::size_t i = 0; i < robots.size(); ++i) {
     if (std::hypot(row.pose.x - robots[i].x, row.pose.y - robots[i].y) < kNear) {
@@ -30,7 +33,7 @@ int robotAt(const FilmRow& row, const std::vector<sim::PaintedRobot>& robots) {
   return -1;
 }
 
-TEST(FilmTracking, FollowsEveryRobotUnderOneId) {
+TEST(FilmTracking, TracksEveryRobotUnderOneId) {
   Bench bench;
   FilmTracking dut(bench.detector, bench.caps);
   std::map<int, std::set<std::int64_t>> ids;
@@ -56,7 +59,7 @@ TEST(FilmTracking, FollowsEveryRobotUnderOneId) {
   EXPECT_EQ(dut.summary().ids, 3);
 }
 
-TEST(FilmTracking, KeepsIdsOverAFrameThatIsMissing) {
+TEST(FilmTracking, KeepsIdsOverAMissingFrame) {
   Bench bench;
   FilmTracking dut(bench.detector, bench.caps);
 
@@ -71,19 +74,19 @@ TEST(FilmTracking, KeepsIdsOverAFrameThatIsMissing) {
   EXPECT_EQ(dut.summary().rows, 21);
 }
 
-TEST(FilmTracking, TakesStillsThatHaveNothingToDoWithEachOther) {
+TEST(FilmTracking, AcceptsUnrelatedPictures) {
   Bench bench;
   FilmTracking dut(bench.detector, bench.caps);
   const std::vector<std::vector<sim::PaintedRobot>> stills{
       {{0.2, 0.2, 0.5}, {0.6, 0.4, 2}, {1.0, 0.7, -1}},
-      {{0.9, 0.2, -3}, {0.6, 0.4, 2 - std::numbers::pi}},  // one at an old place, turned round
+      {{0.9, 0.2, -3}, {0.6, 0.4, 2 - std::numbers::pi}},  // one at a former place, reversed
       {},
       {{0.3, 0.8, 1}, {0.7, 0.1, 0}, {0.5, 0.5, 3}, {1.1, 0.4, 1}}};
 
   std::int64_t number = 0;
   for (const std::vector<sim::PaintedRobot>& robots : stills) {
     const optics::GreyImage picture = bench.film.paint(robots, number);
-    const std::vector<FilmRow>& rows = dut.take(number, 0, picture.view());  // no times either
+    const std::vector<FilmRow>& rows = dut.take(number, 0, picture.view());  // all times are equal
     ASSERT_EQ(rows.size(), robots.size()) << number;
     for (const FilmRow& row : rows) {
       const int robot = robotAt(row, robots);
@@ -97,7 +100,7 @@ TEST(FilmTracking, TakesStillsThatHaveNothingToDoWithEachOther) {
   EXPECT_EQ(dut.summary().most, 4);
 }
 
-TEST(FilmTracking, TakesNoMoreThanThereAre) {
+TEST(FilmTracking, ReportsAtMostTheGivenNumberOfRobots) {
   Bench bench;
   FilmTracking dut(bench.detector, bench.caps, 2);
   const optics::GreyImage picture = bench.film.frame(0);
@@ -119,7 +122,7 @@ TEST(FilmTracking, MeasuresTheSpacingOfTheCircles) {
   EXPECT_GT(summary.confidence, 0.5);
 }
 
-TEST(FilmTracking, SaysWhatItRefused) {
+TEST(FilmTracking, ReportsRejectedCandidates) {
   Bench bench;
   FilmTracking dut(bench.detector, bench.caps);
   sim::PainterSettings settings = PaintedFilm::settings();
@@ -142,7 +145,7 @@ TEST(FilmTracking, SaysWhatItRefused) {
   EXPECT_TRUE(there);
 }
 
-TEST(FilmTracking, KeepsACapWhoseCircleIsCoveredForAWhile) {
+TEST(FilmTracking, KeepsACapWhileOneCircleIsCovered) {
   Bench bench;
   FilmTracking dut(bench.detector, bench.caps);
   constexpr std::size_t kCovered = 1;
@@ -172,7 +175,7 @@ TEST(FilmTracking, KeepsACapWhoseCircleIsCoveredForAWhile) {
   EXPECT_EQ(dut.summary().degraded, 7);
 }
 
-TEST(FilmTracking, DoesNotBeginWithACapOfOneCircle) {
+TEST(FilmTracking, StartsNoTrackFromOneCircle) {
   Bench bench;
   FilmTracking dut(bench.detector, bench.caps);
   optics::GreyImage picture = bench.film.frame(0);
@@ -183,7 +186,7 @@ TEST(FilmTracking, DoesNotBeginWithACapOfOneCircle) {
   EXPECT_EQ(dut.take(1, 1 / PaintedFilm::kFps, picture.view()).size(), 2U);
 }
 
-TEST(FilmCsv, WritesTheColumnsThatItNames) {
+TEST(FilmCsv, WritesTheColumnsOfItsHeader) {
   FilmRow row;
   row.frame = 12;
   row.id = 3;

@@ -4,7 +4,9 @@
 #include <stb/stb_image.h>
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
+#include <stdexcept>
 
 #include "light/optics/canvas.hpp"
 #include "light/optics/simulated_camera.hpp"
@@ -34,7 +36,7 @@ struct Bench {
     return mark;
   }
 
-  /// Whether a pixel of that kind is within one of where this place of the cap appears.
+  /// Whether a pixel within one of this place of the cap satisfies the predicate.
   [[nodiscard]] bool near(const RgbImage& image, double x, double y,
                           bool (*is)(const std::uint8_t*)) const {
     const optics::Pixel at = camera.project(x, y, cap.height);
@@ -85,7 +87,7 @@ TEST(Overlay, PointsTheArrowForward) {
   EXPECT_FALSE(bench.near(image, 0.6, 0.45 - tip, isGreen));
 }
 
-TEST(Overlay, TellsADegradedPoseByItsColour) {
+TEST(Overlay, DrawsADegradedPoseInItsOwnColour) {
   const Bench bench;
   std::vector marks{bench.mark(0.6, 0.45, 0)};
   marks.front().pose.quality = 0.3F;
@@ -95,7 +97,7 @@ TEST(Overlay, TellsADegradedPoseByItsColour) {
   EXPECT_TRUE(bench.near(image, 0.6, 0.45 + bench.cap.cap_radius, isOrange));
 }
 
-TEST(Overlay, CrossesOutWhatWasRefused) {
+TEST(Overlay, MarksRejectedCandidatesWithACross) {
   const Bench bench;
   const std::vector<detector::Rejection> rejected{
       {{200, 100}, detector::Reason::kSize, 1.8F, 1.2F}};
@@ -107,7 +109,7 @@ TEST(Overlay, CrossesOutWhatWasRefused) {
   EXPECT_EQ(image.at(200, 120)[0], 180);
 }
 
-TEST(Overlay, DrawsOnAShrunkPictureAtTheSamePlaces) {
+TEST(Overlay, DrawsAtTheSamePlacesOnAReducedPicture) {
   const Bench bench;
   const std::vector marks{bench.mark(0.3, 0.6, 0)};
 
@@ -119,7 +121,7 @@ TEST(Overlay, DrawsOnAShrunkPictureAtTheSamePlaces) {
   EXPECT_EQ(image.at(10, 200)[1], 180);
 }
 
-TEST(Overlay, MakesDarkPicturesBrightEnough) {
+TEST(Overlay, BrightensDarkPictures) {
   Bench bench;
   bench.picture = optics::GreyImage(kWidth, kHeight, 12);
 
@@ -134,7 +136,7 @@ TEST(Overlay, SurvivesPosesFarOutside) {
   EXPECT_EQ(bench.draw(marks).width, kWidth);
 }
 
-TEST(Overlay, NamesBoundRobotsAndUnboundTracks) {
+TEST(Overlay, LabelsBoundRobotsAndUnboundTracks) {
   Track bound;
   bound.number = 12;
   bound.robot_id = 3;
@@ -150,7 +152,7 @@ TEST(Overlay, NamesBoundRobotsAndUnboundTracks) {
   EXPECT_FALSE(marks.at(1).seen);
 }
 
-TEST(RejectionText, GivesFoundAndAllowedInPeoplesUnits) {
+TEST(RejectionText, GivesFoundAndAllowedValuesInCentimetres) {
   const std::string spacing = rejectionText({{}, detector::Reason::kSpacing, 0.0391F, 0.0375F});
   const std::string size = rejectionText({{}, detector::Reason::kSize, 1.83F, 1.25F});
   const std::string fit = rejectionText(
@@ -161,7 +163,7 @@ TEST(RejectionText, GivesFoundAndAllowedInPeoplesUnits) {
   EXPECT_EQ(fit, "not dark");
 }
 
-TEST(Canvas, WritesLettersThatDiffer) {
+TEST(Canvas, DrawsDifferentGlyphsForDifferentLetters) {
   RgbImage zero(8, 9);
   RgbImage eight(8, 9);
   RgbImage unknown(8, 9);
@@ -175,7 +177,7 @@ TEST(Canvas, WritesLettersThatDiffer) {
   EXPECT_EQ(unknown.at(3, 3)[0], 0);
 }
 
-TEST(RgbImage, ComesBackFromItsPngToTheBit) {
+TEST(RgbImage, SurvivesPngEncodingBitByBit) {
   RgbImage image(5, 4);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     image.pixels[i] = static_cast<std::uint8_t>(i * 4);
@@ -196,7 +198,7 @@ TEST(RgbImage, ComesBackFromItsPngToTheBit) {
   EXPECT_TRUE(std::equal(image.pixels.begin(), image.pixels.end(), read.get()));
 }
 
-TEST(RgbImage, RefusesToEncodeNothing) {
+TEST(RgbImage, RefusesToEncodeAnEmptyImage) {
   EXPECT_THROW((void)pngBytes({}), std::runtime_error);
   EXPECT_THROW((void)jpegBytes({}), std::runtime_error);
 }

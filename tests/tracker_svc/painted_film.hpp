@@ -1,4 +1,4 @@
-/// A small film of robots that drive circles, painted as a camera would see it.
+/// A short recording of robots driving in circles, painted by the simulated camera.
 #pragma once
 
 #include <cmath>
@@ -17,7 +17,7 @@ class PaintedFilm {
   static constexpr int kHeight = 480;
   static constexpr double kFps = 30;
 
-  /// @param gamma of the grey steps, as optics::Imaging has it
+  /// @param gamma of the grey values, as in optics::Imaging
   explicit PaintedFilm(double gamma = 1) : painter_(settings(gamma)) { setLight(0.8); }
 
   void setLight(double intensity) {
@@ -33,7 +33,7 @@ class PaintedFilm {
     return settings;
   }
 
-  /// Three robots on circles of 8 cm at 10 cm/s, far from each other.
+  /// Three robots on circles of 8 cm radius at 10 cm/s, far apart.
   [[nodiscard]] static std::vector<sim::PaintedRobot> robotsAt(double time) {
     constexpr double kRadius = 0.08;
     constexpr double kSpeed = 0.10;

@@ -29,7 +29,7 @@ ResponseFinder finderOf(const Scene& scene) {
 
 class ResponseOf : public testing::TestWithParam<Seen> {};
 
-TEST_P(ResponseOf, IsToldFromOnePictureOfManyCaps) {
+TEST_P(ResponseOf, IsDeterminedByOnePictureOfManyCaps) {
   const Scene scene = cases::sceneOf(GetParam().kind, 3);
   ResponseFinder finder = finderOf(scene);
   finder.take(cases::paint(scene).view());
@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Seen{"webcam_small", {.rows = 480, .gamma = 2.2, .sharpened = 1, .jpeg = 75}}),
     [](const auto& each) { return std::string(each.param.name); });
 
-TEST(ResponseFinder, SaysNothingWithoutCapsOrWhereAllShowInLittleLight) {
+TEST(ResponseFinder, StaysOpenWithoutCapsOrInDimLightOnly) {
   for (const SceneKind& kind :
        {SceneKind{.robots = 0, .debris = 25, .floor_pairs = 5}, SceneKind{.high = 0.22}}) {
     const Scene scene = cases::sceneOf(kind, 1);
@@ -57,7 +57,7 @@ TEST(ResponseFinder, SaysNothingWithoutCapsOrWhereAllShowInLittleLight) {
     finder.take(cases::paint(scene).view());
     EXPECT_FALSE(finder.gamma());
     EXPECT_FALSE(finder.isSettled());
-    EXPECT_EQ(finder.reason(), "no cap was bright enough to tell");
+    EXPECT_EQ(finder.reason(), "no cap was bright enough to decide");
   }
 }
 
@@ -68,11 +68,11 @@ TEST(ResponseFinder, CountsCapsInAnyLight) {
     finder.take(cases::paint(dim).view());
     EXPECT_EQ(finder.gamma(), gamma);
     EXPECT_FALSE(finder.isSettled());
-    EXPECT_THAT(finder.reason(), HasSubstr(" places caps show only so"));
+    EXPECT_THAT(finder.reason(), HasSubstr(" places caps are found only with it"));
   }
 }
 
-TEST(ResponseFinder, IsSettledByManyPlacesInMuchLight) {
+TEST(ResponseFinder, IsSettledByManyPlacesInBrightLight) {
   const Scene many = cases::sceneOf({}, 1);
   ResponseFinder finder = finderOf(many);
   finder.take(cases::paint(many).view());
@@ -85,8 +85,8 @@ TEST(ResponseFinder, IsSettledByManyPlacesInMuchLight) {
   EXPECT_FALSE(patient.isSettled());
 }
 
-// Where both ways find all, the paint decides: 0.08^(1 / 1.6) and 0.08^(1 / 1.4).
-TEST(ResponseFinder, GoesByThePaintWhereAllCapsShow) {
+// Both assumptions find all caps, so the paint decides: 0.08^(1 / 1.6) and 0.08^(1 / 1.4).
+TEST(ResponseFinder, UsesThePaintIfBothAssumptionsFindAllCaps) {
   for (const auto& [gamma, taken_for] : {std::pair{1.6, 2.2}, std::pair{1.4, 1.0}}) {
     const Scene scene = cases::sceneOf({.robots = 1, .gamma = gamma}, 1);
     ResponseFinder finder = finderOf(scene);
@@ -96,9 +96,9 @@ TEST(ResponseFinder, GoesByThePaintWhereAllCapsShow) {
   }
 }
 
-// Light that the whole cap sends back besides: black paint is grey then, as if it were encoded.
-// Either way may be the better one then.
-TEST(ResponseFinder, TakesTheWayThatFindsMoreInHaze) {
+// Haze over the whole cap makes black paint grey, as gamma encoding does. Either assumption may
+// then fit better.
+TEST(ResponseFinder, InHazeTakesTheAssumptionThatFindsMoreCaps) {
   for (const double haze : {0.1, 0.2}) {
     for (const SceneKind& kind :
          {SceneKind{.shown = SceneLight::kStripes, .low = 0.35, .size = 0.08, .brightness = 0.8},
@@ -122,7 +122,7 @@ TEST(ResponseFinder, TakesTheWayThatFindsMoreInHaze) {
   }
 }
 
-// Whatever a robot that begins under a lamp's reflection looks like, the next places say more.
+// A robot under a reflection gives a wrong first sample; the following places outweigh it.
 TEST(ResponseFinder, IsNotMisledByOneReflection) {
   Scene scene = cases::sceneOf({.robots = 1, .rows = 480}, 1);
   const sim::PaintedRobot first = scene.robots[0];
@@ -145,8 +145,8 @@ TEST(ResponseFinder, IsNotMisledByOneReflection) {
   }
 }
 
-// A film that begins in little light, in which the encoding cannot be told.
-TEST(ResponseFinder, BelievesWhatComesInMoreLight) {
+// A recording that starts in dim light, in which the encoding cannot be determined.
+TEST(ResponseFinder, SamplesInBrighterLightReplaceThoseInDimLight) {
   Scene scene = cases::sceneOf({.gamma = 2.2}, 1);
   ResponseFinder finder = finderOf(scene);
   for (const double intensity : {0.03, 0.3, 1.0}) {

@@ -6,6 +6,7 @@
 #include <fstream>
 #include <lab/service_status_t.hpp>
 #include <numbers>
+#include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
@@ -26,7 +27,7 @@ using testing::SizeIs;
 constexpr std::int64_t kFrame_us = 50'000;
 constexpr std::int64_t kReport_us = 10'000;
 
-/// A camera that shows what the test wants it to.
+/// A camera that delivers the pictures of the test.
 class ScriptedCameras final : public Cameras {
  public:
   [[nodiscard]] std::unique_ptr<FrameSource> open(const std::string& source,
@@ -60,7 +61,7 @@ class ScriptedCameras final : public Cameras {
   };
 };
 
-/// The service before a scripted camera, in virtual time, with robots that the test moves.
+/// The service with a scripted camera, in virtual time, and robots moved by the test.
 class TrackerServiceTest : public testing::Test {
  protected:
   TrackerServiceTest() {
@@ -131,7 +132,7 @@ class TrackerServiceTest : public testing::Test {
     bus.deliver();
   }
 
-  /// Robots drive for one frame at their speeds, say so, and are filmed.
+  /// Moves the robots for one frame, publishes their reports and takes a picture.
   void film(int pictures = 1) {
     for (int i = 0; i < pictures; ++i) {
       const std::int64_t end = loop.now() + kFrame_us;
@@ -148,7 +149,7 @@ class TrackerServiceTest : public testing::Test {
     }
   }
 
-  /// Each robot turns to and fro, the others stand.
+  /// Turns each robot to and fro while the others stand, which identifies it.
   void handshake() {
     for (sim::PaintedRobot& robot : robots) {
       for (const double turn : {2.0, -2.0, 2.0, -2.0, 2.0, -2.0}) {
@@ -169,8 +170,8 @@ class TrackerServiceTest : public testing::Test {
   std::unique_ptr<sim::CameraPainter> painter;
   std::unique_ptr<TrackerService> dut;
   std::vector<sim::PaintedRobot> robots;
-  std::vector<detector::Cover> covers;  ///< that lie over them
-  double gamma = 1;                     ///< of the camera's grey steps
+  std::vector<detector::Cover> covers;  ///< covers over caps
+  double gamma = 1;                     ///< of the camera's grey values
   std::int64_t number = 0;
   std::vector<tracked_frame_t> frames;
   std::vector<tracked_details_t> details;
@@ -180,7 +181,7 @@ class TrackerServiceTest : public testing::Test {
 
 const std::vector<sim::PaintedRobot> kThree = {{0.3, 0.3, 0.5}, {0.7, 0.3, 2.0}, {0.6, 0.65, -1.0}};
 
-TEST_F(TrackerServiceTest, SaysUnknownRobotsUntilEachHasTurned) {
+TEST_F(TrackerServiceTest, PublishesUnidentifiedCapsUntilEachRobotHasTurned) {
   start(kThree);
   film();
   ASSERT_THAT(frames, SizeIs(1));
@@ -211,12 +212,12 @@ TEST_F(TrackerServiceTest, SaysUnknownRobotsUntilEachHasTurned) {
   EXPECT_EQ(statuses.back().unbound, 0);
 }
 
-TEST_F(TrackerServiceTest, KeepsARobotWithOneCircleCoveredAndSaysSo) {
+TEST_F(TrackerServiceTest, KeepsARobotWithOneCoveredCircleAndMarksThePose) {
   start(kThree);
   handshake();
   for (const bool big : {true, false}) {
     covers = {detector::overCircle(robots[1], big)};
-    film(40);  // two searches through the whole picture among them
+    film(40);  // includes two searches of the whole picture
     ASSERT_THAT(frames.back().robots, SizeIs(3));
     const tracked_pose_t& pose = frames.back().robots[1];
     EXPECT_EQ(pose.robot_id, 2);
@@ -241,7 +242,7 @@ TEST_F(TrackerServiceTest, KeepsARobotWithOneCircleCoveredAndSaysSo) {
   EXPECT_EQ(statuses.back().unbindings, 0);
 }
 
-TEST_F(TrackerServiceTest, SaysWhatTheCameraDoes) {
+TEST_F(TrackerServiceTest, ReportsTheStateOfTheCamera) {
   start(kThree);
   cameras.format.pixels = "GREY";
   cameras.format.locked = true;
@@ -260,7 +261,7 @@ TEST_F(TrackerServiceTest, SaysWhatTheCameraDoes) {
   EXPECT_EQ(status.latency_p99, 0);  // virtual time
 }
 
-TEST_F(TrackerServiceTest, ReadsACameraThatEncodesForTheEyeAndSaysSo) {
+TEST_F(TrackerServiceTest, DetectsAndReportsAGammaEncodingCamera) {
   const TemporaryFolder folder;
   CameraCalibration calibration;
   calibration.camera =
@@ -276,7 +277,7 @@ TEST_F(TrackerServiceTest, ReadsACameraThatEncodesForTheEyeAndSaysSo) {
   EXPECT_EQ(statuses.back().pixels, "YUYV, gamma 2.2");
 }
 
-TEST_F(TrackerServiceTest, CountsBlackAndWhitePicturesAndSeesNothingInThem) {
+TEST_F(TrackerServiceTest, CountsBlackAndSaturatedPicturesWithoutDetections) {
   start(kThree);
   film(3);
   frames.clear();
@@ -295,7 +296,7 @@ TEST_F(TrackerServiceTest, CountsBlackAndWhitePicturesAndSeesNothingInThem) {
   EXPECT_THAT(frames.back().unidentified, SizeIs(3));
 }
 
-TEST_F(TrackerServiceTest, SaysWhenTheCameraIsBlindAndWhy) {
+TEST_F(TrackerServiceTest, ReportsABlindCameraAndTheReason) {
   start(kThree);
   film(3);
   const auto blindFor = [this](int pictures, std::uint8_t grey) {
@@ -319,7 +320,7 @@ TEST_F(TrackerServiceTest, SaysWhenTheCameraIsBlindAndWhy) {
                                              HasSubstr("and not at 2 (imaging.black_dn")));
 }
 
-TEST_F(TrackerServiceTest, RefusesPicturesOfAnotherSizeAndGoesOnWhenTheyFit) {
+TEST_F(TrackerServiceTest, RejectsPicturesOfAnotherSizeAndContinuesWhenTheyFit) {
   start(kThree);
   loop.runUntil(loop.now() + kFrame_us);
   show(optics::GreyImage(1280, 720, 100));
@@ -336,7 +337,7 @@ TEST_F(TrackerServiceTest, RefusesPicturesOfAnotherSizeAndGoesOnWhenTheyFit) {
   EXPECT_EQ(heartbeats.back().state, service_status_t::READY);
 }
 
-TEST_F(TrackerServiceTest, SaysThatTheCameraIsGoneAndGoesOnWhenItIsBack) {
+TEST_F(TrackerServiceTest, ReportsALostCameraAndContinuesWhenItIsBack) {
   start(kThree);
   film(3);
   cameras.to.trouble("/dev/video0: unplugged");
@@ -351,7 +352,7 @@ TEST_F(TrackerServiceTest, SaysThatTheCameraIsGoneAndGoesOnWhenItIsBack) {
   EXPECT_THAT(frames, SizeIs(6));
 }
 
-TEST_F(TrackerServiceTest, TheYoungerOfTwoTrackersKeepsSilent) {
+TEST_F(TrackerServiceTest, TheTrackerStartedSecondStaysSilent) {
   start(kThree);
   film(2);
   Node older(bus, loop, {"tracker_svc", 0, 3});
@@ -362,11 +363,11 @@ TEST_F(TrackerServiceTest, TheYoungerOfTwoTrackersKeepsSilent) {
   film(2);
   EXPECT_EQ(frames.size(), said);
   EXPECT_THAT(heartbeats.back().last_error, HasSubstr("another tracker (instance 3)"));
-  film(50);  // the other one is silent
+  film(50);  // the other tracker has stopped
   EXPECT_GT(frames.size(), said);
 }
 
-TEST_F(TrackerServiceTest, TheOlderOfTwoTrackersGoesOn) {
+TEST_F(TrackerServiceTest, TheTrackerStartedFirstContinues) {
   start(kThree);
   film(2);
   Node younger(bus, loop, {"tracker_svc", 0, 9});
@@ -378,7 +379,7 @@ TEST_F(TrackerServiceTest, TheOlderOfTwoTrackersGoesOn) {
   EXPECT_EQ(frames.size(), said + 2);
 }
 
-TEST_F(TrackerServiceTest, AFilmIsAReplayWhoseFirstPictureIsNow) {
+TEST_F(TrackerServiceTest, ARecordingIsAReplayThatStartsNow) {
   experiment.camera.source = "film.mkv";
   cameras.length = 100;
   start(kThree);

@@ -1,4 +1,4 @@
-/// A flat board with a grid of black discs, to show to a camera.
+/// A flat calibration board with a grid of black discs.
 #pragma once
 
 #include <string>
@@ -8,16 +8,16 @@ namespace lab::calibration {
 struct BoardSpec {
   int columns = 9;
   int rows = 6;
-  double spacing = 0.028;  ///< [m] between the centres of neighbours; only its evenness matters
+  double spacing = 0.028;  ///< [m] between neighbouring centres; only its uniformity matters
 
   [[nodiscard]] double discRadius() const { return 0.3 * spacing; }
 };
 
-/// From "9x6,3": columns x rows, spacing in cm.
-/// @throws std::invalid_argument: what was found and what was expected
+/// Parses "9x6,3": columns x rows, spacing in cm.
+/// @throws std::invalid_argument with the value found and the format expected
 [[nodiscard]] BoardSpec boardFrom(const std::string& text);
 
-/// A drawing to print at its own size.
+/// An SVG drawing to print at its own size.
 [[nodiscard]] std::string boardSvg(const BoardSpec& board);
 
 }  // namespace lab::calibration

@@ -1,4 +1,4 @@
-/// What a fitted camera means for positions on the cap plane. Used by camera_fit only.
+/// Errors of positions on the cap plane with a fitted camera. Internal to camera_fit.
 #pragma once
 
 #include <optional>
@@ -9,28 +9,28 @@
 
 namespace lab::calibration {
 
-/// Measured less known spacing of a cap [m]; empty where the camera cannot see it.
+/// Measured minus known spacing of a cap [m]; empty if the camera cannot see it.
 [[nodiscard]] std::optional<double> spacingResidual(const optics::CameraModel& model,
                                                     const optics::CapGeometry& cap,
-                                                    const CapObservation& sight);
+                                                    const CapObservation& observation);
 
-/// Standard deviation of the measured spacing [m] that the sigma of its circles makes.
+/// Standard deviation of the measured spacing [m] from the sigma of its circles.
 [[nodiscard]] std::optional<double> spacingSigma(const optics::CameraModel& model,
                                                  const optics::CapGeometry& cap,
-                                                 const CapObservation& sight);
+                                                 const CapObservation& observation);
 
-/// Standard errors of positions over the arena, for a covariance of the camera's unknowns.
+/// Standard errors of positions over the arena, from the covariance of the camera's unknowns.
 [[nodiscard]] ErrorMap errorMap(const CameraState& state, const Eigen::MatrixXd& covariance,
-                                const CameraObservations& sights);
+                                const CameraObservations& observations);
 
-/// By how much a spacing was missed, and where [m].
+/// Residual of a spacing, and its place [m].
 struct SpacingAt {
   optics::Place place;
   double miss = 0;
 };
 
-/// Fills in the means of the spacings about each place.
+/// Adds the mean spacing residuals around each place.
 void addSpacings(ErrorMap& map, const std::vector<SpacingAt>& spacings,
-                 const CameraObservations& sights);
+                 const CameraObservations& observations);
 
 }  // namespace lab::calibration

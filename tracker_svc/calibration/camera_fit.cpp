@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "light/median.hpp"
 #include "light/optics/bundle_adjustment.hpp"
 #include "tracker_svc/calibration/camera_error_map.hpp"
 #include "tracker_svc/calibration/camera_fit_start.hpp"
@@ -16,12 +17,13 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kRounds = 4;
-constexpr double kOutlying = 5;  // standard deviations
-constexpr double kUnseen = 100;  // standard deviations, of what no camera like this can see
+constexpr double kOutlying = 5;  // [standard deviations]
+// [standard deviations] residual of an observation that is impossible with the camera
+constexpr double kUnseen = 100;
 constexpr double kNormalMedian = 1.4826;
-constexpr double kLeastNoise = 0.1;  // of what was said: no camera is better
+constexpr double kLeastNoise = 0.1;  // smallest noise, in units of the given sigma
 
-// What cameras are like: see camera_fit.hpp.
+// Priors of cameras: see camera_fit.hpp.
 constexpr double kSquare = 0.002;
 constexpr double kMiddle = 0.02;
 constexpr double kTangential = 1e-3;
@@ -35,73 +37,76 @@ std::vector<int> upTo(int end) {
   return all;
 }
 
-std::array<optics::Place, 4> cornersOf(const CameraObservations& sights) {
-  const double w = sights.arena_width;
-  const double h = sights.arena_height;
+std::array<optics::Place, 4> cornersOf(const CameraObservations& observations) {
+  const double w = observations.arena_width;
+  const double h = observations.arena_height;
   return {{{0, 0}, {w, 0}, {w, h}, {0, h}}};
 }
 
-/// Seen less marked [px].
-VectorXd cornerMisses(const CameraObservations& sights, const optics::CameraParameters& camera) {
+/// Observed minus marked [px].
+VectorXd cornerMisses(const CameraObservations& observations,
+                      const optics::CameraParameters& camera) {
   const optics::CameraModel model(camera);
-  const auto places = cornersOf(sights);
+  const auto places = cornersOf(observations);
   VectorXd out(8);
   for (std::size_t i = 0; i < 4; ++i) {
     const optics::Pixel seen = model.project(places[i].x, places[i].y, 0);
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    out[row] = seen.x - sights.corners[i].x;
-    out[row + 1] = seen.y - sights.corners[i].y;
+    out[row] = seen.x - observations.corners[i].x;
+    out[row + 1] = seen.y - observations.corners[i].y;
   }
   return out;
 }
 
-ResidualBlock cornerBlock(const CameraObservations& sights) {
+ResidualBlock cornerBlock(const CameraObservations& observations) {
   return {upTo(kSpacing),
-          [&sights](const CameraState& at) -> VectorXd {
-            return cornerMisses(sights, at.camera) / sights.corner_sigma;
+          [&observations](const CameraState& at) -> VectorXd {
+            return cornerMisses(observations, at.camera) / observations.corner_sigma;
           },
           false};
 }
 
-ResidualBlock priorBlock(const CameraObservations& sights) {
-  const auto residuals = [&sights](const CameraState& at) {
+ResidualBlock priorBlock(const CameraObservations& observations) {
+  const auto residuals = [&observations](const CameraState& at) {
     const optics::CameraParameters& p = at.camera;
-    const double middle = kMiddle * sights.width;
+    const double middle = kMiddle * observations.width;
     VectorXd out(9);
-    out << (p.fy / p.fx - 1) / kSquare, (p.cx - (sights.width - 1) / 2.0) / middle,
-        (p.cy - (sights.height - 1) / 2.0) / middle, p.p1 / kTangential, p.p2 / kTangential,
-        p.k2 / kSecond, p.k3 / (sights.with_k3 ? kSecond : kHeldAtZero), at.spacing / kCapMake,
-        heightResidual(sights, p);
+    out << (p.fy / p.fx - 1) / kSquare, (p.cx - (observations.width - 1) / 2.0) / middle,
+        (p.cy - (observations.height - 1) / 2.0) / middle, p.p1 / kTangential, p.p2 / kTangential,
+        p.k2 / kSecond, p.k3 / (observations.with_k3 ? kSecond : kHeldAtZero),
+        at.spacing / kCapMake, heightResidual(observations, p);
     return out;
   };
   return {upTo(kCameraUnknowns), residuals, false};
 }
 
-/// One cap, and how well its spacing is known if its sigma is right.
+/// One cap, and the standard error of its spacing.
 struct WeighedCap {
-  CapObservation seen;     // the ellipses' centres
-  CapObservation centres;  // the circles'
+  CapObservation seen;     // centres of the ellipses
+  CapObservation centres;  // centres of the circles
   double sigma = 0;        // [m]
 };
 
-ResidualBlock capBlock(const CameraObservations& sights, const std::vector<WeighedCap>& caps,
+ResidualBlock capBlock(const CameraObservations& observations, const std::vector<WeighedCap>& caps,
                        double noise) {
-  const auto residuals = [&sights, &caps, noise](const CameraState& at) {
+  const auto residuals = [&observations, &caps, noise](const CameraState& at) {
     const optics::CameraModel model(at.camera);
     VectorXd out(static_cast<Eigen::Index>(caps.size()));
     for (std::size_t i = 0; i < caps.size(); ++i) {
-      const std::optional<double> miss = spacingResidual(model, sights.cap, caps[i].centres);
+      const std::optional<double> miss = spacingResidual(model, observations.cap, caps[i].centres);
       out[static_cast<Eigen::Index>(i)] =
-          miss ? (*miss - at.spacing * sights.cap.spacing()) / (noise * caps[i].sigma) : kUnseen;
+          miss ? (*miss - at.spacing * observations.cap.spacing()) / (noise * caps[i].sigma)
+               : kUnseen;
     }
     return out;
   };
   return {upTo(kCameraUnknowns), residuals, true};
 }
 
-/// A circle on the plane appears as an ellipse whose centre is not the circle's. In units of the
-/// plane its outline is a circle, moved by R^2/2 e'He for each normal e, H the second derivatives;
-/// the centre that fits best is R^2/8 (trace H_i + 2 sum_k H_k,ki) off. Exact for a pinhole.
+/// A circle on the plane appears as an ellipse whose centre is not the image of the circle's
+/// centre. In units of the plane its outline is a circle, displaced by R^2/2 e'He for each normal
+/// e, with H the second derivatives; the centre of the best fit is displaced by R^2/8 (trace H_i +
+/// 2 sum_k H_k,ki). Exact for a pinhole camera.
 optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, double z,
                          double radius) {
   constexpr double kStep = 0.005;  // [m]
@@ -113,7 +118,7 @@ optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, d
   const auto second = [&](double dx, double dy) {
     const optics::PlaneScale more = model.scaleAt({x + dx, y + dy}, z);
     const optics::PlaneScale less = model.scaleAt({x - dx, y - dy}, z);
-    Eigen::Matrix2d slope;  // d/dx or d/dy of the derivatives, in units of the plane
+    Eigen::Matrix2d slope;  // derivative of the derivatives by x or y, in units of the plane
     slope << more.ux - less.ux, more.uy - less.uy, more.vx - less.vx, more.vy - less.vy;
     return Eigen::Matrix2d(inverse * slope / (2 * kStep));
   };
@@ -125,7 +130,7 @@ optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, d
   return {middle.x + moved[0], middle.y + moved[1]};
 }
 
-/// Seen less expected [px] of every disc of one board.
+/// Observed minus expected [px] of every disc of one board.
 VectorXd boardMisses(const BoardView& board, const CameraState& at, std::size_t index) {
   optics::CameraParameters p = at.camera;
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -163,17 +168,15 @@ ResidualBlock boardBlock(const BoardView& board, std::size_t index, double noise
           true};
 }
 
-/// Standard deviation from the median of the sizes, which a few caps_may_be_replaced do not change;
-/// `freedom` is the share of the numbers that the fit has not used up.
+/// Standard deviation from the median of the absolute residuals, which a few outliers hardly
+/// change. `freedom` is the share of degrees of freedom that the fit leaves.
 double robustSigma(std::vector<double> sizes, double freedom) {
   if (sizes.empty()) return 1;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::ranges::nth_element(sizes, middle);
-  return std::max(kNormalMedian * *middle / std::sqrt(std::max(0.05, freedom)), kLeastNoise);
+  return std::max(kNormalMedian * medianOf(sizes) / std::sqrt(std::max(0.05, freedom)),
+                  kLeastNoise);
 }
 
-/// Where the centre of a circle of a cap appears, from the centre of the ellipse that it appears
-/// as.
+/// The image of a circle's centre, from the centre of its ellipse.
 optics::Pixel circleCentre(const optics::CameraModel& model, const optics::CapGeometry& cap,
                            const optics::Pixel& ellipse, double radius) {
   const auto place = model.toPlane(ellipse, cap.height);
@@ -183,17 +186,19 @@ optics::Pixel circleCentre(const optics::CameraModel& model, const optics::CapGe
   return {ellipse.x - (seen.x - middle.x), ellipse.y - (seen.y - middle.y)};
 }
 
-std::vector<WeighedCap> weighed(const CameraObservations& sights,
+std::vector<WeighedCap> weighed(const CameraObservations& observations,
                                 const optics::CameraParameters& camera,
                                 const std::vector<CapObservation>& caps) {
   const optics::CameraModel model(camera);
   std::vector<WeighedCap> out;
-  for (const CapObservation& sight : caps) {
-    CapObservation centres = sight;
-    centres.big = circleCentre(model, sights.cap, sight.big, sights.cap.big_radius);
-    centres.small = circleCentre(model, sights.cap, sight.small, sights.cap.small_radius);
-    const auto sigma = spacingSigma(model, sights.cap, centres);
-    if (sigma) out.push_back({sight, centres, *sigma});
+  for (const CapObservation& observation : caps) {
+    CapObservation centres = observation;
+    centres.big =
+        circleCentre(model, observations.cap, observation.big, observations.cap.big_radius);
+    centres.small =
+        circleCentre(model, observations.cap, observation.small, observations.cap.small_radius);
+    const auto sigma = spacingSigma(model, observations.cap, centres);
+    if (sigma) out.push_back({observation, centres, *sigma});
   }
   return out;
 }
@@ -203,29 +208,29 @@ double rms(const VectorXd& values) {
                             : std::sqrt(values.squaredNorm() / static_cast<double>(values.size()));
 }
 
-CameraState startFrom(const CameraObservations& sights,
+CameraState startFrom(const CameraObservations& observations,
                       const std::optional<optics::CameraParameters>& start) {
   CameraState state;
-  state.pivot = {sights.arena_width / 2, sights.arena_height / 2, 0};
+  state.pivot = {observations.arena_width / 2, observations.arena_height / 2, 0};
   std::vector<Eigen::Matrix3d> homographies;
-  for (const BoardView& board : sights.boards) {
+  for (const BoardView& board : observations.boards) {
     homographies.push_back(homographyOf(board.points).value_or(Eigen::Matrix3d::Identity()));
   }
   if (start) {
     state.camera = *start;
   } else {
-    state.camera = guessFromCorners(sights);
-    if (const auto focal = focalLengthOf(homographies, sights.width, sights.height)) {
+    state.camera = guessFromCorners(observations);
+    if (const auto focal = focalLengthOf(homographies, observations.width, observations.height)) {
       const double height = optics::CameraModel(state.camera).centre()[2];
       const double ratio = std::clamp(*focal / state.camera.fx, 0.2, 5.0);
-      state.camera = guessFromCorners(sights, ratio * height);
+      state.camera = guessFromCorners(observations, ratio * height);
     }
   }
   for (const Eigen::Matrix3d& h : homographies) state.boards.push_back(boardPose(h, state.camera));
   return state;
 }
 
-/// What was estimated on the way.
+/// Intermediate results.
 struct Fitted {
   CameraSolution solution;
   std::vector<WeighedCap> caps;
@@ -234,47 +239,47 @@ struct Fitted {
   int outlying = 0;
 };
 
-std::vector<ResidualBlock> blocksOf(const CameraObservations& sights, const Fitted& fitted) {
-  std::vector<ResidualBlock> blocks = {cornerBlock(sights), priorBlock(sights)};
-  if (!fitted.caps.empty()) blocks.push_back(capBlock(sights, fitted.caps, fitted.noise));
-  for (std::size_t i = 0; i < sights.boards.size(); ++i) {
-    blocks.push_back(boardBlock(sights.boards[i], i, fitted.board_noise));
+std::vector<ResidualBlock> blocksOf(const CameraObservations& observations, const Fitted& fitted) {
+  std::vector<ResidualBlock> blocks = {cornerBlock(observations), priorBlock(observations)};
+  if (!fitted.caps.empty()) blocks.push_back(capBlock(observations, fitted.caps, fitted.noise));
+  for (std::size_t i = 0; i < observations.boards.size(); ++i) {
+    blocks.push_back(boardBlock(observations.boards[i], i, fitted.board_noise));
   }
   return blocks;
 }
 
-void estimateNoise(const CameraObservations& sights, Fitted& fitted) {
+void estimateNoise(const CameraObservations& observations, Fitted& fitted) {
   const CameraState& state = fitted.solution.state;
   std::vector<double> sizes;
   if (!fitted.caps.empty()) {
-    const VectorXd misses = capBlock(sights, fitted.caps, 1).residuals(state);
+    const VectorXd misses = capBlock(observations, fitted.caps, 1).residuals(state);
     for (const double miss : misses) sizes.push_back(std::abs(miss));
     const auto count = static_cast<double>(sizes.size());
-    fitted.noise = robustSigma(sizes, (count - (sights.boards.empty() ? 9 : 3)) / count);
+    fitted.noise = robustSigma(sizes, (count - (observations.boards.empty() ? 9 : 3)) / count);
   }
   sizes.clear();
-  for (std::size_t i = 0; i < sights.boards.size(); ++i) {
-    const VectorXd misses = boardBlock(sights.boards[i], i, 1).residuals(state);
+  for (std::size_t i = 0; i < observations.boards.size(); ++i) {
+    const VectorXd misses = boardBlock(observations.boards[i], i, 1).residuals(state);
     for (const double miss : misses) sizes.push_back(std::abs(miss));
   }
   const auto count = static_cast<double>(sizes.size());
-  const double used = 8 + 6 * static_cast<double>(sights.boards.size());
+  const double used = 8 + 6 * static_cast<double>(observations.boards.size());
   fitted.board_noise = robustSigma(sizes, (count - used) / count);
 }
 
-Fitted fitAll(const CameraObservations& sights, const CameraState& start) {
+Fitted fitAll(const CameraObservations& observations, const CameraState& start) {
   Fitted fitted;
   fitted.solution.state = start;
-  std::vector<CapObservation> sightings = sights.caps;
-  fitted.noise = 10;  // the first look is a rough one: weights count from afar
+  std::vector<CapObservation> sightings = observations.caps;
+  fitted.noise = 10;  // large noise first: weights then act on large residuals too
   fitted.board_noise = 10;
   for (int round = 0; round < kRounds; ++round) {
-    fitted.caps = weighed(sights, fitted.solution.state.camera, sightings);
-    fitted.solution = solveCamera(blocksOf(sights, fitted), fitted.solution.state);
-    estimateNoise(sights, fitted);
+    fitted.caps = weighed(observations, fitted.solution.state.camera, sightings);
+    fitted.solution = solveCamera(blocksOf(observations, fitted), fitted.solution.state);
+    estimateNoise(observations, fitted);
     if (round + 2 != kRounds || fitted.caps.empty()) continue;
     const VectorXd misses =
-        capBlock(sights, fitted.caps, fitted.noise).residuals(fitted.solution.state);
+        capBlock(observations, fitted.caps, fitted.noise).residuals(fitted.solution.state);
     sightings.clear();
     for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
       if (std::abs(misses[static_cast<Eigen::Index>(i)]) < kOutlying) {
@@ -282,7 +287,7 @@ Fitted fitAll(const CameraObservations& sights, const CameraState& start) {
       }
     }
   }
-  fitted.outlying = static_cast<int>(sights.caps.size() - fitted.caps.size());
+  fitted.outlying = static_cast<int>(observations.caps.size() - fitted.caps.size());
   return fitted;
 }
 
@@ -301,7 +306,7 @@ optics::CameraParameters errorsOf(const Eigen::MatrixXd& covariance) {
   return error;
 }
 
-/// Errors of where the camera stands.
+/// Errors of the camera's position.
 void placeErrors(const CameraState& state, const Eigen::MatrixXd& covariance, CameraFit& fit) {
   ResidualBlock block;
   block.unknowns = upTo(kCameraUnknowns);
@@ -316,32 +321,30 @@ void placeErrors(const CameraState& state, const Eigen::MatrixXd& covariance, Ca
   fit.foot_error = std::sqrt(errors(0, 0) + errors(1, 1));
 }
 
-CameraFit summary(const CameraObservations& sights, const Fitted& fitted) {
+CameraFit summary(const CameraObservations& observations, const Fitted& fitted) {
   const CameraState& state = fitted.solution.state;
   CameraFit fit;
   fit.camera = state.camera;
-  fit.camera.width = sights.width;
-  fit.camera.height = sights.height;
+  fit.camera.width = observations.width;
+  fit.camera.height = observations.height;
   fit.height = optics::CameraModel(state.camera).centre()[2];
   fit.caps = static_cast<int>(fitted.caps.size());
   fit.outlying = fitted.outlying;
-  fit.corner_residual = rms(cornerMisses(sights, state.camera));
+  fit.corner_residual = rms(cornerMisses(observations, state.camera));
   VectorXd misses(0);
   if (!fitted.caps.empty()) {
     std::vector<double> sigmas;
-    misses = capBlock(sights, fitted.caps, 1).residuals(state);
+    misses = capBlock(observations, fitted.caps, 1).residuals(state);
     for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
       misses[static_cast<Eigen::Index>(i)] *= fitted.caps[i].sigma;
       sigmas.push_back(fitted.caps[i].seen.sigma);
     }
-    const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-    std::ranges::nth_element(sigmas, middle);
-    fit.cap_noise = fitted.noise * *middle;
+    fit.cap_noise = fitted.noise * medianOf(sigmas);
     fit.spacing_residual = rms(misses);
   }
   VectorXd all(0);
-  for (std::size_t i = 0; i < sights.boards.size(); ++i) {
-    const VectorXd more = boardMisses(sights.boards[i], state, i);
+  for (std::size_t i = 0; i < observations.boards.size(); ++i) {
+    const VectorXd more = boardMisses(observations.boards[i], state, i);
     VectorXd joined(all.size() + more.size());
     joined << all, more;
     all = joined;
@@ -350,34 +353,34 @@ CameraFit summary(const CameraObservations& sights, const Fitted& fitted) {
   if (!fitted.solution.determined) return fit;
   fit.error = errorsOf(fitted.solution.covariance);
   placeErrors(state, fitted.solution.covariance, fit);
-  fit.map = errorMap(state, fitted.solution.covariance, sights);
+  fit.map = errorMap(state, fitted.solution.covariance, observations);
   std::vector<SpacingAt> spacings;
   const optics::CameraModel model(state.camera);
   for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
-    const CapObservation& sight = fitted.caps[i].centres;
-    const auto place = model.toPlane(sight.big, sights.cap.height);
+    const CapObservation& observation = fitted.caps[i].centres;
+    const auto place = model.toPlane(observation.big, observations.cap.height);
     if (place) spacings.push_back({*place, misses[static_cast<Eigen::Index>(i)]});
   }
-  addSpacings(fit.map, spacings, sights);
+  addSpacings(fit.map, spacings, observations);
   return fit;
 }
 
 }  // namespace
 
-CameraFit fitCamera(const CameraObservations& sights,
+CameraFit fitCamera(const CameraObservations& observations,
                     const std::optional<optics::CameraParameters>& start,
                     const CameraFitLimits& limits) {
   CameraFit fit;
-  fit.refusal = cornerFault(sights.corners, sights.width, sights.height, sights.arena_width,
-                            sights.arena_height);
+  fit.refusal = cornerFault(observations.corners, observations.width, observations.height,
+                            observations.arena_width, observations.arena_height);
   if (!fit.refusal.empty()) return fit;
-  const CameraState begin = startFrom(sights, start);
-  if (sights.boards.empty()) fit.refusal = coverageFault(sights, begin.camera, limits);
+  const CameraState begin = startFrom(observations, start);
+  if (observations.boards.empty()) fit.refusal = coverageFault(observations, begin.camera, limits);
   if (!fit.refusal.empty()) return fit;
-  const Fitted fitted = fitAll(sights, begin);
-  fit = summary(sights, fitted);
+  const Fitted fitted = fitAll(observations, begin);
+  fit = summary(observations, fitted);
   fit.refusal = fitted.solution.determined
-                    ? refusalOf(sights, fit, limits)
+                    ? refusalOf(observations, fit, limits)
                     : "the camera cannot be told from this: more caps over all of the arena, or a "
                       "board in several poses, are needed";
   return fit;

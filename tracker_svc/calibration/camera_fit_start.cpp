@@ -6,7 +6,9 @@
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <string>
 
 namespace lab::calibration {
 namespace {
@@ -22,20 +24,21 @@ double distance(const optics::Pixel& a, const optics::Pixel& b) {
   return std::hypot(b.x - a.x, b.y - a.y);
 }
 
-/// Looking straight down from `height`, turned and shifted so that the corners fit.
-optics::CameraParameters straightDown(const CameraObservations& sights, double height) {
+/// A camera looking straight down from `height`, rotated and shifted to fit the corners.
+optics::CameraParameters straightDown(const CameraObservations& observations, double height) {
   optics::CameraParameters p;
-  p.width = sights.width;
-  p.height = sights.height;
-  p.cx = (sights.width - 1) / 2.0;
-  p.cy = (sights.height - 1) / 2.0;
-  const auto& c = sights.corners;
-  const double scale =
-      (distance(c[0], c[1]) / sights.arena_width + distance(c[1], c[2]) / sights.arena_height +
-       distance(c[2], c[3]) / sights.arena_width + distance(c[3], c[0]) / sights.arena_height) /
-      4;
+  p.width = observations.width;
+  p.height = observations.height;
+  p.cx = (observations.width - 1) / 2.0;
+  p.cy = (observations.height - 1) / 2.0;
+  const auto& c = observations.corners;
+  const double scale = (distance(c[0], c[1]) / observations.arena_width +
+                        distance(c[1], c[2]) / observations.arena_height +
+                        distance(c[2], c[3]) / observations.arena_width +
+                        distance(c[3], c[0]) / observations.arena_height) /
+                       4;
   p.fx = p.fy = scale * height;
-  // The direction of x in the picture, over both long sides; y of the arena is up in it.
+  // Direction of x in the picture, from both long sides; the arena's y points up in the picture.
   const double angle =
       std::atan2(c[1].y - c[0].y + c[2].y - c[3].y, c[1].x - c[0].x + c[2].x - c[3].x);
   const double cosine = std::cos(angle);
@@ -43,8 +46,8 @@ optics::CameraParameters straightDown(const CameraObservations& sights, double h
   p.rotation = {cosine, sine, 0, sine, -cosine, 0, 0, 0, -1};
   const double u = (c[0].x + c[1].x + c[2].x + c[3].x) / 4;
   const double v = (c[0].y + c[1].y + c[2].y + c[3].y) / 4;
-  const double x = sights.arena_width / 2;
-  const double y = sights.arena_height / 2;
+  const double x = observations.arena_width / 2;
+  const double y = observations.arena_height / 2;
   p.translation = {(u - p.cx) / scale - (cosine * x + sine * y),
                    (v - p.cy) / scale - (sine * x - cosine * y), height};
   return p;
@@ -120,8 +123,8 @@ std::optional<Matrix3d> homographyOf(const std::vector<BoardPoint>& points) {
 
 std::optional<double> focalLengthOf(const std::vector<Matrix3d>& homographies, int width,
                                     int height) {
-  // With the principal point taken off, the first two columns of K^-1 H are equally long and at
-  // right angles: two equations for 1 / f^2 each.
+  // With the principal point subtracted, the first two columns of K^-1 H have equal lengths and are
+  // orthogonal: two equations for 1 / f^2 each.
   Matrix3d centred = Matrix3d::Identity();
   centred(0, 2) = -(width - 1) / 2.0;
   centred(1, 2) = -(height - 1) / 2.0;
@@ -149,35 +152,35 @@ BoardPose boardPose(const Matrix3d& homography, const optics::CameraParameters& 
       0, 0, 1;
   Matrix3d h = inverse_k * homography;
   h /= std::sqrt(h.col(0).norm() * h.col(1).norm());
-  if (h(2, 2) < 0) h = -h;  // in front of the camera
+  if (h(2, 2) < 0) h = -h;  // the board is in front of the camera
   Matrix3d rotation;
   rotation << h.col(0), h.col(1), h.col(0).cross(h.col(1));
   const Eigen::JacobiSVD<Matrix3d> svd(rotation, Eigen::ComputeFullU | Eigen::ComputeFullV);
   return {svd.matrixU() * svd.matrixV().transpose(), h.col(2)};
 }
 
-optics::CameraParameters guessFromCorners(const CameraObservations& sights, double camera_height,
-                                          double k1) {
+optics::CameraParameters guessFromCorners(const CameraObservations& observations,
+                                          double camera_height, double k1) {
   if (!(camera_height > 0)) {
-    camera_height = 1.4 * std::max(sights.arena_width, sights.arena_height);
+    camera_height = 1.4 * std::max(observations.arena_width, observations.arena_height);
   }
   CameraState state;
-  state.camera = straightDown(sights, camera_height);
+  state.camera = straightDown(observations, camera_height);
   state.camera.k1 = k1;
-  state.pivot = {sights.arena_width / 2, sights.arena_height / 2, 0};
+  state.pivot = {observations.arena_width / 2, observations.arena_height / 2, 0};
   ResidualBlock corners;
   for (int i = 0; i < kSpacing; ++i) corners.unknowns.push_back(i);
-  corners.residuals = [&sights](const CameraState& at) {
+  corners.residuals = [&observations](const CameraState& at) {
     const optics::CameraModel model(at.camera);
-    const double w = sights.arena_width;
-    const double h = sights.arena_height;
+    const double w = observations.arena_width;
+    const double h = observations.arena_height;
     const std::array<optics::Place, 4> places = {{{0, 0}, {w, 0}, {w, h}, {0, h}}};
     Eigen::VectorXd out(8);
     for (std::size_t i = 0; i < 4; ++i) {
       const optics::Pixel seen = model.project(places[i].x, places[i].y, 0);
       const auto row = 2 * static_cast<Eigen::Index>(i);
-      out[row] = seen.x - sights.corners[i].x;
-      out[row + 1] = seen.y - sights.corners[i].y;
+      out[row] = seen.x - observations.corners[i].x;
+      out[row + 1] = seen.y - observations.corners[i].y;
     }
     return out;
   };

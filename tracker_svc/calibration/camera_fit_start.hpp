@@ -1,4 +1,4 @@
-/// Where the search for a camera begins: homographies of boards (Zhang 2000). Used by camera_fit.
+/// Initial values for the camera fit: homographies of boards (Zhang 2000). Internal to camera_fit.
 #pragma once
 
 #include <Eigen/Core>
@@ -10,11 +10,11 @@
 
 namespace lab::calibration {
 
-/// From places on a board [m, homogeneous] to pixels; distortion goes unseen.
+/// Homography from positions on a board [m] to pixels; ignores distortion.
 [[nodiscard]] std::optional<Eigen::Matrix3d> homographyOf(const std::vector<BoardPoint>& points);
 
-/// Focal length [px] for square pixels with the principal point in the middle, from boards that are
-/// tilted enough; empty where they are not.
+/// Focal length [px] for square pixels with the principal point in the middle; empty unless some
+/// boards are tilted enough.
 [[nodiscard]] std::optional<double> focalLengthOf(const std::vector<Eigen::Matrix3d>& homographies,
                                                   int width, int height);
 

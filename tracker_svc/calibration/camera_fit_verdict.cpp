@@ -7,12 +7,14 @@
 #include <cmath>
 #include <vector>
 
+#include "light/median.hpp"
+
 namespace lab::calibration {
 namespace {
 
-constexpr double kUnsure = 0.06;  // [px] of a circle's centre: usual are 0.005 to 0.03
+constexpr double kUnsure = 0.06;  // [px] error of a circle's centre; usual values are 0.005 to 0.03
 
-/// In words, which ninth of the arena.
+/// Describes one ninth of the arena in words.
 std::string partName(int column, int row) {
   if (column == 1 && row == 1) return "the middle";
   std::string name = row == 0 ? "low y" : row == 2 ? "high y" : "";
@@ -21,18 +23,17 @@ std::string partName(int column, int row) {
   return (column == 1 || row == 1 ? "the side of " : "the corner of ") + name;
 }
 
-/// What makes circles' spacing miss.
-std::string spacingAdvice(const CameraObservations& sights) {
+/// Advice on possible causes of spacing residuals.
+std::string spacingAdvice(const CameraObservations& observations) {
   std::vector<double> sigmas;
-  for (const CapObservation& cap : sights.caps) sigmas.push_back(cap.sigma);
+  for (const CapObservation& cap : observations.caps) sigmas.push_back(cap.sigma);
   if (!sigmas.empty()) {
-    const auto middle = sigmas.begin() + static_cast<std::ptrdiff_t>(sigmas.size() / 2);
-    std::ranges::nth_element(sigmas, middle);
-    if (*middle > kUnsure) {
+    const double typical = medianOf(sigmas);
+    if (typical > kUnsure) {
       return fmt::format(
           "circles are found to {:.2f} px only: more light, a sharper picture, a film "
           "without loss (docs/track.md)",
-          *middle);
+          typical);
     }
   }
   return "is that their spacing, is the picture sharp, are all caps made alike?";
@@ -40,15 +41,16 @@ std::string spacingAdvice(const CameraObservations& sights) {
 
 }  // namespace
 
-double heightResidual(const CameraObservations& sights, const optics::CameraParameters& camera) {
-  if (!sights.camera_height) return 0;
-  return (optics::CameraModel(camera).centre()[2] - *sights.camera_height) /
-         sights.camera_height_sigma;
+double heightResidual(const CameraObservations& observations,
+                      const optics::CameraParameters& camera) {
+  if (!observations.camera_height) return 0;
+  return (optics::CameraModel(camera).centre()[2] - *observations.camera_height) /
+         observations.camera_height_sigma;
 }
 
-std::string coverageFault(const CameraObservations& sights, const optics::CameraParameters& camera,
-                          const CameraFitLimits& limits) {
-  const auto found = static_cast<int>(sights.caps.size());
+std::string coverageFault(const CameraObservations& observations,
+                          const optics::CameraParameters& camera, const CameraFitLimits& limits) {
+  const auto found = static_cast<int>(observations.caps.size());
   if (found < limits.caps) {
     return fmt::format(
         "found {} caps (sightings at places of their own), needed {}: film longer, "
@@ -57,11 +59,11 @@ std::string coverageFault(const CameraObservations& sights, const optics::Camera
   }
   const optics::CameraModel model(camera);
   std::array<int, 9> parts{};
-  for (const CapObservation& sight : sights.caps) {
-    const auto place = model.toPlane(sight.big, sights.cap.height);
+  for (const CapObservation& observation : observations.caps) {
+    const auto place = model.toPlane(observation.big, observations.cap.height);
     if (!place) continue;
-    const int column = std::clamp(static_cast<int>(3 * place->x / sights.arena_width), 0, 2);
-    const int row = std::clamp(static_cast<int>(3 * place->y / sights.arena_height), 0, 2);
+    const int column = std::clamp(static_cast<int>(3 * place->x / observations.arena_width), 0, 2);
+    const int row = std::clamp(static_cast<int>(3 * place->y / observations.arena_height), 0, 2);
     ++parts[static_cast<std::size_t>(3 * row + column)];
   }
   for (int part : {0, 2, 6, 8, 1, 3, 5, 7, 4}) {
@@ -72,14 +74,15 @@ std::string coverageFault(const CameraObservations& sights, const optics::Camera
     return fmt::format(
         "found {} caps in {} (x {:.0f} to {:.0f} cm, y {:.0f} to {:.0f} cm), needed "
         "{}: film robots there too",
-        here, partName(column, row), 100 * sights.arena_width * column / 3,
-        100 * sights.arena_width * (column + 1) / 3, 100 * sights.arena_height * row / 3,
-        100 * sights.arena_height * (row + 1) / 3, limits.caps_in_part);
+        here, partName(column, row), 100 * observations.arena_width * column / 3,
+        100 * observations.arena_width * (column + 1) / 3,
+        100 * observations.arena_height * row / 3, 100 * observations.arena_height * (row + 1) / 3,
+        limits.caps_in_part);
   }
   return {};
 }
 
-std::string refusalOf(const CameraObservations& sights, const CameraFit& fit,
+std::string refusalOf(const CameraObservations& observations, const CameraFit& fit,
                       const CameraFitLimits& limits) {
   const auto seen = static_cast<double>(fit.caps + fit.outlying);
   if (fit.outlying > limits.outlying * seen) {
@@ -88,25 +91,25 @@ std::string refusalOf(const CameraObservations& sights, const CameraFit& fit,
         "and are the corners right?",
         fit.outlying, fit.caps + fit.outlying, 100 * limits.outlying);
   }
-  if (std::abs(heightResidual(sights, fit.camera)) > limits.height_residual) {
+  if (std::abs(heightResidual(observations, fit.camera)) > limits.height_residual) {
     return fmt::format(
         "the camera's height comes out as {:.1f} cm, measured {:.1f}: are the arena's "
         "size, the caps' height and their spacing right?",
-        100 * fit.height, 100 * *sights.camera_height);
+        100 * fit.height, 100 * *observations.camera_height);
   }
-  const double corners = fit.corner_residual / sights.corner_sigma;
+  const double corners = fit.corner_residual / observations.corner_sigma;
   if (corners > limits.corner_residual) {
     return fmt::format(
         "the corners miss by {:.1f} px (rms), allowed {:.1f}: mark the inner corners "
         "at floor height; do they begin at (0, 0), and are --arena-cm and the caps' "
         "height and spacing right?",
-        fit.corner_residual, limits.corner_residual * sights.corner_sigma);
+        fit.corner_residual, limits.corner_residual * observations.corner_sigma);
   }
   if (fit.spacing_residual > limits.spacing_residual) {
     return fmt::format(
         "the circles' spacing misses {:.1f} mm by {:.2f} mm (rms), allowed {:.2f}: {}",
-        1e3 * sights.cap.spacing(), 1e3 * fit.spacing_residual, 1e3 * limits.spacing_residual,
-        spacingAdvice(sights));
+        1e3 * observations.cap.spacing(), 1e3 * fit.spacing_residual, 1e3 * limits.spacing_residual,
+        spacingAdvice(observations));
   }
   if (fit.board_residual > limits.board_residual) {
     return fmt::format(

@@ -1,4 +1,4 @@
-/// Whether a fitted camera is a calibration. Used by camera_fit only.
+/// Decides whether a fitted camera is accepted as a calibration. Internal to camera_fit.
 #pragma once
 
 #include <string>
@@ -7,17 +7,17 @@
 
 namespace lab::calibration {
 
-/// Height of the camera, found less measured, in standard deviations; 0 where nobody measured it.
-[[nodiscard]] double heightResidual(const CameraObservations& sights,
+/// Fitted minus measured height of the camera, in standard deviations; 0 if not measured.
+[[nodiscard]] double heightResidual(const CameraObservations& observations,
                                     const optics::CameraParameters& camera);
 
-/// Why the caps do not say enough, by where they are for a rough camera; empty: they do.
-[[nodiscard]] std::string coverageFault(const CameraObservations& sights,
+/// Why the caps do not cover the arena, using an approximate camera; empty if they do.
+[[nodiscard]] std::string coverageFault(const CameraObservations& observations,
                                         const optics::CameraParameters& camera,
                                         const CameraFitLimits& limits);
 
-/// Why the fit is no calibration, empty: it is one.
-[[nodiscard]] std::string refusalOf(const CameraObservations& sights, const CameraFit& fit,
+/// Why the fit is rejected; empty if it is accepted.
+[[nodiscard]] std::string refusalOf(const CameraObservations& observations, const CameraFit& fit,
                                     const CameraFitLimits& limits);
 
 }  // namespace lab::calibration

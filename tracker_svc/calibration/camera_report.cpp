@@ -13,7 +13,7 @@ constexpr double kCenti = 100;
 
 std::string mapText(const ErrorMap& map) {
   std::string text =
-      "\nstandard error of positions, mm; in parentheses what the caps' spacing misses "
+      "\nstandard error of positions, mm; in parentheses the error of the caps' spacing "
       "there, um (y up, x to the right, cm)\n";
   auto out = std::back_inserter(text);
   for (int row = ErrorMap::kRows - 1; row >= 0; --row) {

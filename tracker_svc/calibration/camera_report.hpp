@@ -1,4 +1,4 @@
-/// What people read about a calibrated camera.
+/// Report of a camera calibration for users.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace lab::calibration {
 
-/// The camera's numbers with their standard errors, the residuals, and the map over the arena: for
-/// each place the standard error of positions [mm] and the mean residual of the spacings [um].
+/// The parameters with standard errors, the residuals, and a map over the arena with the standard
+/// error of positions [mm] and the mean residual of the spacings [um] at each place.
 [[nodiscard]] std::string cameraReport(const CameraFit& fit);
 
 }  // namespace lab::calibration

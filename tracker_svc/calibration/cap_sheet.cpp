@@ -9,25 +9,25 @@
 namespace lab::calibration {
 namespace {
 
-// [mm]
+// Lengths in [mm].
 constexpr double kMilli = 1e3;  // [mm/m]
 constexpr double kWide = 210;
 constexpr double kTall = 297;
-constexpr double kMargin = 10;  // that printers leave white
+constexpr double kMargin = 10;  // printers cannot print closer to the edge
 constexpr double kTickIn = 1.5;
 constexpr double kTickOut = 4;
 constexpr double kBetween = 2 * kTickOut + 2;
 constexpr double kRuler = 100;
-constexpr double kFoot = 15;  // for the ruler and its words
+constexpr double kFoot = 15;  // space for the ruler and its caption
 
-// Thin and grey: what is left of it on a cap is nothing to a camera.
+// Thin and grey: remains of the line on a cap do not disturb the detector.
 constexpr const char* kLine = "stroke=\"#999\" stroke-width=\"0.15\" fill=\"none\"";
 
 int fitting(double room, double pitch) {
   return std::max(1, static_cast<int>(std::floor((room + kBetween) / pitch)));
 }
 
-/// The front is up.
+/// Drawn with the front up.
 std::string capAt(const optics::CapGeometry& cap, double x, double y) {
   std::string svg;
   const auto out = std::back_inserter(svg);
@@ -41,11 +41,12 @@ std::string capAt(const optics::CapGeometry& cap, double x, double y) {
   disc(cap.big_offset, cap.big_radius);
   disc(cap.small_offset, cap.small_radius);
   constexpr int kDirections[4][2] = {{0, -1}, {1, 0}, {0, 1}, {-1, 0}};
-  for (const auto& way : kDirections) {
+  for (const auto& direction : kDirections) {
     const double from = rim - kTickIn;
-    const double to = rim + (way[1] == -1 ? kTickOut : kTickOut / 2);  // the front's is longer
-    fmt::format_to(out, "<path d=\"M{:g} {:g}L{:g} {:g}\" {}/>\n", x + way[0] * from,
-                   y + way[1] * from, x + way[0] * to, y + way[1] * to, kLine);
+    // the front's tick is longer
+    const double to = rim + (direction[1] == -1 ? kTickOut : kTickOut / 2);
+    fmt::format_to(out, "<path d=\"M{:g} {:g}L{:g} {:g}\" {}/>\n", x + direction[0] * from,
+                   y + direction[1] * from, x + direction[0] * to, y + direction[1] * to, kLine);
   }
   return svg;
 }

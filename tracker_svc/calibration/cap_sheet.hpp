@@ -1,4 +1,4 @@
-/// A sheet of caps to print, cut out and put on robots.
+/// A printable sheet of caps to cut out.
 #pragma once
 
 #include <string>
@@ -7,9 +7,9 @@
 
 namespace lab::calibration {
 
-/// A drawing of as many caps as fit on A4, at least one, to print at its own size: the circles, a
-/// line to cut along, ticks at the rim that show the axis and the front, and a length to hold a
-/// ruler against.
+/// An SVG drawing of as many caps as fit on A4, at least one, to print at its own size: the
+/// circles, a cutting line, ticks at the rim that mark the axis and the front, and a scale to check
+/// with a ruler.
 [[nodiscard]] std::string capSheetSvg(const optics::CapGeometry& cap);
 
 }  // namespace lab::calibration

@@ -9,19 +9,19 @@
 namespace lab::calibration {
 namespace {
 
-constexpr double kPlace = 0.10;   // [m] width of a place
-constexpr double kMargin = 0.10;  // [m] around the arena that still has places
-constexpr double kWeakest = 0.3;  // [1, 1/m] how little is known without data
-constexpr double kChi2 = 25;      // 3 degrees of freedom: 1.5e-5
+constexpr double kPlace = 0.10;   // [m] width of a cell
+constexpr double kMargin = 0.10;  // [m] around the arena that still has cells
+constexpr double kWeakest = 0.3;  // [1, 1/m] prior standard deviation
+constexpr double kChi2 = 25;      // with 3 degrees of freedom: probability 1.5e-5
 constexpr double kMisfitChi2 = 25;
-constexpr int kNeeded = 2;            // windows in a row
-constexpr int kLearning = 4;          // windows that are taken as they come
-constexpr double kTiltToSlope = 1.5;  // mean of 2 along the tilt and 1 across it
+constexpr int kNeeded = 2;            // consecutive windows
+constexpr int kLearning = 4;          // windows accepted without a test
+constexpr double kTiltToSlope = 1.5;  // mean over headings: 2 along the tilt and 1 across it
 
 double squared(double value) { return value * value; }
 
-/// chi^2 beyond which windows differ, as the scatter is known from `dof` numbers only: the tail of
-/// the F distribution where that of chi^2 is at kChi2.
+/// Limit on chi^2 when the scatter is estimated with `dof` degrees of freedom: the quantile of the
+/// F distribution with the same tail as chi^2 at kChi2.
 double limitFor(double dof) { return dof * std::expm1(kChi2 / dof); }
 
 }  // namespace
@@ -88,9 +88,11 @@ double SpacingCheck::widening() const {
   return std::max(1.0, chi2 / (3 * (static_cast<double>(first_.size()) - 1)));
 }
 
-/// Positions move by the root of the weighted sum of squares of scale and slopes [m^2].
+/// The rms displacement of positions is the root of the weighted sum of squares of scale and slopes
+/// [m^2].
 SpacingCheck::Vector SpacingCheck::shiftWeights() const {
-  // About the middle: a scale error grows with the distance from it, rms over a rectangle.
+  // Relative to the middle: a scale error displaces in proportion to the distance from it; rms over
+  // a rectangle.
   const double radius2 = (squared(settings_.arena_width) + squared(settings_.arena_height)) / 12;
   const double of_tilt = squared(squared(settings_.camera_height) / kTiltToSlope);
   return {radius2, of_tilt, of_tilt};
@@ -107,7 +109,7 @@ void SpacingCheck::closeWindows(double time) {
   Place middle;
   const Fit fit = fitOf(places_, middle);
   std::ranges::fill(places_, Place{});
-  window_begin_.reset();  // the next one begins with the next cap
+  window_begin_.reset();  // the next window begins with the next cap
   if (middle.weight <= 0) return;
   last_.known = true;
   last_.scale = middle.error / middle.weight;
@@ -116,7 +118,7 @@ void SpacingCheck::closeWindows(double time) {
   take(fit);
 }
 
-/// Against the calibration: what the caps and the calibration itself may be off by comes on top.
+/// Deviation from the calibration, tested with the errors of the caps and of the calibration added.
 bool SpacingCheck::misfits(const Vector& value, const Matrix& covariance,
                            SpacingReport& report) const {
   report.slope_x = value[1];
@@ -145,7 +147,7 @@ SpacingReport SpacingCheck::whole() const {
     dof += 1;
   }
   if (dof < 1) return report;
-  // What is known of the scatter from few places may be too little by far.
+  // A scatter estimated from few cells may be far too small.
   const double wider = std::max(1.0, chi2 / dof) * limitFor(dof) / kChi2;
   report.known = true;
   report.scale = middle.error / middle.weight;
@@ -202,7 +204,7 @@ void SpacingCheck::describe(SpacingReport& report) const {
 SpacingReport SpacingCheck::report(double time) {
   closeWindows(time);
   SpacingReport report = last_;
-  if (!report.known) {  // the first window is not full yet
+  if (!report.known) {  // the first window is not complete yet
     Place middle;
     static_cast<void>(fitOf(places_, middle));
     if (middle.weight > 0) {

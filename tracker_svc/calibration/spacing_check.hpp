@@ -1,5 +1,5 @@
-/// A standing check of a camera's calibration: the two circles of every cap are a known length
-/// apart, in every frame and everywhere in the arena. Numbers in, numbers out.
+/// Monitors a camera calibration while it is in use: the spacing of the two circles of every cap is
+/// known, in every frame and everywhere in the arena. No input or output.
 #pragma once
 
 #include <Eigen/Core>
@@ -14,61 +14,63 @@ struct SpacingSettings {
   double arena_width = 1.20;    ///< [m]
   double arena_height = 0.90;   ///< [m]
   double camera_height = 1.67;  ///< [m] of the camera above the caps
-  double window = 5;            ///< [s] that are compared with what was before
-  double baseline = 120;        ///< [s] of the start that later windows are compared with
-  /// [m] that the spacing may be off at any one place, the same in every frame: the cap's make,
-  /// what the circle fit does there. Frames do not average it away, places do.
+  double window = 5;            ///< [s] length of the windows
+  double baseline = 120;        ///< [s] of initial windows that serve as reference
+  /// [m] systematic error of the spacing at one place, equal in all frames: from the make of the
+  /// caps and from the circle fit. Averages over places but not over frames.
   double place_error = 20e-6;
-  double common_error = 0.001;  ///< [1] that the caps may all be made too wide, or too narrow
-  double uneven_error = 0.001;  ///< [1/m] that the calibration's own error may change by
-  double least_shift = 0.3e-3;  ///< [m] a move that changes positions less (rms) is none
-  double most_shift = 1.5e-3;   ///< [m] a calibration that is off by more (rms) does not fit
+  double common_error = 0.001;  ///< [1] common relative error of the width of all caps
+  double uneven_error = 0.001;  ///< [1/m] slope of the calibration's own scale error
+  /// [m] rms change of positions below which the camera counts as unmoved
+  double least_shift = 0.3e-3;
+  /// [m] rms error of positions above which the calibration is rejected
+  double most_shift = 1.5e-3;
 };
 
-/// What the spacings say of the calibration.
+/// State of the calibration according to the spacings.
 struct SpacingReport {
-  double mean_error = 0;  ///< [m] measured less known spacing, over the last full window
-  double sigma = 0;       ///< [m] standard error of mean_error
-  double scale = 0;       ///< [1] mean_error / spacing: lengths are measured too long by this share
-  double slope_x = 0;     ///< [1/m] how the scale changes along x of the arena
-  double slope_y = 0;     ///< [1/m]
-  double position_error = 0;  ///< [m] rms over the arena that the scale and its slopes stand for,
-                              ///< less what their noise adds to it
+  double mean_error = 0;      ///< [m] measured minus known spacing, over the last complete window
+  double sigma = 0;           ///< [m] standard error of mean_error
+  double scale = 0;           ///< [1] mean_error / spacing: relative error of lengths
+  double slope_x = 0;         ///< [1/m] change of the scale along x of the arena
+  double slope_y = 0;         ///< [1/m]
+  double position_error = 0;  ///< [m] rms over the arena due to the scale and its slopes,
+                              ///< corrected for their noise
   double position_sigma = 0;  ///< [m] standard error of position_error
-  double shift = 0;           ///< [m] the same since the start: of what changed
-  double chi2 = 0;            ///< [1] of the change, 3 degrees of freedom
-  bool known = false;         ///< there was a window with caps in it
-  bool moved = false;         ///< the camera is not where it was at the start
-  bool fits = true;           ///< false: it is not where it was calibrated
-  std::string text;           ///< for people: one line, empty when all is well
+  double shift = 0;           ///< [m] rms change of positions since the start
+  double chi2 = 0;            ///< [1] of that change, with 3 degrees of freedom
+  bool known = false;         ///< whether a window with caps is complete
+  bool moved = false;         ///< the camera has moved since the start
+  bool fits = true;           ///< false: the camera has moved since its calibration
+  std::string text;           ///< one line for users, empty if there is no problem
 };
 
-/// Takes every measured spacing and watches its scale and the slope of it over the arena.
+/// Estimates the scale of measured spacings and its slopes over the arena.
 ///
-/// A camera that goes up or down changes the scale; one that tilts changes the slopes: a tilt of a
-/// moves positions by h a and the scale along x by 1.5 a / h a metre (mean over all headings), h
-/// the height above the caps. Sideways moves and turns about its own axis change no spacing: they
-/// cannot be seen here.
+/// If the camera moves up or down, the scale changes; if it tilts, the slopes change: a tilt of a
+/// displaces positions by h a and changes the scale along x by 1.5 a / h per metre (mean over all
+/// headings), h being the height above the caps. Sideways moves and rotations about the optical
+/// axis change no spacing and cannot be detected here.
 ///
-/// Windows of `window` are fitted by scale + slopes, each over the means of places 10 cm wide, with
-/// `place_error` in each. The windows of the first `baseline` give the reference, and the scatter
-/// among them widens the errors where it is larger than expected. Two windows in a row beyond 1 in
-/// 60,000 (chi^2 of 25 for 3 degrees of freedom, wider while few windows are known) and a shift of
-/// more than `least_shift` make a move: less than one false alarm in a year when errors are normal,
-/// less than one a day when they are half as large again as claimed.
+/// Each window of `window` seconds is fitted by a scale and two slopes, over means of cells 10 cm
+/// wide with an error of `place_error` each. The windows of the first `baseline` seconds are the
+/// reference; their scatter widens the errors if it is larger than expected. The camera counts as
+/// moved after two consecutive windows beyond 1 in 60,000 (chi^2 of 25 with 3 degrees of freedom,
+/// wider while there are few windows) and a shift above `least_shift`: less than one false alarm
+/// per year for normal errors, less than one per day if the errors are 50 % larger than assumed.
 class SpacingCheck {
  public:
   explicit SpacingCheck(const SpacingSettings& settings = {});
 
-  /// A cap was seen at (x, y) [m] with its circles `spacing` [m] apart, sigma [m]. Times [s] may
-  /// not go back. What is not finite or has no sigma is left out.
+  /// Adds a cap at (x, y) [m] with its circles `spacing` [m] apart, standard error sigma [m]. Times
+  /// [s] must not decrease. Values that are not finite and sigmas of 0 are ignored.
   void add(double time, double x, double y, double spacing, double sigma);
 
   [[nodiscard]] SpacingReport report(double time);
 
-  /// What all that was added says, as one window, of a recording: `window` must be longer than it
-  /// is. Errors are widened by the scatter of places about the fit, so that a codec's, which stay
-  /// from frame to frame, are no slope; with three places or fewer nothing is known.
+  /// Evaluates a whole recording as one window: `window` must be longer than the recording. Errors
+  /// are widened by the scatter of cells about the fit, so that codec artefacts, which persist over
+  /// frames, are not taken for slopes; requires more than three cells.
   [[nodiscard]] SpacingReport whole() const;
 
  private:
@@ -77,7 +79,7 @@ class SpacingCheck {
 
   struct Place {
     double weight = 0;  // sum of 1 / sigma^2
-    double error = 0;   // weighted sums: of relative errors, and of where they were taken
+    double error = 0;   // weighted sums of relative errors and of their places
     double x = 0;
     double y = 0;
     [[nodiscard]] Vector slopes() const { return {1, x / weight, y / weight}; }
@@ -101,15 +103,15 @@ class SpacingCheck {
   void describe(SpacingReport& report) const;
 
   SpacingSettings settings_;
-  std::vector<Place> places_;  // of the window that is being filled, row by row
+  std::vector<Place> places_;  // of the current window, row by row
   int columns_ = 1;
   int rows_ = 1;
   std::optional<double> window_begin_;
-  double covered_ = 0;  // [s] in baseline windows
+  double covered_ = 0;  // [s] covered by reference windows
   std::vector<Fit> first_;
   Fit baseline_;
-  int beyond_ = 0;   // windows in a row that differ from the baseline
-  int misfits_ = 0;  // windows in a row that differ from the calibration
+  int beyond_ = 0;   // consecutive windows that differ from the reference
+  int misfits_ = 0;  // consecutive windows that differ from the calibration
   SpacingReport last_;
 };
 

@@ -17,7 +17,7 @@
 namespace lab::cameras {
 namespace {
 
-constexpr int kPipeBytes = 1 << 20;  // the most an ordinary user may ask for
+constexpr int kPipeBytes = 1 << 20;  // the limit for unprivileged users
 
 struct Pipe {
   Pipe() {
@@ -32,10 +32,10 @@ struct Pipe {
   FileDescriptor in;
 };
 
-/// The child between fork and exec: only calls that are safe there.
+/// The child between fork and exec: only async-signal-safe calls.
 [[noreturn]] void become(char* const* arguments, pid_t parent, int output, int errors, int failed) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
-  if (getppid() != parent) _exit(127);  // it died before the line above
+  if (getppid() != parent) _exit(127);  // the parent died before prctl()
   setpgid(0, 0);
   const int nothing = open("/dev/null", O_RDONLY | O_CLOEXEC);
   dup2(nothing, STDIN_FILENO);
@@ -67,7 +67,7 @@ ChildProcess::ChildProcess(const std::vector<std::string>& command, const std::s
   if (pid_ == 0) {
     become(arguments.data(), parent, output.in.get(), errors_.get(), failed.in.get());
   }
-  if (pid_ < 0) throw CameraError(command[0] + ": no new process: " + std::strerror(errno));
+  if (pid_ < 0) throw CameraError(command[0] + ": cannot start a process: " + std::strerror(errno));
   output.in = FileDescriptor();
   failed.in = FileDescriptor();
   int error = 0;
@@ -136,7 +136,7 @@ std::string ChildProcess::errors() const {
   return text;
 }
 
-std::string ChildProcess::complaint() const {
+std::string ChildProcess::lastErrorLine() const {
   std::string text = errors();
   while (!text.empty() && (text.back() == '\n' || text.back() == '\r')) text.pop_back();
   const std::size_t line = text.find_last_of("\r\n");

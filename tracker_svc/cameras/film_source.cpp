@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <optional>
 #include <thread>
 #include <utility>
 
@@ -36,10 +38,10 @@ void decodeAll(FilmReader& film, FrameQueue& feed) {
   feed.push(std::move(end));
 }
 
-/// Shared with its timers and with a call of a handler, which may destroy the source.
+/// Shared with its timers and with a running handler, which may destroy the source.
 class Player : public std::enable_shared_from_this<Player> {
  public:
-  /// @param pace how much longer than in the recording a second takes, 0: as fast as can be
+  /// @param pace factor on the recording's durations, 0: as fast as possible
   Player(AsioLoop& loop, CameraHandlers handlers, double pace)
       : loop_(loop), handlers_(std::move(handlers)), pace_(pace) {}
 
@@ -58,7 +60,7 @@ class Player : public std::enable_shared_from_this<Player> {
   [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
  private:
-  /// Waits for the next item, not for its time: while one is due later nothing is watched.
+  /// Waits for the next item to arrive. Not active while an item waits for its time.
   void listen() {
     watch_ = loop_.watch(feed_.descriptor(), [this] {
       const std::shared_ptr<Player> alive = shared_from_this();
@@ -84,7 +86,8 @@ class Player : public std::enable_shared_from_this<Player> {
     });
   }
 
-  /// [us] from now. A film that is a bit late catches up; a very late one goes on from now.
+  /// [us] until the item is due. A slightly late recording catches up; a very late one continues
+  /// from now.
   std::int64_t dueAfter(const FrameQueue::Item& item) {
     if (pace_ <= 0 || item.kind != Kind::kFrame) return 0;
     const auto offset = std::llround(static_cast<double>(item.utime) * pace_);
@@ -140,7 +143,7 @@ class FilmSource final : public FrameSource {
   [[nodiscard]] std::int64_t length() const override { return length_; }
 
  private:
-  std::unique_ptr<FilmReader> film_;  ///< of the player's thread, once it runs
+  std::unique_ptr<FilmReader> film_;  ///< used by the player's thread while it runs
   CameraFormat format_;
   std::int64_t length_;
   std::shared_ptr<Player> player_;
@@ -153,9 +156,9 @@ void checkSize(const std::string& source, const CameraFormat& wanted, const Came
                     (wanted.height == 0 || wanted.height == found.height);
   if (fits) return;
   throw CameraError(source + ": found " + std::to_string(found.width) + " x " +
-                    std::to_string(found.height) + " pixels, wanted are " +
+                    std::to_string(found.height) + " pixels, wanted " +
                     std::to_string(wanted.width) + " x " + std::to_string(wanted.height) +
-                    "; set width_px and height_px of [camera] to what it has");
+                    "; set width_px and height_px of [camera] to its size");
 }
 
 std::unique_ptr<FrameSource> openFilm(AsioLoop& loop, const std::string& source,

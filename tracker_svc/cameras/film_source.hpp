@@ -1,4 +1,4 @@
-/// Recordings and network cameras as sources of a live lab.
+/// Recordings as sources of a live lab.
 #pragma once
 
 #include <memory>
@@ -9,24 +9,14 @@
 
 namespace lab::cameras {
 
-/// Plays a recording on the loop, decoded by a thread of its own. No frame is lost: a reader that
-/// is slow makes it late. `wanted.fps` as in CameraDevices.
-/// @throws CameraError as FilmReader::open(), and when its size is not the one wanted.
+/// Plays a recording on the loop, decoded in a separate thread. No frame is dropped: a slow
+/// consumer delays the playback. `wanted.fps` as in CameraDevices.
+/// @throws CameraError as FilmReader::open(), and if its size is not the wanted one
 [[nodiscard]] std::unique_ptr<FrameSource> openFilm(AsioLoop& loop, const std::string& source,
                                                     const CameraFormat& wanted,
                                                     CameraHandlers handlers);
 
-/// A camera behind an address ("rtsp://...", "http://...") that ffmpeg reads, or behind a GStreamer
-/// pipeline ("gst:aravissrc ! ..."). When it ends it is begun anew each second.
-/// @throws CameraError when it cannot be reached now, when its size is not the one wanted.
-[[nodiscard]] std::unique_ptr<FrameSource> openStream(AsioLoop& loop, const std::string& source,
-                                                      const CameraFormat& wanted,
-                                                      CameraHandlers handlers);
-
-/// Whether openStream() is for this source.
-[[nodiscard]] bool isStreamSource(const std::string& source);
-
-/// @throws CameraError unless the size is the one wanted, where one is wanted.
+/// @throws CameraError if a size is wanted and it differs
 void checkSize(const std::string& source, const CameraFormat& wanted, const CameraFormat& found);
 
 }  // namespace lab::cameras

@@ -12,7 +12,7 @@
 namespace lab::cameras {
 
 FrameQueue::FrameQueue() : ready_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (ready_.get() < 0) throw CameraError("no event descriptor to be had");
+  if (ready_.get() < 0) throw CameraError("no event descriptor available");
 }
 
 bool FrameQueue::push(Item item) {

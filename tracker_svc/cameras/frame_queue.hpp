@@ -1,4 +1,4 @@
-/// From a thread that waits for frames to the loop that handles them.
+/// Queue from a thread that waits for frames to the loop that handles them.
 #pragma once
 
 #include <condition_variable>
@@ -8,44 +8,44 @@
 #include <optional>
 #include <string>
 
-#include "common/serial/serial_line.hpp"
+#include "common/process/file_descriptor.hpp"
 #include "light/optics/grey_image.hpp"
 
 namespace lab::cameras {
 
-/// A short queue. Its descriptor is readable while something waits in it.
+/// A short queue. Its descriptor is readable while it is not empty.
 class FrameQueue {
  public:
-  /// One of the three: a frame, a change of the trouble, the end.
+  /// A frame, a change of the error text, or the end.
   struct Item {
     enum class Kind { kFrame, kTrouble, kEnd };
     Kind kind = Kind::kFrame;
     std::int64_t number = 0;
     std::int64_t utime = 0;
-    std::int64_t dropped = 0;  ///< by the recording, so far
+    std::int64_t dropped = 0;  ///< total dropped by the recording so far
     optics::GreyImage image;
     std::string text;
   };
 
-  /// @throws CameraError when the system has no descriptor for it.
+  /// @throws CameraError if the system has no free descriptor
   FrameQueue();
 
-  /// So many frames may wait.
+  /// Maximum number of waiting frames.
   static constexpr std::size_t kCapacity = 4;
 
-  /// Adds an item, waiting for room. @return false: the feed is closed, the thread should end.
+  /// Adds an item; blocks while full. @return false if the queue is closed: the thread should end
   bool push(Item item);
 
-  /// Adds a frame in place of the oldest when there is no room. @return as push()
+  /// Adds a frame, replacing the oldest if full. @return as push()
   bool pushDroppingOldest(Item item);
 
-  /// An image to fill for the next item, with the memory of one that was taken back.
+  /// An image to fill for the next item; reuses the memory of a consumed one.
   [[nodiscard]] optics::GreyImage blank(int width, int height);
 
-  /// Waits, unless the feed is closed before. @return whether it is still open.
+  /// Sleeps, unless the queue is closed before. @return whether it is still open
   bool pause(std::int64_t microseconds);
 
-  /// Ends all waiting of the thread.
+  /// Wakes the thread from all waits.
   void close();
 
   [[nodiscard]] bool isOpen();
@@ -54,7 +54,7 @@ class FrameQueue {
   void recycle(optics::GreyImage image);
 
  private:
-  bool add(Item item);  // under the lock, as pop() clears the event under it
+  bool add(Item item);  // under the lock: pop() clears the event under the same lock
 
   FileDescriptor ready_;
   std::mutex mutex_;

@@ -14,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";  // as spreadsheets begin their tables
+// spreadsheets write it at the start of tables
+constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 constexpr const char* kBlanks = " \t\r";
 
 std::vector<std::string> split(const std::string& line) {
@@ -77,7 +78,8 @@ double FrameTable::value(const std::vector<std::string>& cells, std::size_t inde
 }
 
 void FrameTable::add(const std::vector<std::string>& cells) {
-  constexpr double kMost = 1e11;  // seconds are three thousand years, and frames more than any film
+  // limit: three thousand years in seconds, more frames than any recording
+  constexpr double kMost = 1e11;
   const double number = value(cells, frame_, "frame");
   const double time = value(cells, time_, "t_s");
   if (number != std::floor(number)) fail("frame: found a fraction, expected a whole number");
@@ -86,7 +88,7 @@ void FrameTable::add(const std::vector<std::string>& cells) {
   }
   const auto frame = static_cast<std::int64_t>(number);
   if (!times_.empty() && !(frame > times_.rbegin()->first && time > times_.rbegin()->second)) {
-    fail("frame and t_s must grow from row to row");
+    fail("frame and t_s must increase from row to row");
   }
   times_[frame] = time;
 }

@@ -1,4 +1,4 @@
-/// When the pictures of a folder were taken.
+/// Time stamps of the pictures in a folder.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,15 @@
 
 namespace lab::cameras {
 
-/// Times in seconds by frame number, from a table with columns frame and t_s among others, as
-/// spreadsheets write it too.
+/// Times in seconds by frame number, from a CSV table with the columns frame and t_s, possibly
+/// among others and possibly written by a spreadsheet.
 class FrameTable {
  public:
-  /// @throws CameraError with file and line: empty, columns missing, no number, numbers or times
-  /// that
-  ///   do not grow
+  /// @throws CameraError with file and line if it is empty, columns are missing, a value is no
+  ///   number, or numbers or times do not increase
   explicit FrameTable(const std::filesystem::path& file);
 
-  /// @throws CameraError: the table has no such frame
+  /// @throws CameraError if the table has no such frame
   [[nodiscard]] double at(std::int64_t frame, const std::filesystem::path& picture) const;
 
  private:

@@ -1,4 +1,4 @@
-/// Colour and deep grey to the 8-bit grey that the tracker reads.
+/// Conversion of colour to the 8-bit grey that the tracker reads.
 #pragma once
 
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace lab::cameras {
 
-/// (R + 2 G + B) / 4, rounded: as a Bayer sensor counts its pixels, and the same for every source.
+/// (R + 2 G + B) / 4, rounded: the weights of a Bayer sensor, the same for every source.
 [[nodiscard]] constexpr std::uint8_t greyOf(unsigned red, unsigned green, unsigned blue) {
   return static_cast<std::uint8_t>((red + 2 * green + blue + 2) / 4);
 }

@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
+#include <span>
 #include <utility>
 
+#include "light/median.hpp"
 #include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/grey.hpp"
 
@@ -18,11 +21,11 @@ using nlohmann::json;
 
 bool isAddress(const std::string& source) { return source.find("://") != std::string::npos; }
 
-/// The words that name the input: a file is never taken for an option or a protocol.
+/// The arguments that name the input; a file name cannot be taken for an option or a protocol.
 std::vector<std::string> inputOf(const std::string& source) {
   if (!isAddress(source)) return {"-i", "file:" + source};
   std::vector<std::string> words;
-  // Five seconds of silence are a dead camera [us]; pictures at once instead of smooth playback.
+  // Timeout of 5 s for a dead camera [us]; low latency instead of smooth playback.
   if (source.starts_with("rtsp://")) words = {"-rtsp_transport", "tcp", "-timeout", "5000000"};
   if (source.starts_with("http")) words = {"-rw_timeout", "5000000"};
   for (const char* word : {"-fflags", "nobuffer", "-flags", "low_delay", "-i"}) {
@@ -37,7 +40,7 @@ std::string textOf(const json& object, const char* key) {
   return entry != object.end() && entry->is_string() ? entry->get<std::string>() : "";
 }
 
-/// "30000/1001" as a number.
+/// Parses "30000/1001".
 double ratio(const std::string& text) {
   const std::size_t slash = text.find('/');
   const double above = std::atof(text.c_str());
@@ -45,12 +48,13 @@ double ratio(const std::string& text) {
   return below > 0 && above > 0 ? above / below : 0;
 }
 
-/// Presentation times of the packets in order [us since the first]. A packet without one (AVI) has
-/// its decoding time instead.
+/// Presentation times of the packets in order [us since the first]; the decoding time for packets
+/// without one (AVI).
 std::vector<std::int64_t> timesOf(const json& packets) {
   std::vector<double> times;
   for (const json& packet : packets) {
-    if (textOf(packet, "flags").find('D') != std::string::npos) continue;  // decoded, never shown
+    if (textOf(packet, "flags").find('D') != std::string::npos)
+      continue;  // decoded but not displayed
     const std::string shown = textOf(packet, "pts_time");
     times.push_back(std::atof((shown.empty() ? textOf(packet, "dts_time") : shown).c_str()));
   }
@@ -61,7 +65,7 @@ std::vector<std::int64_t> timesOf(const json& packets) {
   return utimes;
 }
 
-/// Of the codecs that people film with, those that lose nothing.
+/// Lossless codecs in common use.
 bool losesNothing(const std::string& codec) {
   constexpr std::array kWhole{"ffv1",     "rawvideo", "huffyuv", "ffvhuff", "utvideo",
                               "magicyuv", "png",      "qtrle",   "bmp",     "tiff"};
@@ -125,22 +129,21 @@ class MovieReader final : public FilmReader {
  private:
   [[nodiscard]] std::int64_t utime(std::int64_t number) const {
     if (number < length()) return facts_.utimes[static_cast<std::size_t>(number)];
-    // A frame more than there were packets: at the usual rate behind the last one.
+    // More frames than packets: extrapolates at the usual rate.
     const std::int64_t last = facts_.utimes.empty() ? 0 : facts_.utimes.back();
     const auto more = static_cast<double>(number - length() + 1);
     return last + std::llround(more * 1e6 / (facts_.fps > 0 ? facts_.fps : 30));
   }
 
-  /// The median, or the mean that the file states where they agree: MKV keeps whole milliseconds.
+  /// From the median period; or the mean rate of the file if they agree, since MKV stores whole
+  /// milliseconds.
   [[nodiscard]] double usualRate() const {
     std::vector<std::int64_t> steps;
     for (std::size_t i = 1; i < facts_.utimes.size(); ++i) {
       steps.push_back(facts_.utimes[i] - facts_.utimes[i - 1]);
     }
     if (steps.empty()) return facts_.fps;
-    const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-    std::nth_element(steps.begin(), middle, steps.end());
-    const auto median = static_cast<double>(*middle);
+    const auto median = static_cast<double>(medianOf(steps));
     constexpr double kRounding_us = 1000;
     const bool agree = facts_.fps > 0 && std::abs(median - 1e6 / facts_.fps) <= kRounding_us;
     return agree || median <= 0 ? facts_.fps : 1e6 / median;
@@ -148,23 +151,23 @@ class MovieReader final : public FilmReader {
 
   [[nodiscard]] std::string whatWentWrong(int status) const {
     const std::int64_t expected = std::max(length(), facts_.claimed - facts_.never_shown);
-    const std::string complaint =
-        decoder_.complaint().empty() ? facts_.complaint : decoder_.complaint();
-    const std::string why = complaint.empty() ? "" : " (ffmpeg: " + complaint + ")";
+    const std::string error_line =
+        decoder_.lastErrorLine().empty() ? facts_.warning : decoder_.lastErrorLine();
+    const std::string why = error_line.empty() ? "" : " (ffmpeg: " + error_line + ")";
     if (count_ < expected) {
       return source_ + ": ends early or is damaged: " + std::to_string(count_) + " of " +
              shownNumber(expected, "frame") +
-             " could be read; where one is missing inside, those " +
-             "behind it have its number and time" + why;
+             " could be read; if one is missing inside, the frames " +
+             "after it have its number and time" + why;
     }
-    if (status != 0 || !facts_.complaint.empty()) {
+    if (status != 0 || !facts_.warning.empty()) {
       return source_ + ": " + shownNumber(count_, "frame") + " could be read, then it broke off" +
              why;
     }
-    if (!complaint.empty()) {
+    if (!error_line.empty()) {
       return source_ +
-             ": all frames could be read, but ffmpeg found fault with some, in which caps " +
-             "may stand where they were before" + why;
+             ": all frames could be read, but ffmpeg reported errors in some, in which caps " +
+             "may be shown at earlier places" + why;
     }
     return {};
   }
@@ -182,11 +185,11 @@ class MovieReader final : public FilmReader {
 [[noreturn]] void noMovie(const std::string& source, std::string why, const char* hint = "") {
   const std::size_t itself = why.find(source + ": ");
   if (itself != std::string::npos) why = why.substr(itself + source.size() + 2);
-  throw CameraError(source + ": is no movie that ffmpeg can read" +
+  throw CameraError(source + ": is not a movie that ffmpeg can read" +
                     (why.empty() ? "" : " (" + why + ")") + hint);
 }
 
-/// What to do about an MP4 whose recording was cut off.
+/// Advice for an MP4 whose recording was interrupted.
 const char* hintFor(const std::string& errors) {
   return errors.find("moov atom not found") == std::string::npos
              ? ""
@@ -218,7 +221,7 @@ MovieInfo probeMovie(const std::string& source, bool packets) {
   const int status = probe.finish();
   const json facts = json::parse(answer, nullptr, false);
   if (status != 0 || !facts.is_object()) {
-    noMovie(source, probe.complaint(), hintFor(probe.errors()));
+    noMovie(source, probe.lastErrorLine(), hintFor(probe.errors()));
   }
   const auto streams = facts.find("streams");
   if (streams == facts.end() || streams->empty()) noMovie(source, "it has no pictures");
@@ -229,7 +232,7 @@ MovieInfo probeMovie(const std::string& source, bool packets) {
   found.fps = ratio(textOf(stream, "avg_frame_rate"));
   const std::string codec = textOf(stream, "codec_name");
   const std::string pixels = textOf(stream, "pix_fmt");
-  if (codec == "ansi" || codec == "bintext") noMovie(source, "it is a text");
+  if (codec == "ansi" || codec == "bintext") noMovie(source, "it is a text file");
   if (found.width <= 0 || found.height <= 0) noMovie(source, "its pictures have no size");
   found.pixels = pixels + " (" + codec + ")";
   found.compressed = !losesNothing(codec);
@@ -243,7 +246,7 @@ MovieInfo probeMovie(const std::string& source, bool packets) {
     found.utimes = timesOf(listed);
     found.never_shown = static_cast<std::int64_t>(listed.size() - found.utimes.size());
   }
-  found.complaint = probe.complaint();
+  found.warning = probe.lastErrorLine();
   return found;
 }
 

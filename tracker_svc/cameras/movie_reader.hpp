@@ -1,6 +1,7 @@
 /// Movies, read by the program ffmpeg as a child process.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -9,26 +10,28 @@
 
 namespace lab::cameras {
 
-/// What ffprobe says of a movie or a network camera.
+/// Result of ffprobe for a movie or a network camera.
 struct MovieInfo {
   int width = 0;
   int height = 0;
-  double fps = 0;                    ///< [1/s] mean rate as the file claims it, 0: not known
-  std::string pixels;                ///< "gray (ffv1)"
-  bool compressed = false;           ///< as CameraFormat has it
-  bool grey = false;                 ///< one channel: needs no mixing
-  int rotation = 0;                  ///< [deg] by which players turn it
-  std::int64_t claimed = 0;          ///< frames by the file's own header, 0: it does not say
-  std::int64_t never_shown = 0;      ///< of them, as in a film that was cut without decoding it
+  double fps = 0;            ///< [1/s] mean rate stated by the file, 0 if unknown
+  std::string pixels;        ///< "gray (ffv1)"
+  bool compressed = false;   ///< as in CameraFormat
+  bool grey = false;         ///< one channel: needs no conversion
+  int rotation = 0;          ///< [deg] rotation applied by players
+  std::int64_t claimed = 0;  ///< number of frames in the file's header, 0 if not stated
+  /// number of those that are not displayed, as in a movie cut without re-encoding
+  std::int64_t never_shown = 0;
   std::vector<std::int64_t> utimes;  ///< [us] of each frame since the first, in order
-  std::string complaint;             ///< what ffprobe found wrong on the way
+  std::string warning;               ///< a problem that ffprobe reported
 };
 
-/// Asks ffprobe. @param packets whether to go through the whole file for the times of its frames
-/// @throws CameraError: no such file, no movie, no ffprobe.
+/// Runs ffprobe.
+/// @param packets read the whole file for the times of its frames
+/// @throws CameraError if there is no such file, it is no movie, or ffprobe is missing
 [[nodiscard]] MovieInfo probeMovie(const std::string& source, bool packets);
 
-/// The command that decodes it to grey bytes or RGB on its output, every frame once.
+/// The command that decodes every frame once, to grey or RGB bytes on its output.
 [[nodiscard]] std::vector<std::string> decodeCommand(const std::string& source, bool grey);
 
 /// @throws CameraError as FilmReader::open()

@@ -8,12 +8,14 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <map>
 #include <regex>
 #include <string_view>
 #include <utility>
 
+#include "light/median.hpp"
 #include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/frame_table.hpp"
 #include "tracker_svc/cameras/grey.hpp"
@@ -44,7 +46,8 @@ bool isPattern(const std::string& source) {
   return source.find_first_of("*?[") != std::string::npos;
 }
 
-/// What else is there that people call pictures: " but 8 .tif; ..." with a way out; empty: nothing.
+/// Lists other picture formats in the folder, with advice: " but 8 .tif; ..."; empty if there are
+/// none.
 std::string othersIn(const std::string& folder) {
   constexpr std::array kOthers{".tif", ".tiff", ".webp", ".gif", ".heic", ".jp2", ".exr"};
   std::map<std::string, int> counts;
@@ -58,16 +61,16 @@ std::string othersIn(const std::string& folder) {
   const auto most =
       std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
   return ", but " + std::to_string(most->second) + " of " + most->first +
-         "; ffmpeg makes PNG of them (ffmpeg -i f%04d" + most->first + " f%04d.png)";
+         "; convert them to PNG with ffmpeg (ffmpeg -i f%04d" + most->first + " f%04d.png)";
 }
 
-/// "f%04d.png", as ffmpeg writes patterns, becomes "f*.png".
+/// Converts a pattern in ffmpeg's style, "f%04d.png", to "f*.png".
 std::string withoutPercent(const std::string& source) {
   static const std::regex kNumber("%0?[0-9]*d");
   return std::regex_replace(source, kNumber, "*");
 }
 
-/// A folder that is there is named as it is, even with signs of patterns in it.
+/// Escapes pattern characters in the name of an existing folder.
 std::string withFolderAsItIs(const std::string& pattern) {
   const fs::path folder = fs::path(pattern).parent_path();
   std::error_code error;
@@ -80,7 +83,7 @@ std::string withFolderAsItIs(const std::string& pattern) {
   return out + '/' + fs::path(pattern).filename().string();
 }
 
-/// Runs of digits compare as numbers.
+/// Compares runs of digits as numbers.
 bool naturallyBefore(const std::string& a, const std::string& b) {
   const auto digit = [](char letter) { return std::isdigit(static_cast<unsigned char>(letter)); };
   std::size_t i = 0;
@@ -131,7 +134,7 @@ std::vector<fs::path> listed(const std::string& source) {
   return found;
 }
 
-/// The last run of digits in a name.
+/// The last number in a name.
 std::optional<std::int64_t> numberIn(const fs::path& path) {
   const std::string name = path.stem().string();
   const std::size_t last = name.find_last_of("0123456789");
@@ -144,7 +147,7 @@ std::optional<std::int64_t> numberIn(const fs::path& path) {
   return number;
 }
 
-/// The numbers in the names if these count upwards, else the positions.
+/// Numbers the pictures by their names if these increase, else by position.
 void number(std::vector<PictureFile>& pictures) {
   std::int64_t before = -1;
   bool counts = true;
@@ -158,7 +161,7 @@ void number(std::vector<PictureFile>& pictures) {
   for (PictureFile& picture : pictures) picture.number = position++;
 }
 
-/// @return the median step [us], 0: no times
+/// @return the median period [us], 0 without times
 std::int64_t addTimes(std::vector<PictureFile>& pictures) {
   const fs::path table = pictures.front().path.parent_path() / kTable;
   std::error_code error;
@@ -174,12 +177,10 @@ std::int64_t addTimes(std::vector<PictureFile>& pictures) {
     before = *picture.utime;
   }
   if (steps.empty()) return 0;
-  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle;
+  return medianOf(steps);
 }
 
-/// A decoded picture, or why there is none.
+/// A decoded picture, or the reason why there is none.
 struct Decoded {
   optics::GreyImage image;
   bool jpeg = false;
@@ -193,7 +194,7 @@ Decoded decode(const fs::path& path) {
   int height = 0;
   const std::string name = path.string();
   if (stbi_info(name.c_str(), &width, &height, &result.channels) == 0) {
-    result.error = name + ": is no picture of a known format (PNG, JPEG, BMP, PGM, TGA)";
+    result.error = name + ": is not a picture of a known format (PNG, JPEG, BMP, PGM, TGA)";
     return result;
   }
   const int wanted = result.channels >= 3 ? 3 : 1;
@@ -212,7 +213,7 @@ Decoded decode(const fs::path& path) {
   return result;
 }
 
-/// By what a JPEG is to be turned or mirrored; 1 is upright.
+/// The EXIF orientation of a JPEG; 1 is upright.
 std::string markOf(const fs::path& picture) {
   if (!endingOf(picture).starts_with(".jp")) return "";
   try {
@@ -223,7 +224,7 @@ std::string markOf(const fs::path& picture) {
     static_cast<void>(probe.finish());
     return orientation > 1 ? "EXIF orientation " + std::to_string(orientation) : "";
   } catch (const CameraError&) {
-    return "";  // without ffprobe it is not known; pictures need no ffmpeg
+    return "";  // unknown without ffprobe, which pictures do not require
   }
 }
 
@@ -268,8 +269,8 @@ class PictureReader final : public FilmReader {
   }
 
  private:
-  /// What the others are held against.
-  /// @throws CameraError, of the first picture, where none can be read
+  /// The reference for size and type.
+  /// @throws CameraError with the first picture's problem if none can be read
   [[nodiscard]] Decoded firstWhole() const {
     std::string error;
     for (const PictureFile& picture : pictures_) {
@@ -286,7 +287,7 @@ class PictureReader final : public FilmReader {
     return std::llround(steps * assumed_us_);
   }
 
-  /// Counts those that are not, and keeps what is wrong with the first of them.
+  /// Counts unusable pictures, and keeps the problem of the first.
   bool isUsable(const Decoded& decoded, const fs::path& path) {
     std::string error = decoded.error;
     if (error.empty() &&
@@ -294,14 +295,15 @@ class PictureReader final : public FilmReader {
       error = path.string() + ": found " + std::to_string(decoded.image.width) + " x " +
               std::to_string(decoded.image.height) + " pixels, expected " +
               std::to_string(format_.width) + " x " + std::to_string(format_.height) +
-              " as in the first whole picture";
+              " as in the first readable picture";
     }
     if (error.empty()) return true;
     if (bad_++ == 0) problem_ = error;
     return false;
   }
 
-  /// Frames are missing where their numbers are, or where a time step is a multiple of the usual.
+  /// Frames are missing where numbers are missing, or where a period is a multiple of the usual
+  /// one.
   void countGap(std::int64_t number, std::int64_t utime) {
     if (before_) {
       const std::int64_t by_number = number - before_->first - 1;

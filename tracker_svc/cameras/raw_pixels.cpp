@@ -1,13 +1,13 @@
 #include "tracker_svc/cameras/raw_pixels.hpp"
 
 #include <linux/videodev2.h>
+#include <turbojpeg.h>
 
 #include <algorithm>
 #include <array>
 #include <memory>
-
-#include "tracker_svc/cameras/standard_huffman.hpp"
-#include "tracker_svc/cameras/stb_pixels.hpp"
+#include <string_view>
+#include <type_traits>
 
 namespace lab::cameras {
 namespace {
@@ -18,7 +18,7 @@ constexpr std::array<std::uint32_t, 14> kKnown = {
     V4L2_PIX_FMT_YUYV,   V4L2_PIX_FMT_UYVY,   V4L2_PIX_FMT_NV12,   V4L2_PIX_FMT_NV21,
     V4L2_PIX_FMT_YUV420, V4L2_PIX_FMT_MJPEG};
 
-/// How many bits a grey sample of two bytes has, 0: it has one byte.
+/// Bits of a two-byte grey sample; 0 for one-byte samples.
 int deepBits(std::uint32_t fourcc) {
   switch (fourcc) {
     case V4L2_PIX_FMT_Y10:
@@ -37,7 +37,7 @@ bool isBayer(std::uint32_t fourcc) {
          fourcc == V4L2_PIX_FMT_SGBRG8 || fourcc == V4L2_PIX_FMT_SBGGR8;
 }
 
-/// Bytes from one luma sample to the next, and before the first.
+/// Distance between luma samples, and offset of the first [bytes].
 struct Luma {
   int step = 1;
   int first = 0;
@@ -49,7 +49,7 @@ Luma lumaOf(std::uint32_t fourcc) {
   return {};
 }
 
-/// 16..235 becomes 0..255.
+/// Expands 16..235 to 0..255.
 constexpr std::array<std::uint8_t, 256> kExpanded = [] {
   std::array<std::uint8_t, 256> table{};
   for (int i = 0; i < 256; ++i) {
@@ -85,8 +85,8 @@ void copyDeep(const RawLayout& layout, const std::uint8_t* bytes, optics::GreyIm
   }
 }
 
-/// 1 2 1, 2 4 2, 1 2 1: wherever it stands, a quarter of it lies on red, half on green and a
-/// quarter on blue. At the border the picture is mirrored, which keeps the colours in step.
+/// Kernel 1 2 1, 2 4 2, 1 2 1: at every position a quarter of its weight is on red, half on green
+/// and a quarter on blue. Mirrored at the border, which preserves the colour pattern.
 void mixBayer(const RawLayout& layout, const std::uint8_t* bytes, optics::GreyImage& grey) {
   const int width = layout.width;
   std::vector<int> sums(static_cast<std::size_t>(width) + 2);
@@ -111,17 +111,31 @@ void mixBayer(const RawLayout& layout, const std::uint8_t* bytes, optics::GreyIm
   }
 }
 
+struct CloseDecoder {
+  void operator()(void* decoder) const { tjDestroy(decoder); }
+};
+
+// USB cameras may omit the Huffman tables; libjpeg-turbo then uses those of ITU-T T.81, annex K.3.
 bool decodeJpeg(const RawLayout& layout, std::span<const std::uint8_t> bytes,
                 optics::GreyImage& grey) {
-  const std::vector<std::uint8_t> whole = withHuffmanTables(bytes);
+  const std::unique_ptr<std::remove_pointer_t<tjhandle>, CloseDecoder> decoder(tjInitDecompress());
   int width = 0;
   int height = 0;
-  int channels = 0;
-  const StbPixels pixels(stbi_load_from_memory(whole.data(), static_cast<int>(whole.size()), &width,
-                                               &height, &channels, 1));
-  if (!pixels || width != layout.width || height != layout.height) return false;
-  std::copy_n(pixels.get(), grey.pixels.size(), grey.pixels.begin());
-  return true;
+  int subsampling = 0;
+  int colours = 0;
+  if (!decoder || tjDecompressHeader3(decoder.get(), bytes.data(), bytes.size(), &width, &height,
+                                      &subsampling, &colours) != 0) {
+    return false;
+  }
+  if (width != layout.width || height != layout.height) return false;
+  if (tjDecompress2(decoder.get(), bytes.data(), bytes.size(), grey.pixels.data(), width, 0, height,
+                    TJPF_GRAY, TJFLAG_ACCURATEDCT) == 0) {
+    return true;
+  }
+  // Padding between frames is harmless; every other warning means damaged data.
+  const std::string_view warning = tjGetErrorStr2(decoder.get());
+  return tjGetErrorCode(decoder.get()) == TJERR_WARNING &&
+         warning.find("extraneous bytes") != std::string_view::npos;
 }
 
 }  // namespace

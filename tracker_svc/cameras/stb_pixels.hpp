@@ -1,4 +1,4 @@
-/// What stb has decoded, as long as somebody holds it.
+/// Owner of pixels decoded by stb.
 #pragma once
 
 #include <stb/stb_image.h>

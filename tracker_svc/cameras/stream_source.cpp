@@ -1,6 +1,11 @@
+#include "tracker_svc/cameras/stream_source.hpp"
+
 #include <wordexp.h>
 
+#include <cstdint>
 #include <mutex>
+#include <optional>
+#include <span>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -20,14 +25,14 @@ using Kind = FrameQueue::Item::Kind;
 constexpr std::int64_t kAgain_us = 1'000'000;
 constexpr const char* kGst = "gst:";
 
-/// A program that writes frames, and how.
+/// A program that writes frames, and their format.
 struct StreamCommand {
   std::string source;
   std::vector<std::string> words;
   std::string package;
   CameraFormat format;
-  int channels = 1;  ///< 1 or 3 bytes a pixel
-  int stride = 0;    ///< bytes a row
+  int channels = 1;  ///< 1 or 3 bytes per pixel
+  int stride = 0;    ///< [bytes] per row
 };
 
 StreamCommand networkCommand(const std::string& source, const CameraFormat& wanted) {
@@ -46,11 +51,11 @@ StreamCommand networkCommand(const std::string& source, const CameraFormat& want
   return command;
 }
 
-/// The words of a pipeline as a shell would split them, without running anything.
+/// Splits a pipeline into words as a shell would, without running anything.
 std::vector<std::string> wordsOf(const std::string& source, const std::string& pipeline) {
   wordexp_t words{};
   if (wordexp(pipeline.c_str(), &words, WRDE_NOCMD | WRDE_UNDEF) != 0) {
-    throw CameraError(source + ": is no pipeline: put what a shell would act on in quotes");
+    throw CameraError(source + ": invalid pipeline: quote characters that are special to a shell");
   }
   std::vector<std::string> found(words.we_wordv, words.we_wordv + words.we_wordc);
   wordfree(&words);
@@ -60,15 +65,16 @@ std::vector<std::string> wordsOf(const std::string& source, const std::string& p
 
 StreamCommand pipelineCommand(const std::string& source, const CameraFormat& wanted) {
   if (wanted.width <= 0 || wanted.height <= 0) {
-    throw CameraError(source + ": a pipeline does not say its size: set width_px and height_px");
+    throw CameraError(source +
+                      ": the size of a pipeline's pictures is unknown: set width_px and height_px");
   }
   StreamCommand command{source, {"gst-launch-1.0", "-q"}, "gstreamer1.0-tools", wanted, 1, 0};
   for (const std::string& word : wordsOf(source, source.substr(std::string(kGst).size()))) {
     command.words.push_back(word);
-    // "jpegdec", "decodebin", "avdec_h264", "v4l2h264dec": what is decoded was compressed.
+    // The names of decoder elements contain "dec": their input was compressed.
     if (word.find("dec") != std::string::npos) command.format.compressed = true;
   }
-  // Colorimetry 1:4:0:0: grey of full range, 0 to 255.
+  // Colorimetry 1:4:0:0: full-range grey, 0 to 255.
   const std::string form = "video/x-raw,format=GRAY8,width=" + std::to_string(wanted.width) +
                            ",height=" + std::to_string(wanted.height) +
                            ",colorimetry=(string)1:4:0:0";
@@ -77,11 +83,11 @@ StreamCommand pipelineCommand(const std::string& source, const CameraFormat& wan
   }
   command.format.pixels = "GRAY8 (gstreamer)";
   command.format.locked = false;
-  command.stride = (wanted.width + 3) / 4 * 4;  // GStreamer's rows end on whole words
+  command.stride = (wanted.width + 3) / 4 * 4;  // GStreamer pads rows to multiples of 4 bytes
   return command;
 }
 
-/// The thread's work: runs the program, reads its frames, runs it again when it has ended.
+/// The reading thread: runs the program, reads its frames, and restarts it when it ends.
 class Stream {
  public:
   Stream(AsioLoop& loop, StreamCommand command)
@@ -111,7 +117,7 @@ class Stream {
       std::string reason = runOnce();
       if (!feed_.isOpen()) return;
       tell(command_.source + ": the camera is gone" + (reason.empty() ? "" : " (" + reason + ")") +
-           "; it is tried again each second");
+           "; retrying every second");
       if (!feed_.pause(kAgain_us)) return;
     }
   }
@@ -130,9 +136,9 @@ class Stream {
     while (child_->read(bytes_) == bytes_.size()) pass();
     child_->finish();
     const std::lock_guard lock(mutex_);
-    std::string complaint = child_->complaint();
+    std::string error = child_->lastErrorLine();
     child_.reset();
-    return complaint;
+    return error;
   }
 
   void pass() {
@@ -166,14 +172,14 @@ class Stream {
   StreamCommand command_;
   std::vector<std::uint8_t> bytes_;
   FrameQueue feed_;
-  std::mutex mutex_;  ///< of child_, where the other thread may look at it
+  std::mutex mutex_;  ///< guards child_, which the other thread may access
   std::unique_ptr<ChildProcess> child_;
   std::int64_t count_ = 0;
   bool troubled_ = false;
-  std::thread thread_;  ///< the last: it uses all above
+  std::thread thread_;  ///< last member: it uses all members above
 };
 
-/// Kept alive by a call of a handler, which may destroy the source.
+/// Kept alive during a handler call, which may destroy the source.
 class StreamReader : public std::enable_shared_from_this<StreamReader> {
  public:
   StreamReader(AsioLoop& loop, StreamCommand command, CameraHandlers handlers)

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <optional>
 
 namespace lab::cameras {
@@ -12,7 +13,7 @@ namespace {
 
 constexpr double kExposureUnit = 1e-4;  // [s] of V4L2_CID_EXPOSURE_ABSOLUTE
 
-/// A switch that must stand at `off`.
+/// A control of an automatic adjustment, and its value for "off".
 struct Automatic {
   std::uint32_t id;
   int off;
@@ -32,7 +33,7 @@ class Controls {
  public:
   Controls(V4l2Calls& calls, int device) : calls_(calls), device_(device) {}
 
-  /// Empty: the device has no such control.
+  /// Empty if the device has no such control.
   [[nodiscard]] std::optional<v4l2_queryctrl> limits(std::uint32_t id) const {
     v4l2_queryctrl query{};
     query.id = id;
@@ -45,7 +46,7 @@ class Controls {
     if (calls_.ioctl(device_, VIDIOC_G_CTRL, &control) < 0) return {};
     return control.value;
   }
-  /// Within the limits. @return what the device has then.
+  /// Sets a value, clamped to the limits. @return the value read back
   std::optional<int> set(std::uint32_t id, int value) const {
     const std::optional<v4l2_queryctrl> allowed = limits(id);
     if (!allowed) return {};
@@ -62,9 +63,9 @@ class Controls {
 bool switchOff(const Controls& controls) {
   bool all = true;
   for (const Automatic& one : kAutomatic) {
-    if (!controls.limits(one.id)) continue;  // nothing there to adjust itself
+    if (!controls.limits(one.id)) continue;  // not adjustable, so nothing is automatic
     const std::optional<int> now = controls.set(one.id, one.off);
-    // Exposure by hand is also that where the aperture alone is automatic.
+    // Manual exposure includes the mode with automatic aperture.
     const bool off = now == one.off || (one.id == V4L2_CID_EXPOSURE_AUTO &&
                                         now == static_cast<int>(V4L2_EXPOSURE_SHUTTER_PRIORITY));
     all = all && off;

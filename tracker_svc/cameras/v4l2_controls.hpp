@@ -1,4 +1,4 @@
-/// Exposure, gain and whatever a camera adjusts by itself.
+/// Exposure, gain and automatic adjustments of a video device.
 #pragma once
 
 #include "common/camera/cameras.hpp"
@@ -6,9 +6,9 @@
 
 namespace lab::cameras {
 
-/// Switches off what is automatic (exposure, gain, white balance, focus, frame rate by light, ...),
-/// sets exposure and gain where they are wanted, within what the device allows, and writes into
-/// `format` what the device says it has: exposure, gain, and whether nothing is automatic any more.
+/// Switches off everything automatic (exposure, gain, white balance, focus, frame rate in low
+/// light, ...), sets exposure and gain if wanted, within the limits of the device, and writes the
+/// values read back to `format`: exposure, gain, and whether all automatic controls are off.
 void lockControls(V4l2Calls& calls, int device, const CameraFormat& wanted, CameraFormat& format);
 
 }  // namespace lab::cameras

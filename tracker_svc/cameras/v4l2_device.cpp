@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::uint32_t kBuffers = 4;
 constexpr std::size_t kMostListed = 24;
-constexpr int kMostErrors = 10;  // failed frames in a row until the camera counts as gone
-constexpr std::int64_t kOldest_us = 1'000'000;  // an older frame's stamp is not to be believed
+constexpr int kMostErrors = 10;  // consecutive failed frames after which the camera counts as gone
+constexpr std::int64_t kOldest_us = 1'000'000;  // older time stamps are not plausible
 
 double rateOf(const v4l2_fract& interval) {
   return interval.numerator > 0
@@ -28,7 +28,7 @@ std::string sizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
 }
 
-/// " at 30 /s", empty where the rate is not known.
+/// " at 30 /s", empty if the rate is not known.
 std::string rateText(double fps) {
   return fps > 0 ? " at " + std::to_string(std::lround(fps)) + " /s" : "";
 }
@@ -39,7 +39,7 @@ bool isLimited(const v4l2_pix_format& pixels) {
   if (pixels.quantization != V4L2_QUANTIZATION_DEFAULT) {
     return pixels.quantization == V4L2_QUANTIZATION_LIM_RANGE;
   }
-  return pixels.colorspace != V4L2_COLORSPACE_JPEG;  // as the kernel defines the default of YCbCr
+  return pixels.colorspace != V4L2_COLORSPACE_JPEG;  // the kernel's default for YCbCr
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ void V4l2Device::failToSet(int error, const std::string& what) const {
     case EACCES:
     case EPERM:
       fail(
-          "no permission; join the group that has it and log in again: sudo usermod -aG video "
+          "no permission; join the group of the device and log in again: sudo usermod -aG video "
           "$USER");
     case EBUSY: {
       const std::string holder = lineHolder(path_);
@@ -83,8 +83,8 @@ void V4l2Device::failToSet(int error, const std::string& what) const {
     }
     case ENOSPC:
       fail(
-          "its USB bus has no room for so many pixels a second; use another port, or a smaller "
-          "picture, or fewer a second");
+          "its USB bus lacks the bandwidth; use another port, smaller pictures, "
+          "or a lower rate");
     case ENOTTY:
     case EINVAL:
       fail(what + ": it is no camera, or not one that streams");
@@ -101,9 +101,9 @@ void V4l2Device::checkIsCamera() const {
   const std::string card(reinterpret_cast<const char*>(has.card),
                          strnlen(reinterpret_cast<const char*>(has.card), sizeof has.card));
   if ((can & V4L2_CAP_VIDEO_CAPTURE) == 0) {
-    fail("gives no pictures (" + card +
+    fail("delivers no pictures (" + card +
          "; a camera often has a second device for other data): "
-         "take the one before it");
+         "try the device before it");
   }
   if ((can & V4L2_CAP_STREAMING) == 0) fail("cannot stream (" + card + ")");
 }
@@ -136,7 +136,7 @@ bool V4l2Device::hasSize(std::uint32_t fourcc, int width, int height) const {
              fits(high, steps.min_height, steps.max_height, steps.step_height);
     }
   }
-  return size.index == 0;  // it lists none: setting it will tell
+  return size.index == 0;  // the device lists no sizes: setting one will show
 }
 
 double V4l2Device::fastestRate(std::uint32_t fourcc, int width, int height) const {
@@ -180,14 +180,14 @@ std::string V4l2Device::offers() const {
       if (size.type != V4L2_FRMSIZE_TYPE_DISCRETE) break;
     }
   }
-  return text.empty() ? "it does not say what it offers" : "it offers " + text;
+  return text.empty() ? "it does not list its formats" : "it offers " + text;
 }
 
 void V4l2Device::chooseFormat(const CameraFormat& wanted) {
   v4l2_format now{};
   now.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   const int failed = call(VIDIOC_G_FMT, &now);
-  if (failed < 0) failToSet(-failed, "says no format");
+  if (failed < 0) failToSet(-failed, "reports no format");
   const int width = wanted.width > 0 ? wanted.width : static_cast<int>(now.fmt.pix.width);
   const int height = wanted.height > 0 ? wanted.height : static_cast<int>(now.fmt.pix.height);
   const std::vector<std::uint32_t> offered = offeredFormats();
@@ -196,7 +196,7 @@ void V4l2Device::chooseFormat(const CameraFormat& wanted) {
   for (const std::uint32_t fourcc : knownFormats()) {
     const bool there = std::find(offered.begin(), offered.end(), fourcc) != offered.end();
     if (!there || !hasSize(fourcc, width, height)) continue;
-    // A rate that is not listed (0) may be any. Half a percent: 29.97 is 30.
+    // A rate that is not listed (0) may be any. Tolerance of half a percent: 29.97 counts as 30.
     const double rate = fastestRate(fourcc, width, height);
     const bool enough = rate == 0 || rate * 1.005 >= wanted.fps;
     if (best == 0 || (enough && best_rate * 1.005 < wanted.fps) ||
@@ -226,9 +226,9 @@ void V4l2Device::setFormat(std::uint32_t fourcc, int width, int height) {
          " instead of " + fourccName(fourcc) + " " + sizeText(width, height) + "; " + offers());
   }
   if (pixels.field != V4L2_FIELD_NONE && pixels.field != V4L2_FIELD_ANY) {
-    fail("gives interlaced pictures; a tracker needs whole ones");
+    fail("delivers interlaced pictures; the tracker needs progressive ones");
   }
-  if (layout_.stride == 0) layout_.stride = width;  // some compressed formats say none
+  if (layout_.stride == 0) layout_.stride = width;  // some drivers report 0 for compressed formats
   format_.width = width;
   format_.height = height;
   format_.pixels = fourccName(fourcc);
@@ -238,7 +238,7 @@ void V4l2Device::setFormat(std::uint32_t fourcc, int width, int height) {
 void V4l2Device::setRate(double fps) {
   v4l2_streamparm rate{};
   rate.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (call(VIDIOC_G_PARM, &rate) < 0) return;  // it cannot be set, nor is it known
+  if (call(VIDIOC_G_PARM, &rate) < 0) return;  // the rate cannot be set and is not known
   if (fps > 0 && (rate.parm.capture.capability & V4L2_CAP_TIMEPERFRAME) != 0) {
     rate.parm.capture.timeperframe = {1000, static_cast<std::uint32_t>(std::lround(fps * 1000))};
     static_cast<void>(call(VIDIOC_S_PARM, &rate));
@@ -253,20 +253,20 @@ void V4l2Device::startStreaming() {
   request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   request.memory = V4L2_MEMORY_MMAP;
   int failed = call(VIDIOC_REQBUFS, &request);
-  if (failed < 0) failToSet(-failed, "gives no buffers");
-  if (request.count < 2) fail("gives no two buffers");
+  if (failed < 0) failToSet(-failed, "provides no buffers");
+  if (request.count < 2) fail("provides fewer than two buffers");
   for (std::uint32_t i = 0; i < request.count; ++i) {
     v4l2_buffer buffer{};
     buffer.type = request.type;
     buffer.memory = request.memory;
     buffer.index = i;
     failed = call(VIDIOC_QUERYBUF, &buffer);
-    if (failed < 0) failToSet(-failed, "shows no buffer");
+    if (failed < 0) failToSet(-failed, "does not return a buffer");
     std::uint8_t* memory = calls_.map(device_, buffer.length, buffer.m.offset);
     if (memory == nullptr) fail("its buffers cannot be mapped");
     buffers_.push_back({memory, buffer.length});
     failed = call(VIDIOC_QBUF, &buffer);
-    if (failed < 0) failToSet(-failed, "takes no buffer");
+    if (failed < 0) failToSet(-failed, "rejects a buffer");
   }
   int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   failed = call(VIDIOC_STREAMON, &type);
@@ -289,7 +289,7 @@ V4l2Device::State V4l2Device::take(Raw& frame) {
   const int failed = call(VIDIOC_DQBUF, &buffer);
   if (failed == -EAGAIN) return State::kNothing;
   if (failed < 0) {
-    // An input/output error may be one lost frame; a row of them is a camera without its cable.
+    // A single I/O error may be one lost frame; several in a row mean a disconnected camera.
     const bool passing = failed == -EIO && ++errors_in_a_row_ < kMostErrors;
     return passing ? State::kNothing : State::kGone;
   }
@@ -319,7 +319,7 @@ void V4l2Device::giveBack(const Raw& frame) {
   buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   buffer.memory = V4L2_MEMORY_MMAP;
   buffer.index = frame.buffer;
-  static_cast<void>(call(VIDIOC_QBUF, &buffer));  // if it is gone, the next take() finds out
+  static_cast<void>(call(VIDIOC_QBUF, &buffer));  // if it fails, the next take() reports it
 }
 
 }  // namespace lab::cameras

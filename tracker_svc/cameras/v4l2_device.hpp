@@ -1,4 +1,4 @@
-/// A video device of Linux (Video4Linux, version 2) that streams.
+/// A streaming Linux video device (Video4Linux 2).
 #pragma once
 
 #include <linux/videodev2.h>
@@ -15,30 +15,31 @@
 
 namespace lab::cameras {
 
-/// Opened, set up and streaming from construction to destruction.
+/// Open, configured and streaming from construction to destruction.
 class V4l2Device {
  public:
-  /// Takes the format that is least processed among those that reach the wanted size and rate,
-  /// switches everything automatic off, sets exposure, gain and rate, and reads back what is set.
+  /// Selects the least processed format that offers the wanted size and rate, switches off all
+  /// automatic adjustments, sets exposure, gain and rate, and reads them back.
   /// @param calls must outlive it
-  /// @throws CameraError, one line: not there, no permission, no camera, in use, no such size.
+  /// @throws CameraError, one line, if it does not exist, permission is missing, it is no camera,
+  ///   it is in use, or it lacks the size
   V4l2Device(V4l2Calls& calls, std::string path, const CameraFormat& wanted);
   ~V4l2Device();
   V4l2Device(const V4l2Device&) = delete;
   V4l2Device& operator=(const V4l2Device&) = delete;
 
-  /// A frame as it came. It must be given back.
+  /// A captured frame in driver memory. It must be returned.
   struct Raw {
     std::uint32_t buffer = 0;
     std::uint32_t sequence = 0;
-    std::span<const std::uint8_t> bytes;  ///< empty: the frame is damaged
-    std::int64_t age = 0;  ///< [us] since the middle of the exposure, as far as the device tells
-    bool stamped = false;  ///< whether the age is the device's, or that of a frame just come
+    std::span<const std::uint8_t> bytes;  ///< empty if the frame is damaged
+    std::int64_t age = 0;  ///< [us] since the middle of the exposure, as far as known
+    bool stamped = false;  ///< whether the age comes from the device's time stamp
   };
 
   enum class State { kFrame, kNothing, kGone };
 
-  /// Takes the oldest frame that waits, without waiting for one.
+  /// Takes the oldest waiting frame without blocking.
   [[nodiscard]] State take(Raw& frame);
   void giveBack(const Raw& frame);
 

@@ -1,6 +1,7 @@
 #include "tracker_svc/cameras/v4l2_source.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <optional>
 #include <utility>
 
@@ -10,21 +11,22 @@
 namespace lab::cameras {
 namespace {
 
-constexpr const char* kNotThere = ": no camera there";  // what is gone need not be said again
+// marks the state "gone", which is not reported again
+constexpr const char* kNotThere = ": no camera there";
 constexpr const char* kPrefix = "v4l2:";
 constexpr std::int64_t kDeviceLook_us = 1'000'000;
 constexpr std::int64_t kSilence_us = 2'000'000;
-constexpr int kMostEmptyCalls = 1000;  // readable, and nothing there: a descriptor that is broken
+constexpr int kMostEmptyCalls = 1000;  // readable but empty: the descriptor is broken
 
 std::string pathOf(const std::string& source) {
   return source.starts_with(kPrefix) ? source.substr(std::string(kPrefix).size()) : source;
 }
 
-/// Frame numbers from the driver's sequence, which has 32 bits and begins anew with each stream.
+/// Frame numbers from the driver's 32-bit sequence, which restarts with each stream.
 class Numbering {
  public:
   std::int64_t operator()(std::uint32_t sequence) {
-    // Some drivers do not count at all, and some begin anew: then each frame is the next one.
+    // Some drivers do not count, and some restart: then each frame is the next one.
     const std::uint32_t step = last_ ? sequence - *last_ : sequence + 1;
     const bool counts = step > 0 && step < (1U << 31U);
     number_ += last_ && counts ? step : 1;
@@ -38,7 +40,7 @@ class Numbering {
   std::int64_t number_ = -1;
 };
 
-/// Shared with its timers and with a call of a handler, which may destroy the source.
+/// Shared with its timers and with a running handler, which may destroy the source.
 class Capture : public std::enable_shared_from_this<Capture> {
  public:
   Capture(AsioLoop& loop, V4l2Calls& calls, const std::string& source, const CameraFormat& wanted,
@@ -67,7 +69,7 @@ class Capture : public std::enable_shared_from_this<Capture> {
     if (!in_handler_) device_.reset();
   }
 
-  /// Each second: is it back, is it alive.
+  /// Once a second: reopens a lost camera, checks a running one.
   void lookLater() {
     loop_.at(loop_.now() + kDeviceLook_us, [capture = weak_from_this()] {
       const std::shared_ptr<Capture> here = capture.lock();
@@ -124,7 +126,7 @@ class Capture : public std::enable_shared_from_this<Capture> {
     } else if (greyOfRaw(layout, raw.bytes, grey_)) {
       frame.grey = grey_.view();
     } else {
-      return;  // damaged: missing for the reader, and counted with the next
+      return;  // damaged: counted as missing when the next one arrives
     }
     gaps_.got(number);
     last_frame_ = loop_.now();
@@ -137,7 +139,7 @@ class Capture : public std::enable_shared_from_this<Capture> {
   void gone() {
     watch_.reset();
     device_.reset();
-    trouble(path_ + ": the camera is gone (unplugged?); it is looked for each second");
+    trouble(path_ + ": the camera is gone (unplugged?); it is looked up every second");
   }
 
   void trouble(const std::string& reason) {
@@ -150,7 +152,7 @@ class Capture : public std::enable_shared_from_this<Capture> {
   CameraFormat wanted_;
   CameraHandlers handlers_;
   std::optional<V4l2Device> device_;
-  std::unique_ptr<AsioLoop::Watch> watch_;  ///< ends before the device
+  std::unique_ptr<AsioLoop::Watch> watch_;  ///< destroyed before the device
   Numbering numbering_;
   GapCounter gaps_;
   optics::GreyImage grey_;

@@ -1,4 +1,4 @@
-/// A video device on the loop.
+/// A video device as a frame source on the loop.
 #pragma once
 
 #include <memory>
@@ -13,8 +13,8 @@ namespace lab::cameras {
 /// Whether the source is a video device, "/dev/video0" or "v4l2:/dev/video0".
 [[nodiscard]] bool isVideoDeviceSource(const std::string& source);
 
-/// Opens it. When it is gone it is looked for each second, by the same path; a camera that delivers
-/// nothing for two seconds is trouble as well.
+/// Opens a device. If it disappears, it is looked up once a second under the same path. A camera
+/// that delivers nothing for two seconds is reported too.
 /// @param calls must outlive the source
 /// @throws CameraError as V4l2Device
 [[nodiscard]] std::unique_ptr<FrameSource> openVideoDevice(AsioLoop& loop, V4l2Calls& calls,

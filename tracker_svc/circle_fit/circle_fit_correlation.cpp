@@ -7,17 +7,18 @@
 namespace lab::detector::fit {
 namespace {
 
-constexpr double kMostCorrelation = 0.5;  // [1] smoother than that is no longer seen in a window
-constexpr double kLeastOdd = 0.25;  // [1] less of it is chance, as a codec's waves may have it
+constexpr double kMostCorrelation = 0.5;  // [1] smoother structure is not visible in a window
+constexpr double kLeastOdd = 0.25;  // [1] share of antisymmetric residuals below which they may be
+                                    // chance, as with codec artefacts
 
-/// The residuals' half that is opposite on opposite sides of the centre.
+/// The antisymmetric half of the residuals.
 struct Halves {
   double all = 0;       // squares of the residuals
-  double odd = 0;       // squares of that half
-  double together = 0;  // products of neighbours in a row, of that half
+  double odd = 0;       // squares of the antisymmetric half
+  double together = 0;  // products of neighbours in a row, antisymmetric half
 };
 
-/// Empty where the places do not lie so that each has one opposite.
+/// Empty if the positions are not symmetric.
 std::optional<Halves> halvesOf(const Window& window) {
   Halves out;
   double before = 0;
@@ -47,7 +48,7 @@ double antisymmetricCorrelation(const Window& window) {
 double varianceInflation(const Window& window, int pixels) {
   const std::optional<Halves> halves = halvesOf(window);
   if (!halves || !(halves->odd > 0)) return 1;
-  // Half of the numbers are independent: the other half is their mirror picture.
+  // Half of the numbers are independent; the other half mirrors them.
   const double chance = std::sqrt(2.0) * static_cast<double>(correlationByChance(pixels));
   const double seen = halves->together / halves->odd;
   const double rho = seen > chance ? std::min(seen, kMostCorrelation) : 0.0;

@@ -13,27 +13,28 @@
 namespace lab::detector::fit {
 namespace {
 
-// No circle: not looked at further. A bit beyond what is taken for one (circle_fit.cpp).
+// Above this ratio it is no circle. Slightly above the limit in circle_fit.cpp.
 constexpr float kHopelessRatio = 0.35F;
 constexpr float kHopelessScale = 0.2F;
-constexpr float kHopelessBelieved = 0.35F;
+constexpr float kHopelessWeight = 0.35F;
 constexpr int kMostMoves = 6;
 constexpr int kPasses = 8;
-// passes until residuals may count for less: a guess may be a side off
+// passes before the robust cutoff applies: the guess may have one level wrong
 constexpr int kTrusting = 2;
 constexpr double kSettled = 0.003;  // [px]
-// [1/px] of the white level: what is not an edge is nearly even, or else is no edge at all
+// [1/px] of the white level: between edges the light is nearly even
 constexpr float kSlopeLines = 0.005F;
 constexpr float kSlopeBent = 0.1F;
 constexpr double kDoubt = 0.03;  // [px] as in the plain fit
-// [px] as in the plain fit, with light edges that are not quite straight
+// [px] as in the plain fit; light edges are not quite straight
 constexpr double kFloor = 0.003;
-constexpr float kClean = 0.25F;  // [1] correlation of residuals below which one line is enough
-constexpr float kFits = 0.82F;   // [1] and the share of pixels that are of the model
-// [blurs] softer than the lens makes it, an edge may be none, but light that bends
+constexpr float kClean = 0.25F;  // correlation of residuals below which one line is enough
+constexpr float kFits = 0.82F;   // and share of the pixels that fit the model
+// [lens blurs] a softer edge may be a light gradient
 constexpr float kSoftEdge = 1.2F;
-constexpr float kMissesEdge = 2.5F;  // [expected deviations] of residuals: there is another edge
-constexpr float kBetter = 0.9F;      // [1] of the cost, for three more unknowns
+// [expected deviations] of residuals that indicate another edge
+constexpr float kMissesEdge = 2.5F;
+constexpr float kBetter = 0.9F;  // [1] of the cost, to justify three more unknowns
 
 template <std::size_t kLines>
 void know(Sums<litUnknowns(kLines)>& sums, std::size_t i, float off, float spread) {
@@ -50,7 +51,7 @@ void turn(Line& line, float by) {
   line.ny = ny / length;
 }
 
-/// Of light without an edge, the level in the middle; with edges, the brightest side.
+/// Without an edge: the level in the middle. With edges: the brightest side.
 template <std::size_t kLines>
 std::size_t brightest(const LitDisc& lit) {
   if constexpr (kLines == 0) return 0;
@@ -137,7 +138,7 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
     if constexpr (kLines == 1) {
       lit.bend = std::clamp(lit.bend + step(kCount - 1, 0.03F), -0.1F, 0.1F);
     }
-    // The last step's size says what the next one would be.
+    // Newton steps shrink quadratically: the size of the last step predicts the next one.
     const double moved = by[kLitX] * by[kLitX] + by[kLitY] * by[kLitY];
     const bool settled = pass > kTrusting && moved < kSettled * kSettled;
     if (pass == kPasses - 1 || settled) {
@@ -157,7 +158,7 @@ LitFit fitLines(const Task& task, Window& window, const LitDisc& from) {
       o.noise = noise;
       o.cost = static_cast<float>(sums.counts.cost);
       o.pixels = static_cast<int>(sums.counts.pixels);
-      o.believed = static_cast<float>(sums.counts.weight / std::max(1.0, sums.counts.pixels));
+      o.weight = static_cast<float>(sums.counts.weight / std::max(1.0, sums.counts.pixels));
       o.correlation = static_cast<float>(correlation(window));
       o.good = std::isfinite(o.x) && std::isfinite(o.y);
       break;
@@ -191,7 +192,7 @@ LitDisc litFrom(const Disc& disc, const EdgeGuess& split, float sigma) {
   return lit;
 }
 
-/// The light on white and the believed residuals of a fit, into the window.
+/// Writes the light on white and the weighted residuals of a fit to the window.
 template <std::size_t kLines>
 void light(const Task& task, Window& window, const LitFit& fit) {
   Sums<litUnknowns(kLines)> sums;
@@ -199,14 +200,14 @@ void light(const Task& task, Window& window, const LitFit& fit) {
 }
 
 bool isClean(const Outcome& outcome) {
-  return outcome.good && outcome.correlation < kClean && outcome.believed > kFits;
+  return outcome.good && outcome.correlation < kClean && outcome.weight > kFits;
 }
 
 Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
   const Surroundings around(window, task.constants, rough, Pick::kAll);
   LitFit best;
-  std::size_t count = 1;  // lines of the best
-  bool is_last = true;    // so that what it leaves in the window is there
+  std::size_t count = 1;  // lines of the best model
+  bool is_last = true;    // whether the window holds the residuals of the best model
   if (const EdgeGuess split = around.oneLine(); split.good) {
     best = fitLines<1>(task, window, litFrom(rough, split, task.sigma));
     const Outcome& one = best.outcome;
@@ -223,7 +224,7 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
   }
   const Disc better = best.outcome.good ? best.lit.disc : rough;
   const TwoEdgeGuesses lines = around.twoLines();
-  // The likelier first: where it explains everything, the other is not tried.
+  // The better guess first: if it explains everything, the other one is not tried.
   std::array<EdgeGuess, 2> likely{lines.parallel, lines.crossing};
   if (likely[1].gain > likely[0].gain) std::swap(likely[0], likely[1]);
   for (const EdgeGuess& split : likely) {
@@ -249,7 +250,7 @@ Outcome fitLit(const Task& task, Window& window, const Disc& rough) {
 }  // namespace
 
 bool edgeMayCross(const Task& task, const Outcome& plain, bool sound, const Window& window) {
-  Disc disc;  // the one expected: with an edge across it the fit may say anything
+  Disc disc;  // the expected disc: the plain fit is unreliable with an edge across it
   disc.sigma = task.sigma;
   const Constants& c = task.constants;
   const float grain = plain.white * plain.white * c.texture;
@@ -269,7 +270,7 @@ std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& wi
     if (point == start && !darkInside(window, task.constants, task.sigma)) return std::nullopt;
     outcome = fitLit(task, window, rough);
     if (!outcome.good || outcome.ratio > kHopelessRatio ||
-        std::abs(outcome.scale - 1) > kHopelessScale || outcome.believed < kHopelessBelieved) {
+        std::abs(outcome.scale - 1) > kHopelessScale || outcome.weight < kHopelessWeight) {
       outcome.good = false;
       return std::nullopt;
     }

@@ -1,4 +1,4 @@
-/// Finds and fits the light edges that cross a circle, or light that bends on it. Internal to the
+/// Finds and fits light edges that cross a circle, or a light gradient on it. Internal to the
 /// circle fit.
 #pragma once
 
@@ -8,16 +8,16 @@
 
 namespace lab::detector::fit {
 
-/// Where the circle near `start` is, as a point of the grid, in light that is no plane.
-/// @param outcome the fit from there
+/// Fits the circle near `start` in uneven light.
+/// @return the grid point of its centre
+/// @param outcome receives the fit from there
 std::optional<GridPoint> settleLit(const Task& task, GridPoint start, Window& window,
                                    Outcome& outcome);
 
-/// Whether the white around the circle leaves room for a light edge: a look that costs a tenth of a
-/// fit with one.
-/// @param plain the fit without edges, `window` as it left it
-/// @param sound it has the disc right: what it does not believe lies beside the circle, as a dot on
-///   the cap does, and leads to no edge
+/// Whether the white around the circle shows a light edge. Costs a tenth of a fit with an edge.
+/// @param plain the fit without edges, which left `window`
+/// @param sound whether it fits the disc well: pixels with low weight then lie beside the circle,
+///   as with a dot on the cap, and are no sign of an edge
 bool edgeMayCross(const Task& task, const Outcome& plain, bool sound, const Window& window);
 
 }  // namespace lab::detector::fit

@@ -6,9 +6,9 @@
 namespace lab::detector::fit {
 namespace {
 
-constexpr int kAngles = 12;       // over a right angle: the lines of the other one come with it
+constexpr int kAngles = 12;       // over 90 degrees: each angle also gives the perpendicular lines
 constexpr int kBins = 20;         // across the window
-constexpr float kOutside = 1.2F;  // [sigma] from the outline to the pixels that are just white
+constexpr float kOutside = 1.2F;  // [sigma] from the outline to the purely white pixels
 constexpr float kLeastPixels = 4;
 
 struct Pile {
@@ -16,12 +16,12 @@ struct Pile {
   float sum = 0;
   Pile operator-(const Pile& o) const { return {count - o.count, sum - o.sum}; }
   Pile operator+(const Pile& o) const { return {count + o.count, sum + o.sum}; }
-  // What a level of its own takes off the sum of squares.
+  // Reduction of the sum of squares by a level of its own.
   [[nodiscard]] float gain() const { return count > 0 ? sum * sum / count : 0; }
   [[nodiscard]] float level(float otherwise) const { return count > 0 ? sum / count : otherwise; }
 };
 
-// piles[i][j]: everything in the first i columns and the first j rows of bins.
+// piles[i][j]: sum over the first i columns and the first j rows of bins.
 struct Table {
   Pile piles[kBins + 1][kBins + 1] = {};
 };
@@ -37,7 +37,7 @@ bool enough(const Pile& a, const Pile& b) {
   return a.count >= kLeastPixels && b.count >= kLeastPixels;
 }
 
-// Lines across the columns (or, transposed, across the rows) of a table.
+// Lines across the columns (transposed: across the rows) of a table.
 template <typename AtMost>
 void tryOne(const AtMost& below, const Line& normal, Best& one) {
   const Pile all = below(kBins);
@@ -85,8 +85,8 @@ void tryCrossing(const Table& table, const Line& normal, Best& crossing) {
   }
 }
 
-// Turning by a quarter of a right angle / kAngles, without the library's sine: that may differ in
-// the last bit from processor to processor.
+// Rotation by 90 degrees / kAngles, as constants: the library's sine may differ in the last bit
+// between processors.
 constexpr float kCosine = 0.991444861F;  // of 7.5 degrees
 constexpr float kSine = 0.130526192F;
 
@@ -136,10 +136,11 @@ Surroundings::Surroundings(const Window& window, const Constants& constants, con
 }
 
 bool Surroundings::uneven(float variance) const {
-  constexpr float kBeyondChance = 25;  // the best of many lines gains up to 15 variances by chance
+  // [variances] the best of many lines gains up to 15 by chance
+  constexpr float kBeyondChance = 25;
   constexpr float kLeastStep = 0.04F;  // [1] of the brighter level
   const EdgeGuess split = oneLine();
-  if (!split.good) return true;  // too few pixels to say
+  if (!split.good) return true;  // too few pixels to decide
   const float bright = std::max(split.level[0], split.level[1]);
   const float step = std::abs(split.level[0] - split.level[1]);
   return split.gain > kBeyondChance * variance && step > kLeastStep * bright;

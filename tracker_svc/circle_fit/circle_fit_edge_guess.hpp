@@ -1,5 +1,5 @@
-/// Where the light on the white around a circle jumps: first guesses for the edge model. Internal
-/// to the circle fit.
+/// First guesses of the light edges around a circle, for the edge model. Internal to the circle
+/// fit.
 #pragma once
 
 #include <array>
@@ -9,35 +9,35 @@
 
 namespace lab::detector::fit {
 
-/// Borders between light and shade, and the light on their sides.
+/// Borders between light and shade, and the light level on each side.
 struct EdgeGuess {
   bool good = false;
-  float gain = 0;  ///< [DN^2] what the levels take off the sum of squares, less the mean's
+  float gain = 0;  ///< [DN^2] reduction of the sum of squares, compared with one mean level
   std::array<Line, 2> line{};
   std::array<float, 4> level{};  ///< [DN] as in LitDisc
 };
 
 struct TwoEdgeGuesses {
-  EdgeGuess parallel;  ///< two parallel lines: a stripe
-  EdgeGuess crossing;  ///< two lines at a right angle: the corner of a checker
+  EdgeGuess parallel;  ///< two parallel lines: the edges of a stripe
+  EdgeGuess crossing;  ///< two perpendicular lines: the corner of a checkerboard
 };
 
-/// Which pixels around a circle: all, or those that the fit before believed.
+/// Pixels around a circle: all, or those with a high weight in the previous fit.
 enum class Pick : std::uint8_t { kAll, kBelieved };
 
-/// The pixels around a circle that are just white.
+/// The white pixels around a circle.
 class Surroundings {
  public:
   Surroundings(const Window& window, const Constants& constants, const Disc& disc, Pick pick);
 
-  /// Whether the light on them differs by more than noise of this variance [DN^2], and by enough to
-  /// matter. A light edge that crosses the circle crosses them as well.
+  /// Whether their light varies by more than noise of this variance [DN^2], and by a relevant
+  /// amount. A light edge across the circle crosses them as well.
   [[nodiscard]] bool uneven(float variance) const;
 
-  /// The line that parts them best into two levels.
+  /// The line that separates them best into two levels.
   [[nodiscard]] EdgeGuess oneLine() const;
 
-  /// The two lines that part them best into three or four levels.
+  /// The two lines that separate them best into three or four levels.
   [[nodiscard]] TwoEdgeGuesses twoLines() const;
 
  private:
@@ -46,7 +46,7 @@ class Surroundings {
   };
   std::array<Sample, kMostPixels> samples_;
   int count_ = 0;
-  float reach_ = 0;  ///< [px] of the farthest
+  float reach_ = 0;  ///< [px] distance of the farthest pixel
 };
 
 }  // namespace lab::detector::fit

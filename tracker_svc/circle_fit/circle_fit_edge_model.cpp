@@ -10,7 +10,7 @@ namespace {
 struct Side {
   Lanes share;  // 0 behind the line, 1 beyond
   Lanes rise;   // d share / d distance [1/px]
-  Lanes along;  // [px]
+  Lanes along;  // [px] along the line
   Lanes z;
 };
 
@@ -44,7 +44,7 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     Paint paint;
     paintAt(x, y, disc, constants, over_sigma, paint);
 
-    Side side[kLines + 1];  // there may be none
+    Side side[kLines + 1];  // size kLines may be 0
     for (std::size_t i = 0; i < kLines; ++i) {
       sideOf(lit.line[i], kLines == 1 ? lit.bend : 0.0F, lit.edge_sigma, x, y, side[i]);
     }
@@ -108,9 +108,9 @@ LAB_INLINE void sumAll(Window& window, const Constants& constants, const LitDisc
     const Lanes residual = value - constants.black - signal;
     const Lanes certain = inverseVarianceOf(value, signal, constants, counts);
     const Lanes square = residual * residual * certain;
-    const Lanes belief = tukeyWeight(square, over_cutoff);
-    const Lanes weight = certain * belief;
-    counts.weight += certain > 0.0F ? belief : Lanes{};
+    const Lanes pixel_weight = tukeyWeight(square, over_cutoff);
+    const Lanes weight = certain * pixel_weight;
+    counts.weight += certain > 0.0F ? pixel_weight : Lanes{};
     counts.cost += tukeyCost(square);
 
     const Lanes rise = white * paint.slope * (contrast * over_sigma);

@@ -1,5 +1,5 @@
-/// Where a fit begins, so that every start near a circle ends at the same bits. Internal to the
-/// circle fit.
+/// Starting points of fits, chosen so that every start near a circle gives the same bits. Internal
+/// to the circle fit.
 #pragma once
 
 #include <cmath>
@@ -9,7 +9,7 @@
 
 namespace lab::detector::fit {
 
-/// Fits begin at points of a grid over the picture.
+/// Fits start at points of a grid over the picture.
 constexpr double kGrid = 0.5;  ///< [px]
 
 struct GridPoint {
@@ -20,8 +20,8 @@ struct GridPoint {
   [[nodiscard]] bool before(const GridPoint& o) const { return y != o.y ? y < o.y : x < o.x; }
 };
 
-/// The largest whole number that is not larger, for values within the range of int; without the
-/// call of a library that older processors need for it.
+/// Floor, for values within the range of int. std::floor is a library call on processors without
+/// SSE 4.1.
 template <typename Number>
 int floorOf(Number value) {
   const int cut = static_cast<int>(value);
@@ -32,10 +32,11 @@ inline GridPoint nearest(const optics::Pixel& p) {
   return {floorOf(p.x / kGrid + 0.5), floorOf(p.y / kGrid + 0.5)};
 }
 
-/// Walks over the grid to the point whose own estimate of the centre lies in its own cell. Where
-/// neighbouring points claim the centre, the first in reading order has it, whichever was met
-/// first; that holds while their estimates differ by less than `doubt` [px].
-/// @param estimate from a grid point, by nothing but that point and the picture: an
+/// Walks over the grid to the point whose own estimate of the centre lies in its own cell. If
+/// neighbouring points both qualify, the first in reading order is taken, whichever was reached
+/// first; this holds while their estimates differ by less than `doubt` [px].
+/// @param estimate computes the centre from a grid point, using only that point and the picture;
+///   returns std::optional<optics::Pixel>
 ///   std::optional<optics::Pixel>
 template <typename Estimate>
 std::optional<GridPoint> settle(GridPoint here, double doubt, int most_moves,
@@ -46,7 +47,8 @@ std::optional<GridPoint> settle(GridPoint here, double doubt, int most_moves,
     const GridPoint next = nearest(*found);
     if (next == here) break;
     if (move == most_moves) return std::nullopt;
-    if (move > 0 && next == before) return here.before(next) ? here : next;  // they name each other
+    if (move > 0 && next == before)
+      return here.before(next) ? here : next;  // both point at each other
     before = here;
     here = next;
     found = estimate(here);

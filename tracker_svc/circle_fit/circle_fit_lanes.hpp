@@ -1,13 +1,14 @@
-/// Arithmetic on eight lanes, for the sources of the circle fit only.
+/// SIMD arithmetic on eight lanes. Internal to the circle fit.
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 
 #include "tracker_svc/circle_fit/circle_fit_model.hpp"
 #include "tracker_svc/detector/saturation.hpp"
 
 #define LAB_INLINE __attribute__((always_inline)) inline
-// For processors with and without 256 bits and products that are added in one.
+// One clone with AVX2 and FMA, one without.
 #define LAB_FIT_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
 
 namespace lab::detector::fit {
@@ -42,8 +43,8 @@ LAB_INLINE void storeLanes(float* to, const Lanes& lanes) {
   __builtin_memcpy(to, &lanes, sizeof lanes);
 }
 
-/// Eight bytes as numbers, by shifts, which compilers do on all lanes at once; spread over the
-/// lanes in registers, since lanes that are put together in memory are waited for.
+/// Converts eight bytes to floats, by shifts in registers: compilers vectorise these, while loading
+/// single lanes from memory stalls.
 LAB_INLINE Lanes numbers(const std::uint8_t* bytes) {
   typedef std::int64_t Quads __attribute__((vector_size(32)));
   std::int64_t eight;
@@ -58,7 +59,7 @@ LAB_INLINE Lanes numbers(const std::uint8_t* bytes) {
 
 typedef float Four __attribute__((vector_size(16)));
 
-/// Sums of the lanes of four, always in the same order.
+/// Sums of the lanes of four vectors, always added in the same order.
 LAB_INLINE void totals(const Lanes* v, double* out) {
   Four half[4];
 #pragma GCC unroll 4
@@ -78,14 +79,14 @@ LAB_INLINE void totals(const Lanes* v, double* out) {
   for (int i = 0; i < 4; ++i) out[i] = static_cast<double>(sum[i]);
 }
 
-/// Sum of the lanes, in the same order.
+/// Sum of the lanes, added in the same order.
 LAB_INLINE double total(const Lanes& v) {
   const float a = (v[0] + v[4]) + (v[2] + v[6]);
   const float b = (v[1] + v[5]) + (v[3] + v[7]);
   return static_cast<double>(a + b);
 }
 
-/// total() of each of many.
+/// total() of each of several vectors.
 template <std::size_t kCount>
 LAB_INLINE void totalEach(const Lanes (&v)[kCount], double* out) {
   constexpr std::size_t kFours = kCount / 4 * 4;
@@ -96,14 +97,14 @@ LAB_INLINE void totalEach(const Lanes (&v)[kCount], double* out) {
   }
 }
 
-/// Phi(z) and its slope: odd polynomial of degree 11 on [-3, 3], least squares, error 5e-5 (slope
-/// 2e-3); constant outside.
+/// Phi(z) and its derivative: odd polynomial of degree 11 on [-3, 3], fitted by least squares,
+/// error 5e-5 (derivative 2e-3); constant outside.
 LAB_INLINE void edgeProfile(const Lanes& z, Lanes& share, Lanes& slope) {
   constexpr float kEnd = 3.0F;
   constexpr float c[6] = {0.39874916F,     -0.065853863F, 0.0093591116F,
                           -0.00092187574F, 5.48147e-5F,   -1.4486048e-6F};
   const Lanes near = clamped(z, -kEnd, kEnd);
-  // Pairs of terms first: a shorter chain than Horner's, which is what takes the time here.
+  // Pairs of terms first: a shorter dependency chain than Horner's, which determines the time here.
   const Lanes q = near * near;
   const Lanes q2 = q * q;
   const Lanes q4 = q2 * q2;
@@ -114,7 +115,7 @@ LAB_INLINE void edgeProfile(const Lanes& z, Lanes& share, Lanes& slope) {
   slope = near == z ? even : Lanes{};
 }
 
-/// Phi(z) alone.
+/// Phi(z) without the derivative.
 LAB_INLINE Lanes edgeShare(const Lanes& z) {
   Lanes share;
   Lanes unused;
@@ -148,7 +149,7 @@ struct LaneSums {
   }
 };
 
-/// What is counted at every pixel.
+/// Per-pixel counts.
 struct LaneCounts {
   Lanes weight = {};
   Lanes pixels = {};
@@ -162,27 +163,27 @@ struct LaneCounts {
   }
 };
 
-/// Where some pixels lie in a disc.
-struct Way {
-  Lanes z;              ///< [deviations of the blur] beyond the outline
+/// Position of pixels relative to a disc.
+struct Offset {
+  Lanes z;              ///< [blur sigma] distance beyond the outline
   Lanes over_distance;  ///< [1/px]
   Lanes out_x, out_y;   ///< [px] over_distance times this is the gradient of the distance
 };
 
 LAB_INLINE void wayAt(const Lanes& x, const Lanes& y, const Disc& disc, const Constants& constants,
-                      float over_sigma, Way& way) {
+                      float over_sigma, Offset& offset) {
   const Lanes dx = x - disc.x;
   const Lanes dy = y - disc.y;
   const Outline& outline = constants.outline;
-  way.out_x = outline.xx * dx + outline.xy * dy;
-  way.out_y = outline.xy * dx + outline.yy * dy;
-  const Lanes distance = rootOf(dx * way.out_x + dy * way.out_y + disc.sigma * disc.sigma);
-  way.over_distance = 1.0F / distance;
-  way.z = (distance - constants.radius * disc.scale) * over_sigma;
+  offset.out_x = outline.xx * dx + outline.xy * dy;
+  offset.out_y = outline.xy * dx + outline.yy * dy;
+  const Lanes distance = rootOf(dx * offset.out_x + dy * offset.out_y + disc.sigma * disc.sigma);
+  offset.over_distance = 1.0F / distance;
+  offset.z = (distance - constants.radius * disc.scale) * over_sigma;
 }
 
-/// And the paint there.
-struct Paint : Way {
+/// The blurred paint at the pixels.
+struct Paint : Offset {
   Lanes share;  ///< 0 black, 1 white
   Lanes slope;  ///< d share / d z
 };
@@ -193,7 +194,7 @@ LAB_INLINE void paintAt(const Lanes& x, const Lanes& y, const Disc& disc,
   edgeProfile(paint.z, paint.share, paint.slope);
 }
 
-/// How far a residual is believed: 1 where it is small, 0 beyond the cutoff.
+/// Tukey's biweight: 1 for small residuals, 0 beyond the cutoff.
 LAB_INLINE Lanes tukeyWeight(const Lanes& square, float over_cutoff) {
   const Lanes far = atLeast(1.0F - square * over_cutoff, 0.0F);
   return far * far;
@@ -204,13 +205,13 @@ LAB_INLINE Lanes varianceOf(const Lanes& signal, const Constants& constants) {
   return constants.floor_variance + lit * (constants.shot_gain + lit * constants.texture);
 }
 
-/// One over the expected variance; 0 where there is no pixel, or a full one.
+/// 1 / expected variance; 0 for missing or saturated pixels.
 LAB_INLINE Lanes inverseVarianceOf(const Lanes& value, const Lanes& signal,
                                    const Constants& constants, LaneCounts& counts) {
   const Lanes expected = signal + constants.black;
   const Lanes variance = varianceOf(signal, constants);
-  // Where the model says that the pixel is full, or nearly so, it tells nothing; the model decides,
-  // and not the pixel, since picking by what is to be measured would shift the result.
+  // A saturated pixel is not used. The model's value decides as well as the pixel's, because a
+  // selection by the measured value alone would bias the result.
   const LaneMask some = value != kNoPixel;
   const LaneMask full = some & (expected > kSaturated) & (value > kNearlySaturated);
   const LaneMask use = some & ~full;
@@ -219,6 +220,7 @@ LAB_INLINE Lanes inverseVarianceOf(const Lanes& value, const Lanes& signal,
   return use ? 1.0F / variance : Lanes{};
 }
 
+/// Cost whose derivative is residual times tukeyWeight(), with the cutoff kLimit.
 LAB_INLINE Lanes tukeyCost(const Lanes& square) {
   const Lanes limited = atLeast(1.0F - square * (1.0F / (kLimit * kLimit)), 0.0F);
   return (1.0F - limited * limited * limited) * (kLimit * kLimit / 3.0F);

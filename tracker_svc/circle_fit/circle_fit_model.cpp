@@ -16,7 +16,7 @@ std::size_t eightsOf(const Window& window) {
   return static_cast<std::size_t>(window.count / kLanes);
 }
 
-/// What the model needs at every pixel of a pass, in registers or at hand.
+/// Constants of a pass.
 struct Pass {
   Disc disc;
   Constants constants;
@@ -25,23 +25,23 @@ struct Pass {
   float contrast;
 };
 
-// A pass looks at all pixels several times. In one look each step would wait for the one before; a
-// processor finds other pixels to go on with only while a look is short.
+// A pass loops over the pixels several times. In a single loop each step would wait for the
+// previous one; out-of-order execution overlaps iterations only if they are short.
 
-/// First: where eight pixels lie in the disc, kept in the places of the slopes that need it.
+/// First loop: positions of eight pixels in the disc, stored where the derivatives go later.
 LAB_INLINE void placeEight(Window& window, std::size_t eight, const Pass& pass) {
   const std::size_t at = eight * kLanes;
-  Way way;
+  Offset offset;
   wayAt(loadLanes(window.x + at), loadLanes(window.y + at), pass.disc, pass.constants,
-        pass.over_sigma, way);
+        pass.over_sigma, offset);
   Slopes& kept = window.slopes[eight];
-  storeLanes(kept.by[kX], way.out_x);
-  storeLanes(kept.by[kY], way.out_y);
-  storeLanes(kept.by[kScale], way.z);
-  storeLanes(kept.by[kSigma], way.over_distance);
+  storeLanes(kept.by[kX], offset.out_x);
+  storeLanes(kept.by[kY], offset.out_y);
+  storeLanes(kept.by[kScale], offset.z);
+  storeLanes(kept.by[kSigma], offset.over_distance);
 }
 
-/// Then: the paint there, and its slopes.
+/// Second loop: the paint there, and its derivatives.
 LAB_INLINE void paintEight(Window& window, std::size_t eight, const Pass& pass) {
   Slopes& kept = window.slopes[eight];
   const Lanes z = loadLanes(kept.by[kScale]);
@@ -59,8 +59,9 @@ LAB_INLINE void paintEight(Window& window, std::size_t eight, const Pass& pass) 
   storeLanes(kept.by[kRatio], 1.0F - share);
 }
 
-/// Then the light on it: slopes and certainty to window.slopes, residual to window.residual.
-/// @tparam kAll every lane is a pixel, and none is full: nothing is to be counted
+/// Third loop: the light on it. Derivatives and inverse variances to window.slopes, residual to
+/// window.residual.
+/// @tparam kAll every lane is a usable pixel: no counting needed
 template <bool kAll>
 LAB_INLINE void lightEight(Window& window, std::size_t eight, const Pass& pass,
                            LaneCounts& counts) {
@@ -82,7 +83,7 @@ LAB_INLINE void lightEight(Window& window, std::size_t eight, const Pass& pass,
   storeLanes(kept.by[kSlopeY], lightness * y);
 }
 
-/// Last: the weights of the residuals to window.light, and the right sides.
+/// Last loop: weights of the residuals to window.light, and the right sides.
 template <bool kAll>
 LAB_INLINE void believeEight(Window& window, std::size_t eight, const Pass& pass,
                              LaneCounts& counts, Lanes& squares, Lanes* rights) {
@@ -91,18 +92,17 @@ LAB_INLINE void believeEight(Window& window, std::size_t eight, const Pass& pass
   const Lanes residual = loadLanes(window.residual + at);
   const Lanes certain = loadLanes(kept.weight);
   const Lanes square = residual * residual * certain;
-  const Lanes belief = tukeyWeight(square, pass.over_cutoff);
-  counts.weight += kAll ? belief : (certain > 0.0F ? belief : Lanes{});
-  squares += square * belief;
-  const Lanes weight = certain * belief;
+  const Lanes pixel_weight = tukeyWeight(square, pass.over_cutoff);
+  counts.weight += kAll ? pixel_weight : (certain > 0.0F ? pixel_weight : Lanes{});
+  squares += square * pixel_weight;
+  const Lanes weight = certain * pixel_weight;
   const Lanes weighted = weight * residual;
 #pragma GCC unroll 8
   for (std::size_t i = 0; i < kUnknowns; ++i) rights[i] += weighted * loadLanes(kept.by[i]);
   storeLanes(window.light + at, weight);
 }
 
-/// The normal matrix of one block, of the slopes from `first` on: ten sums, which with what they
-/// need stay in registers.
+/// The normal matrix of one block, from derivative `first` on: ten sums, which stay in registers.
 LAB_INLINE void sumBlock(const Window& window, std::size_t first, double* normal) {
   Lanes normals[10];
 #pragma GCC unroll 10
@@ -167,7 +167,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
     to_x[i] = static_cast<float>(row_x[i]);
     to_y[i] = static_cast<float>(row_y[i]);
   }
-  Lanes believed = {};
+  Lanes weight = {};
   Lanes cost = {};
   Lanes sum_x = {};
   Lanes sum_y = {};
@@ -175,7 +175,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
   Lanes xy = {};
   Lanes yy = {};
   Lanes squares = {};
-  // Two looks, as in a pass.
+  // Two loops, as in a pass.
   const std::size_t eights = eightsOf(window);
   for (std::size_t eight = 0; eight < eights; ++eight) {
     const std::size_t at = eight * kLanes;
@@ -202,8 +202,8 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
       pull_y += to_y[i] * loadLanes(kept.by[i]);
     }
     const Lanes square = residual * residual * certain;
-    const Lanes belief = tukeyWeight(square, over_cutoff);
-    const Lanes weighted = residual * certain * belief;
+    const Lanes pixel_weight = tukeyWeight(square, over_cutoff);
+    const Lanes weighted = residual * certain * pixel_weight;
     pull_x *= weighted;
     pull_y *= weighted;
     sum_x += pull_x;
@@ -212,7 +212,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
     xy += pull_x * pull_y;
     yy += pull_y * pull_y;
     squares += weighted * residual;
-    believed += belief;
+    weight += pixel_weight;
     cost += tukeyCost(square);
     storeLanes(window.residual + at, weighted);
   }
@@ -220,7 +220,7 @@ void sumLast(Window& window, const Row& by, float cutoff, const BlockRow& row_x,
   last.y = total(sum_y);
   last.variance = {total(xx), total(xy), total(yy)};
   last.squares = total(squares);
-  last.believed = total(believed);
+  last.weight = total(weight);
   last.cost = total(cost);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 
@@ -11,29 +12,30 @@
 namespace lab::detector::fit {
 namespace {
 
-// The rough step looks no farther outside the outline, where holes would draw it.
-constexpr double kRoughReach = 1.8;                  // [sigma]
-constexpr std::size_t kMostRows = 200;               // of more, every other one is enough, or fewer
-constexpr std::size_t kMostRough = 2 * kMostPixels;  // with what fills up the runs of so many rows
-constexpr double kBeyond = 1.0;  // [px] of the outline may lie outside the picture
-// Sparse: what lies farther inside than this says of the centre only what is known of black anyway,
-// and what lies farther outside only how light slopes, for which every other row is enough if the
-// margin is wide. By the model's own covariance a centre is known 0 to 2 % less well for it.
+// The coarse step uses a narrow margin, because holes further out would attract it.
+constexpr double kRoughReach = 1.8;     // [sigma]
+constexpr std::size_t kMostRows = 200;  // if there are more, every second one is enough, or fewer
+// including the padding of runs in that many rows
+constexpr std::size_t kMostRough = 2 * kMostPixels;
+constexpr double kBeyond = 1.0;  // [px] by which the outline may exceed the picture
+// Sparse layout: pixels farther inside only determine black, which is known; pixels farther outside
+// only determine the slope of the light, for which every second row is enough if the margin is
+// wide. According to the model's covariance this increases the error of the centre by 0 to 2 %.
 constexpr float kInside = 2;       // [sigma]
 constexpr float kOutside = 1;      // [sigma]
-constexpr float kAround = 3.4F;    // [sigma] a margin that is wide
-constexpr float kLeastMiddle = 1;  // [px] half as wide as what is worth leaving out
+constexpr float kAround = 3.4F;    // [sigma] margin from which it is wide
+constexpr float kLeastMiddle = 1;  // [px] smallest half width of a middle worth omitting
 
-// Outlines that differ by less are of one kind: it decides where pixels are looked at, and the
-// start of the fit, but not what is fitted.
-constexpr float kSizes = 6;  // half widths and heights a pixel
+// Outlines that differ by less share a layout. This affects which pixels are used and the start of
+// the fit, but not the model.
+constexpr float kSizes = 6;  // quantisation steps per pixel of half width and height
 constexpr float kSkews = 8;
 constexpr float kBlurs = 8;
 constexpr float kMargins = 8;
 constexpr std::size_t kKept = 512;
-constexpr std::size_t kAside = 8;  // places where a kind may be kept, one behind the other
+constexpr std::size_t kAside = 8;  // cache slots probed per kind
 
-// The slopes of a pixel's value by x, y, white and dark, at a place relative to the disc.
+// Derivatives of a pixel's value by x, y, white and dark, at a position relative to the disc.
 std::array<double, 4> slopesAt(double dx, double dy, const double* m, double radius, double sigma) {
   const double qx = radius * (m[0] * dx + m[1] * dy);
   const double qy = radius * (m[2] * dx + m[3] * dy);
@@ -48,8 +50,8 @@ std::array<double, 4> slopesAt(double dx, double dy, const double* m, double rad
 
 }  // namespace
 
-const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float sigma,
-                                                   float margin, bool sparse) {
+const std::shared_ptr<const PixelLayout>& PixelLayout::about(const DiscShape& shape, float sigma,
+                                                             float margin, bool sparse) {
   const float* m = shape.m;
   const float a = m[0] * m[0] + m[2] * m[2];
   const float b = m[0] * m[1] + m[2] * m[3];
@@ -62,21 +64,21 @@ const std::shared_ptr<const Pixels>& Pixels::about(const DiscShape& shape, float
                   std::max(1, steps(sigma, kBlurs)),
                   std::max(1, steps(margin, kMargins)),
                   sparse && shape.radius() > kInside * sigma + kLeastMiddle};
-  thread_local std::array<std::shared_ptr<const Pixels>, kKept> kept;
+  thread_local std::array<std::shared_ptr<const PixelLayout>, kKept> kept;
   const auto place =
       static_cast<std::size_t>(kind.width + 5 * kind.height + 67 * kind.skew + 31 * kind.blur +
                                127 * kind.margin + (kind.sparse ? 255 : 0));
   for (std::size_t aside = 0; aside < kAside; ++aside) {
-    std::shared_ptr<const Pixels>& found = kept[(place + aside) % kKept];
-    if (!found) found.reset(new Pixels(kind));
+    std::shared_ptr<const PixelLayout>& found = kept[(place + aside) % kKept];
+    if (!found) found.reset(new PixelLayout(kind));
     if (found->kind_ == kind) return found;
   }
-  std::shared_ptr<const Pixels>& other = kept[place % kKept];
-  other.reset(new Pixels(kind));
+  std::shared_ptr<const PixelLayout>& other = kept[place % kKept];
+  other.reset(new PixelLayout(kind));
   return other;
 }
 
-Pixels::Ellipse::Ellipse(const Kind& kind)
+PixelLayout::Ellipse::Ellipse(const Kind& kind)
     : reach_x(static_cast<double>(static_cast<float>(kind.width) / kSizes)),
       reach_y(static_cast<double>(static_cast<float>(kind.height) / kSizes)) {
   const double skew =
@@ -89,15 +91,15 @@ Pixels::Ellipse::Ellipse(const Kind& kind)
   radius = 1 / std::sqrt(m[0] * m[3]);
 }
 
-Pixels::Pixels(const Kind& kind) : kind_(kind), ellipse_(kind) {
+PixelLayout::PixelLayout(const Kind& kind) : kind_(kind), ellipse_(kind) {
   for (int phase = 0; phase < 4; ++phase) {
     phases_[static_cast<std::size_t>(phase)] =
         phaseOf(kind, ellipse_, kGrid * (phase & 1), kGrid * (phase >> 1));
   }
 }
 
-Pixels::Span Pixels::rowWithin(const Ellipse& ellipse, double margin, int row, double shift_x,
-                               double shift_y) {
+PixelLayout::Span PixelLayout::rowWithin(const Ellipse& ellipse, double margin, int row,
+                                         double shift_x, double shift_y) {
   const double* m = ellipse.m;
   const double widened = std::max(0.0, 1 + margin / ellipse.radius);
   // a dx^2 + 2 b dx dy + c dy^2 < widened^2
@@ -113,12 +115,12 @@ Pixels::Span Pixels::rowWithin(const Ellipse& ellipse, double margin, int row, d
   return {from, row, std::max(to - from + 1, 0)};
 }
 
-std::vector<Pixels::Span> Pixels::spansWithin(const Ellipse& ellipse, double margin, double shift_x,
-                                              double shift_y) {
+std::vector<PixelLayout::Span> PixelLayout::spansWithin(const Ellipse& ellipse, double margin,
+                                                        double shift_x, double shift_y) {
   const double widened = 1 + margin / ellipse.radius;
   const int box_x = static_cast<int>(std::ceil(ellipse.reach_x * widened)) + 1;
   const int box_y = static_cast<int>(std::ceil(ellipse.reach_y * widened)) + 1;
-  // Very large circles: every other row, or fewer, tells enough.
+  // For very large circles every second row, or fewer, is enough.
   const int row_step = 1 + 4 * box_x * box_y / kMostPixels;
   std::vector<Span> spans;
   for (int row = -box_y; row <= box_y; row += row_step) {
@@ -128,8 +130,8 @@ std::vector<Pixels::Span> Pixels::spansWithin(const Ellipse& ellipse, double mar
   return spans;
 }
 
-Pixels::Phase Pixels::phaseOf(const Kind& kind, const Ellipse& ellipse, double shift_x,
-                              double shift_y) {
+PixelLayout::Phase PixelLayout::phaseOf(const Kind& kind, const Ellipse& ellipse, double shift_x,
+                                        double shift_y) {
   const double sigma = static_cast<double>(static_cast<float>(kind.blur) / kBlurs);
   const double margin = static_cast<double>(static_cast<float>(kind.margin) / kMargins);
   const double inside = -static_cast<double>(kInside) * sigma;
@@ -140,7 +142,7 @@ Pixels::Phase Pixels::phaseOf(const Kind& kind, const Ellipse& ellipse, double s
   const auto rows = static_cast<int>(spans.size());
   for (int row = 0; row < rows; ++row) {
     Span all = spans[static_cast<std::size_t>(row)];
-    // Counted from the middle, so that what lies opposite is looked at as well.
+    // Counted from the middle, so that opposite pixels are used too.
     const bool other = std::abs(2 * row - (rows - 1)) / 2 % 2 != 0;
     if (other) all = rowWithin(ellipse, outside, all.dy, shift_x, shift_y);
     if (all.count == 0) continue;
@@ -176,8 +178,8 @@ Pixels::Phase Pixels::phaseOf(const Kind& kind, const Ellipse& ellipse, double s
   return out;
 }
 
-void Pixels::addRough(const Ellipse& ellipse, double sigma, double shift_x, double shift_y,
-                      Phase& phase) {
+void PixelLayout::addRough(const Ellipse& ellipse, double sigma, double shift_x, double shift_y,
+                           Phase& phase) {
   RoughSums& rough = phase.rough;
   std::vector<std::array<double, 4>> slopes;  // of all pixels of the runs
   std::array<double, 10> normal{};
@@ -185,7 +187,7 @@ void Pixels::addRough(const Ellipse& ellipse, double sigma, double shift_x, doub
   const std::size_t step = 1 + spans.size() / kMostRows;
   for (std::size_t row = 0; row < spans.size(); row += step) {
     const Span& span = spans[row];
-    // A row that is longer by a pixel or two is not worth a run more.
+    // One or two surplus pixels do not justify another run.
     const int runs = std::max(1, (span.count + kRun - 3) / kRun);
     const int count = std::min(span.count, runs * kRun);
     const int from = span.dx + (span.count - count) / 2;
@@ -219,7 +221,7 @@ void Pixels::addRough(const Ellipse& ellipse, double sigma, double shift_x, doub
       largest = std::max(largest, std::abs(by[i]));
       all += std::abs(by[i]);
     }
-    // As fine as weights and sums allow.
+    // As fine as the ranges of weights and sums allow.
     constexpr double kLargest = std::numeric_limits<std::int16_t>::max();
     constexpr double kMostSum = std::numeric_limits<std::int32_t>::max() / 256.0 - kMostPixels;
     rough.unit[i] = std::max({largest / kLargest, all / kMostSum, 1e-12});
@@ -229,14 +231,14 @@ void Pixels::addRough(const Ellipse& ellipse, double sigma, double shift_x, doub
   }
 }
 
-bool Pixels::Phase::within(const optics::GreyView& picture, int at_x, int at_y) const {
+bool PixelLayout::Phase::within(const optics::GreyView& picture, int at_x, int at_y) const {
   return at_x + left >= 0 && at_x + right < picture.width && at_y + top >= 0 &&
          at_y + bottom < picture.height;
 }
 
 LAB_FIT_CLONES
-void Pixels::sum(const optics::GreyView& picture, const Phase& phase, int x, int y,
-                 std::int32_t* sums) {
+void PixelLayout::sum(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                      std::int32_t* sums) {
   const RoughSums& rough = phase.rough;
   alignas(32) std::int16_t values[kMostRough];
   std::int16_t* to = values;
@@ -274,7 +276,8 @@ void Pixels::sum(const optics::GreyView& picture, const Phase& phase, int x, int
   std::copy(sum, sum + 4, sums);
 }
 
-Pixels::Rough Pixels::rough(const optics::GreyView& picture, const GridPoint& point) const {
+PixelLayout::Rough PixelLayout::rough(const optics::GreyView& picture,
+                                      const GridPoint& point) const {
   const Phase& phase = phaseAt(point);
   std::int32_t sums[4];
   sum(picture, phase, point.x >> 1, point.y >> 1, sums);
@@ -282,13 +285,14 @@ Pixels::Rough Pixels::rough(const optics::GreyView& picture, const GridPoint& po
   return {sums[0] * unit[0], sums[1] * unit[1], sums[2] * unit[2], sums[3] * unit[3]};
 }
 
-std::optional<float> Pixels::middle(const optics::GreyView& picture, const GridPoint& point) const {
+std::optional<float> PixelLayout::middle(const optics::GreyView& picture,
+                                         const GridPoint& point) const {
   const Phase& phase = phaseAt(point);
   const int x = point.x >> 1;
   const int y = point.y >> 1;
   int sum = 0;
   int count = 0;
-  // Every other row says enough of how black it is.
+  // Every second row is enough for the darkness.
   for (std::size_t n = 0; n < phase.middle.size(); n += 2) {
     const Span& span = phase.middle[n];
     const int row = y + span.dy;
@@ -304,8 +308,8 @@ std::optional<float> Pixels::middle(const optics::GreyView& picture, const GridP
 }
 
 LAB_FIT_CLONES
-void Pixels::take(const optics::GreyView& picture, const Phase& phase, int x, int y,
-                  Window& window) {
+void PixelLayout::take(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                       Window& window) {
   Lanes brightest = {};
   float* to = window.value;
   const std::uint8_t* from = picture.row(y) + x;
@@ -322,7 +326,8 @@ void Pixels::take(const optics::GreyView& picture, const Phase& phase, int x, in
   }
 }
 
-bool Pixels::gather(const optics::GreyView& picture, const GridPoint& point, Window& window) const {
+bool PixelLayout::gather(const optics::GreyView& picture, const GridPoint& point,
+                         Window& window) const {
   const optics::Pixel base = point.pixel();
   if (base.x < ellipse_.reach_x - kBeyond ||
       base.x > picture.width - 1 - ellipse_.reach_x + kBeyond ||

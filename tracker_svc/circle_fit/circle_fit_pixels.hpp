@@ -1,11 +1,13 @@
-/// Which pixels belong to a circle, and what a first look at them says: worked out once for all
-/// circles of about the same outline and blur. Internal to the circle fit.
+/// The pixels that belong to a circle, and weights for a first estimate from them; computed once
+/// for all circles of about the same outline and blur. Internal to the circle fit.
 ///
-/// Fits begin at points of a grid (circle_fit_grid.hpp), where the pixels always lie the same. So
-/// their places are a list, and a step of least squares from a fixed disc is a weighted sum.
+/// Fits start at points of a grid (circle_fit_grid.hpp), relative to which the pixels have fixed
+/// positions. So the positions are a list, and one least-squares step from a fixed disc is a
+/// weighted sum.
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,34 +18,34 @@
 
 namespace lab::detector::fit {
 
-class Pixels {
+class PixelLayout {
  public:
-  /// About this outline, blur and margin [px]; kept for the next circle of that kind. To be copied
-  /// before the next call.
-  /// @param sparse without pixels that tell little of the centre, if the circle is large enough
-  static const std::shared_ptr<const Pixels>& about(const DiscShape& shape, float sigma,
-                                                    float margin, bool sparse);
+  /// The layout for about this outline, blur and margin [px], from a cache. Copy the pointer before
+  /// the next call.
+  /// @param sparse omit pixels that contribute little to the centre, if the circle is large enough
+  static const std::shared_ptr<const PixelLayout>& about(const DiscShape& shape, float sigma,
+                                                         float margin, bool sparse);
 
   struct Rough {
-    double x = 0;  ///< [DN px] contrast times the way to the centre
+    double x = 0;  ///< [DN px] contrast times the distance to the centre
     double y = 0;
     double white = 0;  ///< [DN]
     double dark = 0;   ///< [DN]
   };
-  /// A step from a disc at the point. Beyond the picture its outermost pixels go on.
+  /// One least-squares step from a disc at the point. Pixels outside the picture repeat its edge.
   [[nodiscard]] Rough rough(const optics::GreyView& picture, const GridPoint& point) const;
 
-  /// Takes the pixels within the margin outside the outline centred on the point.
-  /// @return false where the outline would leave the picture
+  /// Reads the pixels within the margin around the outline centred on the point.
+  /// @return false if the outline would leave the picture
   bool gather(const optics::GreyView& picture, const GridPoint& point, Window& window) const;
 
-  /// The mean of what gather() leaves out inside [DN]; empty where that is nothing, or not all in
-  /// the picture.
+  /// The mean of the pixels inside that gather() omits [DN]; empty if there are none, or not all
+  /// are in the picture.
   [[nodiscard]] std::optional<float> middle(const optics::GreyView& picture,
                                             const GridPoint& point) const;
 
  private:
-  struct Kind {  // the outline, as a class of outlines: see about()
+  struct Kind {  // a class of similar outlines: see about()
     int width, height, skew, blur, margin;
     bool sparse;
     bool operator==(const Kind&) const = default;
@@ -59,30 +61,31 @@ class Pixels {
     [[nodiscard]] int end() const { return dx + count; }
   };
   static constexpr int kRun = 16;
-  struct Run {  // so many pixels of a row
+  struct Run {  // consecutive pixels of a row
     int dx, dy;
   };
-  struct Eight {  // pixels of one row, and where they go; the next ones write over what is too much
+  struct Eight {  // eight pixels of one row, and their destination; surplus ones are overwritten by
+                  // the next
     int dx, dy, to;
   };
-  /// The first look. Whole numbers: sums of them take less time, and are the same everywhere.
+  /// The first estimate. Integers: fast to sum, and the same on every processor.
   struct RoughSums {
     std::vector<Run> runs;
-    std::vector<std::int16_t> weights[4];  // of their pixels in x, y, white and dark
-    std::array<double, 4> unit{};          // of these weights
+    std::vector<std::int16_t> weights[4];  // weights of the pixels for x, y, white and dark
+    std::array<double, 4> unit{};          // unit of these weights
   };
-  struct Phase {  // a grid point lies on a pixel, or between two, by x and by y
+  struct Phase {  // whether a grid point lies on a pixel or between two, in x and in y
     RoughSums rough;
     std::vector<Span> spans;
-    std::vector<Eight> eights;                     // of the spans, in order
-    std::vector<Span> middle;                      // what is left out of it
+    std::vector<Eight> eights;                     // covering the spans, in order
+    std::vector<Span> middle;                      // what they omit inside
     std::vector<float> x, y;                       // [px] of the pixels, a multiple of kLanes
-    int count = 0;                                 // without those that fill the last eight
-    int left = 0, right = 0, top = 0, bottom = 0;  // what is read, and nothing farther
+    int count = 0;                                 // without the padding of the last eight
+    int left = 0, right = 0, top = 0, bottom = 0;  // bounds of everything that is read
     [[nodiscard]] bool within(const optics::GreyView& picture, int at_x, int at_y) const;
   };
 
-  explicit Pixels(const Kind& kind);
+  explicit PixelLayout(const Kind& kind);
   static Span rowWithin(const Ellipse& ellipse, double margin, int row, double shift_x,
                         double shift_y);
   static std::vector<Span> spansWithin(const Ellipse& ellipse, double margin, double shift_x,

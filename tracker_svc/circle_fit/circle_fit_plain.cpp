@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "tracker_svc/circle_fit/circle_fit_saturated.hpp"
 #include "tracker_svc/circle_fit/circle_fit_solve.hpp"
@@ -9,40 +10,40 @@
 namespace lab::detector::fit {
 namespace {
 
-// [px] rough estimates of neighbouring grid points differ by less
+// [px] bound on the difference between coarse estimates from neighbouring grid points
 constexpr double kDoubt = 0.06;
 constexpr float kMostMargin = 0.8F;          // [radius]
 constexpr float kTexture = 0.006F * 0.006F;  // grain of paint and sensor, variance over signal^2
 
 constexpr double kFreedoms = kUnknowns;
 constexpr int kMostPasses = 6;
-constexpr int kMostMoves = 8;          // over the grid
-constexpr double kSettled = 0.06;      // [px] a last step of the whole disc is shorter
-constexpr double kSettledBlur = 0.15;  // [1] and changes the blur by less
+constexpr int kMostMoves = 8;          // grid moves
+constexpr double kSettled = 0.06;      // [px] the last step of the whole disc must be shorter
+constexpr double kSettledBlur = 0.15;  // [1] and change the blur by less
 constexpr double kSettledScale = 0.03;
-constexpr double kSettledFull = 0.1;    // [1] of those where some pixels are full
-constexpr double kSettledWhite = 0.01;  // [1] and changes the white level by less
-constexpr float kRoughCutoff = 0.3F;  // [1] of the white level, as kCutoff while the disc is rough
+constexpr double kSettledFull = 0.1;    // [1] factor on both if some pixels are saturated
+constexpr double kSettledWhite = 0.01;  // [1] and change the white level by less
+constexpr float kRoughCutoff = 0.3F;    // [1] of the white level, as kCutoff for the coarse disc
 constexpr float kLeastNoise = 0.5F;
 
-// Beyond what the residuals show: paint that is not quite round. More would be too cautious where
-// circles are large, since it does not shrink with them.
+// Error that residuals do not show: paint that is not quite round. A larger value would be too
+// pessimistic for large circles, since the error does not shrink with their size.
 constexpr double kFloor = 0.0008;  // [px]
-// What the biweight (1.39 at a cutoff of 5 deviations) and the unknowns take off the scatter.
+// Reduction of the scatter by the biweight (1.39 at a cutoff of 5 deviations) and by the unknowns.
 constexpr double kScatterLoss = 1.5;
 
-// Weak knowledge that keeps a fit to something else, or to an overexposed circle, finite.
+// Weak priors, which keep fits to other objects or overexposed circles finite.
 constexpr double kScaleSpread = 0.1;
 constexpr double kRatioSpread = 0.15;
 constexpr double kSlopeSpread = 0.02;  // [1/px] of the white level
-// [1] how much less where every pixel is full: no slope can be seen there, and what lens and
-// projector do over a whole picture is a few ten-thousandths a pixel
+// [1] factor on the slope's prior weight if every pixel is saturated: no slope is visible then, and
+// vignetting over a whole picture is a few ten-thousandths per pixel.
 constexpr double kFullSlope = 150;
 constexpr double kSigmaSpread = 0.5;  // [of sigma]
-// [1] as kFullSlope: white, dark and size are told apart by the little that is not full
+// [1] as kFullSlope: only the few unsaturated pixels separate white, dark and size
 constexpr double kFullShape = 4;
 
-// Mean weight of the biweight, for a normal residual and a cutoff in deviations.
+// Mean biweight of a normal residual, for a cutoff in deviations.
 double beliefAt(float cutoff) {
   const double over = 1.0 / static_cast<double>(cutoff * cutoff);
   return 1 - 2 * over + 3 * over * over;
@@ -55,10 +56,10 @@ struct Rough {
 
 Rough roughAt(const Task& task, GridPoint point) {
   Rough out;
-  const Pixels::Rough u = task.pixels->rough(*task.picture, point);
+  const PixelLayout::Rough u = task.pixels->rough(*task.picture, point);
   const double contrast = u.white - u.dark;
   if (!(contrast > 0.5)) return out;
-  // A step longer than this is not linear any more.
+  // A longer step is outside the linear range.
   const double most = 0.3 * static_cast<double>(task.constants.radius);
   const double length = std::sqrt(u.x * u.x + u.y * u.y) / contrast;
   const double shortened = (length > most ? most / length : 1.0) / contrast;
@@ -72,17 +73,16 @@ Rough roughAt(const Task& task, GridPoint point) {
   return out;
 }
 
-// What is known beforehand: unknown i is `off` from there, and known as well as `weight` says.
+// A prior: unknown i deviates by `off` from its mean.
 struct Known {
   std::size_t i;
   double off;
-  double weight;  // one over the variance
+  double weight;  // 1 / variance
 };
 
 constexpr double weightOf(double spread) { return 1 / (spread * spread); }
 
-// @param full pixels that are full, for each that is not: they say that the light is even, as far
-//   as anybody can see
+// @param full saturated pixels per unsaturated pixel: they are consistent with even light
 std::array<Known, 5> knownOf(const Disc& disc, float sigma, double full) {
   const double slope = weightOf(kSlopeSpread * std::max(1.0, static_cast<double>(disc.white)) /
                                 (1 + kFullSlope * full));
@@ -152,7 +152,8 @@ bool Task::choosePixels() {
   const float sigmas = sparse ? kMarginSparse : margin_sigmas;
   const float margin =
       std::max(2.0F * sigma, std::min(sigmas * sigma, kMostMargin * constants.radius));
-  const std::shared_ptr<const Pixels>& found = Pixels::about(shape, sigma, margin, sparse);
+  const std::shared_ptr<const PixelLayout>& found =
+      PixelLayout::about(shape, sigma, margin, sparse);
   if (pixels == found) return false;
   pixels = found;
   return true;
@@ -164,15 +165,16 @@ bool Task::gather(GridPoint point, Window& window) const {
 }
 
 float noiseOver(double squares, double freedom, bool robust) {
-  constexpr double kLeft = 0.848;  // of the variance, by a biweight with a cutoff of 5 deviations
+  constexpr double kLeft = 0.848;  // variance left by a biweight with a cutoff of 5 deviations
   const double variance = std::max(0.0, squares) / std::max(1.0, freedom);
   return std::max(kLeastNoise, static_cast<float>(std::sqrt(robust ? variance / kLeft : variance)));
 }
 
 std::array<double, 3> covarianceOf(const std::array<double, 3>& expected,
                                    const std::array<double, 3>& scatter) {
-  // The normal matrix holds if the noise is as expected; how the residuals pull the centre holds in
-  // any case, but is known from few pixels: so the shape of one and the size of the other.
+  // The normal matrix is right if the noise is as expected. The pull of the residuals on the centre
+  // is always right, but estimated from few pixels. So the former gives the shape and the latter
+  // the size.
   const double size = kScatterLoss * 0.5 * (scatter[0] / expected[0] + scatter[2] / expected[2]);
   return {size * expected[0] + kFloor * kFloor, size * expected[1],
           size * expected[2] + kFloor * kFloor};
@@ -199,20 +201,20 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   Outcome out;
   Disc disc = rough;
   if (!window.plain) startSaturated(window, task.constants, disc);
-  // Holes and hot pixels are far off even from the rough disc.
+  // Holes and hot pixels deviate strongly even from the coarse disc.
   const float deviation = std::sqrt(task.constants.noiseAt(rough.white));
   float cutoff = std::max(kCutoff, kRoughCutoff * rough.white / deviation);
   const auto cutoffAfter = [](double squares, const Row& by, const Row& right, double pixels,
                               bool robust) {
-    // What the sum of squares will be after the step.
+    // Predicts the sum of squares after the step.
     for (std::size_t i = 0; i < kUnknowns; ++i) squares -= by[i] * right[i];
     return kCutoff * std::max(1.0F, noiseOver(squares, pixels - kFreedoms, robust));
   };
-  // Whole steps until they are small: one, mostly.
-  std::optional<Factor<kBlock, Both>> factor;  // odd and even
+  // Full steps until they are small: usually one.
+  std::optional<Factor<kBlock, DoublePair>> factor;  // odd and even block
   const auto solve = [&](const Row& right) {
-    std::array<Both, kBlock> both;
-    for (std::size_t i = 0; i < kBlock; ++i) both[i] = Both{right[i], right[i + kBlock]};
+    std::array<DoublePair, kBlock> both;
+    for (std::size_t i = 0; i < kBlock; ++i) both[i] = DoublePair{right[i], right[i + kBlock]};
     both = factor->solve(both);
     Row steps;
     for (std::size_t i = 0; i < kBlock; ++i) {
@@ -238,16 +240,16 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
       right[k.i] += k.off * k.weight;
       (k.i < kBlock ? blocks.odd : blocks.even)[i * (i + 1) / 2 + i] += k.weight;
     }
-    std::array<Both, 10> normal;
+    std::array<DoublePair, 10> normal;
     for (std::size_t i = 0; i < normal.size(); ++i) {
-      normal[i] = Both{blocks.odd[i], blocks.even[i]};
+      normal[i] = DoublePair{blocks.odd[i], blocks.even[i]};
     }
     factor.emplace(normal);
     if (!factor->good()) return out;
     by = solve(right);
     cutoff = cutoffAfter(blocks.squares, by, right, pass > 0 ? counts.weight : pixels, pass > 0);
     step(disc, by, task.sigma);
-    // Full pixels move in and out of what is known while the white level is found.
+    // The set of unsaturated pixels changes while the white level is found.
     const double strict = counts.full < 0.5 ? 1 : kSettledFull;
     if (by[kX] * by[kX] + by[kY] * by[kY] < strict * strict * kSettled * kSettled &&
         std::abs(by[kSigma]) < strict * kSettledBlur * static_cast<double>(disc.sigma) &&
@@ -256,9 +258,9 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
       break;
     }
   }
-  // Then one of the centre alone, robust in any case, which also says how well it is known.
+  // Then a robust step of the centre alone, which also gives its covariance.
   const auto column = [&](std::size_t unknown, bool even) {
-    const std::array<Both, kBlock> both = factor->inverseColumn(unknown % kBlock);
+    const std::array<DoublePair, kBlock> both = factor->inverseColumn(unknown % kBlock);
     BlockRow out_row;
     for (std::size_t i = 0; i < kBlock; ++i) out_row[i] = both[i][even ? 1 : 0];
     return out_row;
@@ -266,15 +268,15 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   BlockRow row_x = column(kX, false);
   BlockRow row_y = column(kY, false);
   const double ratio_variance = column(kRatio, true)[kRatio - kBlock];
-  const double belief = beliefAt(kCutoff) / beliefAt(matrix_cutoff);
-  for (double& r : row_x) r /= belief;
-  for (double& r : row_y) r /= belief;
+  const double pixel_weight = beliefAt(kCutoff) / beliefAt(matrix_cutoff);
+  for (double& r : row_x) r /= pixel_weight;
+  for (double& r : row_y) r /= pixel_weight;
   LastStep last;
   sumLast(window, by, cutoff, row_x, row_y, last);
   disc.x += static_cast<float>(last.x);
   disc.y += static_cast<float>(last.y);
-  // Light that rises by g across an edge blurred by sigma moves it by sigma^2 g / white: the blur
-  // of the product is not quite the product of the blurs.
+  // A light gradient g across an edge blurred by sigma displaces it by sigma^2 g / white: the blur
+  // of a product is not the product of the blurs.
   const float white = disc.white + disc.slope_x * disc.x + disc.slope_y * disc.y;
   const float moved = white > 0 ? disc.sigma * disc.sigma / white : 0.0F;
   out.x = window.base_x + static_cast<double>(disc.x + moved * disc.slope_x);
@@ -287,9 +289,9 @@ Outcome fitPlain(const Task& task, Window& window, const Disc& rough) {
   out.sigma = disc.sigma;
   out.slope_x = disc.slope_x;
   out.slope_y = disc.slope_y;
-  const double believed = last.believed - (window.count - pixels);
-  out.noise = noiseOver(last.squares, believed - kFreedoms, true);
-  out.believed = static_cast<float>(believed / std::max(1.0, pixels));
+  const double weight = last.weight - (window.count - pixels);
+  out.noise = noiseOver(last.squares, weight - kFreedoms, true);
+  out.weight = static_cast<float>(weight / std::max(1.0, pixels));
   out.pixels = static_cast<int>(pixels);
   out.cost = static_cast<float>(last.cost);
   out.correlation = static_cast<float>(correlation(window));

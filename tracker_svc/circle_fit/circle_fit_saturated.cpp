@@ -9,7 +9,7 @@ namespace lab::detector::fit {
 namespace {
 
 constexpr double kManyFull = 0.2;  // [1] of the pixels
-constexpr float kBrightest = 6;    // [1] of what the camera can say
+constexpr float kBrightest = 6;    // [1] times the brightest value of the camera
 constexpr int kHalvings = 10;
 
 }  // namespace
@@ -36,7 +36,7 @@ void startSaturated(Window& window, const Constants& constants, Disc& disc) {
     const Lanes lightness = kUsualRatio + (1 - kUsualRatio) * paint.share;
     storeLanes(window.light + at, some ? lightness : Lanes{});
   }
-  // How bright the whole window is grows with the white level, as far as not all of it is full.
+  // The brightness of the window increases with the white level unless all of it is saturated.
   float low = most;
   float high = kBrightest * most;
   for (int i = 0; i < kHalvings; ++i) {

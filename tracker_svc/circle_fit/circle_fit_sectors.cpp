@@ -13,10 +13,11 @@ constexpr float kClear = 1.2F;  // [sigma] from the outline: paint and white are
 constexpr float kBand = 1.5F;   // [px] wide
 constexpr float kMostRatio = 0.6F;
 constexpr float kSure = 2.5F;   // [standard errors]
-constexpr int kLeastWhite = 5;  // at most one in so many pixels outside is dark: holes and rims are
-constexpr int kMostBad = 3;  // sectors: glare, debris and light from across an edge may take some
+constexpr int kLeastWhite = 5;  // at most one of this many pixels outside is dark: holes and rims
+// number of sectors: glare, debris and light across an edge may affect some
+constexpr int kMostBad = 3;
 
-// Share of the light that some pixels return: least squares of value = share * light.
+// Share of the light that pixels return: least squares of value = share * light.
 struct Share {
   float value_light = 0;
   float light_light = 0;
@@ -52,7 +53,7 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
     const float dy = window.y[i] - disc.y;
     const float distance = std::sqrt(constants.outline.squareAt(dx, dy)) - outline;
     const float value = window.value[i] - constants.black;
-    // No pixel says more than full.
+    // No pixel value exceeds saturation.
     const float light = std::clamp(window.light[i], 0.0F, kMaxDn - constants.black);
     const float variance = constants.noiseAt(std::max(0.0F, value));
     const auto sector = static_cast<std::size_t>(sectorOf(dx, dy));
@@ -73,7 +74,7 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
   for (std::size_t i = 0; i < inside.size(); ++i) {
     const Share& in = inside[i];
     const Share& out = outside[i];
-    if (!in.any() || !out.any()) continue;  // beyond the picture, or a tiny circle
+    if (!in.any() || !out.any()) continue;  // outside the picture, or a tiny circle
     const float error = noise * std::sqrt(in.error2() + out.error2());
     const bool darker =
         out.value() - in.value() > kSure * error && in.value() < kMostRatio * out.value() + error;
@@ -85,7 +86,8 @@ bool darkAllAround(const Window& window, const Constants& constants, const Disc&
 
 bool darkInside(const Window& window, const Constants& constants, float sigma) {
   constexpr float kMiddle = 0.4F;  // [radius]
-  constexpr float kShare = 0.6F;   // a bright middle has a bright half around it
+  // limit for the middle: a bright middle has bright pixels around it
+  constexpr float kShare = 0.6F;
   float inside = 0;
   float outside = 0;
   float inside_count = 0;

@@ -7,21 +7,21 @@
 
 namespace lab::detector::fit {
 
-/// Two systems side by side.
-using Both = double __attribute__((vector_size(16)));
+/// Two systems in parallel.
+using DoublePair = double __attribute__((vector_size(16)));
 
 inline bool isPositive(double v) { return v > 0; }
-inline bool isPositive(const Both& v) { return v[0] > 0 && v[1] > 0; }
+inline bool isPositive(const DoublePair& v) { return v[0] > 0 && v[1] > 0; }
 
-/// A symmetric matrix as L D L', which takes no roots; lower triangle row by row.
-/// @tparam Number double, or Both for two systems at once
+/// Factors a symmetric matrix as L D L', without square roots; lower triangle row by row.
+/// @tparam Number double, or DoublePair for two systems at once
 template <std::size_t kCount, typename Number = double>
 class Factor {
  public:
   using Vector = std::array<Number, kCount>;
   static constexpr std::size_t kPairs = kCount * (kCount + 1) / 2;
 
-  /// good() is false where the matrix is not positive definite.
+  /// good() returns false if the matrix is not positive definite.
   explicit Factor(const std::array<Number, kPairs>& normal) : l_(normal) {
     for (std::size_t i = 0; i < kCount; ++i) {
       Vector scaled;  // row i of L D
@@ -68,7 +68,7 @@ class Factor {
   }
 
   std::array<Number, kPairs> l_;
-  std::array<Number, kCount> inverse_;  ///< of D; not set to zero, which takes time
+  std::array<Number, kCount> inverse_;  ///< of D; not zero-initialised, to save time
   bool good_ = true;
 };
 

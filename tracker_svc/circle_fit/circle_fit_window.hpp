@@ -7,38 +7,37 @@
 
 namespace lab::detector::fit {
 
-/// Eight numbers that are worked on together. The order of every sum is fixed by these eight lanes,
-/// so the results depend on the processor in the last bits only: some multiply and add in one.
+/// Number of values processed together. The order of every sum is fixed by these eight lanes, so
+/// results differ between processors only in the last bits, by fused multiply-add.
 constexpr int kLanes = 8;
 typedef float Lanes __attribute__((vector_size(32)));
 typedef int LaneMask __attribute__((vector_size(32)));
 
 constexpr int kMostPixels = 4000;
-constexpr float kNoPixel = -1;  ///< value of the lanes that fill up the last group
+constexpr float kNoPixel = -1;  ///< value of padding lanes
 
-/// What the model says of eight pixels: kept from one pass to the next.
+/// Model derivatives at eight pixels, kept from one pass to the next.
 struct Slopes {
-  alignas(32) float weight[kLanes];  ///< [1/DN^2] one over the expected variance
-  alignas(32) float by[8][kLanes];   ///< slope of the value by each unknown
+  alignas(32) float weight[kLanes];  ///< [1/DN^2] inverse of the expected variance
+  alignas(32) float by[8][kLanes];   ///< derivative of the value by each unknown
 };
 
-class Pixels;
+class PixelLayout;
 
-/// Pixels around one point of the picture, row by row; places are relative to that point. Where
-/// every row is looked at, they look the same upside down: the last place lies opposite the first,
-/// seen from that point.
+/// Pixels around one point of the picture, row by row, with positions relative to that point. If
+/// every row is used, the list is symmetric: the last position is opposite the first.
 struct Window {
-  std::shared_ptr<const Pixels> pixels;  ///< whose the places are
-  double base_x = 0;                     ///< [px] in the picture
+  std::shared_ptr<const PixelLayout> pixels;  ///< layout of the positions
+  double base_x = 0;                          ///< [px] in the picture
   double base_y = 0;
   int count = 0;             ///< a multiple of kLanes
-  int places = 0;            ///< of them that are places, and do not fill up the last eight
-  bool plain = false;        ///< only the last eight have less than eight pixels, and none is full
+  int places = 0;            ///< without padding
+  bool plain = false;        ///< only the last eight lanes have padding, and no pixel is saturated
   const float* x = nullptr;  ///< [px]
   const float* y = nullptr;
   alignas(32) float value[kMostPixels + 2 * kLanes];  ///< [DN]
   Slopes slopes[kMostPixels / kLanes + 2];
-  /// [DN] on white, by a fit with edges or layLight(); weights while a plain fit runs
+  /// [DN] light on white, from a fit with edges or layLight(); weights during a plain fit
   alignas(32) float light[kMostPixels + 2 * kLanes];
   alignas(32) float residual[kMostPixels + 2 * kLanes];  ///< of the last fit, weighted
 };

@@ -1,5 +1,5 @@
-/// Arithmetic on 32 pixels at once, for the sources of the search only. Of two halves of 16 where a
-/// processor has no more.
+/// SIMD arithmetic on 32 pixels at once, as two halves of 16 on processors without AVX2. Internal
+/// to the search.
 #pragma once
 
 #include <emmintrin.h>
@@ -27,7 +27,7 @@ using Bytes = std::uint8_t __attribute__((vector_size(kWord)));
   return one < other ? one : other;
 }
 
-/// Which bytes have their top bit set.
+/// Bit mask of the bytes with their top bit set.
 [[gnu::always_inline]] inline std::uint32_t topBits(const Bytes& bytes) {
   __m128i half[2];
   std::memcpy(half, &bytes, sizeof half);

@@ -9,32 +9,30 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kToNeighbour = 1.3;    // [big radii] outside of both circles, inside the cap
-constexpr double kRowsPerRadius = 1.1;  // of the small circle, between tested rows
-constexpr double kReach = 2.65;         // [big radii] from a candidate to the farthest pixel, and
-constexpr double kReachMore = 5;        // [px] on top
-constexpr float kSigmas = 3.3F;         // of read noise that no candidate is made of
-constexpr int kLine = 64;               // [bytes] that come from memory together
-constexpr int kAhead = 4;               // [tested rows] that are asked for before they are needed
+constexpr double kToNeighbour = 1.3;  // [big radii] to a pixel outside both circles but on the cap
+constexpr double kRowsPerRadius = 1.1;  // [small radii] between tested rows
+constexpr double kReach = 2.65;         // [big radii] from a candidate to the farthest pixel read,
+constexpr double kReachMore = 5;        // [px] plus this
+constexpr float kSigmas = 3.3F;         // read noise below which a difference is ignored
+constexpr int kLine = 64;               // [bytes] of a cache line
+constexpr int kAhead = 4;               // [tested rows] prefetched
 constexpr int kBits = 64;
-// Opposite directions one after the other, the four axes first: junk is soon known for it.
-constexpr int kOrder[16] = {0, 8, 4, 12, 2, 10, 6, 14, 1, 9, 5, 13, 3, 11, 7, 15};
+constexpr float kJunk = 0.9F;  // [big radii] around clutter in which nothing else is examined
+
+GreyLevels greyLevelsOf(const optics::Imaging& imaging) {
+  GreyLevels levels;
+  levels.black = std::clamp(static_cast<int>(std::lround(imaging.black)), 0, 100);
+  levels.noise = std::clamp(
+      static_cast<int>(std::ceil(kSigmas * static_cast<float>(imaging.read_noise))), 1, 100);
+  return levels;
+}
 
 }  // namespace
 
 CircleSearch::CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap,
                            const optics::Imaging& imaging, int width, int height)
-    : imaging_(imaging) {
-  for (std::size_t i = 0; i < kDirections; ++i) {
-    const double angle = 2 * std::numbers::pi * kOrder[i] / kDirections;
-    cos_[i] = static_cast<float>(std::cos(angle));
-    sin_[i] = static_cast<float>(std::sin(angle));
-  }
-  black_ = std::clamp(static_cast<int>(std::lround(imaging.black)), 0, 100);
-  noise_ = std::clamp(static_cast<int>(std::ceil(kSigmas * static_cast<float>(imaging.read_noise))),
-                      1, 100);
-  levels_ = levelsOf(black_, noise_);
-  softness_ = static_cast<float>(std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox));
+    : levels_(greyLevelsOf(imaging)), outline_(imaging, levels_) {
+  search_levels_ = levelsOf(levels_.black, levels_.noise);
   if (scale.largest() <= 0 || width <= kWord || height < 1) return;
   const double small = cap.small_radius * static_cast<double>(scale.smallest());
   const double big = cap.big_radius * static_cast<double>(scale.largest());
@@ -103,7 +101,7 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
   rejected_spots_ = refused;
   occupied_.forget();
   aimAt(picture);
-  aim(edges_, padded_.begin(picture, padding_));
+  outline_.aim(edges_, padded_.begin(picture, padding_));
   std::fill(marks_.begin(), marks_.end(), 0);
   int top = picture.height;
   int bottom = 0;
@@ -115,9 +113,9 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
   first_row_ = top + padding_;
   last_row_ = bottom + padding_;
   if (top > bottom) return;
-  prefilter_.look(picture, levels_, top, bottom);
+  prefilter_.look(picture, search_levels_, top, bottom);
   for (int y = first_row_; y <= last_row_; ++y) {
-    // In little light single pixels say less: more of them.
+    // In dim light single pixels are less reliable, so more rows are tested.
     if (y % step_ != 0 && !prefilter_.anyFaint(y - padding_)) continue;
     testRow(y, std::min(kAhead * step_, last_row_ - y) * picture.stride);
   }
@@ -145,7 +143,7 @@ void CircleSearch::findRest(Rows rows, std::vector<Spot>& spots,
   }
 }
 
-// From the coordinates of the padded picture to those of the picture.
+// Converts from the coordinates of the padded picture to those of the picture.
 void CircleSearch::bringBack(std::vector<Spot>& spots, std::size_t first) const {
   const auto back = static_cast<float>(padding_);
   const auto outside = [&](Spot& spot) {
@@ -167,11 +165,11 @@ void CircleSearch::cover(double x, double y, double radius) {
 }
 
 void CircleSearch::aimAt(const optics::GreyView& picture) {
-  aim(inner_, PaddedPicture::within(picture, padding_));
+  outline_.aim(inner_, PaddedPicture::within(picture, padding_));
 }
 
 std::optional<Spot> CircleSearch::circleAt(optics::Pixel place, bool big) const {
-  // [radii] where it is looked for
+  // [radii] offsets of the places that are tried
   constexpr double kAside[9][2] = {{0, 0},     {1, 0},      {-1, 0},     {0, 1},      {0, -1},
                                    {0.7, 0.7}, {-0.7, 0.7}, {0.7, -0.7}, {-0.7, -0.7}};
   if (word_starts_.empty()) return std::nullopt;
@@ -187,9 +185,9 @@ std::optional<Spot> CircleSearch::circleAt(optics::Pixel place, bool big) const 
     candidate.x = static_cast<int>(std::lround(place.x + radius * aside[0])) + padding_;
     candidate.y = static_cast<int>(std::lround(place.y + radius * aside[1])) + padding_;
     if (!isInner(candidate.x, candidate.y, reach_)) continue;
-    if (!isDark(inner_, candidate)) continue;
+    if (!isDark(inner_, levels_, candidate)) continue;
     Spot spot;
-    if (shapeAround(inner_, candidate, spot) != Shape::kRound) continue;
+    if (outline_.shapeAround(inner_, candidate, spot) != Shape::kRound) continue;
     if (big ? !spot.can_be_big : !spot.can_be_small) continue;
     spot.x -= static_cast<float>(padding_);
     spot.y -= static_cast<float>(padding_);
@@ -198,26 +196,12 @@ std::optional<Spot> CircleSearch::circleAt(optics::Pixel place, bool big) const 
   return std::nullopt;
 }
 
-void CircleSearch::aim(Plane& plane, const optics::GreyView& view) const {
-  const bool same = plane.view.stride == view.stride && !plane.rays.empty();
-  plane.view = view;
-  if (same) return;
-  plane.rays.clear();
-  for (int r = 0; r < kMostSamples; ++r) {
-    for (std::size_t k = 0; k < kDirections; ++k) {
-      const long dx = std::lround(static_cast<float>(r) * cos_[k]);
-      const long dy = std::lround(static_cast<float>(r) * sin_[k]);
-      plane.rays.push_back(static_cast<std::int32_t>(dy * view.stride + dx));
-    }
-  }
-}
-
 bool CircleSearch::isInner(int x, int y, int around) const {
   const int least = padding_ + around;
   return x >= least && y >= least && x < width_ - least && y < height_ - least;
 }
 
-const CircleSearch::Plane& CircleSearch::planeAt(int x, int y, int around) {
+const Plane& CircleSearch::planeAt(int x, int y, int around) {
   if (isInner(x, y, around)) return inner_;
   padded_.need({x - around, y - around, x + around, y + around});
   return edges_;
@@ -243,7 +227,7 @@ void CircleSearch::mark(const optics::GreyView& picture, const Region& region) {
       marks_[static_cast<std::size_t>(y) * blocks + place] |= bits;
     }
   }
-  // Scattered places come from memory one after the other unless all are asked for at once.
+  // Prefetching overlaps the memory latencies of scattered places.
   for (int y = region.top; y <= region.bottom && !whole; ++y) {
     if (y < 0 || y >= picture.height) continue;
     for (int x = left; x <= right; x += kLine) __builtin_prefetch(picture.row(y) + x);
@@ -291,17 +275,107 @@ void CircleSearch::testWords(int y, std::size_t block, std::uint64_t wanted, std
       const int x = starts[std::countr_zero(rest)];
       padded_.need({x - near_, y - near_, x + kWord + near_, y + near_});
     }
-    found = findDarkPixels(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0, levels_,
-                           dark_.data());
+    found = findDarkPixels(edges_.view.row(y), edges_.view.stride, starts, to, edge, 0,
+                           search_levels_, dark_.data());
   }
   if (edge != wanted) {
     found += findDarkPixels(inner_.view.row(y), inner_.view.stride, starts, to, wanted & ~edge,
-                            ahead, levels_, dark_.data() + found);
+                            ahead, search_levels_, dark_.data() + found);
   }
   for (int i = 0; i < found; ++i) {
     dark_[static_cast<std::size_t>(i)].number += static_cast<int>(block) * kBits;
   }
   takeWords({dark_.data(), static_cast<std::size_t>(found)}, y);
+}
+
+void CircleSearch::takeWords(std::span<const DarkPixelWord> words, int y) {
+  const std::size_t band = static_cast<std::size_t>(y / kBand) * word_starts_.size();
+  bool went_on = false;  // whether the last run continues into this word
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    const DarkPixelWord& word = words[i];
+    const auto number = static_cast<std::size_t>(word.number);
+    Candidate candidate{.y = y, .to = neighbours_[band + number], .sizes = sizes_[band + number]};
+    const bool adjoins = i + 1 < words.size() && words[i + 1].number == word.number + 1 &&
+                         word_starts_[number + 1] == word_starts_[number] + kWord;
+    const std::uint32_t next = adjoins ? words[i + 1].dark : 0;
+    std::uint32_t dark = went_on ? word.dark & (word.dark + 1) : word.dark;
+    went_on = word.dark >> (kWord - 1) != 0 && next % 2 != 0;
+    while (dark != 0) {
+      const int begin = std::countr_zero(dark);
+      const int end = begin + std::countr_one(dark >> begin);
+      const int beyond = end == kWord ? std::countr_one(next) : 0;
+      const int middle = begin + (end + beyond - begin - 1) / 2;
+      const DarkPixelWord& its = words[i + static_cast<std::size_t>(middle / kWord)];
+      candidate.x = word_starts_[number] + middle;
+      candidate.white = its.white[middle % kWord];
+      candidate.dark = inner_.view.row(y)[candidate.x];
+      if (!isOccupied(static_cast<float>(candidate.x), static_cast<float>(y), candidate.dark)) {
+        const bool may_be_round = (its.round >> middle % kWord) % 2 != 0;
+        if (!may_be_round || !takeRound(candidate)) rest_.push_back(candidate);
+      }
+      dark = end < kWord ? dark >> end << end : 0;
+    }
+  }
+}
+
+bool CircleSearch::takeRound(Candidate candidate) {
+  if (isFaint(candidate, levels_)) return false;
+  const Plane& plane = planeAt(candidate.x, candidate.y, reach_);
+  if (!isRound(plane, candidate)) {
+    moveToMiddle(plane, candidate);
+    if (!isRound(plane, candidate)) return false;
+  }
+  Spot spot;
+  const Shape shape = outline_.shapeAround(plane, candidate, spot);
+  if (shape != Shape::kRound &&
+      (shape != Shape::kOther || !outline_.settle(plane, candidate, spot, rejected_spots_))) {
+    return false;
+  }
+  if (!isOccupied(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
+  return true;
+}
+
+void CircleSearch::take(const Candidate& candidate) {
+  const bool faint = isFaint(candidate, levels_);
+  if (faint && !standsOut(planeAt(candidate.x, candidate.y, near_), candidate, levels_.noise))
+    return;
+  const Plane& plane = planeAt(candidate.x, candidate.y, reach_);
+  Spot spot;
+  const Shape shape = outline_.shapeAround(plane, candidate, spot);
+  if (shape == Shape::kLong) {
+    // Otherwise the following rows would find the same object.
+    occupied_.markOccupied(static_cast<float>(candidate.x), static_cast<float>(candidate.y),
+                           kJunk * candidate.sizes.big, candidate.dark - levels_.black);
+    return;
+  }
+  if (shape == Shape::kThin) return;
+  if (faint) {
+    if (!outline_.weigh(plane, candidate, reach_, spot)) return;
+  } else if (shape == Shape::kOther && !outline_.settle(plane, candidate, spot, rejected_spots_)) {
+    return;
+  }
+  if (!isOccupied(spot.x, spot.y, candidate.dark)) add(spot, candidate.sizes);
+}
+
+void CircleSearch::add(Spot spot, const Sizes& sizes) {
+  spots_->push_back(spot);
+  occupied_.markOccupied(spot.x, spot.y, (spot.can_be_big ? sizes.big : sizes.small) + 1, 0);
+}
+
+std::optional<Spot> CircleSearch::centredAs(const Spot& spot, bool big) {
+  const float x = spot.x + static_cast<float>(padding_);
+  const float y = spot.y + static_cast<float>(padding_);
+  const auto word = std::min(static_cast<std::size_t>(spot.x) / kWord, word_starts_.size() - 1);
+  const Sizes& sizes = sizes_[static_cast<std::size_t>(y) / kBand * word_starts_.size() + word];
+  const Plane& plane = planeAt(static_cast<int>(x), static_cast<int>(y), reach_);
+  if (sizes.big <= 0) return std::nullopt;
+  std::optional<Spot> out = outline_.centredAt(plane, x, y, big ? sizes.big : sizes.small);
+  if (!out) return std::nullopt;
+  out->x -= static_cast<float>(padding_);
+  out->y -= static_cast<float>(padding_);
+  out->can_be_big = big;
+  out->can_be_small = !big;
+  return out;
 }
 
 }  // namespace lab::detector

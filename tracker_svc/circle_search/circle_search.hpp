@@ -1,8 +1,7 @@
-/// Where in a picture black circles of the right sizes on something white may be: one pass at the
-/// speed of memory, no threshold for the picture as a whole.
+/// Finds places in a picture that may be black circles of the right sizes on a white cap. One pass
+/// at memory speed, without a global threshold.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,112 +9,68 @@
 
 #include "light/optics/grey_image.hpp"
 #include "light/photometry/imaging.hpp"
+#include "tracker_svc/circle_search/candidate.hpp"
 #include "tracker_svc/circle_search/contrast_prefilter.hpp"
 #include "tracker_svc/circle_search/dark_pixels.hpp"
 #include "tracker_svc/circle_search/occupancy_map.hpp"
+#include "tracker_svc/circle_search/outline_fitter.hpp"
 #include "tracker_svc/circle_search/padded_picture.hpp"
 #include "tracker_svc/detector/scale_map.hpp"
 
 namespace lab::detector {
 
-/// A circle, known to about a tenth of its radius.
-struct Spot {
-  float x = 0;      ///< [px]
-  float y = 0;      ///< [px]
-  float white = 0;  ///< [DN] around it, black level taken off
-  bool can_be_big = false;
-  bool can_be_small = false;
-  float size = 0;  ///< [px] radius, as well as the search can tell
-};
-
-/// Something dark that was looked at and is no circle.
-struct RejectedSpot {
-  float x = 0;
-  float y = 0;
-  float seen = 0;  ///< [1] share of directions with an outline at the right distance
-  float wanted = 0;
-};
-
 /// Which rows are tested.
 enum class Rows : std::uint8_t { kSome, kAll };
 
-/// Every few rows, some two to the small circle, each pixel is held against its neighbours at a bit
-/// more than the big radius, in four directions through it: less than half as bright as both in at
-/// least one direction makes a candidate. A light edge beside or across a circle leaves at least
-/// one direction that lies along it. Candidates are then centred on the outline around them.
+/// Tests about two rows per small circle. Each pixel is compared with its neighbours at slightly
+/// more than the big radius, along four axes: it is a candidate if it is less than half as bright
+/// as both ends of at least one axis. A light edge beside or across a circle leaves at least the
+/// axis parallel to it. Candidates are then centred on the outline around them.
 class CircleSearch {
  public:
   /// @param width,height of the pictures [px]
   CircleSearch(const ScaleMap& scale, const optics::CapGeometry& cap,
                const optics::Imaging& imaging, int width, int height);
 
-  /// The circles whose candidates lie in one of the regions, in the order of their top rows. A
-  /// circle is found in the same place whatever the regions, if one of them holds all of it.
+  /// Finds the circles whose candidates lie in one of the regions, ordered by top row. The result
+  /// for a circle does not depend on the regions if one of them contains all of it.
   void find(const optics::GreyView& picture, std::span<const Region> regions,
             std::vector<Spot>& spots, std::vector<RejectedSpot>* refused);
 
-  /// find() in two halves. The first gives what is a whole circle at first sight and keeps what
-  /// else is dark; the second looks at that closely, but not where cover() said that a cap is
-  /// known: most of it is the rims and sides of caps.
+  /// find() in two steps. The first finds complete circles and stores other dark candidates; the
+  /// second examines these closely, except in areas excluded by cover(): most of them are rims and
+  /// sides of caps.
   void findRound(const optics::GreyView& picture, std::span<const Region> regions,
                  std::vector<Spot>& spots, std::vector<RejectedSpot>* refused);
-  /// @param rows all where light edges may leave of a circle what a row just misses
+  /// @param rows kAll if light edges may leave so little of a circle that a row misses it
   void findRest(Rows rows, std::vector<Spot>& spots, std::vector<RejectedSpot>* refused);
 
-  /// Nothing is left to be found here.
+  /// Excludes an area from the search.
   /// @param radius [px]
   void cover(double x, double y, double radius);
 
-  /// What the next circleAt() look at.
+  /// Sets the picture for circleAt().
   void aimAt(const optics::GreyView& picture);
 
-  /// The circle around a place, if it shows all of its outline, may be of that size, and neither
-  /// lies in the dark nor at the edge of the picture: what find() would take for such a circle.
+  /// The circle around a place, if its whole outline is visible, it may be of that size, it is not
+  /// in the dark and not at the edge of the picture. find() gives the same result for such a
+  /// circle.
   [[nodiscard]] std::optional<Spot> circleAt(optics::Pixel place, bool big) const;
 
-  /// The circle of the given size that a spot is part of, in the picture that find() was given last
-  /// and that is still there; empty where the outline is not there.
+  /// The circle of the given size that a spot is part of, in the picture last given to find(),
+  /// which must still exist; empty if there is no such outline.
   [[nodiscard]] std::optional<Spot> centredAs(const Spot& spot, bool big);
 
  private:
-  static constexpr int kDirections = 16;
-  static constexpr int kMostSamples = 48;  // [px] along a direction
-  static constexpr int kBand = 32;         // rows that share one set of sizes
-
-  struct Sizes {    // of one word in one band
-    float big = 0;  // [px]
-    float small = 0;
-  };
-  /// The picture, or its edges, in the coordinates of the padded picture.
-  struct Plane {
-    optics::GreyView view;
-    std::vector<std::int32_t> rays;  // [bytes] from a pixel to those around it: by distance [px],
-                                     // by direction
-  };
-  struct Ring {            // what one look around a point gives
-    int outlines = 0;      // directions with an outline near the right distance
-    int open = 0;          // pairs of opposite directions without any
-    float dx = 0, dy = 0;  // [px] where the centre rather is
-    float white = 0;       // [DN]
-  };
-  struct Candidate {  // the middle of a run of dark pixels
-    int x = 0, y = 0;
-    int dark = 0;   // [DN]
-    int white = 0;  // [DN]
-    Neighbours to;
-    Sizes sizes;
-  };
-
-  enum class Shape : std::uint8_t { kRound, kLong, kThin, kOther };
+  static constexpr int kBand = 32;  // rows that share one set of sizes
 
   void addSizes(const ScaleMap& scale, const optics::CapGeometry& cap);
-  void aim(Plane& plane, const optics::GreyView& view) const;
-  /// @param around [px] how far from there something is read
+  /// @param around [px] distance around it that is read
   [[nodiscard]] bool isInner(int x, int y, int around) const;
   [[nodiscard]] const Plane& planeAt(int x, int y, int around);
   void mark(const optics::GreyView& picture, const Region& region);
   void testRow(int y, std::ptrdiff_t ahead);
-  /// The rows between those that were tested, where no cap is known.
+  /// Tests the remaining rows, outside known caps.
   void testBetween();
   void testWords(int y, std::size_t block, std::uint64_t wanted, std::ptrdiff_t ahead);
   void takeWords(std::span<const DarkPixelWord> words, int y);
@@ -123,55 +78,34 @@ class CircleSearch {
   void take(const Candidate& candidate);
   void add(Spot spot, const Sizes& sizes);
   void bringBack(std::vector<Spot>& spots, std::size_t first) const;
-  /// To the middle of what is dark in its column: a row may cross a circle anywhere.
-  static void moveToMiddle(const Plane& plane, Candidate& candidate);
-  /// Dark inside of the small circle and bright around the big one, on all sides.
-  [[nodiscard]] static bool isRound(const Plane& plane, const Candidate& candidate);
-  [[nodiscard]] static bool standsOut(const Plane& plane, const Candidate& candidate, int noise);
-  /// Sets dark and white. @return whether it is clearly darker than what is around it
-  [[nodiscard]] bool isDark(const Plane& plane, Candidate& candidate) const;
-  [[nodiscard]] Shape shapeAround(const Plane& plane, const Candidate& candidate, Spot& spot) const;
-  [[nodiscard]] Ring lookAround(const Plane& plane, float x, float y, float radius,
-                                float slack) const;
-  [[nodiscard]] bool weigh(const Plane& plane, const Candidate& candidate, Spot& spot) const;
-  [[nodiscard]] bool settle(const Plane& plane, const Candidate& candidate, Spot& spot);
-  [[nodiscard]] int centre(const Plane& plane, float x, float y, float radius, Spot& spot) const;
-  /// Single pixels say little about it.
-  [[nodiscard]] bool isFaint(const Candidate& candidate) const {
-    return candidate.white - candidate.dark < kFaint * noise_;
-  }
   [[nodiscard]] bool isOccupied(float x, float y, int dark) const {
-    return occupied_.isOccupied(x, y, dark - black_, noise_);
+    return occupied_.isOccupied(x, y, dark - levels_.black, levels_.noise);
   }
 
-  optics::Imaging imaging_;
+  GreyLevels levels_;
+  Levels search_levels_;
+  OutlineFitter outline_;
   int padding_ = 0;  // [px] added on every side of a picture
-  int width_ = 0;    // [px] with padding
+  int width_ = 0;    // [px] with padding on both sides
   int height_ = 0;
-  int step_ = 3;       // [rows] between tested ones, where there is light
-  int first_row_ = 0;  // of the regions
+  int step_ = 3;       // [rows] between tested ones, in sufficient light
+  int first_row_ = 0;  // of the regions, padded
   int last_row_ = -1;
-  int near_ = 0;        // [px] that findDarkPixels() looks to the sides, at most
-  int reach_ = 0;       // [px] around a candidate in which pixels are looked at
-  int black_ = 0;       // [DN]
-  float softness_ = 0;  // [px] standard deviation of blur and pixel
-  int noise_ = 0;       // [DN] a difference that read noise alone does not make
-  Levels levels_;
+  int near_ = 0;   // [px] largest horizontal reach of findDarkPixels()
+  int reach_ = 0;  // [px] around a candidate in which pixels are read
   std::vector<int> word_starts_;
-  std::vector<std::uint64_t> edge_words_;  // bits: words that reach beyond the picture
+  std::vector<std::uint64_t> edge_words_;  // bits: words whose neighbours lie outside the picture
   std::vector<Neighbours> neighbours_;     // by band, by word
   std::vector<Sizes> sizes_;               // by band, by word
-  std::array<float, kDirections> cos_{};
-  std::array<float, kDirections> sin_{};
   ContrastPrefilter prefilter_;
   PaddedPicture padded_;
-  Plane inner_;  // of the picture as it is
-  Plane edges_;  // of its edges, padded
+  Plane inner_;  // the picture itself
+  Plane edges_;  // copy of its edges, padded
   std::vector<Spot>* spots_ = nullptr;
   std::vector<RejectedSpot>* rejected_spots_ = nullptr;
   OccupancyMap occupied_;
-  std::vector<DarkPixelWord> dark_;   // of the row that is tested
-  std::vector<Candidate> rest_;       // to be looked at closely
+  std::vector<DarkPixelWord> dark_;   // of the current row
+  std::vector<Candidate> rest_;       // to be examined by findRest()
   std::vector<std::uint64_t> marks_;  // by row, bits: words to be tested
 };
 

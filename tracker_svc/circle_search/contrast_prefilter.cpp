@@ -10,10 +10,11 @@ namespace lab::detector {
 namespace {
 
 constexpr std::size_t kBits = 64;
-constexpr int kLittle = 2;          // [1] of Levels::faint: white above black that is little light
-constexpr std::size_t kBeside = 1;  // words before the first and behind the last of the brightest
+constexpr int kLittle = 2;  // [1] times Levels::faint: white above black in dim light
+// padding words before the first and after the last brightest word
+constexpr std::size_t kBeside = 1;
 
-/// The largest byte of one, and 256 times that of the other.
+/// Larger of the largest byte of `one` and that of `other`, the latter times 256.
 [[gnu::always_inline]] inline int largest(const Bytes& one, const Bytes& other) {
   __m128i half[4];
   std::memcpy(half, &one, sizeof one);
@@ -27,21 +28,21 @@ constexpr std::size_t kBeside = 1;  // words before the first and behind the las
   return _mm_cvtsi128_si32(both) & 0xffff;
 }
 
-/// What a row of cells is told from.
+/// Input of one row of cells.
 struct CellRow {
-  const std::uint8_t* top;   ///< the first row that is looked at
-  std::ptrdiff_t down;       ///< [bytes] from one to the next
-  const std::uint8_t* soon;  ///< the first row of the next cells
-  int soon_rows;             ///< of them
+  const std::uint8_t* top;   ///< first row that is read
+  std::ptrdiff_t down;       ///< [bytes] from one row to the next
+  const std::uint8_t* soon;  ///< first row of the next cells, to prefetch
+  int soon_rows;             ///< number of those rows
 };
 
-/// Darkest and brightest two pixels side by side of each cell.
+/// Darkest and brightest pair of adjacent pixels of each cell.
 [[gnu::always_inline]] inline void lookAtEach(const CellRow& row, int rows,
                                               const std::vector<int>& starts, std::uint8_t* dark,
                                               std::uint8_t* bright) {
   const std::size_t words = starts.size();
   for (std::size_t i = 0; i < words; ++i) {
-    // Not all the way: the processor has room for few lines on their way to the first cache.
+    // Prefetch to the second-level cache only: few lines can be in flight to the first.
     for (int k = 0; k < row.soon_rows; ++k) {
       __builtin_prefetch(row.soon + k * row.down + starts[i], 0, 2);
     }
@@ -65,7 +66,7 @@ __attribute__((target_clones("avx2", "default"))) void lookAtCells(const CellRow
                                                                    const std::vector<int>& starts,
                                                                    std::uint8_t* dark,
                                                                    std::uint8_t* bright) {
-  // The usual numbers are known to the compiler.
+  // Constant row counts let the compiler unroll.
   if (rows == 3) return lookAtEach(row, 3, starts, dark, bright);
   if (rows == 2) return lookAtEach(row, 2, starts, dark, bright);
   lookAtEach(row, rows, starts, dark, bright);
@@ -121,7 +122,7 @@ void ContrastPrefilter::lookAtRow(const optics::GreyView& picture, int cell) {
 
 __attribute__((target_clones("avx2", "default"))) void ContrastPrefilter::compare(
     const Levels& levels, int top, int bottom) {
-  // What the extremes of a thousand pairs of pixels differ by, with nothing but noise.
+  // Largest difference that noise alone causes between the extremes of a thousand pairs.
   const Bytes by_chance =
       Bytes{} + static_cast<std::uint8_t>(std::min((11 * levels.noise + 7) / 8, 255));
   const Bytes little =

@@ -1,5 +1,5 @@
-/// Where in a picture something may be much darker than what is near: told from the darkest and the
-/// brightest of each cell, before any pixel is held against its neighbours.
+/// Finds the parts of a picture with enough local contrast for a circle, from the minimum and
+/// maximum of each cell, so that the pixel-wise test can skip the rest.
 #pragma once
 
 #include <cstdint>
@@ -10,21 +10,21 @@
 
 namespace lab::detector {
 
-/// A cell is a word wide and so high that what is near lies in the next ones. Dark and bright are
-/// of two pixels side by side, so that the noise of single ones in the dark is not taken for a
-/// contrast; a circle is wider.
+/// A cell is a word wide, and high enough that all neighbours of a pixel lie in adjacent cells.
+/// Minimum and maximum are over means of two adjacent pixels, to reduce noise in dim light; a
+/// circle is wider than two pixels.
 class ContrastPrefilter {
  public:
   ContrastPrefilter() = default;
 
   /// @param width,height of the pictures [px], at least a word and a pixel wide
   /// @param starts of the words [px]
-  /// @param first,step [rows] that are looked at: first, first + step ...
-  /// @param around [px] how far what is near may be
+  /// @param first,step [rows] that are read: first, first + step ...
+  /// @param around [px] largest distance of a neighbour
   ContrastPrefilter(int width, int height, const std::vector<int>& starts, int first, int step,
                     int around);
 
-  /// Looks at some rows of a picture, both included, and at what is near them.
+  /// Reads rows top to bottom of a picture (inclusive), and their neighbours.
   void look(const optics::GreyView& picture, const Levels& levels, int top, int bottom);
 
   /// Words of a row that may hold pixels of circles.
@@ -34,7 +34,7 @@ class ContrastPrefilter {
     return words_[static_cast<std::size_t>(row / tall_) * blocks_ + block];
   }
 
-  /// Those of them in so little light that noise counts.
+  /// The subset of words() in light so dim that noise matters.
   [[nodiscard]] std::uint64_t faintWords(int row, std::size_t block) const {
     return faint_[static_cast<std::size_t>(row / tall_) * blocks_ + block];
   }
@@ -50,7 +50,7 @@ class ContrastPrefilter {
   [[nodiscard]] std::size_t placeOf(int cell) const {
     return static_cast<std::size_t>(cell) * width_;
   }
-  struct Span {  // rows that are looked at
+  struct Span {  // rows that are read
     int top = 0;
     int count = 0;
   };
@@ -62,10 +62,10 @@ class ContrastPrefilter {
   int height_ = 0;
   int first_ = 0;
   int step_ = 1;
-  int tall_ = 1;   // [rows] of a cell: some steps
-  int cells_ = 0;  // one below the other
+  int tall_ = 1;   // [rows] of a cell: several steps
+  int cells_ = 0;  // number of rows of cells
   std::size_t blocks_ = 0;
-  std::size_t width_ = 0;             // words, and what fills up the last block
+  std::size_t width_ = 0;             // words, padded to whole blocks
   std::vector<std::uint8_t> dark_;    // [DN] by cell, by word
   std::vector<std::uint8_t> bright_;  // [DN]
   std::vector<std::uint64_t> words_;

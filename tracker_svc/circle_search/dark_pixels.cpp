@@ -11,18 +11,19 @@ namespace {
 
 constexpr std::size_t kMostWords = 64;
 
-/// A word after the pairs.
+/// State of a word after comparing pairs of neighbours.
 struct Paired {
   int number;
   const std::uint8_t* at;
   Bytes here;
-  Bytes best;     ///< the darker end of the brightest pair
-  Bytes worst;    ///< the brighter end of the darkest pair
+  Bytes best;     ///< darker end of the brightest pair
+  Bytes worst;    ///< brighter end of the darkest pair
   Bytes darkest;  ///< of all ends
-  Bytes dark;     ///< pixels that are left
+  Bytes dark;     ///< remaining pixels
 };
 
-/// Pixels that are dark a bit beside them too, and not to both ends of a pair as in something long.
+/// Pixels whose near neighbours are dark too, but not both ends of a pair, as in an elongated
+/// object.
 [[gnu::always_inline]] inline Bytes darkToTheSides(const Paired& word, std::ptrdiff_t stride,
                                                    const Neighbours& to, const Levels& levels) {
   const Bytes contrast = word.best - word.here;
@@ -32,7 +33,7 @@ struct Paired {
   const std::ptrdiff_t near = to.near;
   const std::ptrdiff_t down = near * stride;
   const Bytes along = brighterOf(loadBytes(word.at - near), loadBytes(word.at + near));
-  // The row that is tested may lie above the middle, or below.
+  // The tested row may lie above or below the circle's middle.
   const Bytes across = darkerOf(loadBytes(word.at - down), loadBytes(word.at + down));
   const Bytes beside = brighterOf(along, across);
   const auto quarter = static_cast<std::uint8_t>(levels.black / 4);
@@ -53,19 +54,19 @@ Levels levelsOf(int black, int noise) {
   return levels;
 }
 
-// What comes of a word cannot be foreseen, and a wrong guess of the processor costs more than the
-// tests: so all words go through them, and those with nothing left are written over.
+// Branches on the content of a word would be mispredicted, which costs more than the tests: all
+// words are tested without branches, and results without candidates are overwritten.
 __attribute__((target_clones("avx2", "default"))) int findDarkPixels(
     const std::uint8_t* row, std::ptrdiff_t stride, const int* starts, const Neighbours* neighbours,
     std::uint64_t wanted, std::ptrdiff_t ahead, const Levels& levels, DarkPixelWord* found) {
   const Bytes low = Bytes{} + levels.black;
   const Bytes most = Bytes{} + levels.most;
-  // Where they are below 0 they wrap round, and so do the sums: back to where they belong.
+  // Values below 0 wrap around, and so do the sums, which gives the right result.
   const Bytes barely = Bytes{} + static_cast<std::uint8_t>(levels.barely);
   const Bytes clear = Bytes{} + static_cast<std::uint8_t>(levels.clear);
   Paired paired[kMostWords];
   int pairs = 0;
-  Neighbours to{};  // of the last word: those of the next are the same, mostly
+  Neighbours to{};  // of the previous word: mostly the same for the next
   std::ptrdiff_t ways[4] = {};
   std::ptrdiff_t soon = 0;
   for (; wanted != 0; wanted &= wanted - 1) {
@@ -80,7 +81,7 @@ __attribute__((target_clones("avx2", "default"))) int findDarkPixels(
     }
     if (to.across == 0) continue;
     const std::uint8_t* at = row + starts[number];
-    // Rows that nobody has looked at yet: first glance and tests look at every so many.
+    // Prefetches rows that neither the prefilter nor the tests have read.
     __builtin_prefetch(at + soon, 0, 2);
     __builtin_prefetch(at + soon - stride, 0, 2);
     __builtin_prefetch(at + soon + stride, 0, 2);

@@ -7,7 +7,7 @@
 namespace lab::detector {
 namespace {
 
-constexpr int kDarker = 2;  // [1] than something long: a circle in it after all
+constexpr int kDarker = 2;  // [1] times darker than the elongated object: may be a circle on it
 
 }  // namespace
 
@@ -20,9 +20,9 @@ OccupancyMap::OccupancyMap(int width, int height)
       nearby_(static_cast<std::size_t>(wide_columns_) * static_cast<std::size_t>(wide_rows_)) {}
 
 void OccupancyMap::forget() {
-  for (const OccupiedRegion& claim : occupied_) {
-    for (int j = claim.top; j <= claim.bottom; ++j) {
-      for (int i = claim.left; i <= claim.right; ++i) {
+  for (const OccupiedRegion& region : occupied_) {
+    for (int j = region.top; j <= region.bottom; ++j) {
+      for (int i = region.left; i <= region.right; ++i) {
         cells_[static_cast<std::size_t>(j * columns_ + i)] = -1;
       }
     }
@@ -50,27 +50,27 @@ void OccupancyMap::cover(float x, float y, float radius) {
   }
 }
 
-void OccupancyMap::claim(float x, float y, float reach, int dark) {
+void OccupancyMap::markOccupied(float x, float y, float reach, int dark) {
   if (occupied_.size() >= std::numeric_limits<std::int16_t>::max()) return;
-  OccupiedRegion claim{.x = x, .y = y, .reach = reach, .dark = dark};
-  claim.left = std::clamp(static_cast<int>(x - reach) / kCell, 0, columns_ - 1);
-  claim.right = std::clamp(static_cast<int>(x + reach) / kCell, 0, columns_ - 1);
-  claim.top = std::clamp(static_cast<int>(y - reach) / kCell, 0, rows_ - 1);
-  claim.bottom = std::clamp(static_cast<int>(y + reach) / kCell, 0, rows_ - 1);
+  OccupiedRegion region{.x = x, .y = y, .reach = reach, .dark = dark};
+  region.left = std::clamp(static_cast<int>(x - reach) / kCell, 0, columns_ - 1);
+  region.right = std::clamp(static_cast<int>(x + reach) / kCell, 0, columns_ - 1);
+  region.top = std::clamp(static_cast<int>(y - reach) / kCell, 0, rows_ - 1);
+  region.bottom = std::clamp(static_cast<int>(y + reach) / kCell, 0, rows_ - 1);
   const auto number = static_cast<std::int16_t>(occupied_.size());
-  occupied_.push_back(claim);
-  for (int j = claim.top; j <= claim.bottom; ++j) {
-    for (int i = claim.left; i <= claim.right; ++i) {
+  occupied_.push_back(region);
+  for (int j = region.top; j <= region.bottom; ++j) {
+    for (int i = region.left; i <= region.right; ++i) {
       cells_[static_cast<std::size_t>(j * columns_ + i)] = number;
     }
   }
 }
 
-bool OccupancyMap::holds(const OccupiedRegion& claim, float x, float y, int dark, int noise) {
-  const float dx = x - claim.x;
-  const float dy = y - claim.y;
-  const bool darker = kDarker * dark + noise < claim.dark;
-  return !darker && dx * dx + dy * dy < claim.reach * claim.reach;
+bool OccupancyMap::holds(const OccupiedRegion& region, float x, float y, int dark, int noise) {
+  const float dx = x - region.x;
+  const float dy = y - region.y;
+  const bool darker = kDarker * dark + noise < region.dark;
+  return !darker && dx * dx + dy * dy < region.reach * region.reach;
 }
 
 }  // namespace lab::detector

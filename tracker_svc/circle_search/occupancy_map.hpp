@@ -1,5 +1,5 @@
-/// What of a picture is spoken for: circles that were found, long things that would only be found
-/// again, and places around caps that are known.
+/// Regions of a picture that are already assigned: circles found, elongated objects (which would be
+/// found again in every row), and the surroundings of known caps.
 #pragma once
 
 #include <array>
@@ -12,15 +12,16 @@ namespace lab::detector {
 class OccupancyMap {
  public:
   OccupancyMap() = default;
-  /// @param width,height [px] of the places that can be asked for
+  /// @param width,height [px] range of the coordinates
   OccupancyMap(int width, int height);
 
   void forget();
 
-  /// Nothing is left to be found within.
+  /// Excludes a disc from the search.
   /// @param radius [px]
   void cover(float x, float y, float radius);
-  /// A row's pixels from first to last, by one of those places. May say no where there are many.
+  /// Whether pixels first to last of a row lie in one excluded disc. May return false where many
+  /// discs overlap.
   [[nodiscard]] bool isCovered(int first, int last, int y) const {
     const Nearby& nearby =
         nearby_[static_cast<std::size_t>(y / kWide * wide_columns_ + first / kWide)];
@@ -32,14 +33,14 @@ class OccupancyMap {
   }
   [[nodiscard]] bool isCovered(int x, int y) const { return isCovered(x, x, y); }
 
-  /// A circle, or something long, that was found.
+  /// Marks a circle, or an elongated object, as found.
   /// @param reach [px] around it
-  /// @param dark [DN above black] of something long; 0: a circle
-  void claim(float x, float y, float reach, int dark);
+  /// @param dark [DN above black] of an elongated object; 0 for a circle
+  void markOccupied(float x, float y, float reach, int dark);
 
-  /// Whether it belongs to something that was found.
-  /// @param dark [DN above black] of what is there: something much darker in the middle of
-  ///   something long may be a circle after all
+  /// Whether a pixel belongs to something that was found.
+  /// @param dark [DN above black] of the pixel: if much darker than an elongated object around it,
+  ///   it may be a circle
   /// @param noise [DN]
   [[nodiscard]] bool isOccupied(float x, float y, int dark, int noise) const {
     const int number = cells_[cellAt(static_cast<int>(x), static_cast<int>(y))];
@@ -48,7 +49,7 @@ class OccupancyMap {
 
  private:
   static constexpr int kCell = 8;   // [px]
-  static constexpr int kWide = 64;  // [px] of the cells by which covers are found
+  static constexpr int kWide = 64;  // [px] of the cells that index covers
 
   struct OccupiedRegion {
     float x = 0, y = 0;
@@ -71,7 +72,7 @@ class OccupancyMap {
     std::array<std::int16_t, kMost> covers;
   };
 
-  [[nodiscard]] static bool holds(const OccupiedRegion& claim, float x, float y, int dark,
+  [[nodiscard]] static bool holds(const OccupiedRegion& region, float x, float y, int dark,
                                   int noise);
   [[nodiscard]] std::size_t cellAt(int x, int y) const {
     return static_cast<std::size_t>(y / kCell * columns_ + x / kCell);
@@ -83,7 +84,7 @@ class OccupancyMap {
   std::vector<Cover> covers_;
   int wide_columns_ = 0;
   int wide_rows_ = 0;
-  std::vector<std::int16_t> cells_;  // which claim, -1: none
+  std::vector<std::int16_t> cells_;  // index of the region, -1 if none
   std::vector<Nearby> nearby_;       // by wide cell
 };
 

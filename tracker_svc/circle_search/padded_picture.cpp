@@ -36,13 +36,13 @@ void PaddedPicture::need(const Region& part) {
 
 void PaddedPicture::fill(const Region& tile) {
   const int end = tile.right + 1;
-  const int first = std::clamp(padding_, tile.left, end);  // of the picture's own columns
+  const int first = std::clamp(padding_, tile.left, end);  // within the picture's columns
   const int last = std::clamp(padding_ + picture_.width, tile.left, end);
   const bool columns_inside = last - first == kTile;
   for (int y = tile.top; y <= tile.bottom; ++y) {
     const std::uint8_t* from = picture_.row(std::clamp(y - padding_, 0, picture_.height - 1));
     std::uint8_t* to = pixels_.data() + static_cast<std::ptrdiff_t>(y) * width_;
-    if (columns_inside) {  // nearly always, and soon done
+    if (columns_inside) {  // the usual case
       std::memcpy(to + first, from + (first - padding_), kTile);
       continue;
     }

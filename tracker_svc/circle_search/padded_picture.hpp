@@ -1,5 +1,5 @@
-/// A picture that goes on beyond its edges, so that what lies at an edge has neighbours like
-/// everything else.
+/// A picture extended beyond its edges, so that pixels at an edge have neighbours on all sides.
+/// Filled on demand.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace lab::detector {
 
-/// A part of a picture: first to last column and row, both included.
+/// A part of a picture: first and last column and row, inclusive.
 struct Region {
   int left = 0;
   int top = 0;
@@ -20,23 +20,23 @@ struct Region {
 /// Pixel (x, y) of the picture is pixel (x + padding, y + padding) of the padded one.
 class PaddedPicture {
  public:
-  /// Begins with another picture, of which nothing is there yet.
-  /// @param padding [px] on every side, in which the outermost pixels are repeated
-  /// @return of the size of all of it; valid until the next call
+  /// Starts with a new picture; nothing is filled yet.
+  /// @param padding [px] on every side; repeats the outermost pixels
+  /// @return view of the padded size; valid until the next call
   [[nodiscard]] optics::GreyView begin(const optics::GreyView& picture, int padding);
 
-  /// Makes sure that a part of the padded picture is there, as far as it lies in it.
+  /// Fills a part of the padded picture (clipped to its size).
   void need(const Region& part);
 
-  /// The same coordinates without a copy, for who reads no pixel that the picture has not.
+  /// A view in the same coordinates without a copy. Only pixels inside the picture may be read.
   [[nodiscard]] static optics::GreyView within(const optics::GreyView& picture, int padding) {
     return {picture.data - padding * picture.stride - padding, picture.width + 2 * padding,
             picture.height + 2 * padding, picture.stride};
   }
 
  private:
-  static constexpr int kTile = 32;  // [px] columns of what is filled at once
-  static constexpr int kTall = 8;   // [px] rows of it
+  static constexpr int kTile = 32;  // [px] columns filled at once
+  static constexpr int kTall = 8;   // [px] rows filled at once
 
   void fill(const Region& tile);
 

@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "light/median.hpp"
 #include "tracker_svc/detector/saturation.hpp"
 
 namespace lab::detector {
@@ -20,9 +21,10 @@ constexpr std::size_t kRoughDirections = 8;
 constexpr std::array<float, 2> kInside = {-0.0045F, -0.0025F};  // [m] from the rim
 constexpr std::array<float, 2> kAtRim = {0.0005F, 0.0014F};     // [m]
 
-constexpr std::size_t kLeastKnown = 3;  // one in so many directions must not be full all along
+constexpr std::size_t kLeastKnown = 3;  // at least one in this many directions must be unsaturated
 
-constexpr float kFaintLight = 8;  // [read noise] of a cap at which single pixels say nothing
+// [read noise] brightness of a cap below which single pixels are unreliable
+constexpr float kFaintLight = 8;
 
 struct Circle {
   std::array<float, kDirections> cos{};
@@ -44,8 +46,8 @@ const Circle& directions() {
 
 using Contrasts = float __attribute__((vector_size(32)));
 
-/// The largest of those that at most `rank` others are smaller than: the one at that place in
-/// order. All are held against all, which has nothing to guess for the processor.
+/// The value with `rank` smaller ones (ties broken by index). Compares all with all, which is
+/// branchless.
 __attribute__((target_clones("avx2", "default"))) float valueOfRank(
     const std::array<float, kDirections>& values, std::size_t count, std::size_t rank) {
   constexpr std::size_t kLanes = 8;
@@ -55,7 +57,7 @@ __attribute__((target_clones("avx2", "default"))) float valueOfRank(
   for (std::size_t first = 0; first < kDirections; first += kLanes) {
     Contrasts here;
     std::memcpy(&here, values.data() + first, sizeof here);
-    Numbers smaller{};  // counted downwards: true is -1
+    Numbers smaller{};  // counts downwards: true is -1
     for (std::size_t i = 0; i < count; ++i) smaller += values[i] < here;
     const Numbers number = Numbers{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<std::int32_t>(first);
     const Numbers may =
@@ -68,14 +70,14 @@ __attribute__((target_clones("avx2", "default"))) float valueOfRank(
   return found;
 }
 
-/// How bright it is just inside of the rim, and at it, by direction.
+/// Brightness just inside the rim and at it, by direction.
 struct Rim {
   std::array<float, kDirections> inside{};
   std::array<float, kDirections> at{};
 };
 
-/// All of it in the picture.
-/// @tparam kCount of the directions, as far apart as they can be
+/// Reads a rim that lies completely in the picture.
+/// @tparam kCount number of directions, equally spaced
 template <std::size_t kCount>
 [[gnu::always_inline]] inline void readRimOf(const optics::GreyView& picture, float x, float y,
                                              float radius, const LocalScale& scale,
@@ -117,8 +119,8 @@ __attribute__((target_clones("avx2", "default"))) void readRimRoughly(
   readRimOf<kRoughDirections>(picture, x, y, radius, scale, circle, rim);
 }
 
-/// Directions that lead out of the picture are left out.
-/// @param full [DN] what pixels count as, at least, that are full or may be so but for noise
+/// Reads the directions that lie in the picture.
+/// @param full [DN] minimum value assumed for pixels that are saturated, or may be within noise
 std::size_t readRimInPart(const optics::GreyView& picture, float x, float y, float radius,
                           const LocalScale& scale, const Circle& circle, float full, Rim& rim) {
   const auto sample = [&](float u, float v) -> float {
@@ -158,8 +160,8 @@ bool anyFull(const Rim& rim) {
   return brightest >= 2 * kSaturated;
 }
 
-/// Directions that are full inside of the rim and at it may have any contrast. The others are moved
-/// to the front.
+/// Directions that are saturated inside the rim and at it have unknown contrast. Moves the others
+/// to the front. @return their number
 std::size_t keepKnown(float full, std::size_t count, Rim& rim) {
   std::size_t known = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -170,19 +172,19 @@ std::size_t keepKnown(float full, std::size_t count, Rim& rim) {
   return known;
 }
 
-/// How bright the inside of a rim is [DN], on average over the directions that were read.
+/// Mean brightness inside the rim [DN] over the directions that were read.
 float lightOf(const Rim& rim, std::size_t count, const optics::Imaging& imaging) {
   const float sum = std::accumulate(rim.inside.begin(), rim.inside.end(), 0.0F);
   return sum / static_cast<float>(kInside.size() * count) - static_cast<float>(imaging.black);
 }
 
-/// Where there is so little light that single pixels say nothing: sectors of some directions each,
-/// and more pixels along them. All of it in the picture.
+/// For light so dim that single pixels are unreliable: averages over sectors of several directions,
+/// with more pixels along each. The rim must lie completely in the picture.
 float rimInTheDark(const optics::GreyView& picture, float x, float y, float radius,
                    const LocalScale& scale, const optics::Imaging& imaging) {
   constexpr std::size_t kSectors = 12;
   constexpr std::size_t kOfSector = 5;
-  constexpr std::array<float, 3> kDarkInside = {-0.0045F, -0.0035F, -0.0025F};  // [m] as above
+  constexpr std::array<float, 3> kDarkInside = {-0.0045F, -0.0035F, -0.0025F};  // [m] from the rim
   constexpr std::array<float, 3> kDarkAtRim = {0.0003F, 0.0009F, 0.0015F};      // [m]
   const float softer = 2 * static_cast<float>(imaging.read_noise / 2 - imaging.black) *
                        kDarkInside.size() * kOfSector;
@@ -206,9 +208,7 @@ float rimInTheDark(const optics::GreyView& picture, float x, float y, float radi
     }
     contrast[sector] = (inside - at_rim) / std::max(inside + at_rim + softer, 1.0F);
   }
-  const auto half = contrast.begin() + kSectors / 2;
-  std::nth_element(contrast.begin(), half, contrast.end());
-  return *half;
+  return medianOf(contrast);
 }
 
 }  // namespace

@@ -7,12 +7,13 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kUsualRatio = 0.08;                    // [1] dark / white, of black paint on white
-constexpr double kPaintDoubt = 0.02;                    // [1] by which paint may be another one
-constexpr double kSure = 3;                             // [standard errors]
-const double kSlope = std::sqrt(2 * std::numbers::pi);  // [blurs] contrast over the outline's slope
+constexpr double kUsualRatio = 0.08;  // [1] dark / white, of black paint on white
+constexpr double kPaintDoubt = 0.02;  // [1] uncertainty of that ratio
+constexpr double kSure = 3;           // [standard errors]
+// [blurs] contrast over the slope of the outline
+const double kSlope = std::sqrt(2 * std::numbers::pi);
 
-// [DN] that black returns beyond what paint does.
+// [DN] brightness of the circle in excess of that of paint.
 double onTop(const PaintEstimate& look) { return (look.ratio - kUsualRatio) * look.white; }
 
 }  // namespace
@@ -54,13 +55,13 @@ CapPose poseFromCircles(const MeasuredPoint& big, const MeasuredPoint& small,
       mix[1] * tx + mix[2] * ty, sum[0] * tx * tx + 2 * sum[1] * tx * ty + sum[2] * ty * ty};
   const double off = std::sqrt(square) - cap.spacing();
   const double variance = (sum[0] * dx * dx + 2 * sum[1] * dx * dy + sum[2] * dy * dy) / square;
-  out.surprise = off * off / variance;
+  out.spacing_chi2 = off * off / variance;
   return out;
 }
 
 CapPose poseFromRim(const MeasuredPoint& circle, double offset, const MeasuredPoint& middle) {
-  // Of the vector between the two points, theta takes what is across it; what is along it is one
-  // number too many, and moves both towards each other by what they are trusted.
+  // The component of the vector between the two points across the axis determines theta. The
+  // component along the axis is redundant: it shifts both points by their relative weights.
   const double sx = circle.place.x - middle.place.x;
   const double sy = circle.place.y - middle.place.y;
   const double length = std::max(std::hypot(sx, sy), 1e-9);
@@ -70,7 +71,7 @@ CapPose poseFromRim(const MeasuredPoint& circle, double offset, const MeasuredPo
   const auto& m = middle.covariance;
   const double along =
       (c[0] + m[0]) * ux * ux + 2 * (c[1] + m[1]) * ux * uy + (c[2] + m[2]) * uy * uy;
-  // Covariance of the middle, and of the way across, with the way along.
+  // Covariance of the middle, and of the transverse component, with the longitudinal one.
   const double mx = -(m[0] * ux + m[1] * uy);
   const double my = -(m[1] * ux + m[2] * uy);
   const double of_cross = -uy * ((c[0] + m[0]) * ux + (c[1] + m[1]) * uy) +
@@ -80,13 +81,13 @@ CapPose poseFromRim(const MeasuredPoint& circle, double offset, const MeasuredPo
   const double off = length - std::abs(offset);
   const double share = off / along;
   CapPose out;
-  out.surprise = off * share;
+  out.spacing_chi2 = off * share;
   out.x = middle.place.x - mx * share;
   out.y = middle.place.y - my * share;
   const double turn = -of_cross * share / std::abs(offset);
   const double sign = offset < 0 ? -1 : 1;
   out.theta = std::remainder(std::atan2(sign * sy, sign * sx) + turn, 2 * 3.14159265358979323846);
-  // What is left once the way along is known.
+  // Conditional on the longitudinal component.
   const double per = 1 / std::abs(offset);
   const double mcx = -(m[0] * -uy + m[1] * ux);
   const double mcy = -(m[1] * -uy + m[2] * ux);

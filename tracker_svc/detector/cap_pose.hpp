@@ -1,4 +1,4 @@
-/// Poses from what was measured on a cap, all on the cap plane. No picture.
+/// Poses from points measured on a cap, all in the cap plane. Uses no picture.
 #pragma once
 
 #include <array>
@@ -8,13 +8,13 @@
 
 namespace lab::detector {
 
-/// A point that was measured.
+/// A measured point.
 struct MeasuredPoint {
   optics::Place place;                 ///< [m]
   std::array<double, 3> covariance{};  ///< [m^2] xx, xy, yy
 };
 
-/// What a circle's fit says of its paint.
+/// Paint and blur estimated by a circle's fit.
 struct PaintEstimate {
   double white = 0;  ///< [DN] of the cap around it
   double ratio = 0;  ///< [1] dark / white
@@ -22,12 +22,12 @@ struct PaintEstimate {
   double blur = 0;   ///< [px] of the outline
 };
 
-/// [px] by which light on top, as from something shiny, may have moved a circle of a cap.
+/// [px] possible displacement of a circle by glare (reflected light on top of the paint).
 ///
-/// It makes black paint brighter than paint is. Where it does so to one circle more than to the
-/// other one, it is not even over one of them either: about as much more on one side of its outline
-/// than on the other, which moves the outline by that share of its slope. What is the same on both
-/// circles (haze, another black level, another paint) moves nothing and counts for nothing.
+/// Glare makes black paint brighter. If it affects one circle more than the other, it is uneven
+/// over that circle too, by about the same difference between the sides of its outline; this
+/// displaces the outline by that share of its slope. Effects equal on both circles (haze, another
+/// black level, other paint) do not displace them and are ignored.
 [[nodiscard]] double shiftByGlare(const PaintEstimate& circle, const PaintEstimate& other);
 
 struct CapPose {
@@ -35,15 +35,16 @@ struct CapPose {
   double y = 0;                        ///< [m]
   double theta = 0;                    ///< [rad] (-pi, pi]
   std::array<double, 6> covariance{};  ///< [m^2, m rad, rad^2] xx, xy, xt, yy, yt, tt
-  double surprise = 0;  ///< chi^2 of one degree of freedom: distance of the two points
+  /// chi^2 of one degree of freedom: measured against known distance of the points
+  double spacing_chi2 = 0;
 };
 
-/// From the centres of both circles: their distance is not held against them.
+/// From the centres of both circles. Their distance is not used.
 [[nodiscard]] CapPose poseFromCircles(const MeasuredPoint& big, const MeasuredPoint& small,
                                       const optics::CapGeometry& cap);
 
-/// From one circle and the middle of the cap, by least squares: two points at a known distance.
-/// @param offset [m] of the circle on its cap, CapGeometry's
+/// From one circle and the middle of the cap, which have a known distance, by least squares.
+/// @param offset [m] of the circle on its cap, as in CapGeometry
 [[nodiscard]] CapPose poseFromRim(const MeasuredPoint& circle, double offset,
                                   const MeasuredPoint& middle);
 

@@ -1,4 +1,4 @@
-/// Which big circle belongs to which small one.
+/// Assigns big circles to small ones.
 #pragma once
 
 #include <cstddef>
@@ -6,18 +6,18 @@
 
 namespace lab::detector {
 
-/// A big and a small circle that could be one cap's.
+/// A big and a small circle that may belong to one cap.
 struct CirclePair {
-  int big = 0;  ///< index of the circle
+  int big = 0;  ///< index of the spot
   int small = 0;
-  float cost = 0;  ///< [1] the less the better
-  float rim = 0;   ///< [1] contrast around the cap that they would make
+  float cost = 0;  ///< [1] lower is better
+  float rim = 0;   ///< [1] rim contrast around the cap
 };
 
-/// The couples that can all be true: each circle in one couple at most, the cheapest couples first;
-/// for equal cost the one with the lower numbers. What does not fit is left out.
-/// @param couples sorted by this
-/// @return how many of the first couples were taken
-std::size_t choosePairs(std::vector<CirclePair>& couples, int circles);
+/// Greedy assignment: each circle is in at most one pair, cheapest pairs first; ties go to lower
+/// indices. The other pairs are dropped.
+/// @param pairs reordered
+/// @return number of pairs chosen, which are the first ones
+std::size_t choosePairs(std::vector<CirclePair>& pairs, int circles);
 
 }  // namespace lab::detector

@@ -7,15 +7,16 @@
 namespace lab::tracker {
 namespace {
 
-constexpr int kStep = 16;                // [px] every 16th pixel of every 16th row
-constexpr double kFullScale = 255;       // [DN]
-constexpr double kLeastSignal = 1.5;     // [DN] mean above black; a cap needs a few DN of contrast
-constexpr double kSaturatedShare = 0.4;  // caps and floor at full scale: circles are still black
-constexpr double kBlind = 10;            // [s] black light in a script is shorter
-constexpr double kLeastCircle = 2;       // [px] smaller ones are hardly told from dirt
-// [DN] above the black that is assumed: black paint in little light does not look black any more
+constexpr int kStep = 16;             // [px] every 16th pixel of every 16th row
+constexpr double kFullScale = 255;    // [DN]
+constexpr double kLeastSignal = 1.5;  // [DN] mean above black; a cap needs a few DN of contrast
+// share of saturated pixels; below it circles are still black
+constexpr double kSaturatedShare = 0.4;
+constexpr double kBlind = 10;       // [s] black light in scripts is shorter
+constexpr double kLeastCircle = 2;  // [px] smaller circles cannot be distinguished from dirt
+// [DN] above the assumed black level: black paint in dim light no longer looks black
 constexpr double kBlackOff = 6;
-constexpr double kLittleLight = 0.25;  // [1] of full scale, mean: where that counts
+constexpr double kLittleLight = 0.25;  // [1] mean brightness below which that matters
 
 }  // namespace
 
@@ -83,7 +84,7 @@ std::string BlindCheck::text() const {
                       "calibration)?",
                       darkest_, black_);
   }
-  return seen + "are robots under the camera, is it in focus, is the calibration its own?";
+  return seen + "are robots under the camera, is it in focus, does the calibration belong to it?";
 }
 
 }  // namespace lab::tracker

@@ -1,4 +1,4 @@
-/// Whether a picture can be used at all.
+/// Checks the exposure of pictures.
 #pragma once
 
 #include <cstdint>
@@ -11,14 +11,14 @@ namespace lab::tracker {
 struct Exposure {
   double brightness = 0;   ///< [1] mean, of full scale
   double darkest = 0;      ///< [DN]
-  bool dark = false;       ///< no cap could be told from the noise
-  bool saturated = false;  ///< so much is at full scale that the exposure is too long
+  bool dark = false;       ///< too dark to distinguish caps from noise
+  bool saturated = false;  ///< too large a share is saturated
 };
 
-/// Looks at one pixel in a few hundred: that costs next to nothing.
+/// Samples one pixel in a few hundred, at negligible cost.
 class PictureCheck {
  public:
-  /// @param black [DN] of no light at all
+  /// @param black [DN] level without light
   explicit PictureCheck(double black) : black_(black) {}
 
   Exposure look(const optics::GreyView& picture);
@@ -32,30 +32,29 @@ class PictureCheck {
   std::int64_t saturated_ = 0;
 };
 
-/// Whether the camera sees anything: a lens cap, an exposure that is far off or too few pixels
-/// leave a run without a single pose.
+/// Explains a run without poses: a lens cap, a wrong exposure, or too few pixels per circle.
 class BlindCheck {
  public:
   /// @param circle [px] smallest radius of a small circle
-  /// @param black [DN] of no light at all, as the calibration has it
+  /// @param black [DN] level without light, from the calibration
   BlindCheck(double circle, double black) : circle_(circle), black_(black) {}
 
   /// @param time [s] of the picture
   void add(double time, const Exposure& exposure, bool any_cap);
 
-  /// Why no cap may have been seen for ten seconds; empty: one was.
+  /// Possible reason why no cap was seen for ten seconds; empty if one was seen.
   [[nodiscard]] std::string text() const;
 
  private:
   double circle_;
   double black_;
-  double since_ = 0;  ///< [s] the first picture without a cap
-  double last_ = 0;   ///< [s] the last one
+  double since_ = 0;  ///< [s] of the first picture without a cap
+  double last_ = 0;   ///< [s] of the last picture
   std::int64_t pictures_ = 0;
   std::int64_t dark_ = 0;
   std::int64_t saturated_ = 0;
-  double darkest_ = 0;     ///< [DN] of all pictures
-  double brightness_ = 0;  ///< [1] of the last one
+  double darkest_ = 0;     ///< [DN] over all pictures
+  double brightness_ = 0;  ///< [1] of the last picture
 };
 
 }  // namespace lab::tracker

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 
 namespace lab::detector {
@@ -12,22 +13,24 @@ constexpr std::size_t kSamples = 12;
 constexpr double kFirst = -0.0030;  // [m] beyond the rim
 constexpr double kStep = 0.0006;    // [m]
 constexpr int kRounds = 4;
-constexpr double kLeastContrast = 0.06;   // [1] of a direction; bare floor has 0 +- 0.03
-constexpr double kFullContrast = 0.3;     // [1]
-constexpr double kRadiusError = 0.00015;  // [m] sigma: caps as cut, scale as calibrated
-constexpr double kModelError = 0.00015;   // [m] of one direction
-constexpr double kFarFirst = 0.0015;      // [m] from the circle, where a direction counts nothing
-constexpr double kFarLast = 0.0006;       // [m]
-constexpr double kLikeNeighbours = 3;     // directions that are off together
-constexpr double kFloor = 0.00008;        // [m] of the centre, along each axis
-constexpr double kMostStep = 0.001;       // [m]
+constexpr double kLeastContrast = 0.06;  // [1] of a direction; bare floor has 0 +- 0.03
+constexpr double kFullContrast = 0.3;    // [1]
+// [m] sigma: cutting of the caps, calibration of the scale
+constexpr double kRadiusError = 0.00015;
+constexpr double kModelError = 0.00015;  // [m] per direction
+// [m] from the circle, at which a direction is excluded, in the first iteration
+constexpr double kFarFirst = 0.0015;
+constexpr double kFarLast = 0.0006;    // [m] and in the last
+constexpr double kLikeNeighbours = 3;  // neighbouring directions with correlated errors
+constexpr double kFloor = 0.00008;     // [m] of the centre, along each axis
+constexpr double kMostStep = 0.001;    // [m]
 
-/// What one direction says.
+/// Measurement in one direction.
 struct Direction {
-  double x = 0;  // [1] towards the rim
+  double x = 0;  // [1] unit vector to the rim
   double y = 0;
-  double off = 0;       // [m] by which the rim lies further out than the circle
-  double variance = 0;  // [m^2] of it
+  double off = 0;       // [m] distance of the measured rim outside the circle
+  double variance = 0;  // [m^2] of `off`
   double contrast = 0;  // [1]
   bool seen = false;
 };
@@ -47,7 +50,7 @@ double sampleAt(const optics::GreyView& picture, double x, double y) {
          b * ((1 - a) * lower[i] + a * lower[next]);
 }
 
-/// Grey values along a line through the rim.
+/// Grey values along a line across the rim.
 struct Profile {
   double grey[kSamples];
   double per_metre = 0;  // [px/m]
@@ -69,7 +72,7 @@ bool readProfile(const optics::GreyView& picture, const optics::CameraModel& cam
   return true;
 }
 
-/// The share of light that is missing just beyond the rim.
+/// Relative reduction of brightness just outside the rim.
 double contrastOf(const Profile& profile, const optics::Imaging& imaging) {
   constexpr double kInsideTo = -0.0012;  // [m]
   constexpr double kLineFrom = 0.0002;   // [m]
@@ -93,11 +96,11 @@ double contrastOf(const Profile& profile, const optics::Imaging& imaging) {
   return (inside - line) / std::max(inside + line + imaging.read_noise - 2 * imaging.black, 1.0);
 }
 
-/// How far beyond the rim the edge of the cap lies, by one linear step from `off` [m], with the
-/// three levels free.
+/// Distance of the cap's edge outside the rim, by one linear step from `off` [m], with three free
+/// levels.
 void measure(const Profile& profile, const optics::CapGeometry& cap, const optics::Imaging& imaging,
              double off, Direction& direction) {
-  // Pixels are squares, and are read between their centres.
+  // Includes the pixel aperture and linear interpolation.
   const double soft =
       std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox + 1.0 / 6) / profile.per_metre;
   const double gap = std::max(cap.robot_radius - cap.cap_radius, 0.0);
@@ -118,8 +121,8 @@ void measure(const Profile& profile, const optics::CapGeometry& cap, const optic
       n[a][3] += basis[i][a] * profile.grey[i];
     }
   }
-  for (int a = 0; a < 3; ++a) n[a][a] += 1e-3;  // no line, no level of it
-  // The levels, and what the slope is beyond what levels could make: one elimination for both.
+  for (int a = 0; a < 3; ++a) n[a][a] += 1e-3;  // regularises a level without samples
+  // Eliminates the levels from the derivative by `off` in the same step.
   double level[3];
   double m[3][4];
   std::copy(&n[0][0], &n[0][0] + 12, &m[0][0]);
@@ -137,7 +140,7 @@ void measure(const Profile& profile, const optics::CapGeometry& cap, const optic
     }
   };
   solve(m, level);
-  double outward[kSamples];  // d grey / d off
+  double outward[kSamples];  // derivative of grey by off
   for (int a = 0; a < 3; ++a) n[a][3] = 0;
   for (std::size_t i = 0; i < kSamples; ++i) {
     outward[i] =
@@ -168,13 +171,13 @@ void measure(const Profile& profile, const optics::CapGeometry& cap, const optic
 }
 
 struct Sums {
-  double n[3][3] = {};  // of x, y, radius
+  double n[3][3] = {};  // normal matrix of x, y, radius
   double r[3] = {};
-  double squares = 0;  // weighted
-  double used = 0;     // sum of shares
+  double squares = 0;  // weighted sum
+  double used = 0;     // sum of weights
 };
 
-/// The inverse of a symmetric matrix that is positive definite.
+/// Inverse of a symmetric positive definite matrix.
 void invert(const double (&n)[3][3], double (&out)[3][3]) {
   const double a = n[1][1] * n[2][2] - n[1][2] * n[1][2];
   const double b = n[0][2] * n[1][2] - n[0][1] * n[2][2];
@@ -212,7 +215,7 @@ RimFit fitRim(const optics::GreyView& picture, const optics::CameraModel& camera
               const optics::CapGeometry& cap, const optics::Imaging& imaging, optics::Place start) {
   RimFit fit;
   fit.centre = start;
-  double radius = 0;  // [m] by which the cap is larger than it should be
+  double radius = 0;  // [m] excess of the cap's radius
   double inverse[3][3] = {};
   Sums sums;
   for (int round = 0; round < kRounds; ++round) {

@@ -7,14 +7,17 @@
 #include <limits>
 #include <optional>
 
+#include "light/median.hpp"
+
 namespace lab::detector {
 namespace {
 
-constexpr int kCell = 32;             // [px] between nodes
-constexpr double kStep = 0.01;        // [m] for second derivatives
-constexpr float kLargestJump = 4.0F;  // a scale that differs more from the median is no arena
+constexpr int kCell = 32;       // [px] between nodes
+constexpr double kStep = 0.01;  // [m] for second derivatives
+// factor from the median beyond which a scale is outside the arena
+constexpr float kLargestJump = 4.0F;
 
-/// The numbers of a LocalScale, to be worked on four at a time.
+/// The numbers of a LocalScale in groups of four, for SIMD.
 struct Fours {
   using Four = float __attribute__((vector_size(16)));
   Four v[3];
@@ -43,9 +46,9 @@ LocalScale scaleThere(const optics::CameraModel& camera, const optics::CapGeomet
     h[1][0][b] = (more.vx - less.vx) / (2 * kStep);
     h[1][1][b] = (more.vy - less.vy) / (2 * kStep);
   }
-  // In units of metres on the plane the outline is a circle, moved by q_k(e) = R^2/2 e'H_k e along
-  // its normals e. The centre that fits best is R^2/8 (trace H_i + 2 sum_k H_k,ki); for a pure
-  // perspective this is the exact centre of the ellipse.
+  // In units of metres on the plane the outline is a circle, displaced by q_k(e) = R^2/2 e'H_k e
+  // along its normals e. The centre of the best fit is R^2/8 (trace H_i + 2 sum_k H_k,ki); for a
+  // pure perspective this is the exact centre of the ellipse.
   double g[2][2][2];
   for (int a = 0; a < 2; ++a) {
     for (int b = 0; b < 2; ++b) {
@@ -82,10 +85,8 @@ ScaleMap::ScaleMap(const optics::CameraModel& camera, const optics::CapGeometry&
     }
   }
   if (means.empty()) return;
-  // Near a horizon the scale runs to nothing; no cap is looked for there.
-  std::nth_element(means.begin(), means.begin() + static_cast<std::ptrdiff_t>(means.size() / 2),
-                   means.end());
-  const float usual = means[means.size() / 2];
+  // Near a horizon the scale approaches 0; no caps are searched there.
+  const float usual = medianOf(means);
   smallest_ = std::numeric_limits<float>::max();
   for (LocalScale& node : nodes_) {
     if (node.mean < usual / kLargestJump || node.mean > usual * kLargestJump) node.mean = 0;

@@ -1,4 +1,4 @@
-/// How large a cap appears where: the camera's geometry over the picture, worked out once.
+/// Scale of the cap plane at every place of the picture, computed once.
 #pragma once
 
 #include <vector>
@@ -10,25 +10,27 @@
 
 namespace lab::detector {
 
-/// The cap plane around one pixel.
+/// Linearised projection of the cap plane around one pixel.
 struct LocalScale {
   float inverse[4] = {0, 0, 0, 0};  ///< d(x, y)/d(pixel), row by row [m/px]
   float forward[4] = {0, 0, 0, 0};  ///< d(pixel)/d(x, y), row by row [px/m]
-  float mean = 0;                   ///< [px/m] geometric mean, 0: no cap can be seen here
-  float bend[2] = {0, 0};  ///< [px/m^2] outline's centre less the circle's, by its radius^2
-  float unused = 0;        ///< fills up four numbers that are worked on together
+  float mean = 0;                   ///< [px/m] geometric mean, 0 if no cap can be visible here
+  float bend[2] = {
+      0, 0};  ///< [px/m^2] centre of a circle's outline minus image of its centre, per radius^2
+  float unused = 0;  ///< pads to a multiple of four
 };
 
-/// A regular grid of LocalScale with linear interpolation between; errors below 0.1 % for a camera
-/// that looks down on the arena.
+/// A regular grid of LocalScale with linear interpolation. Errors are below 0.1 % for a camera that
+/// looks down on the arena.
 class ScaleMap {
  public:
   ScaleMap(const optics::CameraModel& camera, const optics::CapGeometry& cap);
 
-  /// The nodes around the pixel, interpolated; mean is 0 where one of them sees no cap plane.
+  /// Interpolated between the nodes around the pixel; mean is 0 if one of them does not see the cap
+  /// plane.
   [[nodiscard]] LocalScale at(double x, double y) const;
 
-  /// The nearest node: for what need not be known to better than a percent.
+  /// The nearest node, accurate to a percent.
   [[nodiscard]] const LocalScale& near(double x, double y) const;
 
   [[nodiscard]] float smallest() const { return smallest_; }  ///< [px/m] over the picture
@@ -42,7 +44,7 @@ class ScaleMap {
   std::vector<LocalScale> nodes_;
 };
 
-/// Outline of a circle of this radius [m] there.
+/// Outline of a circle of this radius [m].
 [[nodiscard]] DiscShape discShape(const LocalScale& scale, double radius);
 
 }  // namespace lab::detector

@@ -7,15 +7,15 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kReach = 0.06;  // [m] around the corner, in which the patch is looked for
-constexpr double kSettle = 0.1;  // [s] after a turn, then a picture is all of the new state
+constexpr double kReach = 0.06;  // [m] around the corner in which the patch is searched
+constexpr double kSettle = 0.1;  // [s] after a change, until a picture shows only the new state
 constexpr int kLeastTurns = 2;
-constexpr int kMostTurns = 16;       // more would not make it clearer
-constexpr float kTop = 0.99F;        // the patch is more than a hundredth of the window
+constexpr int kMostTurns = 16;  // more do not improve the contrast
+constexpr float kTop = 0.99F;   // quantile: the patch covers more than a hundredth of the window
 constexpr float kLeastContrast = 4;  // [DN]
-constexpr float kNoiseTimes = 6;     // above the usual difference between two pictures
-constexpr double kRemember = 0.2;    // [1] share of the newest picture in dark_ and bright_
-constexpr double kBright = 0.6;      // [1] of the level; between the two nothing is said
+constexpr float kNoiseTimes = 6;     // times the usual difference between two pictures
+constexpr double kRemember = 0.2;    // [1] weight of the newest picture in dark_ and bright_
+constexpr double kBright = 0.6;      // [1] of the level; in between the state is undefined
 constexpr double kDark = 0.4;
 
 }  // namespace
@@ -65,8 +65,8 @@ std::optional<SyncSeen> SyncReader::look(const optics::GreyView& picture, double
     settled_ = true;
     if (turn_.alone && has_before_ && turns_ < kMostTurns) learn();
   }
-  // A picture from after a turn that is not known yet would spoil this; the projector says what it
-  // shows before the camera can have sent it.
+  // A picture taken after a change that is not known yet would spoil the means. The projector
+  // reports a change before the camera can have delivered such a picture.
   if (is_settled) {
     before_ = now_;
     has_before_ = true;
@@ -101,7 +101,7 @@ void SyncReader::chooseWeights() {
     return *place;
   };
   const float middle = at(0.5F);
-  const float top = at(kTop) - middle;  // what all of the window does is not the patch
+  const float top = at(kTop) - middle;  // subtracts a change of the whole window
   for (float& value : sorted) value = std::abs(value - middle);
   const float usual = at(0.5F);
   const auto turns = static_cast<float>(turns_);

@@ -1,5 +1,5 @@
-/// Sees the projector's sync patch: whether a picture shows the light from before or after a
-/// change.
+/// Reads the projector's sync patch, which tells whether a picture was taken before or after a
+/// change of the light.
 #pragma once
 
 #include <cstdint>
@@ -11,28 +11,28 @@
 
 namespace lab::tracker {
 
-/// What one picture shows of the patch.
+/// State of the patch in one picture.
 struct SyncSeen {
-  float level = 0;       ///< [1] between the patch's dark (0) and its bright (1)
-  std::int8_t sync = 0;  ///< 0 dark, 1 bright, -1: neither for sure, as while it changes
+  float level = 0;       ///< [1] from the patch's dark (0) to its bright (1) state
+  std::int8_t sync = 0;  ///< 0 dark, 1 bright, -1 undefined, as during a change
 };
 
-/// Learns by itself where the patch is: light for a corner of the arena at the height of the
-/// sensors falls a few centimetres beside it on the floor, and by how much depends on where the
-/// projector hangs. Whenever the patch turns and the rest of the light stays, it is what differs
-/// between the pictures before and after; two such turns show where it is. Pure: no bus, no clock.
+/// Learns where the patch is. Its light, aimed at a corner of the arena at sensor height, hits the
+/// floor a few centimetres beside it, depending on where the projector hangs. When the patch
+/// changes and the other light does not, the patch is the difference between the pictures before
+/// and after; two such changes are enough. Uses no bus and no clock.
 class SyncReader {
  public:
   /// @param camera in whose pictures the patch appears, near the corner at the origin
   explicit SyncReader(const optics::CameraModel& camera);
 
-  /// What the projector says: it shows `sync` (0 or 1) from `time` [s] on. @param command a number
-  /// that changes with the light that is shown beside the patch, @param still that light stays as
-  /// it is
+  /// Reports the projector's state: it shows `sync` (0 or 1) from `time` [s] on.
+  /// @param command changes with the light shown besides the patch
+  /// @param still whether that light is constant
   void shown(double time, int sync, std::int64_t command, bool still = true);
 
-  /// Looks at a picture whose exposure had its middle at `time` [s]; in order of time. Nothing as
-  /// long as it has not learned where the patch is.
+  /// Reads a picture whose exposure was centred at `time` [s]; call in order of time. Empty until
+  /// the place of the patch is learned.
   std::optional<SyncSeen> look(const optics::GreyView& picture, double time);
 
  private:
@@ -40,7 +40,7 @@ class SyncReader {
     double time = 0;  ///< [s]
     int sync = -1;
     std::int64_t command = 0;
-    bool alone = false;  ///< nothing else changed
+    bool alone = false;  ///< no other light changed
   };
 
   void copyWindow(const optics::GreyView& picture);
@@ -49,15 +49,15 @@ class SyncReader {
   [[nodiscard]] double signal() const;
 
   int left_ = 0, top_ = 0, columns_ = 0, rows_ = 0;  ///< [px] of the window
-  Turn turn_;                                        ///< the last one
-  bool settled_ = false;                             ///< a picture of the state after it was seen
+  Turn turn_;                                        ///< the last change
+  bool settled_ = false;  ///< whether a picture of the state after it was seen
   std::vector<float> now_, before_;
   bool has_before_ = false;
-  std::vector<float> difference_;  ///< bright minus dark, summed over the turns
+  std::vector<float> difference_;  ///< bright minus dark, summed over the changes
   int turns_ = 0;
-  std::vector<float> weights_;  ///< empty: not yet learned
+  std::vector<float> weights_;  ///< empty until learned
   double dark_ = 0, bright_ = 0;
-  int known_dark_ = 0, known_bright_ = 0;  ///< pictures that these come from
+  int known_dark_ = 0, known_bright_ = 0;  ///< number of pictures averaged
 };
 
 }  // namespace lab::tracker

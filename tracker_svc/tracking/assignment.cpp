@@ -17,10 +17,10 @@ void Assignment::reset(std::size_t rows, std::size_t columns) {
   for (std::size_t row = 0; row < rows; ++row) setAlone(row, 0);
 }
 
-/// Dijkstra over reduced costs from a row to `target`, never by the edge between the two; without a
-/// target (kNobody) to the nearest free column. Leaves distance_, from_ (the row before a column),
+/// Dijkstra's algorithm over reduced costs, from a row to `target`, excluding the direct edge; with
+/// target kNobody, to the nearest free column. Sets distance_, from_ (the row before each column),
 /// done_ and end_.
-/// @return the distance, infinite where there is none
+/// @return the distance, infinite if there is no path
 double Assignment::shortestPath(std::size_t start, std::size_t target) {
   const std::size_t width = columns_ + rows_;
   distance_.assign(width, kNever);
@@ -31,8 +31,8 @@ double Assignment::shortestPath(std::size_t start, std::size_t target) {
   while (true) {
     std::size_t next = kNobody;
     double nearest = kNever;
-    // From a free column on one may leave any other column free instead, at the loss of its price:
-    // as if a row that costs nothing anywhere sat on every free column.
+    // A free column may be exchanged for any other free column at the cost of its price: as if a
+    // row with zero costs were assigned to every free column.
     const double* costs = row == kNobody ? nullptr : &cost_[at(row, 0)];
     const double price = row == kNobody ? 0 : row_price_[row];
     for (std::size_t column = 0; column < width; ++column) {
@@ -86,8 +86,8 @@ void Assignment::solve() {
 }
 
 double Assignment::margin(std::size_t row) {
-  // The row gives its column back; the cheapest way round that ends at this column, held by another
-  // or by nobody, is what everything costs more. Prices stay as they are.
+  // The row releases its column. The additional cost is the shortest path that ends at this column,
+  // used by another row or by none. Prices remain valid.
   return shortestPath(row, column_of_[row]);
 }
 

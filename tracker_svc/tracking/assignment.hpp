@@ -1,4 +1,4 @@
-/// The cheapest way to give rows partners: the assignment problem, with the price of every doubt.
+/// The linear assignment problem, with the cost margin of each assignment.
 #pragma once
 
 #include <cstddef>
@@ -6,30 +6,30 @@
 
 namespace lab::tracker {
 
-/// Rows (tracks) get one column (detection) each or stay alone at a price of their own; a column
-/// serves one row or none. Shortest augmenting paths (Jonker and Volgenant 1987), dense, O(rows^2
-/// columns): made for the few rows that are not settled otherwise. Keeps its memory.
+/// Each row (track) gets one column (detection), or stays alone at a cost; each column serves at
+/// most one row. Shortest augmenting paths (Jonker and Volgenant 1987), dense, O(rows^2 columns):
+/// intended for the few rows that cannot be assigned otherwise. Reuses its memory.
 class Assignment {
  public:
-  /// No pair allowed yet; staying alone costs nothing.
+  /// Starts with no pair allowed; staying alone costs 0.
   void reset(std::size_t rows, std::size_t columns);
 
-  /// Allows a pair at a price.
+  /// Allows a pair at a cost.
   void allow(std::size_t row, std::size_t column, double cost) { cost_[at(row, column)] = cost; }
 
-  /// The price of a row without a column.
+  /// Sets the cost of a row without a column.
   void setAlone(std::size_t row, double cost) { cost_[at(row, columns_ + row)] = cost; }
 
   void solve();
 
-  /// The column of a row, -1: none. After solve().
+  /// The column of a row, -1 if none. Valid after solve().
   [[nodiscard]] int columnOf(std::size_t row) const {
     return column_of_[row] < columns_ ? static_cast<int>(column_of_[row]) : -1;
   }
 
-  /// How much dearer everything becomes, at best, if this row does not get what solve() gave it:
-  /// the logarithm of a likelihood ratio where costs are negative log likelihoods. Infinite where
-  /// nothing else is allowed.
+  /// The increase of the minimum total cost if this row does not get the column from solve(). With
+  /// negative log likelihoods as costs it is the log likelihood ratio to the best alternative.
+  /// Infinite if no alternative is allowed.
   [[nodiscard]] double margin(std::size_t row);
 
  private:
@@ -39,7 +39,7 @@ class Assignment {
   double shortestPath(std::size_t start, std::size_t target);
 
   std::size_t rows_ = 0;
-  std::size_t columns_ = 0;  ///< then follows one column per row, for staying alone
+  std::size_t columns_ = 0;  ///< followed by one column per row, for staying alone
   std::vector<double> cost_;
   std::vector<double> row_price_;
   std::vector<double> column_price_;

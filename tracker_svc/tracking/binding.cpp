@@ -7,17 +7,18 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kSlice = 0.1;          // [s] shortest; at slow cameras a slice is one frame
-constexpr double kLongestSlice = 0.35;  // [s] a robot may have turned too far in more
+constexpr double kSlice = 0.1;  // [s] shortest slice; with slow cameras a slice is one frame
+constexpr double kLongestSlice = 0.35;  // [s] in a longer one a robot may turn too far
 constexpr double kPatience = 1.1;       // [s] reports are at most a second late
-constexpr double kSilence = 1.5;        // [s] a robot silent for longer is not waited for
-constexpr double kSecondPart = 2.5;  // [ln] a change inside a slice shows in two: the second time
+constexpr double kSilence = 1.5;        // [s] after which a silent robot is not waited for
+// [ln] a change inside a slice affects two slices: the second counts less
+constexpr double kSecondPart = 2.5;
 const double kLogTwoPi = std::log(2 * std::numbers::pi);
-constexpr double kHighestFree = 60;  // [ln] so that later contradictions count
+constexpr double kHighestFree = 60;  // [ln] limit, so that later contradictions count
 constexpr double kHighestBound = 30;
-constexpr double kSuspicion = -10;  // [ln] own evidence below which other robots are compared
+constexpr double kSuspicion = -10;  // [ln] evidence below which other robots are compared
 constexpr double kProven = 20;      // [ln]
-constexpr double kUnproven = -5;    // [ln] a young binding ends at less
+constexpr double kUnproven = -5;    // [ln] lower evidence ends a recent binding
 constexpr int kContrary = 100;      // slices at the lowest evidence that end a binding
 
 double square(double x) { return x * x; }
@@ -76,12 +77,12 @@ void MotionBinding::measure(double time, std::span<IdentityEvidence* const> caps
     if (valid && cap->begun && cap->placed) {
       SliceMotion& motion = cap->motions[static_cast<std::size_t>(number) % cap->motions.size()];
       motion.slice = number;
-      motion.way = wheelsBetween(cap->begin, cap->place, settings_.wheel_base);
+      motion.travel = wheelsBetween(cap->begin, cap->place, settings_.wheel_base);
       motion.before = {cap->speeds.left * duration, cap->speeds.right * duration};
       motion.duration = duration;
       motion.touching = cap->touching || cap->begin_touching;
       motion.variance = cap->variance + cap->begin_variance;
-      cap->speeds = {motion.way.left / duration, motion.way.right / duration};
+      cap->speeds = {motion.travel.left / duration, motion.travel.right / duration};
     } else {
       cap->speeds = {};
     }
@@ -102,35 +103,37 @@ bool MotionBinding::isReady(const Slice& slice, double time) const {
   });
 }
 
-/// A cap of no robot keeps its speeds, or has new ones such as robots have. A change in the middle
-/// of a slice shows in that slice and in the next: it is surprising once.
+/// Density of a foreign cap's motion: it keeps its speeds, or gets new ones with the distribution
+/// of robots' speeds. A change in the middle of a slice appears in that slice and the next, but
+/// counts once.
 void MotionBinding::expectOfForeign(IdentityEvidence& cap, SliceMotion& motion,
                                     double fastest) const {
   const double left =
       WheelLog::randomVariance(motion.before.left, motion.duration) + motion.variance;
   const double right =
       WheelLog::randomVariance(motion.before.right, motion.duration) + motion.variance;
-  const double held = (square(motion.way.left - motion.before.left) / left +
-                       square(motion.way.right - motion.before.right) / right) /
+  const double held = (square(motion.travel.left - motion.before.left) / left +
+                       square(motion.travel.right - motion.before.right) / right) /
                       2;
   const double peak = -kLogTwoPi - std::log(left * right) / 2;
-  double surprise = held;
+  double speed_change_log_ratio = held;
   if (held > 1) {
     const double variance =
-        motion.variance + (WheelLog::randomVariance(motion.way.left, motion.duration) +
-                           WheelLog::randomVariance(motion.way.right, motion.duration)) /
+        motion.variance + (WheelLog::randomVariance(motion.travel.left, motion.duration) +
+                           WheelLog::randomVariance(motion.travel.right, motion.duration)) /
                               2;
     const double any =
         peak - std::log(motion_prior_.changes() *
-                        motion_prior_.density(motion.way, variance, motion.duration, fastest));
-    surprise = std::min(held, any);
-    if (cap.surprise > 1) {
-      surprise = std::min(surprise, std::max(0.0, any - cap.surprise) + kSecondPart);
+                        motion_prior_.density(motion.travel, variance, motion.duration, fastest));
+    speed_change_log_ratio = std::min(held, any);
+    if (cap.speed_change_log_ratio > 1) {
+      speed_change_log_ratio = std::min(
+          speed_change_log_ratio, std::max(0.0, any - cap.speed_change_log_ratio) + kSecondPart);
     }
   }
-  cap.surprise = surprise;
-  motion.surprise = surprise;
-  motion.foreign = peak - surprise;
+  cap.speed_change_log_ratio = speed_change_log_ratio;
+  motion.speed_change_log_ratio = speed_change_log_ratio;
+  motion.foreign = peak - speed_change_log_ratio;
 }
 
 void MotionBinding::weigh(const Slice& slice, std::span<IdentityEvidence* const> caps) {
@@ -162,8 +165,8 @@ void MotionBinding::unbind(IdentityEvidence& cap) {
   ++unbound_;
 }
 
-/// A binding ends where another robot explains the cap, or another cap the robot, far better than
-/// they explain each other; and where nothing has explained the cap for a long time.
+/// Ends a binding if another robot explains the cap, or another cap the robot, far better than they
+/// explain each other, or if no robot has explained the cap for a long time.
 void MotionBinding::doubt(std::span<IdentityEvidence* const> caps) {
   for (IdentityEvidence* cap : caps) {
     if (cap->robot < 0) continue;

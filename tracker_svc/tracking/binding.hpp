@@ -1,5 +1,4 @@
-/// Which cap is which robot, told by motion: what caps did against what robots say their wheels
-/// did.
+/// Identifies robots by motion: compares the motion of caps with the reported wheel motion.
 #pragma once
 
 #include <cstdint>
@@ -14,9 +13,9 @@
 
 namespace lab::tracker {
 
-/// Compares motions in slices of a tenth of a second and binds a cap to a robot when everything
-/// else is less likely by a factor of kBindRatio: any other assignment of caps to robots, and that
-/// the cap belongs to no robot at all or the robot's cap is not in view.
+/// Compares motions in slices of a tenth of a second. Binds a cap to a robot when every alternative
+/// is less likely by exp(kBindRatio): any other assignment of caps to robots, a cap of no robot,
+/// and a robot whose cap is not in view.
 class MotionBinding {
  public:
   MotionBinding(const MotionSettings& settings, std::vector<std::int32_t> robot_ids);
@@ -24,7 +23,7 @@ class MotionBinding {
   void take(std::int32_t robot_id, double time, double left, double right);
 
   [[nodiscard]] std::size_t robots() const { return ids_.size(); }
-  /// -1 where there is no such robot.
+  /// -1 if there is no such robot.
   [[nodiscard]] int indexOf(std::int32_t robot_id) const;
   [[nodiscard]] std::int32_t idOf(int robot) const {
     return robot < 0 ? -1 : ids_[static_cast<std::size_t>(robot)];
@@ -34,22 +33,22 @@ class MotionBinding {
     return robot < 0 ? nullptr : &logs_[static_cast<std::size_t>(robot)];
   }
 
-  /// Whether a slice ends with a picture at this time.
+  /// Whether a picture at this time ends the slice.
   [[nodiscard]] bool isDue(double time) const;
 
-  /// Ends the slice; weighs what has been reported meanwhile; binds and unbinds.
+  /// Ends the slice, evaluates the reports, binds and unbinds.
   void step(double time, std::span<IdentityEvidence* const> caps);
 
   [[nodiscard]] std::int64_t bound() const { return bound_; }
   [[nodiscard]] std::int64_t unbound() const { return unbound_; }
 
-  /// Natural logarithm: a wrong binding must be 100000 times less likely than the right one.
+  /// [ln] A wrong binding must be 100000 times less likely than the right one.
   static constexpr double kBindRatio = 11.5;
-  /// A cap is one of the robots in view rather than a foreign one beside a robot out of view,
-  /// before anything is known: 400 to 1; where there are more caps than robots that report, 3 to 1.
+  /// [ln] Prior odds that a cap is a robot in view rather than a foreign cap beside a robot out of
+  /// view: 400 to 1; with more caps than reporting robots 3 to 1.
   static constexpr double kLogPriorOwnRobot = 6;
   static constexpr double kLogPriorOwnRobotAmongMore = 1.1;
-  /// So many slices in a row must say so.
+  /// Consecutive slices that must agree.
   static constexpr int kConfirm = 3;
 
  private:
@@ -72,8 +71,8 @@ class MotionBinding {
   std::vector<std::int32_t> ids_;
   std::vector<WheelLog> logs_;
   std::vector<WheelPath> paths_;
-  std::vector<IdentityEvidence*> bound_caps_;  ///< the cap bound to a robot
-  std::deque<Slice> slices_;                   ///< not weighed yet
+  std::vector<IdentityEvidence*> bound_caps_;  ///< by robot: the cap bound to it
+  std::deque<Slice> slices_;                   ///< not evaluated yet
   std::int64_t next_slice_ = 0;
   double slice_begin_ = 0;
   double prior_ = kLogPriorOwnRobot;  ///< [ln] for each pair, added to its evidence

@@ -1,31 +1,35 @@
 #include "tracker_svc/tracking/cap_tracker.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
+#include "light/median.hpp"
 #include "tracker_svc/tracking/reappearance_density.hpp"
 
 namespace lab::tracker {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFaster = 1.1;        // [1] than max_wheel_speed: gains, pushes
-constexpr double kPlaceSlack = 0.003;  // [m] of a place, from noise and calibration
-constexpr double kTouch = 0.006;       // [m] nearer than that two may touch
-constexpr double kLost = 0.5;          // [s]
+constexpr double kFaster = 1.1;        // [1] times max_wheel_speed: gain errors, pushes
+constexpr double kPlaceSlack = 0.003;  // [m] error of a place, from noise and calibration
+constexpr double kTouch = 0.006;       // [m] gap below which two caps may touch
+constexpr double kLost = 0.5;          // [s] without detection
 constexpr double kLostReach = 0.15;    // [m]
-constexpr double kShownFaster = 2;     // [1] than the speed it has shown: freed from a wall, say
-constexpr double kStride = 0.5;        // [s] over which it shows one: noise of places is none
-constexpr double kBriefly = 1;         // [s] what was hardly seen is followed at least so long
-constexpr double kOutside = 0.3;       // [m] beyond the walls nothing is followed
-constexpr double kNewCaps = 1e-3;      // [1/s] how often caps are put into the arena
-constexpr double kNewAtOnce = 1e-5;    // [1] and at least in any picture
-// A cap that was seen in the last lit picture is rarely missed in the next; one that was missed for
-// long has a reason to stay hidden.
+// [1] times the highest mean speed so far: a robot may have been held by a wall
+constexpr double kShownFaster = 2;
+// [s] over which a mean speed is taken, to average the noise of places
+constexpr double kStride = 0.5;
+constexpr double kBriefly = 1;       // [s] for which a track with few detections is kept at least
+constexpr double kOutside = 0.3;     // [m] beyond the walls nothing is tracked
+constexpr double kNewCaps = 1e-3;    // [1/s] rate at which caps are put into the arena
+constexpr double kNewAtOnce = 1e-5;  // [1] minimum probability per picture
+// Probability that a cap is missed again, by the number of pictures since its last detection: a
+// visible cap is rarely missed, a hidden one tends to stay hidden.
 constexpr double kMissed[] = {0.05, 0.5, 0.95};
 constexpr int kMissedLong = 5;           // pictures
-constexpr float kFlippedQuality = 0.4F;  // [1] below what an analysis takes for good
+constexpr float kFlippedQuality = 0.4F;  // [1] low enough to be excluded from analysis
 
 bool isDegraded(const detector::Detection& detection) {
   return (detection.used & detector::kUsedRim) != 0;
@@ -45,20 +49,20 @@ double distance2(const dynamics::Pose& pose, const detector::Detection& detectio
 
 struct CapTracker::TrackState {
   std::int64_t number = 0;
-  dynamics::Pose pose;  ///< where it was last seen
+  dynamics::Pose pose;  ///< last detected pose
   std::array<double, 6> covariance{};
   detector::Detection detection;  ///< of this picture, or predicted
-  double first = 0;               ///< [s] when it was first seen
-  double last = 0;                ///< [s] and last
+  double first = 0;               ///< [s] of the first detection
+  double last = 0;                ///< [s] of the last detection
   bool seen = true;
-  Wheels speeds;            ///< [m/s] under the cap
-  int votes = 1;            ///< pictures that agree with the heading, less those that do not
-  int misses = 0;           ///< lit pictures without it since it was last seen
-  int blanks = 0;           ///< pictures of any kind without it since then
-  dynamics::Pose begun_at;  ///< of the stride that it is in
-  double begun = 0;         ///< [s]
-  double shown = 0;         ///< [m/s] the highest mean speed of a stride
-  int chosen = -1;          ///< detection of this picture
+  Wheels speeds;            ///< [m/s] from the cap's motion
+  int votes = 1;            ///< pictures that agree with the heading, minus those that do not
+  int misses = 0;           ///< lit pictures without it since its last detection
+  int blanks = 0;           ///< pictures without it since its last detection, lit or not
+  dynamics::Pose begun_at;  ///< start of the current stride
+  double begun = 0;         ///< [s] start of the current stride
+  double shown = 0;         ///< [m/s] highest mean speed of a stride
+  int chosen = -1;          ///< index of its detection in this picture
   IdentityEvidence evidence;
 };
 
@@ -79,21 +83,20 @@ double CapTracker::reachOf(double unseen) const {
   return kFaster * settings_.max_wheel_speed * unseen + kPlaceSlack;
 }
 
-/// The median of the highest speeds that caps have shown: no hand that carries one counts.
+/// Median over the caps of their highest speeds; ignores single caps carried by hand.
 double CapTracker::usualSpeed() const {
   if (track_states_.empty()) return 0;
   std::vector<double> speeds;
   for (const TrackState& follow : track_states_) speeds.push_back(follow.shown);
-  const auto middle = speeds.begin() + static_cast<std::ptrdiff_t>(speeds.size() / 2);
-  std::ranges::nth_element(speeds, middle);
-  return *middle;
+  return medianOf(speeds);
 }
 
-/// How far from where it was last seen it may come back and be the same.
+/// [m] distance from its last detection within which a cap counts as the same.
 double CapTracker::returnOf(const TrackState& follow, double time, double usual) const {
   const double unseen = std::max(0.0, time - follow.last);
   const double by_hand = 2 * reachOf(unseen);
-  // Without a picture in between it was not missed: films may have one a second.
+  // Without a picture in between the cap was not missed: recordings may have one picture per
+  // second.
   if (!settings_.caps_may_be_replaced || follow.blanks == 0 || unseen <= kLost) return by_hand;
   const double speed = std::max(follow.shown, usual);
   return std::min(by_hand, kShownFaster * speed * unseen + settings_.robot_radius);
@@ -106,7 +109,7 @@ double CapTracker::turnOf(double unseen) const {
 Reckoning CapTracker::reckon(const TrackState& follow, double time) {
   Reckoning result = reckoner_.reckon(follow.pose, follow.covariance, follow.speeds,
                                       binding_.logOf(follow.evidence.robot), follow.last, time);
-  // Walls hold what is inside.
+  // Clamps to the walls if it was inside.
   const auto hold = [&](double place, double from, double size) {
     const double low = std::min(settings_.robot_radius, from);
     const double high = std::max(size - settings_.robot_radius, from);
@@ -167,9 +170,8 @@ void CapTracker::clean(std::span<const detector::Detection> detections) {
   cap_of_.assign(found_.size(), -1);
 }
 
-/// A cap that cannot have driven half the distance of two robots in contact is the only one that
-/// can be within its reach: another robot there would overlap it wherever in its reach it is
-/// itself.
+/// Assigns caps that cannot have driven half the distance of two robots in contact: another robot
+/// within their reach would overlap them.
 void CapTracker::matchSure(double time) {
   constexpr int kSeveral = -2;
   for (std::size_t i = 0; i < track_states_.size(); ++i) {
@@ -182,7 +184,7 @@ void CapTracker::matchSure(double time) {
       cap_of_[j] = cap_of_[j] == -1 ? static_cast<int>(i) : kSeveral;
     }
   }
-  // Where there are several, the picture shows what cannot be: likelihood decides.
+  // With several candidates, likelihood decides later.
   for (TrackState& follow : track_states_) {
     if (follow.chosen >= 0 && cap_of_[static_cast<std::size_t>(follow.chosen)] < 0) {
       follow.chosen = -1;
@@ -197,8 +199,8 @@ void CapTracker::matchSure(double time) {
   }
 }
 
-/// The rest by likelihood: each track's density where a cap was found, against not being seen now,
-/// and against the cap being a new one.
+/// Assigns the others by likelihood: each track's density at each detection, against not being
+/// detected, and against the cap being new.
 void CapTracker::matchRest(double time) {
   std::vector<std::size_t> columns;
   for (std::size_t j = 0; j < found_.size(); ++j) {
@@ -254,7 +256,7 @@ void CapTracker::doubt(TrackState& follow) {
 }
 
 void CapTracker::see(TrackState& follow, double time, detector::Detection detection) {
-  // A degraded pose has the heading that was expected, and is no measure of speed.
+  // A degraded pose has the expected heading and a less accurate place.
   const bool sharp = !isDegraded(detection);
   if (sharp) correctFlip(follow, time, detection);
   const dynamics::Pose pose = poseOf(detection);
@@ -262,19 +264,20 @@ void CapTracker::see(TrackState& follow, double time, detector::Detection detect
   if (span > kLost) {
     follow.speeds = {};
   } else if (span > 1e-3 && sharp && !isDegraded(follow.detection)) {
-    const Wheels way = wheelsBetween(follow.pose, pose, settings_.wheel_base);
+    const Wheels travel = wheelsBetween(follow.pose, pose, settings_.wheel_base);
     const double most = settings_.max_wheel_speed;
     const auto blend = [&](double old, double measured) {
       return std::clamp(0.3 * old + 0.7 * measured / span, -most, most);
     };
-    follow.speeds = {blend(follow.speeds.left, way.left), blend(follow.speeds.right, way.right)};
+    follow.speeds = {blend(follow.speeds.left, travel.left),
+                     blend(follow.speeds.right, travel.right)};
   }
-  if (span > kLost && follow.blanks > 0) {  // where it was meanwhile tells no speed
+  if (span > kLost && follow.blanks > 0) {  // its path in between is unknown
     follow.begun = time;
     follow.begun_at = pose;
   } else if (sharp && time - follow.begun >= kStride) {
-    const double way = std::hypot(pose.x - follow.begun_at.x, pose.y - follow.begun_at.y);
-    follow.shown = std::max(follow.shown, way / (time - follow.begun));
+    const double travel = std::hypot(pose.x - follow.begun_at.x, pose.y - follow.begun_at.y);
+    follow.shown = std::max(follow.shown, travel / (time - follow.begun));
     follow.begun = time;
     follow.begun_at = pose;
   }
@@ -292,7 +295,7 @@ void CapTracker::correctFlip(TrackState& follow, double time, detector::Detectio
   double limit = turnOf(unseen);
   double from = follow.pose.theta;
   if (limit > 0.4 * kPi) {
-    // It may have turned round: only its own wheels can tell.
+    // It may really have turned round: only its own wheel reports can tell.
     const Reckoning reckoning = reckon(follow, time);
     limit = 4 * std::sqrt(reckoning.covariance[5]) + 0.1;
     from = reckoning.pose.theta;
@@ -305,7 +308,7 @@ void CapTracker::correctFlip(TrackState& follow, double time, detector::Detectio
     return;
   }
   if (--follow.votes < 0) {
-    // Wrong from the beginning: from now on it is the other way round.
+    // The heading was wrong from the beginning; accept the opposite one.
     follow.votes = 1;
     follow.speeds = {-follow.speeds.right, -follow.speeds.left};
     follow.pose.theta = wrapped(follow.pose.theta + kPi);

@@ -1,4 +1,5 @@
-/// From detections to robots: which cap is which, picture after picture. Knows no picture.
+/// Tracks caps from picture to picture and binds tracks to robots. Uses detections only, no
+/// pictures.
 #pragma once
 
 #include <cstdint>
@@ -12,64 +13,63 @@
 
 namespace lab::tracker {
 
-/// What a robot says its wheels do.
+/// Reported wheel speeds of a robot.
 struct WheelReport {
   std::int32_t robot_id = 0;
-  double time = 0;   ///< [s] when it was sampled, on the clock of the pictures
+  double time = 0;   ///< [s] sampling time, on the clock of the pictures
   double left = 0;   ///< [m/s]
   double right = 0;  ///< [m/s]
 };
 
-/// One cap that is followed.
+/// One tracked cap.
 struct Track {
-  std::int64_t number = 0;     ///< of this track, never used again
-  std::int32_t robot_id = -1;  ///< the robot it is bound to, -1: unbound
-  detector::Detection pose;    ///< of this picture, or predicted where not seen (quality 0)
+  std::int64_t number = 0;     ///< unique, never reused
+  std::int32_t robot_id = -1;  ///< the robot it is bound to, -1 if unbound
+  detector::Detection pose;    ///< of this picture, or predicted if not seen (quality 0)
   bool seen = false;           ///< in this picture
-  double unseen = 0;           ///< [s] since it was last seen
+  double unseen = 0;           ///< [s] since its last detection
 };
 
 struct TrackerSettings {
   double wheel_base = 0.075;      ///< [m]
   double max_wheel_speed = 0.27;  ///< [m/s]
-  double arena_width = 1.20;      ///< [m] caps are not followed far outside
+  double arena_width = 1.20;      ///< [m] caps are not tracked far outside
   double arena_height = 0.90;     ///< [m]
-  double robot_radius = 0.0375;   ///< [m] two robots cannot be nearer than twice this
-  /// Caps may be taken out and others put in, as in films of which nothing else is known: one that
-  /// was missed for longer than half a second is itself only within a robot's radius, and as far as
-  /// twice its speed takes it: the highest that it has shown over half a second, at least the
-  /// median of all tracks' highest (a wall may have held it).
+  double robot_radius = 0.0375;   ///< [m] two axes cannot be closer than twice this
+  /// Whether caps may be removed and others added, as in recordings without further information. A
+  /// cap missing for more than half a second then counts as the same only within a robot's radius,
+  /// and within the distance at twice its speed: its own highest mean speed over half a second, but
+  /// at least the median over all tracks (a wall may have held it).
   bool caps_may_be_replaced = false;
 };
 
 struct TrackerCounts {
-  std::int64_t flips = 0;    ///< head/tail flips that were detected and corrected
+  std::int64_t flips = 0;    ///< head/tail flips detected and corrected
   std::int64_t lost = 0;     ///< tracks given up
   std::int64_t bound = 0;    ///< bindings made
-  std::int64_t unbound = 0;  ///< bindings given up because they had become doubtful
+  std::int64_t unbound = 0;  ///< bindings ended because they became doubtful
 };
 
-/// Global assignment of detections to tracks with a motion model; a binding of tracks to robot ids
-/// that is only as long believed as nothing else could be true.
+/// Assigns detections to tracks globally, with a motion model, and binds tracks to robot ids as
+/// long as no alternative is likely.
 ///
-/// A cap that was last seen so shortly ago that it cannot have driven half the distance of two
-/// robots in contact is itself: nothing else can be there. All others are matched by likelihood,
-/// all at once; whatever could be otherwise with more than kDoubt of the likelihood is doubtful:
-/// the track keeps its number (the best guess) and loses its robot.
+/// A cap whose last detection is so recent that it cannot have driven half the distance of two
+/// robots in contact is assigned directly: no other cap can be there. All others are assigned by
+/// likelihood, jointly. If an alternative assignment is likelier than exp(-kDoubt), the track is
+/// doubtful: it keeps its number (the best estimate) but loses its robot.
 ///
-/// A heading that is half a turn off where the cap cannot have turned so far is a mistake of the
-/// picture: it is counted, turned back, and its quality is at most 0.5. When a heading is half a
-/// turn off for longer than it was right before (at most kVotes pictures), the first one was the
-/// mistake.
+/// A heading that is reversed although the cap cannot have turned so far is a detection error: it
+/// is counted and corrected, and its quality is at most 0.5. If a heading stays reversed for longer
+/// than it was right before (at most kVotes pictures), the first heading was the error.
 ///
-/// A degraded pose (detector::kUsedRim) keeps its track alive and where it is; it begins none,
-/// tells no speed, flips no heading and binds no robot.
+/// A degraded pose (detector::kUsedRim) keeps a track alive and updates its place. It starts no
+/// track, and is not used for speeds, flips or binding.
 ///
-/// A track binds to a robot when what the cap did fits what that robot's wheels did, and fits no
-/// other free robot and no other free track: a robot that turns on the spot while the others stand
-/// is the clearest case. It takes pictures at least every 0.35 s. When two tracks could have been
-/// exchanged (both unseen while near to each other, ...) both become unbound until their motion
-/// tells which is which.
+/// A track is bound to a robot when its motion fits that robot's wheel motion, and no other free
+/// robot and no other free track fits as well; the clearest case is a robot that turns on the spot
+/// while the others stand. This needs pictures at least every 0.35 s. If two tracks may have been
+/// exchanged (for example both undetected while close together), both are unbound until their
+/// motion identifies them.
 class CapTracker {
  public:
   CapTracker(const TrackerSettings& settings, std::vector<std::int32_t> robot_ids);
@@ -77,29 +77,29 @@ class CapTracker {
   CapTracker(const CapTracker&) = delete;
   CapTracker& operator=(const CapTracker&) = delete;
 
-  /// Takes what robots say; reports may come late, up to a second after the picture they belong to.
+  /// Takes wheel reports; they may arrive up to a second after the picture they belong to.
   void take(std::span<const WheelReport> wheels);
 
-  /// Where to look for the caps in a picture taken at `time` [s], one place for every track in the
-  /// order of the last update: wherever wheels can have taken it, but not more than a robot's
-  /// radius unless it is lost (unseen for half a second), and then 0.15 m.
+  /// Where to search the caps in a picture taken at `time` [s], one place per track in the order of
+  /// the last update: the range its wheels allow, but at most a robot's radius, or 0.15 m if the
+  /// track is lost (undetected for half a second).
   [[nodiscard]] const std::vector<detector::Expected>& expect(double time);
 
-  /// Takes the detections of the picture taken at `time` [s], later than the one before. Those of
-  /// quality 0 are none.
-  /// @return every track, valid until the next call
+  /// Takes the detections of the picture taken at `time` [s], which must increase. Detections of
+  /// quality 0 are ignored.
+  /// @return all tracks, valid until the next call
   const std::vector<Track>& update(double time, std::span<const detector::Detection> detections);
 
-  /// Binds the track whose cap is nearest to a known place, as at a start from known poses.
+  /// Binds the track whose cap is nearest to a known place, as for a start from known poses.
   /// @return whether there is one within `reach` [m]
   bool bind(std::int32_t robot_id, double x, double y, double reach);
 
   [[nodiscard]] const TrackerCounts& counts() const { return counts_; }
 
-  /// Natural logarithm: 10000 to 1.
+  /// [ln] 10000 to 1.
   static constexpr double kDoubt = 9.2;
   static constexpr int kVotes = 30;
-  /// [s] A track that is not seen for so long is given up; one that was seen only shortly, sooner.
+  /// [s] A track without detection for this time is given up; one with few detections sooner.
   static constexpr double kGiveUp = 5;
 
  private:
@@ -131,10 +131,10 @@ class CapTracker {
   std::vector<Track> tracks_;
   std::vector<detector::Expected> expected_;
   std::vector<detector::Detection> found_;  ///< of this picture
-  std::vector<int> cap_of_;  ///< index into track_states_ for each of them, -1: none yet
+  std::vector<int> cap_of_;                 ///< by detection: index into track_states_, -1 if none
   std::vector<IdentityEvidence*> evidence_;
   std::int64_t next_number_ = 1;
-  double lit_ = 0;  ///< [s] when caps were last seen
+  double lit_ = 0;  ///< [s] time of the last detection of any cap
   TrackerCounts counts_;
 };
 

@@ -6,26 +6,28 @@
 namespace lab::tracker {
 namespace {
 
-constexpr double kLikeOthers = 0.9;        // [1] a foreign cap's new speeds are such as robots have
-constexpr std::size_t kSamples = 128;      // of robots' speeds
-constexpr std::size_t kSamplesASlice = 3;  // so that they tell of some four seconds
-constexpr double kFade = 0.995;            // [1] a slice: what robots did half a minute ago fades
-constexpr double kStallBegins = -0.7;      // [ln] what touches something is held up as often as not
-constexpr double kStallAlone = -5;         // [ln] what touches nothing that is seen: hardly ever
-constexpr double kStallGoesOn = -0.02;     // [ln]
-constexpr double kOneOfThree = 1.1;        // [ln] change inside the slice, before it, after it
-constexpr double kTurnsAnew = 3;           // [ln] how unlikely a change of a foreign cap's turn is
-constexpr double kStallEnds = -0.7;        // [ln]
-constexpr double kStallEndsAlone = -2.3;   // [ln]
+constexpr double kLikeOthers = 0.9;    // [1] probability that a foreign cap's new speeds follow the
+                                       // distribution of robots' speeds
+constexpr std::size_t kSamples = 128;  // number of stored robot speeds
+constexpr std::size_t kSamplesASlice = 3;  // so that they cover about four seconds
+constexpr double kFade = 0.995;            // [1] per slice: forgets within half a minute
+constexpr double kStallBegins = -0.7;   // [ln] a cap in contact is held up about every second time
+constexpr double kStallAlone = -5;      // [ln] a cap without visible contact is hardly ever held up
+constexpr double kStallGoesOn = -0.02;  // [ln]
+constexpr double kOneOfThree = 1.1;     // [ln] the change may be inside, before or after the slice
+constexpr double kTurnsAnew = 3;  // [ln] least likelihood of a change of a foreign cap's turn rate
+constexpr double kStallEnds = -0.7;       // [ln]
+constexpr double kStallEndsAlone = -2.3;  // [ln]
 const double kLogTwoPi = std::log(2 * std::numbers::pi);
 constexpr double kPushed = -9.2;   // [ln] one slice in 10000: moved by something else
-constexpr double kForget = 0.998;  // [1] a slice: what is older than a minute fades
+constexpr double kForget = 0.998;  // [1] per slice: forgets within a minute
 
 double square(double x) { return x * x; }
 
-/// Whether a way lies between none and the reported one.
-bool isSlower(double way, double reported, double tolerance) {
-  return way >= std::min(0.0, reported) - tolerance && way <= std::max(0.0, reported) + tolerance;
+/// Whether a travel lies between 0 and the reported one.
+bool isSlower(double travel, double reported, double tolerance) {
+  return travel >= std::min(0.0, reported) - tolerance &&
+         travel <= std::max(0.0, reported) + tolerance;
 }
 
 }  // namespace
@@ -65,7 +67,7 @@ void MotionPrior::addNormal(const WheelPath& path, double duration) {
   if (path.changed) changes_ += 1;
 }
 
-double MotionPrior::normalDensity(const Wheels& way, double variance, double duration) const {
+double MotionPrior::normalDensity(const Wheels& travel, double variance, double duration) const {
   if (weight_ <= 0) return 0;
   const double left = left_ / weight_;
   const double right = right_ / weight_;
@@ -74,25 +76,25 @@ double MotionPrior::normalDensity(const Wheels& way, double variance, double dur
   const double rr = std::max(0.0, right_right_ / weight_ - right * right) * time2 + variance;
   const double lr = (left_right_ / weight_ - left * right) * time2;
   const double determinant = std::max(ll * rr - lr * lr, variance * variance);
-  const double dl = way.left - left * duration;
-  const double dr = way.right - right * duration;
+  const double dl = travel.left - left * duration;
+  const double dr = travel.right - right * duration;
   return std::exp(-(dl * dl * rr - 2 * dl * dr * lr + dr * dr * ll) / (2 * determinant)) /
          (2 * std::numbers::pi * std::sqrt(determinant));
 }
 
-double MotionPrior::density(const Wheels& way, double variance, double duration,
+double MotionPrior::density(const Wheels& travel, double variance, double duration,
                             double fastest) const {
   double sampled = 0;
   for (const Wheels& sample : samples_) {
-    const double z =
-        (square(way.left - sample.left * duration) + square(way.right - sample.right * duration)) /
-        (2 * variance);
+    const double z = (square(travel.left - sample.left * duration) +
+                      square(travel.right - sample.right * duration)) /
+                     (2 * variance);
     if (z < 15) sampled += std::exp(-z);
   }
   if (!samples_.empty()) {
     sampled /= 2 * std::numbers::pi * variance * static_cast<double>(samples_.size());
   }
-  return kLikeOthers / 2 * (sampled + normalDensity(way, variance, duration)) +
+  return kLikeOthers / 2 * (sampled + normalDensity(travel, variance, duration)) +
          (1 - kLikeOthers) / square(2 * fastest);
 }
 
@@ -101,13 +103,14 @@ void PairEvidence::add(const SliceMotion& cap, const WheelPath& robot, double hi
       compare(cap, {robot.left, robot.right},
               {robot.left_variance + cap.variance, robot.right_variance + cap.variance});
   if (robot.changed) {
-    // The speeds changed somewhere in the slice, or just outside.
+    // The speeds changed in the slice, or just before or after it.
     driven.value -= kOneOfThree;
-    for (const Wheels& way :
+    for (const Wheels& travel :
          {Wheels{robot.first_left, robot.first_right}, Wheels{robot.last_left, robot.last_right}}) {
-      Driven steady = compare(cap, way,
-                              {WheelLog::randomVariance(way.left, cap.duration) + cap.variance,
-                               WheelLog::randomVariance(way.right, cap.duration) + cap.variance});
+      Driven steady =
+          compare(cap, travel,
+                  {WheelLog::randomVariance(travel.left, cap.duration) + cap.variance,
+                   WheelLog::randomVariance(travel.right, cap.duration) + cap.variance});
       steady.value -= kOneOfThree;
       if (steady.value > driven.value) driven = steady;
     }
@@ -131,54 +134,55 @@ void PairEvidence::add(const SliceMotion& cap, const WheelPath& robot, double hi
   sum(highest);
 }
 
-PairEvidence::Driven PairEvidence::compare(const SliceMotion& cap, const Wheels& way,
+PairEvidence::Driven PairEvidence::compare(const SliceMotion& cap, const Wheels& travel,
                                            const Wheels& variance) {
   const double gain2 = square(DeadReckoner::kGainError);
   const double error =
-      (square(cap.way.left - way.left) / (variance.left + gain2 * square(way.left)) +
-       square(cap.way.right - way.right) / (variance.right + gain2 * square(way.right))) /
+      (square(cap.travel.left - travel.left) / (variance.left + gain2 * square(travel.left)) +
+       square(cap.travel.right - travel.right) / (variance.right + gain2 * square(travel.right))) /
       2;
   const double normaliser = kLogTwoPi + std::log(variance.left * variance.right) / 2;
-  return {-error - normaliser - cap.foreign, error, way, variance};
+  return {-error - normaliser - cap.foreign, error, travel, variance};
 }
 
-/// In contact: forward it goes by less than its wheels would, in ways of which nobody knows more
-/// than of a foreign cap's, and back where it reverses more often than it reports; it turns as its
-/// wheels would, or by less.
+/// In contact a robot moves forward less than its wheels, by an amount as unknown as that of a
+/// foreign cap, or backwards if it reverses more often than it reports. It turns as its wheels, or
+/// less.
 double PairEvidence::heldUp(const SliceMotion& cap, const WheelPath& robot, double variance) const {
   const double tolerance = 3 * std::sqrt(variance);
-  const double forward = (cap.way.left + cap.way.right) / 2;
-  const double turn = cap.way.right - cap.way.left;
+  const double forward = (cap.travel.left + cap.travel.right) / 2;
+  const double turn = cap.travel.right - cap.travel.left;
   const double full_turn = robot.right - robot.left;
   if (std::abs(forward) > std::abs(robot.left + robot.right) / 2 + tolerance / 2) return kPushed;
   const double before = cap.before.right - cap.before.left;
-  // That it turns as reported tells something only where it was to turn.
-  const double surprise = std::abs(full_turn) < tolerance
-                              ? 0
-                              : std::min(square(turn - before) / (2 * variance), kTurnsAnew);
-  const double turning = surprise - square(turn - full_turn) / (2 * variance);
+  // An agreement of the turn is evidence only if a turn was reported.
+  const double turns_anew = std::abs(full_turn) < tolerance
+                                ? 0
+                                : std::min(square(turn - before) / (2 * variance), kTurnsAnew);
+  const double turning = turns_anew - square(turn - full_turn) / (2 * variance);
   const double resting = isSlower(turn, full_turn, tolerance) ? 0 : kPushed;
-  // Foreign caps get into contact as well: where the cap slowed down, this tells nothing.
-  const double begins = std::min(0.0, (cap.touching ? kStallBegins : kStallAlone) + cap.surprise);
+  // Foreign caps get into contact too: if the cap slowed down, this is no evidence.
+  const double begins =
+      std::min(0.0, (cap.touching ? kStallBegins : kStallAlone) + cap.speed_change_log_ratio);
   return (stalled_ ? kStallGoesOn : begins) + std::max(turning, resting);
 }
 
 void PairEvidence::addDriven(const SliceMotion& cap, const Driven& driven) {
-  const double left_error = cap.way.left - driven.way.left;
-  const double right_error = cap.way.right - driven.way.right;
-  // The error without the gains' share, which the sums have.
+  const double left_error = cap.travel.left - driven.travel.left;
+  const double right_error = cap.travel.right - driven.travel.right;
+  // The error without the contribution of the gains, which is in the sums.
   rest_ +=
       driven.value + driven.error -
       (square(left_error) / driven.variance.left + square(right_error) / driven.variance.right) / 2;
-  left_uu_ += square(driven.way.left) / driven.variance.left;
-  left_ue_ += driven.way.left * left_error / driven.variance.left;
-  right_uu_ += square(driven.way.right) / driven.variance.right;
-  right_ue_ += driven.way.right * right_error / driven.variance.right;
+  left_uu_ += square(driven.travel.left) / driven.variance.left;
+  left_ue_ += driven.travel.left * left_error / driven.variance.left;
+  right_uu_ += square(driven.travel.right) / driven.variance.right;
+  right_ue_ += driven.travel.right * right_error / driven.variance.right;
 }
 
 void PairEvidence::sum(double highest) {
-  // The two gains integrated out of normal errors: what the best gains win, less what it costs to
-  // have them free.
+  // Integrates the two gains over their normal prior: the gain in likelihood of the best gains,
+  // minus the cost of their freedom.
   const double inverse = 1 / square(DeadReckoner::kGainError);
   value_ =
       rest_ +
@@ -195,7 +199,7 @@ void IdentityEvidence::forget() {
   motions = {};
   begun = false;
   speeds = {};
-  surprise = 0;
+  speed_change_log_ratio = 0;
   candidate = -1;
   confirmed = 0;
   proven = false;

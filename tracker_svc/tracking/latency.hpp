@@ -1,4 +1,4 @@
-/// How long things take, as percentiles of the last second or so.
+/// Percentiles of the latest durations of a repeated task.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,8 @@ class Latency {
     next_ = (next_ + 1) % kMost;
   }
 
-  /// The share `part` of the last kMost durations took at most this long [s]; 0 without any.
+  /// The duration [s] that a share `part` of the last kMost durations did not exceed; 0 without
+  /// any.
   [[nodiscard]] double percentile(double part) const {
     if (durations_.empty()) return 0;
     std::vector<double> sorted = durations_;

@@ -9,16 +9,16 @@ namespace {
 
 double square(double x) { return x * x; }
 
-/// A pose with its covariance and what it would be with other gains of the wheels.
+/// A pose with its covariance and its derivatives by the gains of the wheels.
 class Chain {
  public:
   Chain(const dynamics::Pose& from, const std::array<double, 6>& covariance, double wheel_base)
       : pose_(from), c_(covariance), wheel_base_(wheel_base) {}
 
-  /// One arc of the wheels' ways; `left` and `right` variances are random errors of these ways.
-  void move(Wheels way, Wheels variance) {
-    const double forward = (way.left + way.right) / 2;
-    const double turn = (way.right - way.left) / wheel_base_;
+  /// Adds one arc; `left` and `right` variances are random errors of the travels.
+  void move(Wheels travel, Wheels variance) {
+    const double forward = (travel.left + travel.right) / 2;
+    const double turn = (travel.right - travel.left) / wheel_base_;
     const dynamics::Arc arc = dynamics::makeArcOf(forward, turn, 1);
     const double middle = pose_.theta + turn / 2;
     const double cosine = std::cos(middle);
@@ -27,12 +27,12 @@ class Chain {
     const double dx = chord * cosine;
     const double dy = chord * sine;
     turnErrors(dx, dy);
-    // A longer way of one wheel: half of it forward, the rest as turn.
+    // Additional travel of one wheel: half of it forward, the rest as turn.
     const double l[3] = {cosine / 2, sine / 2, -1 / wheel_base_};
     const double r[3] = {cosine / 2, sine / 2, 1 / wheel_base_};
     for (int i = 0; i < 3; ++i) {
-      by_left_gain_[i] += l[i] * way.left;
-      by_right_gain_[i] += r[i] * way.right;
+      by_left_gain_[i] += l[i] * travel.left;
+      by_right_gain_[i] += r[i] * travel.right;
     }
     addNoise(l, variance.left);
     addNoise(r, variance.right);
@@ -50,7 +50,7 @@ class Chain {
   }
 
  private:
-  /// An error of the heading moves the end of a step sideways.
+  /// Propagates an error of the heading to the end of a step.
   void turnErrors(double dx, double dy) {
     const double xt = c_[2];
     const double yt = c_[4];
@@ -93,7 +93,7 @@ Wheels wheelsBetween(const dynamics::Pose& from, const dynamics::Pose& to, doubl
   const double turn = wrapped(to.theta - from.theta);
   const double middle = from.theta + turn / 2;
   const double chord = (to.x - from.x) * std::cos(middle) + (to.y - from.y) * std::sin(middle);
-  // From the chord to the arc: half / sin(half), its series where that is exact to 1e-6.
+  // Ratio of arc to chord: half / sin(half), by its series where that is exact to 1e-6.
   const double half = turn / 2;
   const double forward =
       chord * (std::abs(half) < 0.1 ? 1 + half * half / 6 : half / std::sin(half));
@@ -105,16 +105,16 @@ Reckoning DeadReckoner::reckon(const dynamics::Pose& from, const std::array<doub
   Reckoning result;
   Chain chain(from, covariance, settings_.wheel_base);
   double time = begin;
-  double idle = 0;  // [s] since the wheels' speeds were last known
+  double idle = 0;  // [s] since the wheels' speeds were last reported
   const auto assume = [&](double until) {
     const double span = until - time;
     if (span <= 0) return;
-    // The mean speed over the span decays; the rest of what wheels can do is random.
+    // The mean speed decays over the span; the rest of what wheels can do is random.
     const double share = kMemory * (std::exp(-idle / kMemory) - std::exp(-(idle + span) / kMemory));
     const double spread =
         square(settings_.max_wheel_speed / 3 * span) * std::min(1.0, (idle + span) / kMemory);
     chain.move({speeds.left * share, speeds.right * share}, {spread, spread});
-    result.way += std::abs(speeds.left + speeds.right) / 2 * share;
+    result.travel += std::abs(speeds.left + speeds.right) / 2 * share;
     result.assumed += span;
     idle += span;
     time = until;
@@ -128,7 +128,7 @@ Reckoning DeadReckoner::reckon(const dynamics::Pose& from, const std::array<doub
     const double random = square(WheelLog::kRandomWay) * span;
     chain.move({part.left * span, part.right * span},
                {random + square(part.left_step) * when, random + square(part.right_step) * when});
-    result.way += std::abs(part.left + part.right) / 2 * span;
+    result.travel += std::abs(part.left + part.right) / 2 * span;
     result.known += span;
     speeds = {part.left, part.right};
     idle = 0;

@@ -1,4 +1,4 @@
-/// How a robot on two wheels may have moved since it was last seen.
+/// Motion model of a robot on two wheels.
 #pragma once
 
 #include <array>
@@ -9,36 +9,36 @@
 
 namespace lab::tracker {
 
-/// What the motion model assumes of every robot.
+/// Assumptions about every robot.
 struct MotionSettings {
   double wheel_base = 0.075;      ///< [m]
   double max_wheel_speed = 0.27;  ///< [m/s]
 };
 
-/// Both wheels: ways [m] or speeds [m/s].
+/// Travels [m] or speeds [m/s] of both wheels.
 struct Wheels {
   double left = 0;
   double right = 0;
 };
 
-/// The ways of the wheels that lead from one pose to another along one arc.
+/// Wheel travels that lead from one pose to another along one arc.
 [[nodiscard]] Wheels wheelsBetween(const dynamics::Pose& from, const dynamics::Pose& to,
                                    double wheel_base);
 
 /// @return the angle in (-pi, pi]
 [[nodiscard]] double wrapped(double angle);
 
-/// Where a robot that moved freely would be now.
+/// Expected pose of a robot that moved freely.
 struct Reckoning {
   dynamics::Pose pose;
   std::array<double, 6> covariance{};  ///< [m^2, m rad, rad^2] xx, xy, xt, yy, yt, tt
-  double known = 0;                    ///< [s] how much of the time the robot's reports cover
-  double assumed = 0;                  ///< [s] and how much they do not
-  double way = 0;                      ///< [m] length of the way
+  double known = 0;                    ///< [s] covered by the robot's reports
+  double assumed = 0;                  ///< [s] not covered
+  double travel = 0;                   ///< [m] length of the path
 };
 
-/// Dead reckoning. Where the robot's reports (null: none) do not say otherwise, the wheels go on as
-/// they did and come to rest over kMemory, as programs draw new speeds every half second or so.
+/// Dead reckoning. Where no reports of the robot (null: none) exist, the wheels keep their speeds
+/// and come to rest over kMemory, since programs draw new speeds about every half second.
 class DeadReckoner {
  public:
   explicit DeadReckoner(const MotionSettings& settings) : settings_(settings) {}
@@ -47,7 +47,7 @@ class DeadReckoner {
                                  const std::array<double, 6>& covariance, Wheels speeds,
                                  const WheelLog* reports, double begin, double end);
 
-  /// [s] How long wheels are believed to keep their speeds.
+  /// [s] Time constant for which wheels keep their speeds.
   static constexpr double kMemory = 0.5;
   /// [1] Standard deviation of the gain of a wheel, constant for a robot.
   static constexpr double kGainError = 0.04;

@@ -8,17 +8,18 @@ namespace lab::tracker {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kFree = 0.4;         // [1] it drove as reckoned; in a crowd few do
-constexpr double kHeldUp = 0.59;      // [1] it was in contact; judged where its wheels are known
+constexpr double kFree = 0.4;  // [1] probability that it drove as reckoned; low in a crowd
+// [1] probability that it was in contact; used if its wheel motion is known
+constexpr double kHeldUp = 0.59;
 constexpr double kAnywhere = 0.01;    // [1]
 constexpr double kByHand = 1e-4;      // [1]
 constexpr double kSlack = 0.02;       // [m]
-constexpr double kPlaceNoise = 2e-4;  // [m] of any detection, besides what it says itself
+constexpr double kPlaceNoise = 2e-4;  // [m] of any detection, in addition to its covariance
 constexpr double kTurnNoise = 5e-3;   // [rad]
 
 double square(double x) { return x * x; }
 
-/// Density of a normal distribution in the plane and in the heading.
+/// Density of a normal distribution of place and heading.
 double normalDensity(const std::array<double, 3>& d, const std::array<double, 6>& c) {
   // Cholesky: c = L L^T; z = L^-1 d.
   const double l00 = std::sqrt(c[0]);
@@ -33,8 +34,8 @@ double normalDensity(const std::array<double, 3>& d, const std::array<double, 6>
   return std::exp(-(z0 * z0 + z1 * z1 + z2 * z2) / 2) / (std::pow(2 * kPi, 1.5) * l00 * l11 * l22);
 }
 
-/// Any distance up to `reach` is as likely, in any direction, with any heading: near places are
-/// preferred without a scale.
+/// Distance uniform up to `reach`, direction and heading uniform: prefers near places without a
+/// length scale.
 double anywhereDensity(double distance, double reach) {
   if (distance > reach) return 0;
   return 1 / (2 * kPi * std::max(distance, kSlack) * reach) / (2 * kPi);
@@ -63,14 +64,15 @@ double ReappearanceDensity::logDensity(const detector::Detection& detection) con
   const double dy = detection.y - free_.pose.y;
   const double turned = wrapped(detection.theta - free_.pose.theta);
   double density = kept_ * kFree * normalDensity({dx, dy, turned}, c);
-  // Held up: anywhere within the way it could not go; contacts may or may not stop it from turning.
-  const double held = free_.way + kSlack;
+  // Held up: anywhere within the distance it could not drive; contacts may or may not prevent
+  // turning.
+  const double held = free_.travel + kSlack;
   if (distance <= held) {
     const double heading = std::exp(-square(turned) / (2 * c[5])) / std::sqrt(2 * kPi * c[5]);
     density += kept_ * known_ * kHeldUp / (kPi * square(held)) * (heading + 1 / (2 * kPi)) / 2;
   }
-  // New speeds of which nothing is known: anywhere they can have taken it since, rather near than
-  // far, but so that being far is never a proof.
+  // Unknown new speeds: anywhere they can have taken it since, with a heavy tail, so that a large
+  // distance never excludes it.
   const double away2 = (dx * dx + dy * dy) / square(drift_);
   if (away2 <= 1) {
     const double all = kPi * square(drift_) / 2 * (1 - std::exp(-2.0)) * 2 * kPi;

@@ -1,4 +1,4 @@
-/// Where a cap that was not seen for a while may come back, as a probability density.
+/// Probability density of where a lost cap reappears.
 #pragma once
 
 #include <array>
@@ -8,28 +8,28 @@
 
 namespace lab::tracker {
 
-/// A cap may have rolled freely as its wheels say, or said last; been held up on its way by others;
-/// have drawn new speeds; or have gone anywhere its wheels can take it. Hands may have taken it
+/// A mixture: the cap moved freely as its wheels report or last reported; it was held up on the
+/// way; it has new speeds; or it is anywhere its wheels can take it. Hands may have carried it
 /// farther.
 class ReappearanceDensity {
  public:
-  /// @param from where it was last seen
-  /// @param free where it would be had nothing held it up
-  /// @param reach [m] how far it can have driven since
-  /// @param speed [m/s] the highest
+  /// @param from last detected pose
+  /// @param free pose expected without contacts
+  /// @param reach [m] largest distance it can have driven since
+  /// @param speed [m/s] highest speed
   ReappearanceDensity(const dynamics::Pose& from, const Reckoning& free, double reach,
                       double speed);
 
-  /// Natural logarithm of the density [1/(m^2 rad)] at a detection.
+  /// [ln] of the density [1/(m^2 rad)] at a detection.
   [[nodiscard]] double logDensity(const detector::Detection& detection) const;
 
  private:
   dynamics::Pose from_;
   Reckoning free_;
   double reach_;
-  double known_;  ///< [1] share of the time that is covered by wheel reports
-  double kept_;   ///< [1] chance that it still has the speeds that were known last
-  double drift_;  ///< [m] how far it may be from there with other speeds
+  double known_;  ///< [1] share of the time covered by wheel reports
+  double kept_;   ///< [1] probability that it still has its last known speeds
+  double drift_;  ///< [m] scale of the distance with other speeds
 };
 
 }  // namespace lab::tracker

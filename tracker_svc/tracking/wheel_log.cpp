@@ -19,7 +19,7 @@ void WheelLog::add(double time, double left, double right) {
 }
 
 void WheelLog::forgetBefore(double time) {
-  // In chunks: erasing at the front moves everything.
+  // In chunks, because erasing at the front moves all elements.
   if (reports_.size() < 64 || reports_[reports_.size() / 2].time > time) return;
   reports_.erase(reports_.begin(),
                  reports_.begin() + static_cast<std::ptrdiff_t>(reports_.size() / 2));
@@ -39,7 +39,7 @@ void WheelLog::segments(double begin, double end, std::vector<WheelSegment>& out
     WheelSegment stretch;
     stretch.begin = std::max(begin, before.time);
     stretch.end = std::min(end, next->time);
-    // The speed changed at some instant between the two reports, each as likely as any other.
+    // The speed changed at an unknown instant between the two reports, uniformly distributed.
     const double share = ((stretch.begin + stretch.end) / 2 - before.time) / gap;
     stretch.left_from = before.left;
     stretch.right_from = before.right;
@@ -53,7 +53,7 @@ void WheelLog::segments(double begin, double end, std::vector<WheelSegment>& out
 
 WheelPath WheelLog::path(double begin, double end) const {
   static thread_local std::vector<WheelSegment> parts;
-  // Changes shortly before and after count with their error of time alone.
+  // Changes shortly before and after contribute through the error of their times.
   segments(begin - kTimeError, end + kTimeError, parts);
   WheelPath path;
   double covered = 0;

@@ -8,10 +8,10 @@
 namespace lab::tracker {
 namespace {
 
-/// Copies what is to be drawn: the drawing itself happens on the view's own thread.
-class HttpDebugPort final : public DebugOutput {
+/// Copies the data that are drawn, because the drawing happens on another thread.
+class HttpDebugOutput final : public DebugOutput {
  public:
-  HttpDebugPort(int port, const optics::CameraModel& camera, const optics::CapGeometry& cap)
+  HttpDebugOutput(int port, const optics::CameraModel& camera, const optics::CapGeometry& cap)
       : camera_(camera), cap_(cap), view_(port) {}
 
   [[nodiscard]] bool wanted() const override { return view_.wanted(); }
@@ -23,12 +23,12 @@ class HttpDebugPort final : public DebugOutput {
       std::copy_n(picture.row(y), picture.width, image.row(y));
     }
     view_.show([this, image = std::move(image), marks = marksOf(tracks),
-                refused = std::vector<detector::Rejection>(rejected.begin(), rejected.end()),
+                candidates = std::vector<detector::Rejection>(rejected.begin(), rejected.end()),
                 caption] {
       OverlayInput input;
       input.picture = image.view();
       input.marks = marks;
-      input.rejected = refused;
+      input.rejected = candidates;
       input.caption = caption;
       return overlay(input, camera_, cap_);
     });
@@ -37,7 +37,7 @@ class HttpDebugPort final : public DebugOutput {
  private:
   optics::CameraModel camera_;
   optics::CapGeometry cap_;
-  DebugView view_;  // last: its thread ends before what it draws with
+  DebugView view_;  // last: its destructor ends the thread that uses the members above
 };
 
 }  // namespace
@@ -46,7 +46,7 @@ std::unique_ptr<DebugOutput> openDebugOutput(Loop& loop, int port,
                                              const optics::CameraModel& camera,
                                              const optics::CapGeometry& cap) {
   if (loop.isVirtual() || port == 0) return nullptr;
-  return std::make_unique<HttpDebugPort>(port, camera, cap);
+  return std::make_unique<HttpDebugOutput>(port, camera, cap);
 }
 
 }  // namespace lab::tracker

@@ -1,4 +1,4 @@
-/// What the tracker sees, for somebody to look at.
+/// The debug view of the tracker as the service uses it.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace lab::tracker {
 
-/// The debug view of a tracker: pictures with detections and with what was refused, and why.
+/// Shows camera pictures with detections, and with rejected candidates and the reasons.
 class DebugOutput {
  public:
   DebugOutput() = default;
@@ -20,17 +20,18 @@ class DebugOutput {
   DebugOutput& operator=(const DebugOutput&) = delete;
   virtual ~DebugOutput() = default;
 
-  /// Whether anybody looks: else there is no need to draw.
+  /// Whether a viewer waits for a picture.
   [[nodiscard]] virtual bool wanted() const = 0;
 
+  /// Shows a picture. Does nothing unless one is wanted.
   virtual void show(const optics::GreyView& picture, std::span<const Track> tracks,
                     std::span<const detector::Rejection> rejected, const std::string& caption) = 0;
 };
 
-/// On http://127.0.0.1:port/, where the loop is a live one; null where it is virtual or the port 0.
-/// Painting, encoding and sending happen on a thread of its own. `camera` and `cap` are needed to
-/// draw outlines where the caps are.
-/// @throws CameraError when the port is taken.
+/// Opens the debug view on http://127.0.0.1:port/. `camera` and `cap` give the outlines of the
+/// caps.
+/// @return null if the loop runs in virtual time or the port is 0
+/// @throws std::runtime_error if the port cannot be used
 [[nodiscard]] std::unique_ptr<DebugOutput> openDebugOutput(Loop& loop, int port,
                                                            const optics::CameraModel& camera,
                                                            const optics::CapGeometry& cap);

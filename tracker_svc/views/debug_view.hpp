@@ -1,4 +1,4 @@
-/// What the tracker sees, in a browser: http://127.0.0.1:PORT/.
+/// An HTTP server with the picture that the tracker sees: http://127.0.0.1:PORT/.
 #pragma once
 
 #include <functional>
@@ -8,16 +8,16 @@
 
 namespace lab::tracker {
 
-/// A small HTTP server with a page, its moving picture (/stream.mjpg) and a still (/frame.png,
-/// /frame.jpg). It can be reached from this machine alone.
+/// Serves a page, its motion JPEG (/stream.mjpg) and stills (/frame.png, /frame.jpg) to programs on
+/// this host, at most eight at once.
 ///
-/// It has a thread of its own: painting, encoding, and viewers who read slowly or not at all, cost
-/// the caller nothing. A viewer gets the newest picture once the one before has gone out; all
-/// others are skipped. Who does not read for ten seconds is dropped.
+/// Painting, encoding and sending happen on other threads than the caller's. After a viewer has
+/// received a picture it gets the newest one; the pictures in between are skipped. A viewer that
+/// does not read for ten seconds is disconnected.
 class DebugView {
  public:
-  /// @param port 0: a free one
-  /// @throws std::runtime_error that names the port and says why it cannot be had.
+  /// @param port 0: any free one
+  /// @throws std::runtime_error if the port cannot be used; the text names it and says why
   explicit DebugView(int port);
   ~DebugView();
   DebugView(const DebugView&) = delete;
@@ -26,12 +26,12 @@ class DebugView {
   /// The port it listens on.
   [[nodiscard]] int port() const;
 
-  /// Whether somebody waits for a picture now. Cheap: to be asked at every frame before drawing.
-  /// At most 20 times a second, however many watch.
+  /// Whether a viewer waits for a picture, at most 20 times per second. Cheap enough to be called
+  /// for every frame.
   [[nodiscard]] bool wanted() const;
 
-  /// Hands over what paints the next picture and returns at once; does nothing when none is wanted.
-  /// `paint` is called on the view's own thread: what it draws from must be its own.
+  /// Passes on the function that paints the next picture, and returns at once. Does nothing unless
+  /// a picture is wanted. `paint` is called on another thread and must own what it draws from.
   void show(std::function<RgbImage()> paint);
 
  private:

@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
@@ -14,7 +17,7 @@ namespace {
 using analysis::CurvePoint;
 
 constexpr double kLimitZ = 4;
-constexpr std::size_t kMostRobots = 30;  // whose own curves are drawn
+constexpr std::size_t kMostRobots = 30;  // largest number of robots whose curves are drawn
 
 struct Quantity {
   const char* name;
@@ -40,7 +43,7 @@ bool drawable(const CurvePoint& point) {
 
 constexpr double kFewestWindows = 10;  // behind a point of a single robot's curve
 
-/// A block that may stay without data, which gnuplot refuses.
+/// A data block with one nan row, because gnuplot rejects empty blocks.
 DataBlock emptyBlock(const char* name) {
   using units::kNan;
   DataBlock block(name);
@@ -74,7 +77,7 @@ struct CurveData {
 void CurveData::add(const CurvePoint& point, double factor) {
   first = std::min(first, point.tau);
   last = std::max(last, point.tau);
-  // The error bar ends above 0, which a logarithmic axis does not have.
+  // The error bar ends above 0, for the logarithmic axis.
   constexpr double kLeastShare = 0.02;
   const double sigma = std::isfinite(point.sigma) ? point.sigma : 0;
   const double low = std::max(point.value - sigma, kLeastShare * point.value);
@@ -215,7 +218,126 @@ FigureScript curveFigure(const Finding& finding, const Quantity& quantity) {
   return script;
 }
 
+/// A line of slope 1 or 2 beside the curves, with its exponent.
+std::string slopeGuide(const char* label, int exponent, double begin, double end, double value) {
+  return fmt::format(
+      "set arrow from {:.6g},{:.6g} to {:.6g},{:.6g} nohead lw 1 lc rgb '#606060'\n"
+      "set label '{}' at {:.6g},{:.6g} right offset -0.6,0.4 tc rgb '#606060'\n",
+      begin, value, end, value * std::pow(end / begin, exponent), label, std::sqrt(begin * end),
+      value * std::pow(end / begin, 0.5 * exponent));
+}
+
+/// What the overview draws of all programs.
+struct Overview {
+  std::string data;
+  std::vector<std::string> curves;   ///< elements of the upper plot
+  std::vector<std::string> symbols;  ///< elements that lie above the lines
+  std::vector<std::string> deviations;
+  double first = 1e300;  ///< [s] lags
+  double last = 0;
+  double first_value = 0;  ///< [cm^2] the largest at the first and at the last lag
+  double last_value = 0;
+  double largest_z = kLimitZ;
+
+  void add(std::size_t index, const Finding& finding);
+};
+
+void Overview::add(std::size_t index, const Finding& finding) {
+  const CurveData own = collect(finding, kMsd);
+  if (!(own.last > 0)) return;
+  std::string text = own.text();
+  for (std::size_t at = text.find('$'); at != std::string::npos; at = text.find('$', at + 1)) {
+    text.insert(at + 1, fmt::format("p{}_", index));
+  }
+  data += text;
+  const std::string_view colour = style::programColour(finding.key);
+  const std::string block = fmt::format("$p{}_", index);
+  if (own.has_robots) {
+    curves.push_back(fmt::format("{}robots using 1:2 with lines lw 0.6 lc rgb '#B0{}' notitle",
+                                 block, colour.substr(1)));
+  }
+  if (own.has_law) {
+    symbols.push_back(
+        fmt::format("{}law using 1:2 with lines lw 1.6 lc rgb '{}' notitle", block, colour));
+    deviations.push_back(
+        fmt::format("{}z using 1:2 with points pt 7 ps 0.5 lc rgb '{}'", block, colour));
+  }
+  if (own.has_open) {
+    symbols.push_back(fmt::format(
+        "{}open using 1:2 with points pt 6 ps 0.5 lw 1 lc rgb '{}' notitle", block, colour));
+  }
+  symbols.push_back(
+      fmt::format("{0}judged using 1:3:(0):4 with vectors nohead lw 1.2 lc rgb '{1}' notitle, "
+                  "{0}judged using 1:2 with points pt 7 ps 0.6 lc rgb '{1}' title {2}",
+                  block, colour, gnuplotText(finding.name)));
+  first = std::min(first, own.first);
+  last = std::max(last, own.last);
+  largest_z = std::max(largest_z, own.largest_z);
+  for (const CurvePoint& point : finding.pool->result.curves.msd) {
+    if (!drawable(point)) continue;
+    double& value = point.tau < 1.01 * own.first ? first_value : last_value;
+    if (point.tau < 1.01 * own.first || point.tau > 0.5 * own.last) {
+      value = std::max(value, point.value * kMsd.factor);
+    }
+  }
+}
+
 }  // namespace
+
+FigureScript msdOverview(const std::vector<Finding>& findings) {
+  FigureScript script;
+  script.figure.name = "msd";
+  script.figure.title = "Mean-squared displacement with the exact law";
+  Overview all;
+  CsvText csv("program,lag_s,value_cm2,standard_error_cm2,noise_cm2,exact_cm2,z,judged");
+  for (std::size_t i = 0; i < findings.size(); ++i) {
+    all.add(i, findings[i]);
+    for (const CurvePoint& p : findings[i].pool->result.curves.msd) {
+      if (!drawable(p)) continue;
+      csv.row(findings[i].name, p.tau, p.value * kMsd.factor, p.sigma * kMsd.factor,
+              p.noise * kMsd.factor, p.exact * kMsd.factor, p.z, p.judged);
+    }
+  }
+  if (all.symbols.empty()) {
+    script.figure.sentence = "Mean-squared displacement: too little motion for a curve.";
+    return script;
+  }
+  script.figure.csv = csv.text();
+  all.curves.insert(all.curves.end(), all.symbols.begin(), all.symbols.end());
+  const bool has_law = !all.deviations.empty();
+  const double range = std::clamp(all.largest_z * 1.25, 6.0, 14.0);
+  script.script =
+      all.data + style::preamble(script.figure.name, 560, 600) +
+      fmt::format(
+          "set multiplot\nset lmargin at screen (on_paper ? 0.24 : 0.17)\n"
+          "set rmargin at screen 0.97\nset logscale xy\nset format y '%g'\n"
+          "set tmargin at screen 0.97\n{}set xrange [{:.6g}:{:.6g}]\n"
+          "set ylabel 'MSD (cm²)' offset 0.5\nset key bottom right Right\n",
+          has_law ? "set format x ''\nset bmargin at screen 0.38\n"
+                  : "set format x '%g'\nset bmargin at screen 0.14\nset xlabel 'lag (s)'\n",
+          all.first / 1.4, all.last * 1.4) +
+      slopeGuide("∝ lag²", 2, all.first, 4 * all.first, 2.5 * all.first_value) +
+      slopeGuide("∝ lag", 1, all.last / 5, all.last / 1.2, 0.5 * all.last_value) +
+      fmt::format("plot {}\nunset arrow\nunset label\n", fmt::join(all.curves, ", "));
+  if (has_law) {
+    script.script += fmt::format(
+        "unset logscale y\nset format x '%g'\nset tmargin at screen 0.34\n"
+        "set bmargin at screen (on_paper ? 0.18 : 0.14)\nunset key\nset xlabel 'lag (s)'\n"
+        "set ylabel 'deviation (σ)' offset 0.5\nset yrange [-{0:.4g}:{0:.4g}]\nset ytics 4\n"
+        "set object 2 rectangle from graph 0,first -2 to graph 1,first 2 behind fs solid noborder "
+        "fc rgb '#E8EFF5'\n"
+        "plot {1} with lines lw 1 dt (4,4) lc rgb '#808080', "
+        "-{1} with lines lw 1 dt (4,4) lc rgb '#808080', 0 with lines lw 1.2 lc rgb '#404040', "
+        "{2}\n",
+        range, kLimitZ, fmt::join(all.deviations, ", "));
+  }
+  script.script += "unset multiplot\n";
+  script.figure.caption =
+      "Points: measured, all robots together, with one standard error; hollow: not judged. Pale "
+      "lines: each robot. Solid lines: the exact law of the program. Below: the deviation from the "
+      "law in standard errors; 4 is the limit.";
+  return script;
+}
 
 FigureScript msdFigure(const Finding& finding) { return curveFigure(finding, kMsd); }
 FigureScript angularMsdFigure(const Finding& finding) { return curveFigure(finding, kAngular); }

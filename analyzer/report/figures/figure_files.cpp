@@ -6,13 +6,14 @@
 
 #include "analyzer/report/figures/gnuplot.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/files/file_text.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;
 namespace {
 
-// Every figure opens itself by open_figure(name, width px, height px, width in print cm), so that
-// one script serves both; a journal wants text of 8 pt whatever the width.
+// Figures open their file by open_figure(name, width px, height px, width in print cm), so that one
+// script serves both formats. Journals want 8 pt text for any width.
 constexpr const char* kForScreen =
     "on_paper = 0\nsmall_font = 'Arial,14'\n"
     "open_figure(name, w, h, cm) = sprintf(\"set terminal svg size %d,%d dynamic font 'Arial,16' "
@@ -23,10 +24,9 @@ constexpr const char* kForPaper =
     "'Helvetica,8' background 'white' linewidth 0.8 pointscale 0.6 dashlength 1 size "
     "%.3fcm,%.3fcm; set output '%s.pdf'\", cm, cm * h / w, name)\n";
 
-/// The contents of a file that gnuplot wrote, which is gone afterwards.
+/// Reads a file that gnuplot wrote, and removes it.
 std::string takeFile(const fs::path& file, const std::string& title) {
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
+  std::string text = readWholeFile(file).value_or("");
   if (text.empty()) {
     constexpr std::uintmax_t kFull = 1'000'000;  // [bytes]
     std::error_code error;

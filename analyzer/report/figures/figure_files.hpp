@@ -1,5 +1,4 @@
-/// Figures as files: drawn by one gnuplot for the screen and for paper, with their data beside
-/// them.
+/// Draws figures as files with one gnuplot process, and writes their data.
 #pragma once
 
 #include <filesystem>
@@ -11,14 +10,14 @@
 
 namespace lab::report {
 
-/// Draws every script that is not empty, twice: as SVG, and as PDF of the width of a journal's
-/// column or page with text of 8 pt. The same scripts give the same bytes.
-/// @param scratch an existing folder for gnuplot's files, which are gone afterwards.
-/// @throws ReportError when gnuplot is missing or refuses a script.
+/// Draws every script that is not empty as SVG, and as PDF in the width of a journal column or page
+/// with 8 pt text. The same scripts give the same bytes.
+/// @param scratch an existing folder for temporary files, which are removed.
+/// @throws ReportError if gnuplot is missing or rejects a script.
 [[nodiscard]] std::vector<Figure> drawScripts(std::vector<FigureScript> scripts,
                                               const std::filesystem::path& scratch);
 
-/// Rows of numbers and words under a header that names the units.
+/// A CSV table. The header names the units.
 class CsvText {
  public:
   explicit CsvText(std::string_view header) {
@@ -26,7 +25,7 @@ class CsvText {
     text_.push_back('\n');
   }
 
-  /// A number that is none stays empty, as pandas and R expect it.
+  /// Adds a row. Numbers that are not finite are empty fields, as pandas and R expect.
   template <class... Values>
   void row(const Values&... values) {
     bool first = true;

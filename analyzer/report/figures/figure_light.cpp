@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
+#include <string>
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
@@ -9,9 +11,9 @@
 namespace lab::report {
 namespace {
 
-constexpr std::size_t kMostStrips = 100;    // robots with a strip of their own
+constexpr std::size_t kMostStrips = 100;    // largest number of robots with strips
 constexpr std::size_t kMostSpans = 3000;    // in all strips together
-constexpr std::size_t kMostTics = 24;       // robots that are named
+constexpr std::size_t kMostTics = 24;       // robots with labels
 constexpr std::size_t kMostChanges = 1500;  // of the light that are drawn
 
 /// Darkest and brightest place over time, as steps.
@@ -51,7 +53,7 @@ std::string bands(const RunRecord& record) {
   return script;
 }
 
-/// One strip a robot. @return the plot elements.
+/// One strip per robot. @return the plot elements.
 std::string strips(const RunRecord& record, const style::TimeAxis& axis, std::string& data) {
   std::string plots;
   for (std::size_t key = 0; key <= record.programs.size(); ++key) {
@@ -82,7 +84,7 @@ std::string strips(const RunRecord& record, const style::TimeAxis& axis, std::st
   return plots;
 }
 
-/// How many robots run each program. @return the plot elements.
+/// The number of robots in each program. @return the plot elements.
 std::string counts(const RunRecord& record, const style::TimeAxis& axis, std::string& data) {
   std::string plots;
   for (std::size_t key = 0; key < record.programs.size(); ++key) {
@@ -112,7 +114,7 @@ std::string counts(const RunRecord& record, const style::TimeAxis& axis, std::st
   return plots;
 }
 
-/// Both parts of the figure in one file: a row a span of the light, then of each robot's programs.
+/// Both parts of the figure: one row per span of the light, then per span of each robot's programs.
 std::string lightCsv(const RunRecord& record) {
   CsvText csv("what,begin_s,end_s,darkest,brightest,particle,program");
   for (std::size_t i = 0; i < record.light.size(); ++i) {
@@ -151,7 +153,7 @@ bool fitsStrips(const RunRecord& record) {
 FigureScript lightAndPrograms(const RunRecord& record) {
   FigureScript script;
   script.figure.name = "light";
-  script.figure.title = "Light, and the programs that ran";
+  script.figure.title = "Light and programs over time";
   if (record.light.empty() && record.robots.empty()) {
     script.figure.sentence = "Neither projector nor robots reported anything.";
     return script;
@@ -165,17 +167,18 @@ FigureScript lightAndPrograms(const RunRecord& record) {
       as_strips ? strips(record, axis, script.script) : counts(record, axis, script.script);
   const int strip_height =
       as_strips ? std::clamp(static_cast<int>(record.robots.size()) * 16, 40, 340) : 260;
-  const int height = 340 + strip_height;
+  const int height = 300 + strip_height;
   const auto screen = [height](int pixels_from_bottom) {
     return static_cast<double>(pixels_from_bottom) / height;
   };
-  script.script += style::preamble(script.figure.name, 900, height, style::kPage_cm);
+  script.script += style::preamble(script.figure.name, 1080, height, style::kPage_cm);
   script.script += fmt::format(
-      "set multiplot\nset lmargin at screen 0.10\nset rmargin at screen 0.86\n"
+      "set multiplot\nset lmargin at screen (on_paper ? 0.10 : 0.075)\nset rmargin at screen "
+      "(on_paper ? 0.86 : 0.93)\n"
       "set xrange [0:{:.7g}]\nset yrange [-0.04:1.04]\nset ytics 0.25\n"
       "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
       "set format x ''\nset ylabel 'light' offset 0.5\nunset key\n",
-      duration / axis.scale, screen(height - 14), screen(160 + strip_height));
+      duration / axis.scale, screen(height - 14), screen(140 + strip_height));
   script.script += bands(record);
   script.script +=
       "plot $light using 1:2:3 with filledcurves fs solid 0.35 noborder lc rgb '#E69F00', "
@@ -185,7 +188,7 @@ FigureScript lightAndPrograms(const RunRecord& record) {
   script.script += fmt::format(
       "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset xlabel 'time ({})'\n"
       "set key at screen 0.48,screen {:.4f} center top horizontal\n",
-      screen(80 + strip_height), screen(80), axis.unit, screen(134 + strip_height));
+      screen(80 + strip_height), screen(80), axis.unit, screen(124 + strip_height));
   if (programs.empty()) {
     script.script += "set yrange [0:1]\nunset ytics\nplot NaN notitle\n";
   } else if (as_strips) {
@@ -199,9 +202,9 @@ FigureScript lightAndPrograms(const RunRecord& record) {
   }
   script.script += "unset multiplot\n";
   script.figure.caption =
-      "Above: the light shown (0 dark, 1 projector white), from its darkest to its brightest place "
-      "where it differs; dotted, "
-      "the edges of the robots’ light bands. Below: the programs that the robots reported.";
+      "Above: the light (0 dark, 1 projector white), with its darkest and brightest place if it is "
+      "not uniform. Dotted: the edges of the light bands. Below: the program that each robot "
+      "reported.";
   return script;
 }
 

@@ -1,10 +1,13 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "analyzer/report/figures/figure_files.hpp"
+#include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
-#include "analyzer/report/sections/run_section.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
@@ -15,7 +18,7 @@ using analysis::DensityBar;
 constexpr double kDegrees = 180 / std::numbers::pi;
 constexpr std::size_t kFewestBars = 3;
 
-/// The figure as far as all have it; its sentence where there is nothing to draw.
+/// The common part of the figures; with a sentence if there is nothing to draw.
 FigureScript start(const Finding& finding, const char* file, const char* title,
                    const std::vector<DensityBar>& bars) {
   FigureScript script;
@@ -49,7 +52,7 @@ FigureScript runTimesFigure(const Finding& finding) {
   if (!script.figure.sentence.empty()) return script;
   const double programmed = finding.pool->result.law.gamma;
   const double measured = runs.find("gamma")->value;
-  // A bar stands where the exponential law has its mean over the bar.
+  // A point is drawn where the exponential law equals its mean over the bar.
   const auto middle = [&](const DensityBar& bar) {
     const double width = bar.high - bar.low;
     return bar.low - std::log(-std::expm1(-measured * width) / (measured * width)) / measured;
@@ -74,9 +77,8 @@ FigureScript runTimesFigure(const Finding& finding) {
           2 * std::max(bars.front().density, std::max(programmed, measured)), programmed,
           programmed, style::kVermillion, measured, measured, style::kBlue);
   script.figure.caption = fmt::format(
-      "Distribution of run times from poses (life table: runs that a track's end cut off count as "
-      "long as they were seen), from {} s, below which runs are not told from none; bars are one "
-      "standard error.",
+      "Distribution of run times from poses (life table; runs that the end of a track cuts off are "
+      "censored), from {} s, the shortest detectable run. Bars are one standard error.",
       shortText(runs.shortest));
   script.figure.csv = csvOf(bars, "s", 1);
   return script;
@@ -105,9 +107,9 @@ FigureScript turnsFigure(const Finding& finding) {
           "{:.8g} with lines lw 2 dt (8,5) lc rgb '{}' title 'uniform'\n",
           1.3 * top, 0.92 * (bars.front().high - bars.front().low) * kDegrees, style::kPaleGrey,
           1 / 360.0, style::kVermillion);
-  script.figure.caption = fmt::format(
-      "Change of heading in {}, between runs that were seen; bars are one standard error.",
-      countText(static_cast<std::int64_t>(count), "single tumble"));
+  script.figure.caption =
+      fmt::format("Change of heading in {} between detected runs. Bars are one standard error.",
+                  countText(static_cast<std::int64_t>(count), "single tumble"));
   script.figure.csv = csvOf(bars, "deg", kDegrees);
   return script;
 }

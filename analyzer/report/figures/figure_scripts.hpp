@@ -13,42 +13,49 @@
 
 namespace lab::report {
 
-/// A figure before it is drawn.
+/// A figure with its gnuplot script.
 struct FigureScript {
-  Figure figure;       ///< without its drawings
-  std::string script;  ///< empty where the figure has a sentence
+  Figure figure;       ///< svg and pdf are empty
+  std::string script;  ///< empty if the figure has a sentence
 };
 
 [[nodiscard]] FigureScript trajectoryByTime(const RunRecord& record);
 [[nodiscard]] FigureScript trajectoryByProgram(const RunRecord& record);
 [[nodiscard]] FigureScript lightAndPrograms(const RunRecord& record);
 [[nodiscard]] FigureScript speedTraces(const RunRecord& record);
+/// The MSD of all programs in one picture, each with its exact law.
+[[nodiscard]] FigureScript msdOverview(const std::vector<Finding>& findings);
 [[nodiscard]] FigureScript msdFigure(const Finding& finding);
 [[nodiscard]] FigureScript angularMsdFigure(const Finding& finding);
+/// The distribution of run times, with a logarithmic density axis. The finding must have runs.
+[[nodiscard]] FigureScript runTimesFigure(const Finding& finding);
+/// The histogram of tumble angles. The finding must have runs.
+[[nodiscard]] FigureScript turnsFigure(const Finding& finding);
 
 namespace style {
 
-/// Okabe and Ito's colours, which the colour-blind can tell apart, darkest first; black is kept for
+/// Okabe and Ito's colours, which are distinguishable with colour blindness. Black is reserved for
 /// data.
 inline constexpr std::string_view kBlue = "#0072B2";
 inline constexpr std::string_view kVermillion = "#D55E00";
 inline constexpr std::string_view kGrey = "#9A9A9A";
 inline constexpr std::string_view kPaleGrey = "#D8D8D8";
 
-/// The colour of a program, by its key.
+/// The colour of the program with this key.
 [[nodiscard]] std::string_view programColour(int key);
 
-/// Widths in print [cm]: a column of a journal, and the page.
+/// Widths in print [cm]: a journal column, and the page.
 inline constexpr double kColumn_cm = 8.6;
 inline constexpr double kPage_cm = 17.8;
 
-/// Settings that every figure begins with. What follows may ask gnuplot's variables `on_paper` (1
-/// in the PDF, where text is larger for the width, else 0) and `small_font`.
-/// @param width, height in pixels at which text has its size on the screen
+/// Common settings at the beginning of every figure. The rest of the script may use the gnuplot
+/// variables `on_paper` (1 in the PDF, where text is larger relative to the width, else 0) and
+/// `small_font`.
+/// @param width, height in pixels, for text of 16 pixels
 [[nodiscard]] std::string preamble(const std::string& name, int width, int height,
                                    double print_cm = kColumn_cm);
 
-/// Seconds as the axis of a run shows them.
+/// The unit of a time axis.
 struct TimeAxis {
   double scale = 1;  ///< axis = seconds / scale
   std::string unit = "s";
@@ -57,7 +64,7 @@ struct TimeAxis {
 
 }  // namespace style
 
-/// A block of data that plots refer to by its name.
+/// A named block of data in a gnuplot script.
 class DataBlock {
  public:
   explicit DataBlock(std::string_view name) {

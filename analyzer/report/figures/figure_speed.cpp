@@ -1,7 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
@@ -17,6 +21,7 @@ using units::kCm;
 constexpr double kStretch = 60;    // [s] shown of each program
 constexpr double kBaseline = 0.2;  // [s] over which the speed is taken
 constexpr std::size_t kMostPanels = 4;
+constexpr std::size_t kMostRobotsWithSpeed = 8;  // with more, only one robot per program is drawn
 
 struct Stretch {
   int robot = 0;
@@ -24,7 +29,7 @@ struct Stretch {
   std::int64_t end_utime = 0;
 };
 
-/// The first minute of the longest uninterrupted stay of any robot in the program.
+/// The first minute of the longest uninterrupted time of any robot in the program.
 std::optional<Stretch> stretchOf(const RunRecord& record, int program) {
   std::optional<Stretch> longest;
   for (const auto& [id, robot] : record.robots) {
@@ -43,9 +48,10 @@ std::optional<Stretch> stretchOf(const RunRecord& record, int program) {
   return longest;
 }
 
-/// Speed [cm/s] over the baseline, free motion and the rest apart. @return whether there is any.
+/// Adds the speed [cm/s] over the baseline, separately for free motion and the rest. @return
+/// whether there are data.
 bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::string& name,
-               DataBlock& free, DataBlock& held, CsvText& csv) {
+               double spacing, DataBlock& free, DataBlock& held, CsvText& csv) {
   struct Place {
     std::int64_t utime;
     const TrackRow* row;
@@ -70,7 +76,7 @@ bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::strin
     const double dt = units::seconds(to.utime - places[from].utime);
     const double t = record.seconds(to.utime) - dt / 2;
     if (dt < kBaseline / 2 || t < next) continue;
-    next = t + kBaseline / 4;
+    next = t + spacing;
     const double distance = static_cast<double>(
         std::hypot(to.row->x - places[from].row->x, to.row->y - places[from].row->y));
     const bool is_free = to.row->segment >= 0 && places[from].row->segment >= 0;
@@ -84,7 +90,7 @@ bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::strin
   return any;
 }
 
-/// The speed that the program drives at, where it is a constant; negative where not.
+/// The speed of a program with constant speed [cm/s]; else negative.
 double programmedSpeed(const program_t& program) {
   const bool constant = program.kind == program_t::ABP || program.kind == program_t::RTP;
   return constant ? program.v * kCm : -1;
@@ -107,10 +113,18 @@ FigureScript speedTraces(const RunRecord& record) {
     if (!stretch) continue;
     DataBlock free(fmt::format("free{}", key));
     DataBlock held(fmt::format("held{}", key));
-    free.row(std::nan(""), std::nan(""));
-    held.row(std::nan(""), std::nan(""));
-    if (!addSpeeds(record, *stretch, record.programs[key].name, free, held, csv)) continue;
-    script.script += free.text() + held.text();
+    DataBlock others(fmt::format("others{}", key));
+    DataBlock unused("unused");
+    for (DataBlock* block : {&free, &held, &others}) block->row(std::nan(""), std::nan(""));
+    const std::string& name = record.programs[key].name;
+    if (!addSpeeds(record, *stretch, name, kBaseline / 4, free, held, csv)) continue;
+    for (const auto& [id, robot] : record.robots) {
+      if (id == stretch->robot || record.robots.size() > kMostRobotsWithSpeed) continue;
+      others.blank();
+      addSpeeds(record, {id, stretch->begin_utime, stretch->end_utime}, name, kBaseline, others,
+                unused, csv);
+    }
+    script.script += free.text() + held.text() + others.text();
     panels.push_back({key, *stretch});
   }
   if (panels.empty()) {
@@ -129,26 +143,29 @@ FigureScript speedTraces(const RunRecord& record) {
     const auto& [key, stretch] = panels[i];
     const int top = height - 32 - kPanelHeight * static_cast<int>(i);
     const double speed = programmedSpeed(record.programs[key].program);
+    const std::string_view colour = style::programColour(static_cast<int>(key));
     script.script += fmt::format(
         "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
         "set xrange [{:.6g}:{:.6g}]\n{}"
         "set label 1 {} at graph 0,1.07 left tc rgb '{}' noenhanced\n"
-        "plot $held{} using 1:2 with lines lw 1.2 lc rgb '#BBBBBB', "
+        "plot $others{} using 1:2 with lines lw 0.7 lc rgb '#B8{}', "
+        "$held{} using 1:2 with lines lw 1.2 lc rgb '#BBBBBB', "
         "$free{} using 1:2 with lines lw 1.4 lc rgb '{}'{}\n",
         static_cast<double>(top) / height, static_cast<double>(top - kPanelHeight + 68) / height,
         record.seconds(stretch.begin_utime), record.seconds(stretch.end_utime),
         i + 1 == panels.size() ? "set xlabel 'time (s)'\n" : "",
-        gnuplotText(fmt::format("{}, robot {}", record.programs[key].name, stretch.robot)),
-        style::programColour(static_cast<int>(key)), key, key,
-        style::programColour(static_cast<int>(key)),
+        gnuplotText(fmt::format("{}, robot {}", record.programs[key].name, stretch.robot)), colour,
+        key, colour.substr(1), key, key, colour,
         speed > 0 ? fmt::format(", {:.5g} with lines lw 1 dt (6,4) lc rgb 'black'", speed) : "");
   }
   script.script += "unset multiplot\n";
+  const bool all_robots = record.robots.size() > 1 && record.robots.size() <= kMostRobotsWithSpeed;
   script.figure.caption = fmt::format(
-      "Displacement over {} s divided by the time, for up to {} s of each program; grey while "
-      "reversing or cut, dashed the programmed speed. Tracker noise adds to it, turning takes from "
-      "it.",
-      shortText(kBaseline), shortText(kStretch));
+      "Displacement over {} s divided by the time, for up to {} s of each program{}; grey: "
+      "reversing "
+      "or cut; dashed: the programmed speed. Tracker noise increases the measured speed, turning "
+      "decreases it.",
+      shortText(kBaseline), shortText(kStretch), all_robots ? "; pale: the other robots" : "");
   return script;
 }
 

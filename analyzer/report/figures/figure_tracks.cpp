@@ -1,6 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
@@ -16,6 +19,7 @@ using units::kCm;
 
 constexpr std::size_t kPoints = 4500;
 constexpr int kColours = 24;
+constexpr std::size_t kMostNumbers = 24;  // robots whose numbers are drawn
 
 /// Arena outline, equal scales, axes in cm.
 std::string arena(const RunRecord& record) {
@@ -31,9 +35,25 @@ std::string arena(const RunRecord& record) {
       -margin, width + margin, -margin, height + margin, width, height);
 }
 
-std::string whichPart(const RunRecord& record, const PlotTracks& plot) {
+std::set<int> robotsOf(const PlotTracks& plot) {
   std::set<int> robots;
   for (const PlotLine& line : plot.lines) robots.insert(line.robot);
+  return robots;
+}
+
+/// The first place of each robot, with its number.
+std::string startsOf(const PlotTracks& plot) {
+  DataBlock starts("starts");
+  std::set<int> seen;
+  for (const PlotLine& line : plot.lines) {
+    if (!seen.insert(line.robot).second) continue;
+    starts.row(line.points.front().x, line.points.front().y, static_cast<double>(line.robot));
+  }
+  return starts.text();
+}
+
+std::string whichPart(const RunRecord& record, const PlotTracks& plot) {
+  const std::set<int> robots = robotsOf(plot);
   const std::string who = robots.size() == 1
                               ? fmt::format("Robot {}", *robots.begin())
                               : countText(static_cast<std::int64_t>(robots.size()), "robot");
@@ -79,7 +99,7 @@ FigureScript trajectoryByTime(const RunRecord& record) {
   FigureScript script = begin("trajectory_time", "Trajectory, coloured by time");
   const PlotTracks plot = thinnedTracks(record, kPoints, false);
   if (nothingToDraw(plot)) {
-    script.figure.sentence = "No trajectory: fewer than two tracked positions of any robot.";
+    script.figure.sentence = "No trajectory: no robot has two tracked positions.";
     return script;
   }
   script.figure.csv = trackCsv(record, plot);
@@ -113,22 +133,17 @@ FigureScript trajectoryByTime(const RunRecord& record) {
     plots += fmt::format("{}$time{} with lines lw 1.5 lc palette cb {:.7g} notitle",
                          plots.empty() ? "" : ", \\\n  ", i, centre / axis.scale);
   }
-  DataBlock starts("starts");
-  std::set<int> seen;
-  for (const PlotLine& line : plot.lines) {
-    if (seen.insert(line.robot).second) starts.row(line.points.front().x, line.points.front().y);
-  }
-  script.script += starts.text() + style::preamble(script.figure.name, 900, 640, style::kPage_cm) +
+  script.script += startsOf(plot) + style::preamble(script.figure.name, 900, 640, style::kPage_cm) +
                    arena(record);
   // Viridis (Smith and van der Walt 2015), ordered in lightness too, without its palest end.
   script.script += fmt::format(
       "set palette maxcolors {} defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', "
       "4 '#7ad151', 5 '#d8d020')\n"
       "set cbrange [{:.7g}:{:.7g}]\nset cblabel 'time ({})'\n"
-      "plot {}, \\\n  $starts with points pt 6 ps 1.1 lw 2 lc rgb 'black' notitle\n",
+      "plot {}, \\\n  $starts using 1:2 with points pt 6 ps 1.1 lw 2 lc rgb 'black' notitle\n",
       kColours, plot.begin / axis.scale, (plot.begin + length) / axis.scale, axis.unit, plots);
-  script.figure.caption = whichPart(record, plot) +
-                          " Circles mark where the drawn part begins; the frame is the arena.";
+  script.figure.caption =
+      whichPart(record, plot) + " Circles mark the beginning; the frame is the arena.";
   return script;
 }
 
@@ -136,7 +151,7 @@ FigureScript trajectoryByProgram(const RunRecord& record) {
   FigureScript script = begin("trajectory_program", "Trajectory, coloured by program");
   const PlotTracks plot = thinnedTracks(record, kPoints, true);
   if (nothingToDraw(plot)) {
-    script.figure.sentence = "No trajectory: fewer than two tracked positions of any robot.";
+    script.figure.sentence = "No trajectory: no robot has two tracked positions.";
     return script;
   }
   script.figure.csv = trackCsv(record, plot);
@@ -161,14 +176,19 @@ FigureScript trajectoryByProgram(const RunRecord& record) {
     plots += fmt::format(", \\\n  $program{} with lines lw 1.5 lc rgb '{}' title {}", key,
                          style::programColour(program), gnuplotText(record.programs[key].name));
   }
-  script.script += style::preamble(script.figure.name, 900, 640, style::kPage_cm) + arena(record);
+  script.script += startsOf(plot) + style::preamble(script.figure.name, 900, 640, style::kPage_cm) +
+                   arena(record);
+  plots += ", \\\n  $starts using 1:2 with points pt 6 ps 1.1 lw 2 lc rgb 'black' notitle";
+  if (robotsOf(plot).size() <= kMostNumbers) {
+    plots += ", \\\n  $starts using 1:2:3 with labels left offset 0.8,0.5 tc rgb 'black' notitle";
+  }
   script.script += "set key outside top center horizontal\nplot " + plots + "\n";
-  script.figure.caption =
-      plot.whole_run
-          ? "The whole run; grey where the robot reversed or its motion was cut for another reason."
-          : "The latest stretch of each program that remains legible; grey where the robot "
-            "reversed "
-            "or its motion was cut for another reason.";
+  script.figure.caption = fmt::format(
+      "{} Circles mark where each robot begins; grey: the robot reversed, or its motion was cut "
+      "for "
+      "another reason.",
+      plot.whole_run ? whichPart(record, plot)
+                     : "The latest stretch of each program that remains legible.");
   return script;
 }
 

@@ -1,5 +1,4 @@
-/// The figures of a run, drawn by gnuplot: for the screen as SVG, for paper as PDF, with their
-/// data.
+/// The figures of a run, drawn by gnuplot as SVG and PDF, with their data.
 #pragma once
 
 #include <filesystem>
@@ -10,20 +9,20 @@
 
 namespace lab::report {
 
-/// One figure, or the sentence that stands in its place when there is nothing to draw.
+/// One figure, or a sentence in its place if there is nothing to draw.
 struct Figure {
-  std::string name;  ///< of its files, without their endings
+  std::string name;  ///< of its files, without extension
   std::string title;
-  std::string caption;   ///< what is drawn how
-  std::string sentence;  ///< in place of the figure; empty: there is one
-  std::string svg;       ///< the whole file, for the screen
-  std::string pdf;       ///< the whole file, as wide as a journal prints it
-  std::string csv;       ///< what is drawn, a header with units first; empty: not given
+  std::string caption;   ///< explanation of the drawing
+  std::string sentence;  ///< in place of the figure; empty: there is a figure
+  std::string svg;       ///< the complete file, for the screen
+  std::string pdf;       ///< the complete file, in the width of a journal
+  std::string csv;       ///< the drawn data, with units in the header; empty: none
 };
 
 /// Draws every figure. The same record gives the same bytes.
-/// @param scratch an existing folder for gnuplot's files, which are gone afterwards.
-/// @throws ReportError when gnuplot is missing.
+/// @param scratch an existing folder for temporary files, which are removed.
+/// @throws ReportError if gnuplot is missing.
 [[nodiscard]] std::vector<Figure> drawFigures(const RunRecord& record,
                                               const std::filesystem::path& scratch);
 

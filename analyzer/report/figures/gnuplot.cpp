@@ -14,6 +14,7 @@
 #include <iterator>
 
 #include "analyzer/report_error.hpp"
+#include "common/files/file_text.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
@@ -25,7 +26,7 @@ constexpr const char* kMessages = "gnuplot.txt";
 constexpr std::string_view kTitle = "<title>";
 constexpr std::string_view kTitleEnd = "</title>";
 
-/// Starts gnuplot with its messages in a file, in a clean environment.
+/// Starts gnuplot in a clean environment, with its messages in a file.
 pid_t start(const fs::path& script, const fs::path& messages) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -61,11 +62,6 @@ bool succeeded(pid_t child) {
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
-std::string contents(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), std::istreambuf_iterator<char>()};
-}
-
 void replaceAll(std::string& text, std::string_view from, std::string_view to) {
   for (std::size_t at = text.find(from); at != std::string::npos;
        at = text.find(from, at + to.size())) {
@@ -80,11 +76,11 @@ void runGnuplot(const fs::path& folder, const std::string& script) {
   const fs::path messages = fs::absolute(folder / kMessages);
   std::ofstream(file, std::ios::binary) << script;
   const bool done = succeeded(start(file, messages));
-  const std::string said = contents(messages);
+  const std::string output = readWholeFile(messages).value_or("");
   fs::remove(file);
   fs::remove(messages);
   if (!done) {
-    throw ReportError(fmt::format("gnuplot could not draw the figures: {}", said.substr(0, 500)));
+    throw ReportError(fmt::format("gnuplot could not draw the figures: {}", output.substr(0, 500)));
   }
 }
 
@@ -132,7 +128,7 @@ std::string undatedPdf(std::string pdf) {
   const std::size_t begin = pdf.find(kDate);
   const std::size_t end = pdf.find(')', begin);
   if (begin == std::string::npos || end == std::string::npos) return pdf;
-  // Blanks in its place: the offsets of what follows stand in the file's table.
+  // Replaced by blanks, because the offsets of later objects are in the table of the file.
   std::fill(pdf.begin() + static_cast<std::ptrdiff_t>(begin),
             pdf.begin() + static_cast<std::ptrdiff_t>(end) + 1, ' ');
   return pdf;

@@ -10,9 +10,9 @@
 namespace lab::report {
 namespace {
 
-constexpr double kStep_m = 0.015;     // between points, so that curves look like curves
+constexpr double kStep_m = 0.015;     // distance of points for smooth curves
 constexpr double kLongestStep = 2.0;  // [s] between points
-constexpr std::size_t kProbes = 400;  // places where the speed is measured
+constexpr std::size_t kProbes = 400;  // number of samples of the speed
 
 double periodOf(const Tracks& tracks) {
   const double span = units::seconds(tracks.frames.back().utime - tracks.frames.front().utime);
@@ -56,7 +56,7 @@ class Lines {
         line.points.push_back(point);
         return;
       }
-      // The piece ends where the next one begins: no hole between colours.
+      // The line ends where the next one begins: no gap between colours.
       if (!gap) line.points.push_back(point);
     }
     open_[row.robot] = lines_.size();
@@ -80,13 +80,13 @@ PlotTracks thinnedTracks(const RunRecord& record, std::size_t points, bool per_p
   const double period = periodOf(tracks);
   const double speed = typicalSpeed(tracks, period);
   const double step = std::min(kLongestStep, speed > 0 ? kStep_m / speed : kLongestStep);
-  // A run that is short for its points is drawn more finely than need be.
+  // A short run is drawn with more points than necessary.
   const double finest =
       period * static_cast<double>(tracks.rows.size()) / static_cast<double>(points);
   const auto stride = static_cast<std::size_t>(
       std::max(1.0, std::floor(std::min(step, std::max(period, finest)) / period)));
 
-  // Backwards until the points are used up; each program has its own share.
+  // Backward in time until the points are used up; each program has its share.
   const std::size_t programs = per_program ? std::max<std::size_t>(1, record.programs.size()) : 1;
   std::vector<std::size_t> left(programs, points / programs);
   std::vector<bool> chosen(tracks.rows.size(), false);

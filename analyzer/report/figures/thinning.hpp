@@ -1,4 +1,4 @@
-/// Trajectories small enough to draw.
+/// Selects points of trajectories to draw.
 #pragma once
 
 #include <vector>
@@ -21,17 +21,17 @@ struct PlotLine {
   std::vector<PlotPoint> points;
 };
 
-/// What is drawn of a run.
+/// The part of a run that is drawn.
 struct PlotTracks {
-  std::vector<PlotLine> lines;  ///< in order of time for each robot
-  double begin = 0;             ///< [s] first and last time that is drawn
+  std::vector<PlotLine> lines;  ///< in time order for each robot
+  double begin = 0;             ///< [s] first and last drawn time
   double end = 0;
-  bool whole_run = true;  ///< nothing is left out but points between points
+  bool whole_run = true;  ///< only intermediate points are omitted
 };
 
-/// The latest stretch of the run that can be drawn with about `points` points close enough together
-/// to follow a robot's path: the whole run where it fits.
-/// @param per_program the latest stretch of each program instead, for which the points are shared.
+/// The latest part of the run that can be drawn with about `points` points that are dense enough to
+/// show the path; the whole run if possible.
+/// @param per_program the latest part of each program instead; programs share the points.
 [[nodiscard]] PlotTracks thinnedTracks(const RunRecord& record, std::size_t points,
                                        bool per_program);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 
 #include "analyzer/report/figures/gnuplot.hpp"
 #include "analyzer/report/record/step_delays.hpp"
@@ -18,7 +19,7 @@ namespace {
 
 using units::kPercents;
 
-constexpr std::size_t kMostSteps = 60;  // rows of a table that are shown
+constexpr std::size_t kMostSteps = 60;  // largest number of rows in the table of steps
 
 std::string milliseconds(double value) {
   return std::isfinite(value) ? fmt::format("{:.1f}", value) : "–";
@@ -50,6 +51,17 @@ void latencyRow(Table& table, const char* name, const Percentiles& percentiles) 
              milliseconds(percentiles.max)});
 }
 
+/// A figure with its caption, or the sentence in its place.
+std::string figureHtml(const Figure& figure) {
+  if (figure.svg.empty()) {
+    return fmt::format("<p class=\"soft\">{}</p>\n", escapeHtml(figure.sentence));
+  }
+  // Ids within the page must be unique, as the names of figures are.
+  return fmt::format("<figure>{}<figcaption><b>{}.</b> {}</figcaption></figure>\n",
+                     inlineSvg(figure.svg, figure.name + "_"), escapeHtml(figure.title),
+                     escapeHtml(figure.caption));
+}
+
 }  // namespace
 
 Table::Table(const std::vector<std::string>& columns) {
@@ -75,9 +87,10 @@ std::string warnings(const RunRecord& record) {
   std::string html = remarkList(record, record.faults, "Fault");
   if (!record.ended) {
     html +=
-        "<p><b>This run was cut short:</b> the log has no END. What it holds is reported.</p>\n";
+        "<p><b>This run was cut short:</b> the log has no END event. The report covers the part in "
+        "the log.</p>\n";
   }
-  // Not by its script or its time.
+  // Ended by a command, not by its script or duration.
   if (record.ended && record.end_reason.starts_with("ended by ")) {
     html += fmt::format("<p><b>This run was cut short:</b> {}, after {} s of {} s.</p>\n",
                         escapeHtml(record.end_reason), shortText(record.duration()),
@@ -92,8 +105,9 @@ std::string warnings(const RunRecord& record) {
     }
   }
   if (record.log.damaged_places > 0) {
-    html += fmt::format("<p><b>The log is damaged</b> in {}; what could be read is reported.</p>\n",
-                        countText(record.log.damaged_places, "place"));
+    html += fmt::format(
+        "<p><b>The log is damaged</b> in {}; the report covers the readable part.</p>\n",
+        countText(record.log.damaged_places, "place"));
   }
   if (totalOf(record.log.streams).lost > 0) {
     html += fmt::format("<p><b>Lost:</b> {}.</p>\n", lossText(record));
@@ -105,46 +119,53 @@ std::string warnings(const RunRecord& record) {
   return html.empty() ? html : "<div class=\"warn\">\n" + html + "</div>\n";
 }
 
-std::string figureSection(const std::vector<Figure>& figures) {
-  std::string html =
-      "<h2>Figures</h2>\n<p>In the curves, points are measured and bars are one standard error. "
-      "The "
-      "solid line is the exact law of what the robot executes, with the tracker’s noise; dashed is "
-      "the paper’s formula. Below each, deviations from the exact law in standard errors: a "
-      "measured "
-      "point beyond 4 is a disagreement. Neighbouring lags share their data and wander together. "
-      "Hollow points are not judged: too few independent windows, or selected by the light.</p>\n"
-      "<div class=\"figures\">\n";
+std::string openingFigures(const std::vector<Figure>& figures,
+                           const std::vector<std::string>& names) {
+  std::string html;
   std::string sentences;
-  int number = 0;
-  for (const Figure& figure : figures) {
-    if (figure.svg.empty()) {
-      sentences += fmt::format("<p class=\"soft\">{}</p>\n", escapeHtml(figure.sentence));
-      continue;
-    }
-    html += fmt::format("<figure>{}<figcaption><b>{}.</b> {}</figcaption></figure>\n",
-                        inlineSvg(figure.svg, fmt::format("f{}_", ++number)),
-                        escapeHtml(figure.title), escapeHtml(figure.caption));
+  for (const std::string& name : names) {
+    const auto found = std::find_if(figures.begin(), figures.end(),
+                                    [&](const Figure& figure) { return figure.name == name; });
+    if (found == figures.end()) continue;
+    (found->svg.empty() ? sentences : html) += figureHtml(*found);
   }
-  return html + "</div>\n" + sentences;
+  return (html.empty() ? html : "<div class=\"opening\">\n" + html + "</div>\n") + sentences;
+}
+
+std::string otherFigures(const std::vector<Figure>& figures,
+                         const std::vector<std::string>& opening) {
+  std::string html;
+  std::string sentences;
+  for (const Figure& figure : figures) {
+    if (std::find(opening.begin(), opening.end(), figure.name) != opening.end()) continue;
+    (figure.svg.empty() ? sentences : html) += figureHtml(figure);
+  }
+  if (html.empty() && sentences.empty()) return {};
+  return "<h2>More figures</h2>\n<p>In the curves, points are measured and bars are one standard "
+         "error. The solid line is the exact law of the program, with the tracker’s noise; the "
+         "dashed line is the paper’s formula. Below each curve are the deviations from the exact "
+         "law in standard errors: a measured point beyond 4 is a disagreement. Neighbouring lags "
+         "share their data and are correlated. Hollow points are not judged: they have too few "
+         "independent windows, or the light selects them.</p>\n<div class=\"figures\">\n" +
+         html + "</div>\n" + sentences;
 }
 
 std::string lightSteps(const RunRecord& record) {
   if (record.steps.empty()) return {};
   std::string html =
-      "<h2>Light switching</h2>\n<p>From the command of a step to its first frame on the arena, "
-      "to the first picture of the camera that shows it, and to the first and the last robot that "
+      "<h2>Light switching</h2>\n<p>Delays from the command of a step to its first frame on the "
+      "arena, to the first camera picture that shows it, and to the first and the last robot that "
       "changed its program.</p>\n";
   Table latency({"", ">steps", ">median (ms)", ">95 % (ms)", ">99 % (ms)", ">longest (ms)"});
   latencyRow(latency, "presented", presentedDelays(record.steps));
   const Percentiles seen = seenDelays(record.steps);
   if (seen.count > 0) latencyRow(latency, "seen by the camera", seen);
   latencyRow(latency, "first robot acted", firstActedDelays(record.steps));
-  latencyRow(latency, "every robot had acted", lastActedDelays(record.steps));
+  latencyRow(latency, "last robot acted", lastActedDelays(record.steps));
   html += latency.text();
   Table table({">step", "label", ">commanded at (s)", ">presented after (ms)", ">seen after (ms)",
                ">first robot after (ms)", ">last robot after (ms)", ">robots acted",
-               "the step before was ended by"});
+               "previous step ended by"});
   for (std::size_t i = 0; i < std::min(kMostSteps, record.steps.size()); ++i) {
     const StepRecord& step = record.steps[i];
     const StepDelays delays = delaysOf(step);
@@ -166,8 +187,8 @@ std::string lightSteps(const RunRecord& record) {
 
 std::string robots(const RunRecord& record) {
   if (record.robots.empty()) return {};
-  Table table({">robot", "origin", ">reversals", ">tumbles", ">touching a robot",
-               ">touching a wall", ">wheel clamped", ">stopped", ">host silent", ">starts"});
+  Table table({">robot", "origin", ">reversals", ">tumbles", ">contact with a robot",
+               ">contact with a wall", ">wheel saturated", ">stopped", ">host silent", ">starts"});
   for (const auto& [id, robot] : record.robots) {
     table.row({std::to_string(id), originName(robot.origin), std::to_string(robot.reversals),
                std::to_string(robot.tumbles), share(robot.contact_robot, robot.states),
@@ -175,14 +196,13 @@ std::string robots(const RunRecord& record) {
                share(robot.stopped, robot.states), share(robot.lease_expired, robot.states),
                std::to_string(robot.boots)});
   }
-  return "<h2>Robots</h2>\n<p>As they report themselves; shares are of their reports. Only "
-         "simulated "
-         "robots can tell that they touch something.</p>\n" +
+  return "<h2>Robots</h2>\n<p>As reported by the robots; percentages are shares of their reports. "
+         "Only simulated robots report contacts.</p>\n" +
          table.text();
 }
 
 std::string losses(const RunRecord& record) {
-  std::string html = "<h2>What was lost</h2>\n";
+  std::string html = "<h2>Message loss</h2>\n";
   const std::string lost = lossText(record);
   html += fmt::format("<p>{}. {}</p>\n",
                       lost.empty() ? "Every message that was sent is in the log" : sentence(lost),
@@ -199,8 +219,9 @@ std::string losses(const RunRecord& record) {
                fmt::format("{:.1f}", stream.largest_age * 1e3)});
   }
   html += table.text() +
-          "<p class=\"soft\">Age: from what the message speaks of to its arrival at the logger. ≥: "
-          "the sender did not end cleanly, so its last count is not known.</p>\n";
+          "<p class=\"soft\">Age: from the time of the content (such as the exposure of a frame) "
+          "to the arrival at the logger. ≥: the sender did not end cleanly, so its last count is "
+          "unknown and more messages may be lost.</p>\n";
   if (!record.log.decode_errors.empty()) {
     Table errors({"channel", ">messages that could not be decoded"});
     for (const auto& [channel, count] : record.log.decode_errors) {
@@ -209,7 +230,7 @@ std::string losses(const RunRecord& record) {
     html += errors.text();
   }
   if (!record.listeners.empty()) {
-    html += "<p>What the services themselves missed while the lab ran:</p>\n";
+    html += "<p>Messages that the services missed during the run:</p>\n";
     Table heard({"listener", "channel", "sender", ">lost", ">not decoded"});
     for (const ListenerLoss& loss : record.listeners) {
       heard.row({escapeHtml(loss.listener), escapeHtml(loss.channel), escapeHtml(loss.sender),
@@ -220,10 +241,31 @@ std::string losses(const RunRecord& record) {
   return html;
 }
 
+std::string links(const RunRecord& record) {
+  if (record.links.empty()) return {};
+  const auto inMilliseconds = [](double seconds) {
+    return std::isfinite(seconds) ? fmt::format("{:.2f}", seconds * 1e3) : std::string("–");
+  };
+  Table table({"host", "other host", ">messages", ">lost", ">duplicates", ">too late", ">not sent",
+               ">interruptions", ">clock of the other host (ms)", ">round trip (ms)", ""});
+  for (const LinkRecord& link : record.links) {
+    table.row({escapeHtml(link.host), escapeHtml(link.peer), groupedText(link.received),
+               groupedText(link.lost), groupedText(link.repeated), groupedText(link.stale),
+               groupedText(link.timeouts), std::to_string(link.interruptions),
+               inMilliseconds(link.lowest_offset) + " to " + inMilliseconds(link.highest_offset),
+               inMilliseconds(link.round_trip), escapeHtml(link.trouble)});
+  }
+  return "<h2>Links between hosts</h2>\n" + table.text() +
+         "<p class=\"soft\">Messages that this host received from the other one. Duplicates, and "
+         "commands that came too late, were dropped. Not sent: messages to any host that DDS could "
+         "not send in time. The clock is that of the other host minus that of this one, lowest and "
+         "highest value of the run.</p>\n";
+}
+
 std::string poseSource(const RunRecord& record) {
   const PoseSource& poses = *record.poses;
   std::string html = fmt::format(
-      "<h2>Where this comes from</h2>\n<p>{} in {} of a file of poses, {}. Analyzed with Active "
+      "<h2>Provenance</h2>\n<p>{} in {} of a file of poses, {}. Analyzed with Active "
       "Lab "
       "{}.</p>\n<ul>\n",
       countText(poses.rows, "row"), countText(record.log.frames, "frame"),
@@ -232,30 +274,29 @@ std::string poseSource(const RunRecord& record) {
           : fmt::format("{} missing by their numbers", countText(record.missing_frames, "frame")),
       kVersion);
   if (poses.without_pose > 0) {
-    html += fmt::format("<li>{} without a number for the place or the heading: left out.</li>\n",
+    html += fmt::format("<li>{} without a number for the position or the heading: omitted.</li>\n",
                         countText(poses.without_pose, "row"));
   }
   if (poses.without_id > 0) {
-    html += fmt::format("<li>{} of no track (id 0): left out.</li>\n",
+    html += fmt::format("<li>{} without a track (id 0): omitted.</li>\n",
                         countText(poses.without_id, "row"));
   }
   if (poses.repeated > 0) {
-    html += fmt::format("<li>{} that say another one once more: left out.</li>\n",
+    html += fmt::format("<li>{} that repeat another one: omitted.</li>\n",
                         countText(poses.repeated, "row"));
   }
   if (poses.contradicted > 0) {
-    html += fmt::format("<li>{} of a robot that is in two places in one frame: left out.</li>\n",
+    html += fmt::format("<li>{} of a robot at two positions in one frame: omitted.</li>\n",
                         countText(poses.contradicted, "pose"));
   }
   if (!poses.headings) {
     html +=
-        "<li>The file has no headings: there is no angular curve, no speed along the heading and "
-        "no "
-        "D<sub>r</sub>. The tracker’s noise is that of the fit; without a fit nothing is "
+        "<li>The file has no headings: there is no angular MSD, no speed along the heading and no "
+        "D<sub>r</sub>. The tracker noise is taken from the fit; without a fit nothing is "
         "judged.</li>\n";
   }
   if (poses.bad_times > 0) {
-    html += fmt::format("<li>{} whose time repeats an earlier one or goes back: left out.</li>\n",
+    html += fmt::format("<li>{} whose time does not increase: omitted.</li>\n",
                         countText(poses.bad_times, "frame"));
   }
   if (poses.clock_steps > 0) {
@@ -263,20 +304,20 @@ std::string poseSource(const RunRecord& record) {
         "<li>{} of the clock against the frame numbers: the tracks are cut there.</li>\n",
         countText(poses.clock_steps, "step"));
   }
-  html += record.programs.front().program.kind == program_t::NONE
-              ? "<li>Without a program there is no telling reversals from what it drives: they are "
-                "part of the motion, and of its curves.</li>\n"
-              : fmt::format(
-                    "<li>{} found by straight even motion that the program cannot drive.</li>\n",
-                    countText(poses.reversals, "reversal"));
+  html +=
+      record.programs.front().program.kind == program_t::NONE
+          ? "<li>Without a program, reversals cannot be distinguished from the other motion: they "
+            "are part of the curves.</li>\n"
+          : fmt::format(
+                "<li>{} found as straight uniform motion that the program cannot produce.</li>\n",
+                countText(poses.reversals, "reversal"));
   return html +
-         "<li>Contacts are known by distance only.</li>\n<li>No robot said what it did: that all "
-         "ran one "
-         "program all the time is taken from whoever asked for this report.</li>\n</ul>\n";
+         "<li>Contacts are determined by distance only.</li>\n<li>There is no robot status. The "
+         "report assumes that all robots ran the given program all the time.</li>\n</ul>\n";
 }
 
 std::string provenance(const RunRecord& record) {
-  std::string html = "<h2>Where this comes from</h2>\n";
+  std::string html = "<h2>Provenance</h2>\n";
   Table services({"service", ">start", "kind", "version", "ended", "last error"});
   for (const ServiceRecord& service : record.services) {
     services.row({escapeHtml(service.name), std::to_string(service.start),

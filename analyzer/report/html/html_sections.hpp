@@ -1,4 +1,4 @@
-/// The parts of report.html.
+/// The sections of report.html. Each begins with its heading.
 #pragma once
 
 #include <string>
@@ -10,26 +10,29 @@
 
 namespace lab::report::html {
 
-/// What the reader must know before anything else: faults, marks, a run cut short. Empty: nothing.
+/// Faults, marks and other warnings at the top of the page; empty if there are none.
 [[nodiscard]] std::string warnings(const RunRecord& record);
 
-/// Measured values, their intervals, what was programmed, and how.
-[[nodiscard]] std::string estimateTable(const std::vector<analysis::Estimate>& estimates);
-[[nodiscard]] std::string verdicts(const std::vector<Finding>& findings);
-[[nodiscard]] std::string figureSection(const std::vector<Figure>& figures);
+/// The figures that open the page, by the names of their files; those that are missing are left
+/// out.
+[[nodiscard]] std::string openingFigures(const std::vector<Figure>& figures,
+                                         const std::vector<std::string>& names);
+/// All figures but those that open the page.
+[[nodiscard]] std::string otherFigures(const std::vector<Figure>& figures,
+                                       const std::vector<std::string>& opening);
 [[nodiscard]] std::string lightSteps(const RunRecord& record);
 [[nodiscard]] std::string robots(const RunRecord& record);
 [[nodiscard]] std::string losses(const RunRecord& record);
-/// Empty where all services ran on one host.
+/// Empty if all services ran on one host.
 [[nodiscard]] std::string links(const RunRecord& record);
 [[nodiscard]] std::string provenance(const RunRecord& record);
-/// In place of the last two, of a run that has no log.
+/// In place of losses() and provenance() for a run from a file of poses.
 [[nodiscard]] std::string poseSource(const RunRecord& record);
 
-/// A table; cells are HTML already.
+/// A table. Cells are HTML.
 class Table {
  public:
-  /// A column whose name begins with '>' is aligned to the right, as numbers are.
+  /// Columns whose name begins with '>' are aligned to the right.
   explicit Table(const std::vector<std::string>& columns);
   void row(const std::vector<std::string>& cells);
   [[nodiscard]] std::string text() const { return text_ + "</tbody></table></div>\n"; }

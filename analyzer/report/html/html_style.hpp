@@ -13,7 +13,7 @@ body { margin: 0 auto; padding: 2.5rem 1.5rem 5rem; max-width: 70rem; background
   color: var(--ink); font: 1.0625rem/1.55 Charter, "Bitstream Charter", "Sitka Text", Cambria,
   Georgia, serif; }
 h1 { font-size: 2.1rem; line-height: 1.15; margin: 0 0 .3rem; font-weight: 600; }
-h2 { font-size: 1.35rem; margin: 3rem 0 .8rem; font-weight: 600; }
+h2 { font-size: 1.35rem; margin: 2.2rem 0 .8rem; font-weight: 600; }
 h3 { font-size: 1.1rem; margin: 0 0 .2rem; font-weight: 600; }
 p { margin: .4rem 0 .8rem; max-width: 44rem; }
 .soft, figcaption, th { color: var(--soft); }
@@ -32,6 +32,8 @@ th { text-align: left; font-weight: 600; vertical-align: bottom; }
 th, td { padding: .28rem 1.1rem .28rem 0; border-bottom: 1px solid var(--line); }
 td { vertical-align: top; } .r { text-align: right; white-space: nowrap; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(27rem, 1fr)); gap: 1.6rem; }
+.opening { display: grid; grid-template-columns: 3fr 2fr; gap: 1.4rem 1.6rem; margin: 1.5rem 0; }
+.opening figure:nth-child(n+3) { grid-column: 1 / -1; }
 figure { margin: 0; min-width: 0; }
 figure svg { width: 100%; height: auto; display: block; background: #fff; border-radius: .4rem;
   border: 1px solid var(--line); }
@@ -39,8 +41,14 @@ figcaption { font-size: .88rem; line-height: 1.45; margin-top: .45rem; }
 figcaption b { color: var(--ink); }
 code, pre { font: .86rem/1.5 ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, monospace; }
 pre { background: var(--card); padding: 1rem; border-radius: .4rem; overflow-x: auto; }
+.dot { display: inline-block; width: .7em; height: .7em; border-radius: 50%; margin-right: .5em; }
+details.part { border-top: 1px solid var(--line); margin: 0; padding: .55rem 0; }
+details.part > summary h2 { display: inline; font-size: 1.15rem; color: var(--ink); }
+details.part[open] { padding-bottom: 1.6rem; }
+details.part:last-child { border-bottom: 1px solid var(--line); }
 details { margin: 1rem 0; } summary { cursor: pointer; color: var(--soft); }
 @media (max-width: 32rem) { .figures { grid-template-columns: 1fr; } }
+@media (max-width: 48rem) { .opening { grid-template-columns: 1fr; } }
 @media print { body { max-width: none; } .card, figure { break-inside: avoid; } }
 )css";
 

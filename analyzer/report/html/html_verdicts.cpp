@@ -1,8 +1,12 @@
+#include "analyzer/report/html/html_verdicts.hpp"
+
 #include <fmt/format.h>
 
 #include <cctype>
 #include <cmath>
+#include <cstdint>
 
+#include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/sections/brownian_section.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
@@ -30,6 +34,23 @@ std::string withUnit(const std::string& number, const std::string& unit) {
   return unit.empty() || number == "–" ? number : number + " " + unit;
 }
 
+double halfInterval(const Estimate& estimate) {
+  return (estimate.high95 - estimate.low95) / 2 * displayUnit(estimate.unit).factor;
+}
+
+std::string measuredText(const Estimate& estimate) {
+  const DisplayUnit unit = displayUnit(estimate.unit);
+  return withUnit(valueText(estimate.value * unit.factor, halfInterval(estimate)), unit.text);
+}
+
+std::string intervalText(const Estimate& estimate) {
+  const double factor = displayUnit(estimate.unit).factor;
+  const double half = halfInterval(estimate);
+  if (!std::isfinite(half)) return "–";
+  return fmt::format("{} to {}", valueText(estimate.low95 * factor, half),
+                     valueText(estimate.high95 * factor, half));
+}
+
 std::string robotTable(const Finding& finding) {
   std::vector<std::string> columns{">robot", ">free motion", ">reversals", "verdict",
                                    ">largest deviation"};
@@ -45,23 +66,20 @@ std::string robotTable(const Finding& finding) {
     std::vector<std::string> cells{
         std::to_string(result.robot), durationText(result.observed),
         std::to_string(result.reversals),
-        fmt::format("<span class=\"{}\">{}</span>", verdictClass(result.verdict.kind),
-                    decided ? verdictClass(result.verdict.kind) : "undecided"),
+        fmt::format("<span class=\"{0}\">{0}</span>", verdictClass(result.verdict.kind)),
         decided ? fmt::format("{:.1f} σ", std::abs(result.verdict.max_z)) : "–"};
     for (const Estimate& estimate : result.estimates) {
       const double factor = displayUnit(estimate.unit).factor;
-      const double half = (estimate.high95 - estimate.low95) / 2 * factor;
+      const double half = halfInterval(estimate);
       const std::string value = valueText(estimate.value * factor, half);
-      cells.push_back(std::isfinite(half)
-                          ? fmt::format("{} <span class=\"soft\">({} to {})</span>", value,
-                                        valueText(estimate.low95 * factor, half),
-                                        valueText(estimate.high95 * factor, half))
-                          : value);
+      cells.push_back(std::isfinite(half) ? fmt::format("{} <span class=\"soft\">({})</span>",
+                                                        value, intervalText(estimate))
+                                          : value);
     }
     cells.resize(columns.size());
     table.row(cells);
   }
-  return fmt::format("<details><summary>Each of the {}</summary>\n{}</details>\n",
+  return fmt::format("<details><summary>Each of the {} by itself</summary>\n{}</details>\n",
                      countText(static_cast<std::int64_t>(finding.robots.size()), "robot"),
                      table.text());
 }
@@ -92,21 +110,39 @@ std::string card(const Finding& finding) {
   return html + "</section>\n";
 }
 
+std::vector<std::string> verdictCells(const Finding& finding) {
+  const ProgramResult& result = finding.pool->result;
+  const analysis::Verdict& verdict = result.verdict;
+  const bool decided = verdict.kind != VerdictKind::kUndecided;
+  std::vector<std::string> cells{
+      fmt::format("<span class=\"dot\" style=\"background:{}\"></span><b>{}</b>",
+                  style::programColour(finding.key), escapeHtml(finding.name)),
+      fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
+                  escapeHtml(parametersText(finding.pool->program))),
+      fmt::format("<b class=\"{}\">{}</b>", verdictClass(verdict.kind), verdictText(result)),
+      decided ? fmt::format("{:.1f} σ", std::abs(verdict.max_z)) : "–",
+      countText(verdict.judged, "lag"),
+      durationText(result.observed)};
+  if (const Estimate* estimate = characteristicEstimate(result)) {
+    const DisplayUnit unit = displayUnit(estimate->unit);
+    cells.push_back(symbolHtml(estimate->name) + " = " + measuredText(*estimate));
+    cells.push_back(intervalText(*estimate));
+    cells.push_back(withUnit(shortText(estimate->theory * unit.factor), unit.text));
+  } else {
+    cells.insert(cells.end(), 3, "–");
+  }
+  return cells;
+}
+
 }  // namespace
 
 std::string estimateTable(const std::vector<Estimate>& estimates) {
   Table table({"", ">measured", ">95 % interval", ">programmed", "how"});
   for (const Estimate& estimate : estimates) {
     const DisplayUnit unit = displayUnit(estimate.unit);
-    const double half = (estimate.high95 - estimate.low95) / 2 * unit.factor;
-    const std::string interval =
-        std::isfinite(half) ? fmt::format("{} to {}", valueText(estimate.low95 * unit.factor, half),
-                                          valueText(estimate.high95 * unit.factor, half))
-                            : "–";
     const double theory = estimate.theory;
     const bool outside = theory < estimate.low95 || theory > estimate.high95;
-    table.row({symbolHtml(estimate.name),
-               withUnit(valueText(estimate.value * unit.factor, half), unit.text), interval,
+    table.row({symbolHtml(estimate.name), measuredText(estimate), intervalText(estimate),
                fmt::format("<span{}>{}</span>", outside ? " class=\"disagrees\"" : "",
                            withUnit(shortText(theory * unit.factor), unit.text)),
                "<span class=\"soft\">" + escapeHtml(estimate.note) + "</span>"});
@@ -114,17 +150,29 @@ std::string estimateTable(const std::vector<Estimate>& estimates) {
   return table.text();
 }
 
-std::string verdicts(const std::vector<Finding>& findings) {
-  std::string html =
-      "<h2>Is it the motion that was programmed?</h2>\n<p>Measured is free motion: reversals are "
-      "taken out, contacts and changes of program cut. Programmed values outside their 95 % "
-      "interval "
-      "are set in colour; by chance one of twenty is.</p>\n";
+std::string verdictTable(const std::vector<Finding>& findings) {
+  std::string html = "<h2>Is it the motion that was programmed?</h2>\n";
   if (findings.empty()) {
     return html +
            "<p>No robot was tracked while it ran a program that has a law, so there is nothing to "
            "compare.</p>\n";
   }
+  Table table({"program", "", "verdict", ">largest deviation", ">over", ">free motion", ">measured",
+               ">95 % interval", ">programmed"});
+  for (const Finding& finding : findings) table.row(verdictCells(finding));
+  return html + table.text() +
+         "<p class=\"soft\">The verdict compares the measured MSD and angular MSD with the exact "
+         "law of the program: the motion agrees if no judged lag deviates by 4 standard errors. By "
+         "chance, one run of a hundred exceeds 3.2.</p>\n";
+}
+
+std::string programCards(const std::vector<Finding>& findings) {
+  if (findings.empty()) return {};
+  std::string html =
+      "<h2>Program by program</h2>\n<p>Free motion is measured: reversals are removed; contacts "
+      "and "
+      "changes of program cut the track. Programmed values outside their 95 % interval are "
+      "coloured; by chance one of twenty is.</p>\n";
   for (const Finding& finding : findings) html += card(finding);
   return html;
 }

@@ -2,8 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <cstdint>
+#include <string_view>
+
 #include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/html/html_style.hpp"
+#include "analyzer/report/html/html_verdicts.hpp"
 #include "analyzer/report/sections/light_bands.hpp"
 #include "analyzer/report/sections/run_section.hpp"
 #include "analyzer/report/sections/segments.hpp"
@@ -30,6 +34,22 @@ std::string lead(const RunRecord& record) {
   return fmt::format("{}", fmt::join(parts, " · "));
 }
 
+/// The section as a part that opens by a click on its heading. A section begins with its heading,
+/// or is empty.
+std::string folded(const std::string& section) {
+  constexpr std::string_view kEnd = "</h2>\n";
+  const std::size_t end = section.find(kEnd);
+  if (end == std::string::npos) return section;
+  return fmt::format("<details class=\"part\"><summary>{}</summary>\n{}</details>\n",
+                     section.substr(0, end + kEnd.size() - 1), section.substr(end + kEnd.size()));
+}
+
+/// Names of the opening figures: trajectories, MSD with the exact law, and light with programs.
+std::vector<std::string> openingNames(const std::vector<Finding>& findings) {
+  const std::string msd = findings.size() == 1 ? "msd_" + findings.front().file : "msd";
+  return {"trajectory_program", msd, "light"};
+}
+
 }  // namespace
 
 std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figures) {
@@ -44,21 +64,24 @@ std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figur
       "<p class=\"lead\">{2}</p>\n{3}",
       name, html::kStyle, escapeHtml(lead(record)),
       description.empty() ? "" : fmt::format("<p>{}</p>\n", escapeHtml(description)));
+  const std::vector<std::string> opening = openingNames(findings);
   page += html::warnings(record);
-  page += html::verdicts(findings);
-  page += html::runs(findings, record.experimentOrDefault().hardware.max_wheel_speed);
-  page += html::figureSection(figures);
-  page += html::stitching(record);
+  page += html::openingFigures(figures, opening);
+  page += html::verdictTable(findings);
+  page += folded(html::programCards(findings));
+  page += folded(html::runs(findings, record.experimentOrDefault().hardware.max_wheel_speed));
+  page += folded(html::otherFigures(figures, opening));
+  page += folded(html::stitching(record));
   if (record.poses) {
-    page += html::poseSource(record);
+    page += folded(html::poseSource(record));
     return page + "</body>\n</html>\n";
   }
-  page += html::lightSteps(record);
-  page += html::lightBands(record);
-  page += html::robots(record);
-  page += html::losses(record);
-  page += html::links(record);
-  page += html::provenance(record);
+  page += folded(html::lightSteps(record));
+  page += folded(html::lightBands(record));
+  page += folded(html::robots(record));
+  page += folded(html::losses(record));
+  page += folded(html::links(record));
+  page += folded(html::provenance(record));
   return page + "</body>\n</html>\n";
 }
 

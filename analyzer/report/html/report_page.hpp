@@ -1,4 +1,4 @@
-/// report.html: one self-contained page.
+/// report.html, a single self-contained page.
 #pragma once
 
 #include <string>
@@ -9,8 +9,8 @@
 
 namespace lab::report {
 
-/// The whole page, figures and style inside, without scripts and without references to anything
-/// outside. Everything that comes from the log is escaped.
+/// The complete page with figures and style, without scripts and external references. Text from the
+/// log is escaped.
 [[nodiscard]] std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figures);
 
 }  // namespace lab::report

@@ -54,7 +54,7 @@ char separatorOf(std::string_view header) {
   return ',';
 }
 
-/// A column and what it is called in this file.
+/// A column and its name in this file.
 struct Column {
   std::string name;
   std::size_t index = 0;
@@ -66,13 +66,13 @@ class Reader {
   Reader(std::string name, const PoseFileOptions& options)
       : name_(std::move(name)), options_(options) {}
 
-  /// For messages about the next file.
+  /// Sets the file name for messages.
   void rename(std::string name) {
     name_ = std::move(name);
     line_ = 0;
   }
 
-  /// Reads one file; robots of a file without ids are called `robot`.
+  /// Reads one file. `robot` is the id if the file has no ids.
   void read(std::istream& text, int robot = 0) {
     std::string line;
     default_robot_ = robot;
@@ -113,7 +113,8 @@ class Reader {
   void readHeader(std::istream& text, std::string& line) {
     std::getline(text, line);
     line_ = 1;
-    constexpr std::string_view kMark = "\xEF\xBB\xBF";  // of UTF-8, as spreadsheets write it
+    constexpr std::string_view kMark =
+        "\xEF\xBB\xBF";  // UTF-8 byte order mark, as spreadsheets write it
     std::string_view header = line;
     if (header.starts_with(kMark)) header.remove_prefix(kMark.size());
     const auto isControl = [](char c) {
@@ -188,7 +189,7 @@ class Reader {
     }
   }
 
-  /// TRex: the middle of the body where it is exported; X and Y alone are the head.
+  /// Finds the columns of TRex: the middle of the body if exported, else the head (X and Y).
   void findTrex() {
     trex_ = false;
     if (x_ && y_) return;
@@ -204,7 +205,7 @@ class Reader {
     theta_ = find({"ANGLE", "ANGLE#head", "ANGLE#pcentroid", "ANGLE#wcentroid", "ANGLE#centroid"});
   }
 
-  /// Where a time comes from, and the way out where it is none.
+  /// Source of the times, and the remedy if they are wrong.
   [[nodiscard]] std::string timeName() const { return time_ ? time_.name : "--fps"; }
   [[nodiscard]] const char* timeHint() const {
     return time_ ? "; times in other units: leave the column out and give --fps" : "";
@@ -256,8 +257,8 @@ class Reader {
       }
       fail(line_, fmt::format("{}: found no number, expected a time in s", time_.name));
     }
-    // Fifty times the seconds since 1970. Milliseconds since then are beyond it, and microseconds
-    // do not fit into a utime.
+    // About fifty times the seconds since 1970, so it excludes milliseconds and microseconds since
+    // 1970.
     constexpr double kLatest = 1e11;
     if (!(std::abs(row.time) < kLatest)) {
       fail(line_, fmt::format("{}: found {} s, expected less than 1e11 s{}", timeName(), row.time,
@@ -291,7 +292,7 @@ class Reader {
   char separator_ = ',';
   double unit_ = 1;  ///< [m]
   Column frame_, id_, x_, y_, time_, theta_, confidence_, missing_;
-  bool trex_ = false;  ///< one individual a file
+  bool trex_ = false;  ///< one individual per file
   int default_robot_ = 0;
 };
 

@@ -1,4 +1,4 @@
-/// Trajectories without a lab: a CSV file of poses, of `lab track` or of another tracker.
+/// Reads CSV files of poses, from `lab track` or another tracker.
 #pragma once
 
 #include <cstdint>
@@ -12,27 +12,27 @@
 
 namespace lab::report {
 
-/// What the file itself may not say.
+/// Information that the file may lack.
 struct PoseFileOptions {
-  std::optional<double> scale;  ///< [m] of one unit of its columns x and y
-  std::optional<double> fps;    ///< [1/s] of its frames, where it has no column of times
+  std::optional<double> scale;  ///< length of one unit of its columns x and y [m]
+  std::optional<double> fps;    ///< frame rate [1/s], if the file has no column of times
 };
 
-/// Every pose, in order of time.
+/// All poses, in order of time.
 struct PoseFile {
-  std::vector<analysis::Frame>
-      frames;             ///< SI units; a pose that its tracker did not trust is invalid
-  bool headings = false;  ///< it has a column of headings
-  bool times = false;     ///< it has a column of times
-  bool in_arena = false;  ///< x_cm and y_cm: the origin is a corner of the arena
+  std::vector<analysis::Frame> frames;  ///< SI units; poses with low confidence are marked invalid
+  bool headings = false;                ///< the file has a column of headings
+  bool times = false;                   ///< the file has a column of times
+  bool in_arena =
+      false;  ///< the columns are x_cm and y_cm, with the origin at a corner of the arena
   std::int64_t rows = 0;
-  std::int64_t without_pose = 0;    ///< rows left out: no number for x, y or the heading
-  std::int64_t without_id = 0;      ///< rows left out: id 0, belonging to no track
-  std::int64_t repeated = 0;        ///< rows left out: the same pose of the same robot once more
-  std::int64_t contradicted = 0;    ///< poses left out: a robot in two places in one frame
+  std::int64_t without_pose = 0;    ///< rows omitted: no number for x, y or the heading
+  std::int64_t without_id = 0;      ///< rows omitted: id 0, not in a track
+  std::int64_t repeated = 0;        ///< rows omitted: repetitions of a pose
+  std::int64_t contradicted = 0;    ///< poses omitted: a robot at two positions in one frame
   std::int64_t missing_frames = 0;  ///< gaps in the frame numbers
-  std::int64_t bad_times = 0;  ///< frames left out: their time repeats an earlier one or goes back
-  std::vector<double> clock_steps;  ///< [s] times of frames to which the clock jumped
+  std::int64_t bad_times = 0;       ///< frames omitted: their time does not increase
+  std::vector<double> clock_steps;  ///< [s] times of frames after a step of the clock
   double frame_period = 0;          ///< [s] median, 0: fewer than two frames
 };
 
@@ -47,22 +47,22 @@ struct PoseFile {
 ///   frame; X#wcentroid, Y#wcentroid (or #centroid, #pcentroid) [cm]; ANGLE optional [rad]; time
 ///   [s]; missing optional, 1: not seen (the place may be an interpolated one). "X (cm)" is "X".
 ///   confidence                 optional, 0 to 1; below 0.5 the pose is not used
-/// A number may be nan, inf or empty: then nothing is known of that robot in that frame.
+/// A number may be nan, inf or empty: then the pose is unknown.
 ///
-/// Bad times: frames whose time does not go on are left out, unless they are more than one in
-/// twenty, and a step of the clock against the frame numbers by more than three frames is told.
-/// A robot that comes twice in a frame: the same pose counts once; of two different ones nobody
-/// knows which is right, and both are left out, unless they are more than one in twenty.
+/// Bad times: frames whose time does not increase are omitted; more than one in twenty is an error.
+/// Steps of the clock against the frame numbers by more than three frames are recorded. A robot
+/// twice in a frame: equal poses count once; different ones are both omitted, because it is unknown
+/// which one is right, and more than one in twenty is an error.
 /// @param name of the file, for messages
 /// @throws ReportError: file, line, column, what was found and what was expected.
 [[nodiscard]] PoseFile readPoses(std::istream& text, const std::string& name,
                                  const PoseFileOptions& options = {});
 
-/// The files of TRex in a folder, by number; empty where it holds none.
+/// The files of TRex in a folder, ordered by number; empty if there are none.
 [[nodiscard]] std::vector<std::filesystem::path> trexFiles(const std::filesystem::path& folder);
 
-/// The same of a file, or of all the files of TRex in a folder. @throws ReportError also where it
-/// cannot be read.
+/// The same for a file, or for all files of TRex in a folder. @throws ReportError also if it cannot
+/// be read.
 [[nodiscard]] PoseFile readPoses(const std::filesystem::path& file,
                                  const PoseFileOptions& options = {});
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <utility>
 
+#include "analyzer/curves/statistics.hpp"
 #include "analyzer/report_error.hpp"
 
 namespace lab::report {
@@ -16,7 +17,7 @@ namespace {
 constexpr std::int64_t kBadTimesOneIn = 20;
 constexpr std::int64_t kContradictedOneIn = 20;
 constexpr double kClockStep = 3;  // frames
-constexpr double kDrift = 0.01;   // share: clocks of cameras are not exact, and frames jitter
+constexpr double kDrift = 0.01;   // relative error of camera clocks, and jitter
 
 class Collector {
  public:
@@ -28,7 +29,7 @@ class Collector {
       return std::pair(a.frame, a.pose.robot) < std::pair(b.frame, b.pose.robot);
     });
     takeOutTwins();
-    const PoseRow* bad = nullptr;  // the first one whose time does not go on
+    const PoseRow* bad = nullptr;  // the first one whose time does not increase
     std::int64_t left_out = std::numeric_limits<std::int64_t>::min();
     for (const PoseRow& row : rows_) {
       if (row.frame == left_out) continue;
@@ -63,19 +64,19 @@ class Collector {
     throw ReportError(fmt::format("{}:{}: {}", names_.file, line, what));
   }
 
-  /// Rows of one frame whose times differ: which of them is wrong nobody knows.
+  /// Rows of one frame must have equal times; it is unknown which one is wrong.
   void checkTimes(const PoseRow& row) const {
     if (row.time == file_.frames.back().time) return;
     fail(row.line, fmt::format("{}: found {} s, expected {} s as in the other rows of frame {}",
                                names_.time, row.time, file_.frames.back().time, row.frame));
   }
 
-  /// Takes out robots that come twice in a frame; the rows are sorted by frame and robot.
+  /// Omits robots that appear twice in a frame. The rows are sorted by frame and robot.
   void takeOutTwins() {
     const auto sameRobot = [](const PoseRow& a, const PoseRow& b) {
       return a.frame == b.frame && a.pose.robot == b.pose.robot;
     };
-    const PoseRow* first = nullptr;  // that contradicts another
+    const PoseRow* first = nullptr;  // the first row that contradicts another
     std::vector<PoseRow> kept;
     kept.reserve(rows_.size());
     for (std::size_t i = 0; i < rows_.size();) {
@@ -103,7 +104,7 @@ class Collector {
           first->line,
           fmt::format("{}: found {} twice, and not alike, in frame {}, expected every robot once a "
                       "frame; so it is with {} of {} poses. Do two robots bear one number, or "
-                      "frames of two films?",
+                      "frames of two recordings?",
                       names_.id, first->pose.robot, first->frame, file_.contradicted, all));
     }
     rows_ = std::move(kept);
@@ -119,15 +120,13 @@ class Collector {
     }
     if (periods.empty()) return;
     std::vector<double> sorted = periods;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    file_.frame_period = *middle;
-    constexpr double kShortest = 0.9e-6;  // a utime knows no less than a microsecond
+    file_.frame_period = analysis::medianOf(sorted);
+    constexpr double kShortest = 0.9e-6;  // the resolution of utime is a microsecond
     if (file_.frame_period < kShortest) {
       fail(1, fmt::format("{}: found {} s from frame to frame, expected 1e-6 s or more{}",
                           names_.time, file_.frame_period, names_.time_hint));
     }
-    // A film of which every n-th picture was tracked is whole.
+    // A recording of which every n-th picture was tracked is complete.
     const std::int64_t span = file_.frames.back().frame - file_.frames.front().frame;
     file_.missing_frames =
         span / least_step + 1 - static_cast<std::int64_t>(file_.frames.size()) - file_.bad_times;

@@ -1,4 +1,4 @@
-/// From the rows of a file of poses to its frames. Internal to pose_file.
+/// Converts the rows of a file of poses to frames. Internal to pose_file.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace lab::report {
 
-/// A pose, and where it stands.
+/// A pose with its line in the file.
 struct PoseRow {
   std::int64_t line = 0;
   std::int64_t frame = 0;
@@ -17,7 +17,7 @@ struct PoseRow {
   analysis::FramePose pose;
 };
 
-/// What messages call the file, its columns, and the way out where times are none.
+/// Names of the file and its columns for messages, and the remedy for wrong times.
 struct PoseNames {
   std::string file;
   std::string id;
@@ -25,9 +25,9 @@ struct PoseNames {
   std::string time_hint;
 };
 
-/// Sorts the rows, takes out robots that come twice in a frame and frames whose time does not go
-/// on, counts both, and measures the period, the gaps and the steps of the clock.
-/// @throws ReportError where too many rows contradict each other or frames have bad times
+/// Sorts the rows; omits and counts duplicate robots and frames whose time does not increase;
+/// determines the period, the gaps and the steps of the clock. @throws ReportError if too many rows
+/// contradict each other or have bad times
 void collectFrames(std::vector<PoseRow> rows, const PoseNames& names, PoseFile& file);
 
 }  // namespace lab::report

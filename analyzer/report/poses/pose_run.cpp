@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <deque>
 #include <limits>
 #include <map>
@@ -17,7 +18,7 @@
 #include "analyzer/report_error.hpp"
 #include "analyzer/tracks/reversal_finder.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::report {
@@ -27,12 +28,12 @@ using analysis::Frame;
 using analysis::FramePose;
 using units::kNan;
 
-constexpr double kTouching = 0.001;  // [m] of a gap that cannot be told from none
+constexpr double kTouching = 0.001;  // [m] smallest gap that can be distinguished from contact
 
 constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"};
 
-/// What is wrong with a program, by the names that were typed: nobody wrote the file that is
-/// checked below.
+/// Reports the problems of a program by the names that the user typed, not by those of the
+/// generated experiment file.
 [[noreturn]] void refuse(const ExperimentError& error, const std::string& model) {
   std::vector<std::string> problems;
   const std::string key = "programs." + model + ".";
@@ -44,9 +45,9 @@ constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"}
   throw ExperimentError(problems);
 }
 
-/// An experiment in which every robot runs the program. Its checks are those of any experiment.
+/// An experiment in which every robot runs the program. It passes the checks of experiment files.
 Experiment experimentOf(const std::string& name, const PoseProgram& program) {
-  // Some program is needed for the file to be one; it is taken out again.
+  // An experiment file needs a program; without a given one it is removed again below.
   const bool given = !program.model.empty();
   if (given && std::find(kLaws.begin(), kLaws.end(), program.model) == kLaws.end()) {
     throw ExperimentError({fmt::format("--program: found \"{}\", expected one of {}", program.model,
@@ -79,7 +80,7 @@ Experiment experimentOf(const std::string& name, const PoseProgram& program) {
   return experiment;
 }
 
-/// Which robots touch another one, or a wall of a known arena.
+/// The robots that touch another one, or a wall if the arena is known.
 std::set<int> touching(const Frame& frame, const Experiment& experiment, bool in_arena) {
   std::set<int> robots;
   const double diameter = experiment.hardware.diameter;
@@ -100,7 +101,7 @@ std::set<int> touching(const Frame& frame, const Experiment& experiment, bool in
   return robots;
 }
 
-/// Feeds the analysis and keeps what it says of every row.
+/// Feeds the analysis and stores its classification of every row.
 class PoseFeed {
  public:
   PoseFeed(const PoseFile& poses, const Experiment& experiment, const analysis::ProgramLaw& law,
@@ -126,7 +127,7 @@ class PoseFeed {
             &analysis::Piece::reversal_end}) {
         piece.*time -= start;
       }
-      // Here programs never change; a step of the clock starts them afresh.
+      // Programs do not change here; only a step of the clock starts a new epoch.
       if (piece.reason == analysis::PieceEnd::kProgramSwitch) {
         piece.reason = analysis::PieceEnd::kClockStep;
       }
@@ -151,14 +152,14 @@ class PoseFeed {
     return config;
   }
 
-  /// Mends headings and finds reversals, robot by robot.
+  /// Corrects headings and finds reversals, robot by robot.
   void examine(RunRecord& record) {
     std::map<int, std::vector<analysis::TrackPoint>> tracks;
     for (const Frame& frame : poses_.frames) {
       for (const FramePose& pose : frame.poses) {
         if (!pose.valid) continue;
         std::vector<analysis::TrackPoint>& track = tracks[pose.robot];
-        if (!track.empty() && track.back().time == frame.time) continue;  // seen twice
+        if (!track.empty() && track.back().time == frame.time) continue;  // appears twice
         track.push_back({frame.time, frame.frame, pose.x, pose.y, pose.theta, 0, 0, true});
       }
     }
@@ -167,7 +168,7 @@ class PoseFeed {
         analysis::reversalSearch(law_, speed_is_known_ ? reversal.speed : kNan, reversal.distance);
     search.headings = poses_.headings;
     search.max_turn_rate = 2 * experiment_.hardware.max_wheel_speed / experiment_.hardware.diameter;
-    // Without a program there is no telling what it cannot drive.
+    // Without a program, reversals cannot be distinguished from its motion.
     search.wanted = !experiment_.programs.empty() && reversal.on != ReverseOn::kNever;
     for (auto& [robot, track] : tracks) {
       if (poses_.headings) {
@@ -179,10 +180,10 @@ class PoseFeed {
       record.headings.jumps += found.flip_jumps;
       record.headings.sense_turns += found.sense_turns;
       record.poses->reversals += static_cast<std::int64_t>(found.reversals.size());
-      tellers_.try_emplace(robot, found.reversals);
-      std::map<double, double>& mended = mended_[robot];
+      reporters_.try_emplace(robot, found.reversals);
+      std::map<double, double>& corrected = corrected_[robot];
       if (found.flips == 0 && found.sense_turns == 0) continue;
-      for (const analysis::TrackPoint& point : track) mended[point.time] = point.theta;
+      for (const analysis::TrackPoint& point : track) corrected[point.time] = point.theta;
     }
   }
 
@@ -194,10 +195,10 @@ class PoseFeed {
     tracks_.frames.push_back({units::microseconds(frame.time), frame.frame, tracks_.rows.size()});
     record.poses->in_contact += static_cast<std::int64_t>(contacts.size());
     for (FramePose& pose : frame.poses) {
-      const auto mended = mended_.find(pose.robot);
-      if (mended != mended_.end()) {
-        const auto theta = mended->second.find(frame.time);
-        if (theta != mended->second.end()) pose.theta = theta->second;
+      const auto corrected = corrected_.find(pose.robot);
+      if (corrected != corrected_.end()) {
+        const auto theta = corrected->second.find(frame.time);
+        if (theta != corrected->second.end()) pose.theta = theta->second;
       }
       const auto noise = heading_noise_.find(pose.robot);
       if (noise != heading_noise_.end()) pose.sigma_theta = noise->second;
@@ -207,10 +208,10 @@ class PoseFeed {
       telemetry.program_start = epoch_start_;
       telemetry.contact = contacts.contains(pose.robot);
       telemetry.run_time = frame.time - poses_.frames.front().time;
-      const auto teller = tellers_.find(pose.robot);
-      if (teller != tellers_.end()) {
-        teller->second.tell(telemetry);
-        telemetry.run_time -= teller->second.removed();
+      const auto reporter = reporters_.find(pose.robot);
+      if (reporter != reporters_.end()) {
+        reporter->second.report(telemetry);
+        telemetry.run_time -= reporter->second.removed();
       }
       telemetry.run_time *= run_share_;
       analysis_.addTelemetry(pose.robot, law_, telemetry);
@@ -239,9 +240,9 @@ class PoseFeed {
   analysis::ProgramLaw law_;
   bool speed_is_known_ = false;
   double run_share_ = 1;
-  std::map<int, analysis::ReversalReporter> tellers_;
-  std::map<int, std::map<double, double>> mended_;  ///< by robot and time, where any was
-  std::map<int, double> heading_noise_;             ///< by robot [rad]
+  std::map<int, analysis::ReversalReporter> reporters_;
+  std::map<int, std::map<double, double>> corrected_;  ///< corrected headings by robot and time
+  std::map<int, double> heading_noise_;                ///< by robot [rad]
   std::size_t next_step_ = 0;
   double epoch_start_ = 0;
   analysis::Analysis analysis_;
@@ -249,7 +250,7 @@ class PoseFeed {
   std::map<int, std::deque<Waiting>> waiting_;
 };
 
-/// The frame of a picture whose arena is not known: all that was seen.
+/// Sets the size of an unknown arena to the range of the poses.
 void adoptExtent(const PoseFile& poses, Experiment& experiment) {
   experiment.arena_width = experiment.arena_height = 0;
   for (const Frame& frame : poses.frames) {
@@ -260,7 +261,7 @@ void adoptExtent(const PoseFile& poses, Experiment& experiment) {
   }
 }
 
-/// What robots would have told of their tumbles: here their poses must.
+/// Replaces estimates that need telemetry of tumbles by those from poses.
 void adoptRuns(analysis::ProgramResult& result) {
   if (result.law.kind != analysis::ProgramKind::kRtp) return;
   const std::string problem = result.runs ? result.runs->problem : std::string();
@@ -283,7 +284,7 @@ void adoptRuns(analysis::ProgramResult& result) {
   }
 }
 
-/// Robots as the report lists them: one program from their first frame to their last.
+/// Fills the list of robots: one program from the first frame to the last one.
 void fillRobots(RunRecord& record) {
   for (std::size_t i = 0; i < record.tracks.frames.size(); ++i) {
     const std::int64_t utime = record.tracks.frames[i].utime;
@@ -310,8 +311,8 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   const Experiment& experiment = *record.experiment;
   RunProgram robots_run{{}, "motion"};
   if (!experiment.programs.empty()) {
-    const ProgramSpec& spec = experiment.programs.begin()->second;
-    robots_run = {toMessage(spec), spec.name};
+    const auto& [name_in_file, first] = *experiment.programs.begin();
+    robots_run = {toMessage(first), name_in_file};
   }
   record.programs.push_back(robots_run);
   if (!poses.in_arena) adoptExtent(poses, *record.experiment);

@@ -18,19 +18,19 @@ namespace {
 using std::numbers::pi;
 
 using units::kPercents;
-constexpr double kBeyondATurn = 2 * pi * 1.001;  // rounded numbers may be a little above 2 pi
+constexpr double kBeyondATurn = 2 * pi * 1.001;  // rounded numbers may exceed 2 pi slightly
 constexpr std::int64_t kFewSteps = 20;
-constexpr std::int64_t kMuchOneIn = 10;  // of the steps: robots may be mistaken for each other
-constexpr double kFewFrames = 1.5;       // periods: between frames that follow each other
+constexpr std::int64_t kMuchOneIn = 10;  // share of the steps: robots may be confused
+constexpr double kFewFrames = 1.5;       // periods between consecutive frames, at most
 constexpr double kQuarterTurnInDegrees = 90;
-constexpr double kLeastAlong = 0.1;  // noise of the places hides the rest
-constexpr double kSureAlong = 6;     // standard deviations of motion that goes anywhere
+constexpr double kLeastAlong = 0.1;  // below, noise of the positions dominates
+constexpr double kSureAlong = 6;     // standard deviations of random directions
 constexpr double kFarMoreAlong = 3;
-constexpr double kSlowest_s = 5;       // from frame to frame; robots go a body's length in it
-constexpr double kSlowestMs_s = 1000;  // seconds as ms: still a frame a second
-constexpr double kFastest_s = 1e-3;    // no camera of a lab takes a thousand pictures of an arena
+constexpr double kSlowest_s = 5;       // between frames; robots drive a body length in this time
+constexpr double kSlowestMs_s = 1000;  // above, times in ms would be slower than a frame per second
+constexpr double kFastest_s = 1e-3;    // faster than cameras of an arena
 
-/// How headings change from frame to frame, and whether the motion is along them.
+/// Changes of the headings between frames, and the direction of motion relative to them.
 struct HeadingSteps {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();

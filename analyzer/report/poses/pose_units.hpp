@@ -1,4 +1,4 @@
-/// Whether the numbers of a file of poses can be in the units that they are read in.
+/// Checks whether headings and times of a file of poses can be in radians and seconds.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace lab::report {
 
-/// What speaks against radians and against seconds, each in a sentence with the likely cause; empty
-/// where nothing does. For people: a film that is doubted is analyzed all the same.
+/// Reasons against radians and against seconds, one sentence each with the likely cause; empty if
+/// there are none. They are warnings: the recording is analyzed nevertheless.
 ///
-/// Headings beyond +-2 pi are those of an unwrapped angle, or no radians. An unwrapped one turns by
-/// at most pi from frame to frame (so it is made). One that turns slowly is told by the motion,
-/// which is along the axis of theta pi / 180 and not along that of theta. A film with less than 5 s
-/// between its pictures may have its times in anything; one with more has them hardly in s.
+/// Headings beyond +-2 pi are an unwrapped angle, or not in radians. An unwrapped angle changes by
+/// at most pi between frames. Slow turns in degrees are recognised by the motion, which is along
+/// theta pi / 180 and not along theta. Times with more than 5 s, or less than 1 ms, between frames
+/// are hardly in s.
 [[nodiscard]] std::vector<std::string> unitWarnings(const PoseFile& poses);
 
 }  // namespace lab::report

@@ -64,7 +64,7 @@ const auto& channelTypes() {
   return types;
 }
 
-/// The first type of the log that is none of ours, or is another one.
+/// The first message type in the log that is unknown or of another version.
 std::string firstDifference(const std::string& ours, const std::string& theirs) {
   std::istringstream lines(theirs);
   for (std::string line; std::getline(lines, line);) {

@@ -1,4 +1,4 @@
-/// Whether a log speaks this software's contract.
+/// Checks whether a log was written under this software's message contract.
 #pragma once
 
 #include <cstdint>
@@ -10,18 +10,19 @@
 
 namespace lab::report {
 
-/// Collects what a log says about its contract, and objects once all is read. A stray message of
-/// another type is a decode error; a channel on which nothing is of its type is another contract.
+/// Collects the contract version and the message types of a log, and judges them at the end. A
+/// single message of another type is a decode error. A channel on which no message has its type
+/// indicates another contract.
 class ContractCheck {
  public:
-  /// Notes a message's type. @return whether it is the one that travels on this channel; true on
+  /// Records the type of a message. @return whether it is the type of this channel; true on
   /// channels that are not the lab's.
   bool accept(std::string_view channel, std::int64_t fingerprint);
 
   void take(const experiment_event_t& start);
   void take(const service_status_t& status);
 
-  /// @throws ReportError naming the version or the type hash that is not known.
+  /// @throws ReportError with the unknown version or type hash.
   void judge(const std::string& log_name) const;
 
  private:
@@ -31,7 +32,7 @@ class ContractCheck {
   };
 
   std::map<std::string, Channel, std::less<>> channels_;
-  int contract_ = 0;     ///< 0: not said
+  int contract_ = 0;     ///< 0: not stated
   std::string version_;  ///< of the software that wrote the log
   std::string fingerprints_;
 };

@@ -62,7 +62,8 @@ void EventRecord::finish(RunRecord& record) const {
   record.contract_version = contract_version_;
   record.ended = end_utime_ != 0;
   record.end_reason = end_reason_;
-  // Time 0: the first step's command, else the START, else the first frame, else the first message.
+  // Time 0 is the command of the first step, else the START event, the first frame, or the first
+  // message.
   record.start_utime = start_utime_;
   if (const auto first = steps_.find(0); first != steps_.end()) {
     record.start_utime = first->second.commanded_utime;
@@ -83,7 +84,7 @@ void ServiceRecords::take(const service_status_t& status) {
   if (found != services_.end()) {
     service = &found->second;
   } else {
-    // A command by hand, as `lab mark`, says nothing but its last counts: it is no service.
+    // A shell command such as `lab mark` sends only its final counts: it is not a service.
     if (status.state == service_status_t::ENDED) return;
     const auto earlier = std::count_if(services_.begin(), services_.end(), [&](const auto& known) {
       return known.second.name == status.sender;

@@ -1,6 +1,7 @@
-/// What the runner and the services say about the run itself.
+/// Collects the events of a run and the status of its services.
 #pragma once
 
+#include <cstdint>
 #include <lab/experiment_event_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <map>
@@ -8,12 +9,14 @@
 #include <string>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #include "analyzer/report/record/run_record.hpp"
 
 namespace lab::report {
 
-/// Collects EXPERIMENT_EVENT, where everything is said several times because a message may be lost.
+/// Collects EXPERIMENT_EVENT. Events are sent several times because LCM may drop messages; each
+/// counts once.
 class EventRecord {
  public:
   void take(const experiment_event_t& event);
@@ -31,7 +34,7 @@ class EventRecord {
   std::int64_t start_utime_ = 0;
   std::int64_t end_utime_ = 0;
   std::string end_reason_;
-  std::string light_calibration_;  ///< text of the file
+  std::string light_calibration_;  ///< text of the calibration file
   std::string version_;
   int contract_version_ = 0;
 };
@@ -43,8 +46,9 @@ class ServiceRecords {
   void finish(RunRecord& record) const;
 
  private:
-  std::vector<std::pair<std::int64_t, ServiceRecord>> services_;  ///< with their instances
-  std::map<std::string, service_status_t> last_;                  ///< by name
+  std::vector<std::pair<std::int64_t, ServiceRecord>>
+      services_;                                  ///< with the instance of each start
+  std::map<std::string, service_status_t> last_;  ///< by name
 };
 
 }  // namespace lab::report

@@ -5,7 +5,7 @@
 namespace lab::report {
 namespace {
 
-/// Counts of one start of both gateways onto those of earlier starts.
+/// Adds the counts of one start of both gateways to those of earlier starts.
 void addCounts(const link_peer_t& peer, std::int64_t timeouts, LinkRecord& record) {
   record.received += peer.received;
   record.lost += peer.lost;
@@ -23,7 +23,7 @@ void LinkRecords::take(const link_status_t& status) {
     LinkRecord& record = watched.record;
     record.host = status.host;
     record.peer = peer.host;
-    // Either gateway's restart begins the counts anew.
+    // A restart of either gateway resets the counts.
     if (status.instance != watched.instance || peer.received < watched.last.received) {
       addCounts(watched.last, watched.timeouts, record);
     }

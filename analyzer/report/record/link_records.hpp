@@ -1,31 +1,32 @@
-/// How the buses of several hosts fared.
+/// Statistics of the links between hosts.
 #pragma once
 
 #include <cstdint>
 #include <lab/link_status_t.hpp>
-#include <limits>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "common/math/units.hpp"
+
 namespace lab::report {
 
-/// One host's view of another, over the run and all starts of their gateways.
+/// The statistics of one host about another, over the run and all starts of their gateways.
 struct LinkRecord {
-  std::string host;  ///< that says so
+  std::string host;  ///< the host that reported
   std::string peer;
   std::int64_t received = 0;
   std::int64_t lost = 0;
   std::int64_t repeated = 0;
-  std::int64_t stale = 0;     ///< commands that came too late
-  std::int64_t clashing = 0;  ///< of a sender that another host brings
-  std::int64_t timeouts = 0;  ///< that DDS could not take, to any host
-  int interruptions = 0;      ///< how often it was joined and then was not
-  double lowest_offset = std::numeric_limits<double>::quiet_NaN();   ///< [s] its clock minus ours
-  double highest_offset = std::numeric_limits<double>::quiet_NaN();  ///< [s]
-  double round_trip = std::numeric_limits<double>::quiet_NaN();      ///< [s] as said last
-  std::string trouble;                                               ///< as said last that was any
+  std::int64_t stale = 0;     ///< commands that arrived too late
+  std::int64_t clashing = 0;  ///< messages of a sender that also reaches this host from another one
+  std::int64_t timeouts = 0;  ///< messages that DDS could not send, to any host
+  int interruptions = 0;      ///< number of times that the link broke
+  double lowest_offset = units::kNan;   ///< [s] clock of the peer minus clock of the host
+  double highest_offset = units::kNan;  ///< [s]
+  double round_trip = units::kNan;      ///< [s] as last reported
+  std::string trouble;                  ///< last reported problem
 };
 
 /// Collects LINK_STATUS.
@@ -38,7 +39,7 @@ class LinkRecords {
 
  private:
   struct Watched {
-    LinkRecord record;  ///< of earlier starts of the gateways
+    LinkRecord record;  ///< sums of earlier starts of the gateways
     link_peer_t last{};
     std::int64_t instance = 0;
     std::int64_t timeouts = 0;

@@ -65,8 +65,8 @@ void MessageLossCounter::take(const service_status_t& status) {
 StreamLoss MessageLossCounter::loss(const Sender& sender, const Stream& stream) const {
   const bool seq_counts = seqCountsMessages(stream.channel);
   const bool started_before = !sender.has_status || sender.start_utime < first_utime_;
-  // What was sent before the log began: at most what the first status counted, and nothing from
-  // the first message in the log on.
+  // Messages sent before the log began: at most the count of the first status, and only those
+  // before the first message in the log.
   std::int64_t before = 0;
   if (started_before && seq_counts && stream.received > 0) {
     before = stream.first_seq - 1;

@@ -1,4 +1,4 @@
-/// What the log holds of what was sent: house rule 4 for a closed log.
+/// Counts the messages that were sent and are missing in a closed log.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 
 namespace lab::report {
 
-/// One channel of one start of one sender.
+/// The messages of one channel from one start of one sender.
 struct StreamLoss {
   std::string channel;
   std::string sender;
-  int start = 1;              ///< counts the sender's starts from 1, in the order of the log
+  int start = 1;              ///< number of the start of the sender, from 1
   std::int64_t received = 0;  ///< messages in the log
-  std::int64_t lost = 0;      ///< sent since the log began and not in it
-  bool at_least = false;      ///< the sender's final counts are missing: more may have been lost
+  std::int64_t lost = 0;      ///< sent after the beginning of the log and missing in it
+  bool at_least = false;      ///< the final counts of the sender are missing, so more may be lost
   double largest_age = 0;     ///< [s] from the message's utime to its arrival at the logger
 };
 
-/// Over all streams. The lab's onlooker may die at any time and nothing of the run is missing:
-/// at_least is about the others.
+/// Sums over all streams. The dashboard only observes and may be killed at any time, so it does not
+/// set at_least.
 struct LossTotal {
   std::int64_t received = 0;
   std::int64_t lost = 0;
@@ -31,22 +31,22 @@ struct LossTotal {
 };
 [[nodiscard]] LossTotal totalOf(const std::vector<StreamLoss>& streams);
 
-/// Compares what senders say they sent with what is in the log.
+/// Compares the counts that senders report with the messages in the log.
 ///
-/// A sender that started after the log began must have all of its messages in it. One that was
-/// there before is counted from its first message that can be in the log. The counts of a clean
-/// stop are final, and each of the closing messages carries them, so that any one is enough.
+/// All messages of a sender that started after the beginning of the log must be in it. For an
+/// earlier sender, counting begins with its first message that can be in the log. After a clean
+/// stop the counts are final; every closing message has them, so one is sufficient.
 class MessageLossCounter {
  public:
-  /// Counts a message. Every message must come here, SERVICE_STATUS before take().
+  /// Counts a message. Call it for every message; for SERVICE_STATUS before take().
   void count(std::string_view channel, const MessageHeader& header, std::int64_t received_utime);
 
   void take(const service_status_t& status);
 
-  /// In the order of sender, start and channel.
+  /// Ordered by sender, start and channel.
   [[nodiscard]] std::vector<StreamLoss> streams() const;
 
-  /// Which start of its sender this instance is, from 1; 0 when it was never heard.
+  /// The number of the start with this instance, from 1; 0 if it is unknown.
   [[nodiscard]] int startOf(std::string_view sender, std::int64_t instance) const;
 
  private:
@@ -55,9 +55,9 @@ class MessageLossCounter {
     std::int64_t received = 0;
     std::int64_t first_seq = 0;
     std::int64_t last_seq = 0;
-    std::int64_t sent_first = 0;      ///< as the first status in the log says
-    std::int64_t received_first = 0;  ///< until then
-    std::int64_t sent_last = 0;       ///< as the last status in the log says
+    std::int64_t sent_first = 0;      ///< count in the first status in the log
+    std::int64_t received_first = 0;  ///< received before that
+    std::int64_t sent_last = 0;       ///< count in the last status in the log
     std::int64_t largest_age_us = 0;
   };
   struct Sender {

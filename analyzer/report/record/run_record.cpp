@@ -6,13 +6,13 @@
 #include "analyzer/report/record/event_record.hpp"
 #include "analyzer/service/program_keys.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::report {
 namespace {
 
-/// Keeps every pose, and gives it its segment once the analysis has judged it.
+/// Stores every pose, and sets its segment when the analysis has classified it.
 class TrackRecord {
  public:
   explicit TrackRecord(analysis::AnalysisFeed& feed) : feed_(feed) {
@@ -20,7 +20,7 @@ class TrackRecord {
   }
 
   void take(const tracked_frame_t& frame) {
-    // A camera counts its frames; a restarted one begins again.
+    // Frame numbers are consecutive within one instance of the tracker.
     if (!tracks_.frames.empty() && frame.instance == instance_) {
       const std::int64_t gap = frame.frame - tracks_.frames.back().frame - 1;
       missing_ += std::max<std::int64_t>(0, gap);
@@ -64,7 +64,7 @@ class TrackRecord {
   double period_ = 0;
 };
 
-/// The program of every row: the one that its robot reported for that time.
+/// Sets the program of every row to the one that its robot reported for that time.
 void fillPrograms(RunRecord& record) {
   std::map<std::int32_t, std::size_t> next;
   for (std::size_t i = 0; i < record.tracks.frames.size(); ++i) {
@@ -87,7 +87,7 @@ void fillPrograms(RunRecord& record) {
   }
 }
 
-/// The pieces in the time of the record, and what was mended.
+/// Converts the times of pieces to the time of the record, and sums the corrections of headings.
 void fillStitching(const analysis::AnalysisFeed& feed, RunRecord& record) {
   const double start = feed.seconds(record.start_utime);
   for (PieceRecord& one : record.pieces) {
@@ -105,7 +105,7 @@ void fillStitching(const analysis::AnalysisFeed& feed, RunRecord& record) {
   }
 }
 
-/// The experiment as its START tells it.
+/// Sets the experiment from the START event.
 void adoptStart(const std::optional<experiment_event_t>& start, RunRecord& record) {
   if (!start) {
     record.experiment_problem = "the log has no START: names and parameters of the run are unknown";
@@ -124,7 +124,7 @@ std::string nameOf(const RunRecord& record, const program_t& program, std::size_
                    const std::vector<program_t>& all) {
   const std::string name = programName(record.experimentOrDefault(), program);
   if (name != modelName(program.kind)) return name;
-  // A program that the experiment does not name: two of one model need telling apart.
+  // The experiment has no name for the program: number the programs of one model.
   const auto same_model = std::count_if(
       all.begin(), all.end(), [&](const program_t& other) { return other.kind == program.kind; });
   return same_model < 2 ? name : name + " " + std::to_string(key + 1);
@@ -153,14 +153,14 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   analysis::AnalysisFeed feed(experiment);
   if (depth == analysis::Depth::kFull) feed.findRuns();
   feed.stitch(options.stitch, depth == analysis::Depth::kFull);
-  analysis::ProgramKeys book;
+  analysis::ProgramKeys keys;
   record.stitched = options.stitch;
   feed.onPiece([&](int robot, const program_t& program, const analysis::Piece& piece) {
-    record.pieces.push_back({robot, book.key(program), piece});
+    record.pieces.push_back({robot, keys.key(program), piece});
   });
   TrackRecord tracks(feed);
   LightTimeline light(experiment.arena_width, experiment.arena_height);
-  RobotTimelines robots([&book](const program_t& program) { return book.key(program); });
+  RobotTimelines robots([&keys](const program_t& program) { return keys.key(program); });
   EventRecord events;
   ServiceRecords services;
   LinkRecords links;
@@ -188,9 +188,9 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   record.light = light.spans();
   record.calibration = light.calibration();
   record.robots = robots.records();
-  for (std::size_t key = 0; key < book.programs().size(); ++key) {
-    const program_t& program = book.programs()[key];
-    record.programs.push_back({program, nameOf(record, program, key, book.programs())});
+  for (std::size_t key = 0; key < keys.programs().size(); ++key) {
+    const program_t& program = keys.programs()[key];
+    record.programs.push_back({program, nameOf(record, program, key, keys.programs())});
   }
   fillPrograms(record);
   record.results = feed.results(depth);

@@ -1,4 +1,4 @@
-/// Everything that a closed log says about a run.
+/// Everything that a closed log contains about a run.
 #pragma once
 
 #include <cstdint>
@@ -17,7 +17,7 @@
 
 namespace lab::report {
 
-/// One showing of one step of the light script. Times in us since 1970, 0: never.
+/// One presentation of one step of the light script. Times in us since 1970; 0: never.
 struct StepRecord {
   int number = 0;
   std::string label;
@@ -28,7 +28,7 @@ struct StepRecord {
   std::int64_t last_acted_utime = 0;
   int robots_acted = 0;
   int robots_expected = 0;
-  std::string ended_by;  ///< what ended the step before it, empty: its time was up
+  std::string ended_by;  ///< what ended the previous step; empty: its duration
 };
 
 /// A fault or a mark.
@@ -40,14 +40,14 @@ struct Remark {
 /// One start of one service.
 struct ServiceRecord {
   std::string name;
-  int start = 1;  ///< counts the service's starts from 1
+  int start = 1;  ///< number of the start of the service, from 1
   std::string version;
   std::int8_t origin = 0;
-  bool ended = false;  ///< said so; false: killed, or the log ends before
+  bool ended = false;  ///< reported its end; false: killed, or the log ends earlier
   std::string last_error;
 };
 
-/// What a service missed of another one, as it said last.
+/// Messages of another service that a service missed, by its last report.
 struct ListenerLoss {
   std::string listener;
   std::string channel;
@@ -62,14 +62,14 @@ struct TrackRow {
   float x = 0;                ///< [m]
   float y = 0;                ///< [m]
   float theta = 0;            ///< [rad]
-  std::int16_t program = -1;  ///< key into RunRecord::programs, -1: none that is known
-  std::int32_t segment = -1;  ///< stretch of free motion, counted from 0 per robot; -1: not free
+  std::int16_t program = -1;  ///< key into RunRecord::programs; -1: none or unknown
+  std::int32_t segment = -1;  ///< number of the piece pieces of free motion; -1: not free
 };
 
 struct TrackFrame {
   std::int64_t utime = 0;
   std::int64_t frame = 0;
-  std::size_t first_row = 0;  ///< into Tracks::rows
+  std::size_t first_row = 0;  ///< index into Tracks::rows
 };
 
 /// Every tracked pose of the run, frame by frame.
@@ -77,80 +77,80 @@ struct Tracks {
   std::vector<TrackFrame> frames;
   std::vector<TrackRow> rows;
 
-  /// Behind the last row of frames[i].
+  /// Index behind the last row of frames[i].
   [[nodiscard]] std::size_t endOf(std::size_t i) const {
     return i + 1 < frames.size() ? frames[i + 1].first_row : rows.size();
   }
 };
 
-/// A program as the run knew it.
+/// A program of the run.
 struct RunProgram {
   program_t program{};
-  std::string name;  ///< of the experiment file, else of the model
+  std::string name;  ///< name in the experiment file, else that of the model
 };
 
-/// Where a run without a lab comes from: a file of poses.
+/// The source of a run without a log: a file of poses.
 struct PoseSource {
-  bool headings = false;          ///< it says where robots head
-  std::int64_t rows = 0;          ///< of the file
-  std::int64_t without_pose = 0;  ///< of these, rows without numbers
+  bool headings = false;          ///< the file has headings
+  std::int64_t rows = 0;          ///< rows in the file
+  std::int64_t without_pose = 0;  ///< of these, rows without a position or heading
   std::int64_t without_id = 0;    ///< of these, rows that belong to no track
-  std::int64_t repeated = 0;      ///< of these, rows that say another one again
-  std::int64_t contradicted = 0;  ///< poses left out: a robot in two places at once
+  std::int64_t repeated = 0;      ///< of these, rows that repeat another one
+  std::int64_t contradicted = 0;  ///< poses omitted: a robot at two positions at the same time
   std::int64_t in_contact = 0;    ///< of these, poses that touch a robot or a wall
   std::int64_t reversals = 0;     ///< found
-  std::int64_t bad_times = 0;     ///< frames left out: their times go back
-  std::int64_t clock_steps = 0;   ///< where the track was cut
-  /// Of the units of headings and times.
+  std::int64_t bad_times = 0;     ///< frames omitted: their times do not increase
+  std::int64_t clock_steps = 0;   ///< steps of the clock, at which tracks are cut
+  /// Doubts about the units of headings and times.
   std::vector<std::string> doubts;
 };
 
-/// A stretch of free motion of one robot, times in s since the start.
+/// A stretch pieces of free motion of one robot, times in s since the start.
 struct PieceRecord {
   int robot = 0;
   int program = -1;  ///< key into RunRecord::programs
   analysis::Piece piece;
 };
 
-/// Headings that were off by pi, over all robots.
+/// Headings that were wrong by pi, over all robots.
 struct HeadingRecord {
-  std::int64_t flips = 0;        ///< headings turned round
-  std::int64_t jumps = 0;        ///< jumps by pi that were mended
-  std::int64_t sense_turns = 0;  ///< tracks whose head was the tail
+  std::int64_t flips = 0;        ///< headings flipped
+  std::int64_t jumps = 0;        ///< jumps by pi that were corrected
+  std::int64_t sense_turns = 0;  ///< tracks in which head and tail were confused
 };
 
 struct RunRecord {
-  std::optional<PoseSource> poses;       ///< where there is no log
-  std::optional<Experiment> experiment;  ///< as run; nothing: the log has no readable START
-  std::string experiment_text;           ///< the effective file
-  std::string experiment_problem;        ///< why it is not there
-  std::string version;                   ///< of the software that ran it
+  std::optional<PoseSource> poses;       ///< if the source is a file of poses
+  std::optional<Experiment> experiment;  ///< the experiment; nullopt: the log has no readable START
+  std::string experiment_text;           ///< text of the effective experiment file
+  std::string experiment_problem;        ///< why there is no experiment
+  std::string version;                   ///< version of the software of the run
   int contract_version = 0;
   LogFacts log;
 
-  std::int64_t start_utime = 0;  ///< time 0 of the report: the light script's start
+  std::int64_t start_utime = 0;  ///< time 0 of the report: start of the light script
   std::int64_t end_utime = 0;
-  bool ended = false;  ///< has an END
+  bool ended = false;  ///< the log has an END event
   std::string end_reason;
 
   std::vector<StepRecord> steps;
   std::vector<Remark> faults;
   std::vector<Remark> marks;
   std::vector<LightSpan> light;
-  std::string calibration;                            ///< of the projector, empty: none
-  std::optional<LightCalibration> light_calibration;  ///< that the robots' bands went by
+  std::string calibration;  ///< id of the projector calibration; empty: none
+  std::optional<LightCalibration> light_calibration;  ///< light calibration of the run
   std::map<std::int32_t, RobotRecord> robots;
   std::vector<ServiceRecord> services;
   std::vector<ListenerLoss> listeners;
   std::vector<LinkRecord> links;
 
   Tracks tracks;
-  std::int64_t missing_frames = 0;  ///< numbers that the camera counted and the log has not
+  std::int64_t missing_frames = 0;  ///< frame numbers of the camera that are missing in the log
   double frame_period = 0;          ///< [s] nominal
-  std::vector<PieceRecord> pieces;  ///< of free motion
+  std::vector<PieceRecord> pieces;  ///< pieces of free motion
   HeadingRecord headings;
-  bool stitched = true;              ///< reversals were joined, not cut
-  std::vector<RunProgram> programs;  ///< by key
+  bool stitched = true;              ///< tracks were joined at reversals, not cut
+  std::vector<RunProgram> programs;  ///< indexed by key
   std::vector<analysis::FeedResult> results;
 
   /// Seconds since the start.
@@ -160,14 +160,14 @@ struct RunRecord {
   [[nodiscard]] std::string programNameOf(int key) const;
 };
 
-/// How a run is analyzed.
+/// Options of the analysis.
 struct ReadOptions {
   analysis::Depth depth = analysis::Depth::kFull;
-  bool stitch = true;  ///< false: reversals cut
+  bool stitch = true;  ///< false: cut at reversals
 };
 
-/// Reads the log once, and analyzes it on the way.
-/// @throws ReportError when it was written under another contract.
+/// Reads the log once and analyzes it.
+/// @throws ReportError if it was written under another contract version.
 [[nodiscard]] RunRecord readRun(const std::vector<std::filesystem::path>& files,
                                 const ReadOptions& options = {});
 

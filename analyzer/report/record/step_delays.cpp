@@ -1,6 +1,7 @@
 #include "analyzer/report/record/step_delays.hpp"
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "common/math/units.hpp"

@@ -1,6 +1,7 @@
-/// How long the light script's steps took to arrive.
+/// Delays of the steps of the light script.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,7 @@
 
 namespace lab::report {
 
-/// From the command [ms]; nan: it never came to that.
+/// Delays from the command [ms]; nan: it did not happen.
 struct StepDelays {
   double presented_ms = 0;
   double seen_ms = 0;
@@ -19,12 +20,12 @@ struct StepDelays {
 
 [[nodiscard]] StepDelays delaysOf(const StepRecord& step);
 
-/// Of the delays that exist [ms].
+/// Percentiles of the delays that exist [ms].
 [[nodiscard]] Percentiles presentedDelays(const std::vector<StepRecord>& steps);
 [[nodiscard]] Percentiles seenDelays(const std::vector<StepRecord>& steps);
 [[nodiscard]] Percentiles firstActedDelays(const std::vector<StepRecord>& steps);
 
-/// Only of steps that every robot that had to change has obeyed.
+/// Only of steps that all expected robots executed.
 [[nodiscard]] Percentiles lastActedDelays(const std::vector<StepRecord>& steps);
 
 /// "real", "simulated", "replayed", "unknown".

@@ -7,8 +7,9 @@
 namespace lab::report {
 namespace {
 
-constexpr int kGrid = 24;                        // places along each side of the arena
-constexpr std::int64_t kSilence_us = 2'000'000;  // a robot silent for longer is not assumed to run
+constexpr int kGrid = 24;  // sampling points along each side of the arena
+constexpr std::int64_t kSilence_us =
+    2'000'000;  // a robot without reports for longer is not assumed to run
 
 bool hasImage(const std::vector<light::Layer>& layers) {
   return std::any_of(layers.begin(), layers.end(), [](const light::Layer& layer) {
@@ -74,7 +75,7 @@ void RobotTimelines::take(Robot& robot, const robot_state_t& state, std::int64_t
   const bool fresh = record.states == 0 || instance != robot.instance ||
                      (state.utime > robot.last_utime && state.program_epoch < robot.epoch);
   if (!fresh && state.utime <= robot.last_utime) return;
-  // Counters start again with the robot: what they reach is added up over its boots.
+  // Counters restart with the robot: sum them over its boots.
   const std::int32_t reversals_before = fresh ? 0 : robot.reversal_count;
   const std::int32_t tumbles_before = fresh ? 0 : robot.tumble_count;
   const bool first = record.states == 0;
@@ -105,7 +106,7 @@ void RobotTimelines::extendPrograms(Robot& robot, const robot_state_t& state, bo
     spans.back().end_utime = state.utime;
     return;
   }
-  // The robot says when the program began; believed where it fits between the two reports.
+  // The robot reports when the program began; used if that is between the two reports.
   std::int64_t begin = state.utime;
   if (!spans.empty() && !silent && !fresh) {
     const bool fits =

@@ -1,4 +1,4 @@
-/// What light and robots did over time, from what they report.
+/// Light and programs over time, from the status messages.
 #pragma once
 
 #include <cstdint>
@@ -13,21 +13,21 @@
 
 namespace lab::report {
 
-/// The light from one change to the next.
+/// The light between two changes.
 struct LightSpan {
   std::int64_t begin_utime = 0;
-  std::string label;      ///< of the script's step
-  std::string commander;  ///< empty: the safe field
+  std::string label;      ///< of the step of the script
+  std::string commander;  ///< empty: the default field
   double low = 0;         ///< [1] darkest place of the arena
   double high = 0;        ///< [1] brightest
   bool uniform = true;
-  bool has_image = false;  ///< low and high are the image's limits, not its content
+  bool has_image = false;  ///< low and high are the limits of the image, not its content
 };
 
-/// Collects LIGHT_STATUS into spans, one a change.
+/// Collects LIGHT_STATUS; a new span begins at each change.
 class LightTimeline {
  public:
-  /// Of the arena [m].
+  /// Size of the arena [m].
   LightTimeline(double width, double height) : width_(width), height_(height) {}
 
   void take(const light_status_t& status);
@@ -45,26 +45,26 @@ class LightTimeline {
   std::string calibration_;
 };
 
-/// A robot under one program.
+/// A time in which a robot ran one program.
 struct ProgramSpan {
   std::int64_t begin_utime = 0;
   std::int64_t end_utime = 0;
-  int program = -1;  ///< the caller's key, -1: standing
+  int program = -1;  ///< the caller's key; -1: standing
 };
 
-/// What one robot said about itself over the run.
+/// Status of one robot over the run.
 struct RobotRecord {
   std::int8_t origin = 0;
   std::vector<ProgramSpan> programs;
   std::int64_t states = 0;     ///< reports in the log
-  std::int64_t saturated = 0;  ///< reports that said so
+  std::int64_t saturated = 0;  ///< reports with a saturated wheel
   std::int64_t contact_robot = 0;
   std::int64_t contact_wall = 0;
   std::int64_t stopped = 0;
   std::int64_t lease_expired = 0;
   std::int64_t reversals = 0;
   std::int64_t tumbles = 0;
-  int boots = 0;  ///< the robot or the service that speaks for it started anew
+  int boots = 0;  ///< starts of the robot, or of the service that reports for it
 };
 
 /// Collects ROBOT_STATUS.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <map>
 
 #include "analyzer/analysis_feed.hpp"
@@ -41,20 +42,21 @@ std::vector<Sample> samplesOf(const std::vector<std::filesystem::path>& files,
   return samples;
 }
 
-void takePath(const std::vector<Sample>& samples, RecordingData& film) {
+void takePath(const std::vector<Sample>& samples, RecordingData& recording) {
   const double begin = samples.front().free_time;
   const std::size_t stride = std::max<std::size_t>(1, samples.size() / kPathPoints);
   for (std::size_t i = 0; i < samples.size(); i += stride) {
-    film.path.push_back({samples[i].free_time - begin, samples[i].x * kCm, samples[i].y * kCm});
+    recording.path.push_back(
+        {samples[i].free_time - begin, samples[i].x * kCm, samples[i].y * kCm});
   }
   const double middle = begin + (samples.back().free_time - begin) / 2;
   for (const Sample& s : samples) {
     if (s.free_time < middle || s.free_time > middle + kCloseUp) continue;
-    film.close_up.push_back({s.free_time - begin, s.x * kCm, s.y * kCm});
+    recording.close_up.push_back({s.free_time - begin, s.x * kCm, s.y * kCm});
   }
 }
 
-void takeRuns(const std::vector<Sample>& samples, RecordingData& film) {
+void takeRuns(const std::vector<Sample>& samples, RecordingData& recording) {
   const double begin = samples.front().free_time;
   std::size_t from = 0;
   for (std::size_t to = 0; to < samples.size(); ++to) {
@@ -63,10 +65,10 @@ void takeRuns(const std::vector<Sample>& samples, RecordingData& film) {
     if (dt < 0.9 * kSpeedBaseline || samples[to].segment != samples[from].segment) continue;
     const double distance =
         std::hypot(samples[to].x - samples[from].x, samples[to].y - samples[from].y);
-    film.speeds.push_back({samples[to].free_time - dt / 2 - begin, distance / dt * kCm});
+    recording.speeds.push_back({samples[to].free_time - dt / 2 - begin, distance / dt * kCm});
   }
-  // The robot counts a tumble as it begins, and its run time stands still while it tumbles: the
-  // least run time under one count is that of all runs before this tumble.
+  // The robot counts a tumble at its beginning, and run time does not increase while it tumbles:
+  // the smallest run time with one count is that of all runs before this tumble.
   std::map<std::int64_t, double> before;
   for (const Sample& s : samples) {
     const auto found = before.try_emplace(s.tumble_count, s.run_time).first;
@@ -77,7 +79,7 @@ void takeRuns(const std::vector<Sample>& samples, RecordingData& film) {
   for (const auto& [count, run_time] : before) {
     // The first count may begin within a run.
     if (count == last_count + 1 && last_count != before.begin()->first) {
-      film.run_times.push_back(run_time - last);
+      recording.run_times.push_back(run_time - last);
     }
     last = run_time;
     last_count = count;
@@ -111,10 +113,10 @@ struct CorrelationSums {
   std::vector<double> counts = std::vector<double>(kLengths);
 };
 
-/// C(l) along the stitched track. An ABP's speed is constant, so that l is speed times time: a path
-/// length summed from frames would be that of the tracker's noise.
-void takeCorrelation(const std::vector<Sample>& samples, double speed, RecordingData& film) {
-  const analysis::ProgramLaw& law = film.result.law;
+/// C(l) along the stitched track. The speed of an ABP is constant, so l is speed times time: a path
+/// length summed from frames would be dominated by tracker noise.
+void takeCorrelation(const std::vector<Sample>& samples, double speed, RecordingData& recording) {
+  const analysis::ProgramLaw& law = recording.result.law;
   const double period = (samples.back().free_time - samples.front().free_time) /
                         static_cast<double>(samples.size() - 1);
   const double persistence = 1 / analysis::rotationalDiffusivity(law);  // [s]
@@ -123,7 +125,7 @@ void takeCorrelation(const std::vector<Sample>& samples, double speed, Recording
     offsets.push_back(
         static_cast<std::size_t>(std::lround(kReach * persistence / period * k / (kLengths - 1))));
   }
-  if (offsets.back() >= samples.size() / 4) return;  // too short a film
+  if (offsets.back() >= samples.size() / 4) return;  // too short a recording
   std::vector<CorrelationSums> blocks(kBlocks);
   for (std::size_t i = 0; i < samples.size(); ++i) {
     CorrelationSums& block = blocks[i * kBlocks / samples.size()];
@@ -167,11 +169,11 @@ void takeCorrelation(const std::vector<Sample>& samples, double speed, Recording
     return std::sqrt(sum * (kBlocks - 1) / kBlocks);
   };
   for (std::size_t k = 0; k < lengths.size(); ++k) {
-    film.correlation.push_back(
+    recording.correlation.push_back(
         {lengths[k], curves[0][k], jackknife([&](std::size_t b) { return curves[b][k]; })});
   }
-  film.fitted_length = fits[0];
-  film.fitted_length_sigma = jackknife([&](std::size_t b) { return fits[b]; });
+  recording.fitted_length = fits[0];
+  recording.fitted_length_sigma = jackknife([&](std::size_t b) { return fits[b]; });
 }
 
 double measuredSpeed(const analysis::ProgramResult& result) {
@@ -198,22 +200,22 @@ RecordingData readRecording(const std::filesystem::path& run, const RecordingCon
                             analysis::Depth depth) {
   const std::vector<std::filesystem::path> files = logFiles(run);
   const RunRecord record = readRun(files, {.depth = depth});
-  RecordingData film;
+  RecordingData recording;
   const auto pool = std::find_if(record.results.begin(), record.results.end(), [](const auto& one) {
     return one.result.robot == analysis::kPool;
   });
   if (pool == record.results.end()) {
     throw ReportError(run.string() + ": no robot ran a program, so there is nothing to compare");
   }
-  film.result = pool->result;
-  for (const Remark& fault : record.faults) film.faults.push_back(fault.text);
-  if (!wants.path && !wants.correlation && !wants.runs) return film;
+  recording.result = pool->result;
+  for (const Remark& fault : record.faults) recording.faults.push_back(fault.text);
+  if (!wants.path && !wants.correlation && !wants.runs) return recording;
   const std::vector<Sample> samples = samplesOf(files, record.experimentOrDefault());
-  if (samples.size() < 2) return film;
-  if (wants.path) takePath(samples, film);
-  if (wants.correlation) takeCorrelation(samples, measuredSpeed(film.result), film);
-  if (wants.runs) takeRuns(samples, film);
-  return film;
+  if (samples.size() < 2) return recording;
+  if (wants.path) takePath(samples, recording);
+  if (wants.correlation) takeCorrelation(samples, measuredSpeed(recording.result), recording);
+  if (wants.runs) takeRuns(samples, recording);
+  return recording;
 }
 
 }  // namespace lab::report

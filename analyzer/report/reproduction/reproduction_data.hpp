@@ -1,4 +1,4 @@
-/// What the films of the paper's programs gave, as far as its figures need it.
+/// Data of the recordings of the paper's programs, for its figures.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace lab::report {
 
-/// A place on the stitched track.
+/// A point of the stitched track.
 struct PathPoint {
   double t = 0;  ///< [s] of free motion
   double x = 0;  ///< [cm]
@@ -29,38 +29,38 @@ struct CorrelationPoint {
   double sigma = 0;
 };
 
-/// One film of one program.
+/// One recording of one program.
 struct RecordingData {
   analysis::ProgramResult result;
-  std::vector<std::string> faults;  ///< of the run; empty: none
-  std::vector<PathPoint> path;      ///< the whole film, thinned
-  std::vector<PathPoint> close_up;  ///< some seconds of it, every frame
+  std::vector<std::string> faults;  ///< faults of the run
+  std::vector<PathPoint> path;      ///< the complete recording, thinned
+  std::vector<PathPoint> close_up;  ///< some seconds, every frame
   std::vector<CorrelationPoint> correlation;
   double fitted_length = 0;        ///< [cm] of exp(-l/L) fitted to the correlation
   double fitted_length_sigma = 0;  ///< [cm]
   std::vector<SpeedPoint> speeds;
-  std::vector<double> run_times;  ///< [s] complete ones
+  std::vector<double> run_times;  ///< [s] run times of complete runs
 };
 
-/// What a film is read for besides its curves and estimates.
+/// The data to read from a recording besides its curves and estimates.
 struct RecordingContents {
   bool path = false;
   bool correlation = false;
   bool runs = false;
 };
 
-/// What the panels want of a set.
+/// The data of a set that the panels need.
 [[nodiscard]] RecordingContents contentsFor(const std::vector<PaperPanel>& panels,
                                             const PaperSet& set);
 
-/// Reads the run's log. @throws ReportError when the program is not in it.
+/// Reads the run's log. @throws ReportError if the program is not in it.
 [[nodiscard]] RecordingData readRecording(const std::filesystem::path& run,
                                           const RecordingContents& wants, analysis::Depth depth);
 
-/// All films of one program: one, or the members of an ensemble.
+/// All recordings of one program: a single one, or an ensemble.
 struct SetData {
   PaperSet set;
-  std::vector<RecordingData> films;
+  std::vector<RecordingData> recordings;
 };
 
 }  // namespace lab::report

@@ -3,26 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <string>
+#include <string_view>
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
+#include "analyzer/report/reproduction/reproduction_paths.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
 namespace panels {
-
-SeriesStyle look(std::size_t series, std::size_t of) {
-  // Okabe and Ito's colours without vermillion, which is the paper's formula.
-  constexpr std::array<SeriesStyle, 6> kLooks{{{"#0072B2", 7, 6},
-                                               {"#E69F00", 5, 4},
-                                               {"#009E73", 9, 8},
-                                               {"#CC79A7", 13, 12},
-                                               {"#56B4E9", 11, 10},
-                                               {"#707070", 15, 14}}};
-  return of == 1 ? SeriesStyle{"#000000", 7, 6} : kLooks[series % kLooks.size()];
-}
-
 namespace {
 
 using analysis::CurvePoint;
@@ -32,11 +23,29 @@ using units::kNan;
 constexpr double kSqCm = 1e4;
 constexpr double kLimitZ = 4;
 
+/// Colour and symbol of one series of a panel. Each alone identifies the series.
+struct SeriesStyle {
+  std::string_view colour;
+  int symbol;       ///< gnuplot's, filled
+  int open_symbol;  ///< the same, hollow
+};
+
+SeriesStyle seriesStyle(std::size_t series, std::size_t of) {
+  // Okabe and Ito's colours without the one of the paper's formula.
+  constexpr std::array<SeriesStyle, 6> kStyles{{{"#0072B2", 7, 6},
+                                                {"#E69F00", 5, 4},
+                                                {"#009E73", 9, 8},
+                                                {"#CC79A7", 13, 12},
+                                                {"#56B4E9", 11, 10},
+                                                {"#707070", 15, 14}}};
+  return of == 1 ? SeriesStyle{"#000000", 7, 6} : kStyles[series % kStyles.size()];
+}
+
 struct Series {
   const SetData* set;
   std::string label;
   std::vector<CurvePoint> points;
-  SeriesStyle look;
+  SeriesStyle style;
 };
 
 bool drawable(const CurvePoint& point) {
@@ -76,7 +85,7 @@ std::string inset(double left, double right, double bottom, double top, const st
       left, right, bottom, top, x, y);
 }
 
-/// D_r or D of the inset's sets beside theory. @return its data, and adds the drawing.
+/// Adds the inset with D_r or D of its sets and the theory to `drawing`. @return its data.
 std::string pointsInset(const PaperPanel& panel, const Reproduction& reproduction,
                         std::string& drawing, CsvText& csv) {
   DataBlock points("points");
@@ -88,9 +97,9 @@ std::string pointsInset(const PaperPanel& panel, const Reproduction& reproductio
   double first = 1e300;
   for (const std::string& id : panel.points) {
     const auto found = reproduction.find(id);
-    if (found == reproduction.end() || found->second.films.empty()) continue;
+    if (found == reproduction.end() || found->second.recordings.empty()) continue;
     const SetData& set = found->second;
-    const analysis::ProgramLaw& law = set.films.front().result.law;
+    const analysis::ProgramLaw& law = set.recordings.front().result.law;
     auto estimate = estimateOf(set, diffusion ? "D" : "D_r");
     if (diffusion && !estimate) estimate = estimateOf(set, "D_t");
     if (!estimate || !std::isfinite(estimate->value)) continue;
@@ -145,11 +154,11 @@ FigureScript curves(const PaperPanel& panel, const Reproduction& reproduction) {
   std::vector<Series> all;
   for (const std::string& id : panel.curves) {
     const auto found = reproduction.find(id);
-    if (found == reproduction.end() || found->second.films.empty()) continue;
+    if (found == reproduction.end() || found->second.recordings.empty()) continue;
     const std::vector<CurvePoint> points = curveOf(found->second, angular);
     if (std::count_if(points.begin(), points.end(), drawable) < 2) continue;
     all.push_back({&found->second, curveLabel(panel, found->second.set), points,
-                   look(all.size(), panel.curves.size())});
+                   seriesStyle(all.size(), panel.curves.size())});
   }
   if (all.empty()) {
     script.figure.sentence = "Too little motion for a curve.";
@@ -180,7 +189,7 @@ FigureScript curves(const PaperPanel& panel, const Reproduction& reproduction) {
       block->row(kNan, kNan, kNan, kNan);
     for (const CurvePoint& p : one.points) {
       if (!drawable(p)) continue;
-      constexpr double kLeastShare = 0.02;  // a bar ends above 0, which a logarithm does not have
+      constexpr double kLeastShare = 0.02;  // error bars end above 0, for the logarithmic axis
       const double sigma = std::isfinite(p.sigma) ? p.sigma : 0;
       const double low = std::max(p.value - sigma, kLeastShare * p.value);
       (p.judged ? points : open)
@@ -203,7 +212,7 @@ FigureScript curves(const PaperPanel& panel, const Reproduction& reproduction) {
         ", $open{0} using 1:2 with points pt {2} ps 0.45 lw 0.8 lc rgb '{3}' notitle, "
         "$points{0} using 1:3:(0):($4-$3) with vectors nohead lw 1 lc rgb '{3}' notitle, "
         "$points{0} using 1:2 with points pt {1} ps 0.45 lc rgb '{3}' title {4}",
-        s, one.look.symbol, one.look.open_symbol, one.look.colour, gnuplotText(one.label));
+        s, one.style.symbol, one.style.open_symbol, one.style.colour, gnuplotText(one.label));
     papers += fmt::format("{}$paper{} using 1:2 with lines lw 1.6 dt (8,5) lc rgb '{}' {}",
                           papers.empty() ? "" : ", ", s, style::kVermillion,
                           s == 0 ? "title " + gnuplotText("paper: " + panel.formula) : "notitle");
@@ -211,7 +220,7 @@ FigureScript curves(const PaperPanel& panel, const Reproduction& reproduction) {
                         all.size() == 1 ? style::kBlue : std::string_view("#000000"),
                         s == 0 ? "title 'exact law'" : "notitle");
     lower += fmt::format(", $off{} using 1:2 with points pt {} ps 0.45 lc rgb '{}'", s,
-                         one.look.symbol, one.look.colour);
+                         one.style.symbol, one.style.colour);
   }
   std::string drawing = fmt::format(
       "set multiplot\nset lmargin at screen (on_paper ? 0.24 : 0.19)\nset rmargin at screen 0.965\n"
@@ -257,9 +266,9 @@ FigureScript persistence(const PaperPanel& panel, const Reproduction& reproducti
   const analysis::ProgramLaw* any = nullptr;
   for (const std::string& id : panel.curves) {
     const auto found = reproduction.find(id);
-    if (found == reproduction.end() || found->second.films.empty()) continue;
-    const RecordingData& film = found->second.films.front();
-    const analysis::ProgramLaw& program = film.result.law;
+    if (found == reproduction.end() || found->second.recordings.empty()) continue;
+    const RecordingData& recording = found->second.recordings.front();
+    const analysis::ProgramLaw& program = recording.result.law;
     const auto length = estimateOf(found->second, "L_s");
     if (!length || !std::isfinite(length->value)) continue;
     any = &program;
@@ -271,27 +280,27 @@ FigureScript persistence(const PaperPanel& panel, const Reproduction& reproducti
     off_paper.row(program.eta, (paper / kCm - length->theory) / length->sigma);
     csv.row("L_s_integral_cm_at_eta_rad_s", id, program.eta, length->value * kCm,
             length->sigma * kCm, length->theory * kCm, paper);
-    if (film.correlation.empty()) continue;
-    fitted.row(program.eta, film.fitted_length, film.fitted_length_sigma);
-    csv.row("L_s_exponential_fit_cm_at_eta_rad_s", id, program.eta, film.fitted_length,
-            film.fitted_length_sigma, "", paper);
+    if (recording.correlation.empty()) continue;
+    fitted.row(program.eta, recording.fitted_length, recording.fitted_length_sigma);
+    csv.row("L_s_exponential_fit_cm_at_eta_rad_s", id, program.eta, recording.fitted_length,
+            recording.fitted_length_sigma, "", paper);
     DataBlock block(fmt::format("c{}", number));
     const analysis::ExactLaw exact(program);
     const double square = program.v * program.v;
-    for (const CorrelationPoint& p : film.correlation) {
+    for (const CorrelationPoint& p : recording.correlation) {
       block.row(p.length, p.value);
       csv.row("C_of_l_at_l_cm", id, p.length, p.value, p.sigma,
               exact.velocityCorrelation(p.length / kCm / program.v) / square,
               std::exp(-p.length / paper));
     }
     data += block.text();
-    const SeriesStyle own = look(number, panel.curves.size());
+    const SeriesStyle own = seriesStyle(number, panel.curves.size());
     correlations += fmt::format("{}$c{} using 1:2 with linespoints pt {} ps 0.3 lw 0.8 lc rgb '{}'",
                                 number == 0 ? "" : ", ", number, own.symbol, own.colour);
     ++number;
   }
   if (any == nullptr) {
-    script.figure.sentence = "Too short a film for a persistence length.";
+    script.figure.sentence = "Too short a recording for a persistence length.";
     return script;
   }
   for (int i = 0; i <= 60; ++i) {
@@ -347,13 +356,13 @@ std::vector<FigureScript> panelFigures(const std::vector<PaperPanel>& chosen,
   std::vector<FigureScript> scripts;
   for (const PaperPanel& panel : chosen) {
     const auto found = reproduction.find(panel.curves.front());
-    const bool filmed = found != reproduction.end() && !found->second.films.empty();
+    const bool is_recorded = found != reproduction.end() && !found->second.recordings.empty();
     switch (panel.kind) {
       case PanelKind::kTrajectory:
       case PanelKind::kRunTumble:
-        if (!filmed) {
+        if (!is_recorded) {
           scripts.push_back(panels::begin(panel));
-          scripts.back().figure.sentence = "There is no film of it.";
+          scripts.back().figure.sentence = "It was not recorded.";
         } else {
           scripts.push_back(panel.kind == PanelKind::kTrajectory
                                 ? panels::trajectory(panel, found->second)

@@ -1,11 +1,14 @@
-// Panels that show one film: its track, its speed.
+#include "analyzer/report/reproduction/reproduction_paths.hpp"
+
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <string>
+#include <vector>
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
-#include "analyzer/report/reproduction/reproduction_figures.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report::panels {
@@ -48,7 +51,7 @@ std::string frame(const std::vector<PathPoint>& points, const Box& box) {
       x.middle() + scale * width, y.middle() - scale * height, y.middle() + scale * height);
 }
 
-/// Between two tics [cm], so that a picture has some three of them.
+/// Distance of tics [cm], for about three tics.
 double tic(const std::vector<PathPoint>& points) {
   Range x;
   Range y;
@@ -61,7 +64,7 @@ double tic(const std::vector<PathPoint>& points) {
   return span / power >= 5 ? 5 * power : span / power >= 2 ? 2 * power : power;
 }
 
-/// The path in blocks of one colour each. @return the plot elements.
+/// Adds the path as blocks of one colour each. @return the plot elements.
 std::string colouredPath(const std::vector<PathPoint>& path, double scale, std::string& data) {
   std::string plots;
   const double begin = path.front().t;
@@ -70,7 +73,7 @@ std::string colouredPath(const std::vector<PathPoint>& path, double scale, std::
   for (int bin = 0; bin < kColours; ++bin) {
     DataBlock block(fmt::format("path{}", bin));
     const double end = begin + length * (bin + 1) / kColours;
-    if (i > 0) --i;  // no hole between colours
+    if (i > 0) --i;  // no gap between colours
     std::size_t rows = 0;
     for (; i < path.size() && (path[i].t <= end || bin + 1 == kColours); ++i, ++rows) {
       block.row(path[i].x, path[i].y);
@@ -90,17 +93,17 @@ FigureScript trajectory(const PaperPanel& panel, const SetData& set) {
   FigureScript script;
   script.figure.name = "fig" + panel.id;
   script.figure.title = fmt::format("Figure {}. {}", panel.id, panel.title);
-  const RecordingData& film = set.films.front();
-  if (film.path.size() < 2 || film.close_up.size() < 2) {
-    script.figure.sentence = "Too short a film for a trajectory.";
+  const RecordingData& recording = set.recordings.front();
+  if (recording.path.size() < 2 || recording.close_up.size() < 2) {
+    script.figure.sentence = "Too short a recording for a trajectory.";
     return script;
   }
-  const double duration = film.path.back().t - film.path.front().t;
+  const double duration = recording.path.back().t - recording.path.front().t;
   const style::TimeAxis axis = style::timeAxis(duration);
   std::string data;
-  const std::string plots = colouredPath(film.path, axis.scale, data);
+  const std::string plots = colouredPath(recording.path, axis.scale, data);
   DataBlock close("close");
-  for (const PathPoint& point : film.close_up) close.row(point.x, point.y);
+  for (const PathPoint& point : recording.close_up) close.row(point.x, point.y);
   script.script = data + close.text() + style::preamble(script.figure.name, kWidth, kHeight);
   script.script += fmt::format(
       "unset key\nset multiplot\n"
@@ -111,8 +114,9 @@ FigureScript trajectory(const PaperPanel& panel, const SetData& set) {
       "small_font\n"
       "set xlabel 'x (cm)'\nset ylabel 'y (cm)' offset 0.5\nset xtics {:.4g}\nset ytics {:.4g}\n"
       "{}plot {}\nunset label 2\n",
-      kColours, film.path.front().t / axis.scale, film.path.back().t / axis.scale, axis.unit,
-      tic(film.path), tic(film.path), frame(film.path, {0.17, 0.66, 0.16, 0.83}), plots);
+      kColours, recording.path.front().t / axis.scale, recording.path.back().t / axis.scale,
+      axis.unit, tic(recording.path), tic(recording.path),
+      frame(recording.path, {0.17, 0.66, 0.16, 0.83}), plots);
   script.script += fmt::format(
       "unset colorbox\nset tics font small_font\nset xlabel '' \nset ylabel ''\n"
       "set label 1 '{:.0f} s enlarged' at screen 0.87,0.81 center font small_font\n"
@@ -120,16 +124,16 @@ FigureScript trajectory(const PaperPanel& panel, const SetData& set) {
       "set xtics {:.4g}\nset ytics {:.4g}\n"
       "plot $close using 1:2 with lines lw 1 lc rgb '{}', "
       "$close using 1:2 every {} with points pt 7 ps 0.3 lc rgb '{}'\nunset multiplot\n",
-      film.close_up.back().t - film.close_up.front().t,
-      frame(film.close_up, {0.775, 0.965, 0.16, 0.77}), tic(film.close_up), tic(film.close_up),
-      style::kBlue, 10, style::kVermillion);
+      recording.close_up.back().t - recording.close_up.front().t,
+      frame(recording.close_up, {0.775, 0.965, 0.16, 0.77}), tic(recording.close_up),
+      tic(recording.close_up), style::kBlue, 10, style::kVermillion);
   CsvText csv("part,t_s,x_cm,y_cm");
-  for (const PathPoint& p : film.path) csv.row("whole", p.t, p.x, p.y);
-  for (const PathPoint& p : film.close_up) csv.row("enlarged", p.t, p.x, p.y);
+  for (const PathPoint& p : recording.path) csv.row("whole", p.t, p.x, p.y);
+  for (const PathPoint& p : recording.close_up) csv.row("enlarged", p.t, p.x, p.y);
   script.figure.csv = csv.text();
   script.figure.caption = fmt::format(
       "{} of free motion, stitched across {} at walls; beside it a part, a dot each 0.2 s.",
-      durationText(duration), countText(film.result.reversals, "reversal"));
+      durationText(duration), countText(recording.result.reversals, "reversal"));
   return script;
 }
 
@@ -137,42 +141,42 @@ FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set) {
   FigureScript script;
   script.figure.name = "fig" + panel.id;
   script.figure.title = fmt::format("Figure {}. {}", panel.id, panel.title);
-  const RecordingData& film = set.films.front();
-  if (film.speeds.size() < 100 || film.run_times.size() < 10) {
-    script.figure.sentence = "Too short a film for speeds and run times.";
+  const RecordingData& recording = set.recordings.front();
+  if (recording.speeds.size() < 100 || recording.run_times.size() < 10) {
+    script.figure.sentence = "Too short a recording for speeds and run times.";
     return script;
   }
-  const analysis::ProgramLaw& law = film.result.law;
+  const analysis::ProgramLaw& law = recording.result.law;
   constexpr double kTrace = 20;       // [s]
   constexpr double kSpeedBin = 0.25;  // [cm/s]
   CsvText csv("what,x,value,standard_error,exact");
   DataBlock trace("trace");
-  const double begin = film.speeds.front().t;
-  for (const SpeedPoint& point : film.speeds) {
+  const double begin = recording.speeds.front().t;
+  for (const SpeedPoint& point : recording.speeds) {
     if (point.t > begin + kTrace) break;
     trace.row(point.t - begin, point.speed);
     csv.row("speed_cm_s_at_t_s", point.t - begin, point.speed, "", "");
   }
   std::vector<double> histogram(32);
-  for (const SpeedPoint& point : film.speeds) {
+  for (const SpeedPoint& point : recording.speeds) {
     const auto bin = static_cast<std::size_t>(point.speed / kSpeedBin);
     if (bin < histogram.size()) histogram[bin] += 1;
   }
   DataBlock speeds("speeds");
   for (std::size_t i = 0; i < histogram.size(); ++i) {
-    const double density = histogram[i] / static_cast<double>(film.speeds.size()) / kSpeedBin;
+    const double density = histogram[i] / static_cast<double>(recording.speeds.size()) / kSpeedBin;
     speeds.row((static_cast<double>(i) + 0.5) * kSpeedBin, density);
     csv.row("density_s_cm_at_speed_cm_s", (static_cast<double>(i) + 0.5) * kSpeedBin, density, "",
             "");
   }
   const double run_bin = 0.5 / law.gamma;
   std::vector<double> counts(12);
-  for (const double run : film.run_times) {
+  for (const double run : recording.run_times) {
     const auto bin = static_cast<std::size_t>(std::max(0.0, run) / run_bin);
     if (bin < counts.size()) counts[bin] += 1;
   }
   DataBlock runs("runs");
-  const double unit = 1 / (static_cast<double>(film.run_times.size()) * run_bin);
+  const double unit = 1 / (static_cast<double>(recording.run_times.size()) * run_bin);
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const double from = static_cast<double>(i) * run_bin;
     const double exact =
@@ -213,9 +217,10 @@ FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set) {
       law.gamma, style::kBlue, style::kBlue);
   script.figure.csv = csv.text();
   script.figure.caption = fmt::format(
-      "Above: speed over 0.1 s, dashed the programmed one. Below: all speeds of the film, and {} "
+      "Above: speed over 0.1 s, dashed the programmed one. Below: all speeds of the recording, and "
+      "{} "
       "as the robot counted them, beside γ exp(-γ τ_r).",
-      countText(static_cast<std::int64_t>(film.run_times.size()), "run time"));
+      countText(static_cast<std::int64_t>(recording.run_times.size()), "run time"));
   return script;
 }
 

@@ -13,25 +13,25 @@ namespace {
 
 using units::kCentimetre;
 
-constexpr double kHour = 3600;      // [s]
-constexpr double kShortFilm = 180;  // [s] figure 4b
-constexpr double kFps = 50;         // 3b and gamma = 3 need as much; the others may have it
+constexpr double kHour = 3600;           // [s]
+constexpr double kShortRecording = 180;  // [s] figure 4b
+constexpr double kFps = 50;              // needed by figure 3b and gamma = 3
 constexpr std::uint64_t kMembers = 1000;
 constexpr std::uint64_t kSeeds = kMembers * 1000;
 
 PaperSet abp(double epsilon, double eta) {
   PaperSet set;
   set.id = fmt::format("abp_eps{:g}_eta{:g}", epsilon, eta);
-  set.program = {
-      .name = "abp", .model = Model::kAbp, .v = 3 * kCentimetre, .epsilon = epsilon, .eta = eta};
+  set.program_name = "abp";
+  set.program = {.kind = ProgramKind::kAbp, .v = 3 * kCentimetre, .epsilon = epsilon, .eta = eta};
   return set;
 }
 
 PaperSet noisyAbp(double va, double amplitude, double epsilon) {
   PaperSet set;
   set.id = fmt::format("noisy_abp_va{:g}_V{:g}_eps{:g}", va, amplitude, epsilon);
-  set.program = {.name = "noisy_abp",
-                 .model = Model::kNoisyAbp,
+  set.program_name = "noisy_abp";
+  set.program = {.kind = ProgramKind::kNoisyAbp,
                  .va = va * kCentimetre,
                  .V = amplitude * kCentimetre,
                  .epsilon = epsilon};
@@ -41,16 +41,16 @@ PaperSet noisyAbp(double va, double amplitude, double epsilon) {
 PaperSet bp(double amplitude, double epsilon) {
   PaperSet set;
   set.id = fmt::format("bp_V{:g}_eps{:g}", amplitude, epsilon);
-  set.program = {
-      .name = "bp", .model = Model::kBp, .V = amplitude * kCentimetre, .epsilon = epsilon};
+  set.program_name = "bp";
+  set.program = {.kind = ProgramKind::kBp, .V = amplitude * kCentimetre, .epsilon = epsilon};
   return set;
 }
 
 PaperSet rtp(double gamma, double tau_t, bool short_recording = false) {
   PaperSet set;
   set.id = fmt::format("rtp_gamma{:g}_taut{:g}{}", gamma, tau_t, short_recording ? "_3min" : "");
-  set.program = {
-      .name = "rtp", .model = Model::kRtp, .v = 5 * kCentimetre, .gamma = gamma, .tau_t = tau_t};
+  set.program_name = "rtp";
+  set.program = {.kind = ProgramKind::kRtp, .v = 5 * kCentimetre, .gamma = gamma, .tau_t = tau_t};
   set.short_recording = short_recording;
   return set;
 }
@@ -201,15 +201,15 @@ std::vector<PaperPanel> makePanels() {
   };
 }
 
-std::string parameters(const ProgramSpec& program) {
-  switch (program.model) {
-    case Model::kAbp:
+std::string parameters(const RobotProgram& program) {
+  switch (program.kind) {
+    case ProgramKind::kAbp:
       return fmt::format("model = \"abp\"\nv_cm_s = {:g}\nepsilon_s = {:g}\neta_rad_s = {:g}\n",
                          program.v / kCentimetre, program.epsilon, program.eta);
-    case Model::kNoisyAbp:
+    case ProgramKind::kNoisyAbp:
       return fmt::format("model = \"noisy_abp\"\nva_cm_s = {:g}\nV_cm_s = {:g}\nepsilon_s = {:g}\n",
                          program.va / kCentimetre, program.V / kCentimetre, program.epsilon);
-    case Model::kBp:
+    case ProgramKind::kBp:
       return fmt::format("model = \"bp\"\nV_cm_s = {:g}\nepsilon_s = {:g}\n",
                          program.V / kCentimetre, program.epsilon);
     default:
@@ -288,7 +288,7 @@ std::vector<PaperPanel> choosePanels(std::string_view list) {
 }
 
 std::string experimentText(const PaperSet& set, const RecordingOptions& options) {
-  // Each set and member has a seed of its own, whichever panels are asked for.
+  // The seed of each set and member does not depend on the selected panels.
   const std::uint64_t seed = options.seed * kSeeds +
                              static_cast<std::uint64_t>(options.member) * kMembers +
                              static_cast<std::uint64_t>(set.number);
@@ -297,11 +297,11 @@ std::string experimentText(const PaperSet& set, const RecordingOptions& options)
       "duration_s = {:.9g}\nprogram = \"{}\"\n"
       "[[robots]]\nid = 1\nbody = \"{}\"\n"
       "[programs.{}]\n{}"
-      // A robot on the wire cannot tell a wall from a robot; alone it need not.
+      // The firmware cannot distinguish walls from robots; there is only one robot.
       "[reversal]\non = \"{}\"\ndistance_cm = 40\n"
       "[camera]\nfps = {}\nposition_noise_cm = 0.03\nheading_noise_deg = 0.6\n",
-      set.id, seed, set.short_recording ? kShortFilm : options.hours * kHour, set.program.name,
-      options.through_firmware ? "firmware" : "sim", set.program.name, parameters(set.program),
+      set.id, seed, set.short_recording ? kShortRecording : options.hours * kHour, set.program_name,
+      options.through_firmware ? "firmware" : "sim", set.program_name, parameters(set.program),
       options.through_firmware ? "any" : "walls", kFps);
 }
 

@@ -24,13 +24,13 @@ using units::kPercents;
 
 constexpr double kFloor = 0.002;  // share of the law below which no deviation counts
 constexpr double kAgreeZ = 4;
-constexpr double kRejects = 1e-3;  // p of a formula that a film rejects
+constexpr double kRejects = 1e-3;  // largest p of a rejected formula
 constexpr int kMinJudged = 5;
 
-const ProgramResult& resultOf(const SetData& set) { return set.films.front().result; }
+const ProgramResult& resultOf(const SetData& set) { return set.recordings.front().result; }
 
-const std::vector<CurvePoint>& pointsOf(const RecordingData& film, bool angular) {
-  return angular ? film.result.curves.angular_msd : film.result.curves.msd;
+const std::vector<CurvePoint>& pointsOf(const RecordingData& recording, bool angular) {
+  return angular ? recording.result.curves.angular_msd : recording.result.curves.msd;
 }
 
 const Estimate* find(const std::vector<Estimate>& estimates, const std::string& name) {
@@ -54,8 +54,8 @@ double speedScale(const ProgramResult& result) {
 double scaleOf(const SetData& set, bool angular) {
   if (angular) return 1;
   double sum = 0;
-  for (const RecordingData& film : set.films) sum += speedScale(film.result);
-  return sum / static_cast<double>(set.films.size());
+  for (const RecordingData& recording : set.recordings) sum += speedScale(recording.result);
+  return sum / static_cast<double>(set.recordings.size());
 }
 
 struct Scatter {
@@ -84,14 +84,14 @@ std::string probability(double p) {
                     : fmt::format("p = {:.2g}", p);
 }
 
-/// "at most 1.7 standard errors over 57 lags"
+/// The deviations of a set, or of several.
 struct Deviations {
   double max_z = 0;
   double tau = 0;
   int judged = 0;
-  double paper = 0;  ///< largest of the paper's formula, in standard errors
+  double paper = 0;  ///< largest deviation from the paper's formula, in standard errors
   double paper_tau = 0;
-  double off = 0;  ///< largest of the paper's formula from the exact law, as a share
+  double off = 0;  ///< largest relative difference of the paper's formula from the exact law
   double off_tau = 0;
 };
 
@@ -119,16 +119,16 @@ void addDeviations(const SetData& set, bool angular, double from, Deviations& al
 
 const SetData* findSet(const Reproduction& reproduction, const std::string& id) {
   const auto found = reproduction.find(id);
-  return found == reproduction.end() || found->second.films.empty() ? nullptr : &found->second;
+  return found == reproduction.end() || found->second.recordings.empty() ? nullptr : &found->second;
 }
 
-std::string filmWord(const SetData& set) {
-  return set.films.size() > 1
-             ? fmt::format("{} films", set.films.size())
-             : fmt::format("this film of {}", durationText(resultOf(set).observed));
+std::string recordingWord(const SetData& set) {
+  return set.recordings.size() > 1
+             ? fmt::format("{} recordings", set.recordings.size())
+             : fmt::format("this recording of {}", durationText(resultOf(set).observed));
 }
 
-/// Curves against both laws.
+/// Compares curves with both laws.
 PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetData*>& sets) {
   const bool angular = panel.kind == PanelKind::kAngularMsd;
   PanelVerdict verdict;
@@ -141,7 +141,7 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
   for (const SetData* set : sets) {
     Deviations own;
     const analysis::ProgramLaw& law = resultOf(*set).law;
-    // The paper itself says that its straight lines begin above epsilon.
+    // By the paper itself, its straight lines hold above epsilon.
     const bool straight = angular || law.kind == ProgramKind::kBp;
     addDeviations(*set, angular, straight ? 2 * law.epsilon : 0, own);
     if (own.max_z > all.max_z) {
@@ -151,29 +151,30 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
     all.judged += own.judged;
     const std::string label = sets.size() > 1 ? curveLabel(panel, set->set) + ": " : "";
     const auto& fit = resultOf(*set).fit;
-    const bool single = set->films.size() == 1;
+    const bool single = set->recordings.size() == 1;
     if (single && fit && fit->exact && std::isfinite(fit->exact->p_value)) {
       exact_p.push_back(fmt::format("{}{}", label, probability(fit->exact->p_value)));
     }
     if (own.judged == 0 || std::abs(own.off) < 1e-6) continue;
     differs = true;
-    std::string said =
+    std::string comparison =
         fmt::format("{}{:+.{}f} % from the exact law at {} s", label, own.off * kPercents,
                     std::abs(own.off) < 0.1 ? 1 : 0, shortText(own.off_tau));
     if (!angular && single && fit && fit->paper && std::isfinite(fit->paper->p_value)) {
       tested = true;
       const bool out = fit->paper->p_value < kRejects;
       rejected = rejected || out;
-      said += fmt::format(", {} ({}, {:.1f} σ)", out ? "rejected" : "not rejected",
-                          probability(fit->paper->p_value), std::abs(fit->paper->deviate));
+      comparison += fmt::format(", {} ({}, {:.1f} σ)", out ? "rejected" : "not rejected",
+                                probability(fit->paper->p_value), std::abs(fit->paper->deviate));
     } else {
       tested = true;
       const bool out = own.paper > kAgreeZ;
       rejected = rejected || out;
-      said += fmt::format(", {} (largest deviation {:.1f} σ, at {} s)",
-                          out ? "rejected" : "not rejected", own.paper, shortText(own.paper_tau));
+      comparison +=
+          fmt::format(", {} (largest deviation {:.1f} σ, at {} s)",
+                      out ? "rejected" : "not rejected", own.paper, shortText(own.paper_tau));
     }
-    paper.push_back(said);
+    paper.push_back(comparison);
   }
   verdict.max_z = all.max_z;
   if (all.judged >= kMinJudged) {
@@ -244,34 +245,34 @@ PanelVerdict judgeRuns(const std::vector<const SetData*>& sets) {
   }
   verdict.max_z = std::abs(gamma->value - gamma->theory) / gamma->sigma;
   verdict.exact = verdict.max_z < kAgreeZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
-  verdict.exact_text =
-      fmt::format("γ = {} /s, 95 % from {} to {}, z = {:.1f}, from {}",
-                  valueText(gamma->value, gamma->sigma), valueText(gamma->low95, gamma->sigma),
-                  valueText(gamma->high95, gamma->sigma), verdict.max_z, filmWord(*sets.front()));
+  verdict.exact_text = fmt::format(
+      "γ = {} /s, 95 % from {} to {}, z = {:.1f}, from {}", valueText(gamma->value, gamma->sigma),
+      valueText(gamma->low95, gamma->sigma), valueText(gamma->high95, gamma->sigma), verdict.max_z,
+      recordingWord(*sets.front()));
   return verdict;
 }
 
 }  // namespace
 
 std::vector<CurvePoint> curveOf(const SetData& set, bool angular) {
-  std::vector<CurvePoint> curve = pointsOf(set.films.front(), angular);
-  if (set.films.size() < 2) return curve;
-  for (const RecordingData& film : set.films) {
-    curve.resize(std::min(curve.size(), pointsOf(film, angular).size()));
+  std::vector<CurvePoint> curve = pointsOf(set.recordings.front(), angular);
+  if (set.recordings.size() < 2) return curve;
+  for (const RecordingData& recording : set.recordings) {
+    curve.resize(std::min(curve.size(), pointsOf(recording, angular).size()));
   }
-  const auto films = static_cast<double>(set.films.size());
+  const auto recordings = static_cast<double>(set.recordings.size());
   for (std::size_t i = 0; i < curve.size(); ++i) {
     CurvePoint& mean = curve[i];
     std::vector<double> values;
     std::vector<double> off;
     mean.tau = mean.noise = mean.exact = mean.paper = mean.windows = 0;
-    for (const RecordingData& film : set.films) {
-      const CurvePoint& point = pointsOf(film, angular)[i];
-      const double scale = angular ? 1 : speedScale(film.result);
-      mean.tau += point.tau / films;
-      mean.noise += point.noise / films;
-      mean.exact += point.exact / films;
-      mean.paper += point.paper / films;
+    for (const RecordingData& recording : set.recordings) {
+      const CurvePoint& point = pointsOf(recording, angular)[i];
+      const double scale = angular ? 1 : speedScale(recording.result);
+      mean.tau += point.tau / recordings;
+      mean.noise += point.noise / recordings;
+      mean.exact += point.exact / recordings;
+      mean.paper += point.paper / recordings;
       mean.windows += point.windows;
       mean.judged = mean.judged && point.judged;
       values.push_back(point.value);
@@ -282,7 +283,7 @@ std::vector<CurvePoint> curveOf(const SetData& set, bool angular) {
     mean.value = value.mean;
     mean.sigma = value.error;
     mean.z = analysis::normalDeviate(
-        deviation.mean / std::hypot(deviation.error, kFloor * mean.exact), films - 1);
+        deviation.mean / std::hypot(deviation.error, kFloor * mean.exact), recordings - 1);
   }
   return curve;
 }
@@ -293,13 +294,13 @@ double paperDeviation(const SetData& set, const CurvePoint& point, bool angular)
 }
 
 std::optional<Estimate> estimateOf(const SetData& set, const std::string& name) {
-  if (set.films.size() > 1) {
+  if (set.recordings.size() > 1) {
     const Estimate* first = find(resultOf(set).estimates, name);
     if (first == nullptr) return std::nullopt;
     Estimate mean = *first;
     std::vector<double> values;
-    for (const RecordingData& film : set.films) {
-      const Estimate* one = find(film.result.estimates, name);
+    for (const RecordingData& recording : set.recordings) {
+      const Estimate* one = find(recording.result.estimates, name);
       if (one != nullptr && std::isfinite(one->value)) values.push_back(one->value);
     }
     if (values.size() < 2) return std::nullopt;
@@ -310,7 +311,7 @@ std::optional<Estimate> estimateOf(const SetData& set, const std::string& name) 
     mean.sigma = scatter.error;
     mean.low95 = scatter.mean - half;
     mean.high95 = scatter.mean + half;
-    mean.note = fmt::format("mean of {} films; {}", values.size(), mean.note);
+    mean.note = fmt::format("mean of {} recordings; {}", values.size(), mean.note);
     return mean;
   }
   const ProgramResult& result = resultOf(set);
@@ -345,7 +346,7 @@ std::vector<Estimate> estimatesOf(const SetData& set) {
     const auto best = estimateOf(set, name);
     if (!best) continue;
     all.push_back(*best);
-    if (set.films.size() > 1) continue;
+    if (set.recordings.size() > 1) continue;
     const Estimate* live = find(resultOf(set).estimates, name);
     if (live != nullptr && live->note != best->note && std::isfinite(live->value)) {
       all.push_back(*live);
@@ -367,14 +368,14 @@ double lineThroughOrigin(const SetData& set, bool angular) {
 }
 
 std::string curveLabel(const PaperPanel& panel, const PaperSet& set) {
-  const ProgramSpec& p = set.program;
+  const RobotProgram& p = set.program;
   if (panel.curves.size() < 2) return "measured";
-  switch (p.model) {
-    case Model::kAbp:
+  switch (p.kind) {
+    case ProgramKind::kAbp:
       return panel.inset == Inset::kDrOverEpsilon ? fmt::format("ε = {:g} s", p.epsilon)
                                                   : fmt::format("η = {:g} rad/s", p.eta);
-    case Model::kBp:
-    case Model::kNoisyAbp:
+    case ProgramKind::kBp:
+    case ProgramKind::kNoisyAbp:
       return fmt::format("V = {:g} cm/s", p.V * kCm);
     default:
       return panel.id == "4e" ? fmt::format("τ_t = {:g} s", p.tau_t)

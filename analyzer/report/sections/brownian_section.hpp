@@ -1,4 +1,4 @@
-/// The test for Brownian motion as people and programs read it.
+/// The test for Brownian motion as JSON and HTML.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -8,10 +8,10 @@
 
 namespace lab::report {
 
-/// One array a column, both answers and the verdict in words.
+/// One array per column, both results and the verdict in words.
 [[nodiscard]] nlohmann::ordered_json brownianJson(const analysis::BrownianTest& test);
 
-/// A paragraph of the report's page.
+/// A paragraph of report.html.
 [[nodiscard]] std::string brownianHtml(const analysis::BrownianTest& test);
 
 }  // namespace lab::report

@@ -3,8 +3,9 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 
-#include "analyzer/report/html/html_sections.hpp"
+#include "analyzer/report/html/html_verdicts.hpp"
 #include "common/text/format.hpp"
 #include "common/text/json_number.hpp"
 
@@ -44,7 +45,7 @@ std::string testText(const std::optional<LawTest>& test, const char* what) {
     return fmt::format("<li>{}: too few lags for a test.</li>\n", what);
   }
   constexpr double kRejected = 0.001;
-  return fmt::format("<li>{}: {} by this film: {} ({:.1f} σ; {} degrees of freedom).</li>\n", what,
+  return fmt::format("<li>{}: {} by the data, {} ({:.1f} σ; {} degrees of freedom).</li>\n", what,
                      test->p_value < kRejected ? "rejected" : "not rejected", pText(test->p_value),
                      test->deviate, test->freedom);
 }
@@ -80,7 +81,7 @@ Json fitJson(const LawFit& fit) {
   json["degrees_of_freedom"] = fit.freedom;
   json["p_value"] = number(fit.p_value);
   json["least_squares_guard_z"] = number(fit.guard_z);
-  json["covariance"] = {{"films", fit.films},
+  json["covariance"] = {{"films", fit.recordings},
                         {"film_s", number(fit.recording_duration)},
                         {"regularised", fit.regularised}};
   json["test_exact"] = testJson(fit.exact);
@@ -99,8 +100,8 @@ std::string fitHtml(const LawFit& fit) {
   std::string html = "<h4>Fit of the exact law</h4>\n" + html::estimateTable(all) + "<ul>\n";
   html += fmt::format(
       "<li>The fitted law describes the curves with {} (χ² = {:.1f}, {} degrees of "
-      "freedom; covariance of {} simulated films).</li>\n",
-      pText(fit.p_value), fit.chi2, fit.freedom, fit.films);
+      "freedom; covariance of {} simulated recordings).</li>\n",
+      pText(fit.p_value), fit.chi2, fit.freedom, fit.recordings);
   if (fit.guard_z > kTrustedGuard) {
     html += fmt::format(
         "<li class=\"disagrees\">Generalised and ordinary least squares differ by "

@@ -10,11 +10,11 @@
 
 namespace lab::report {
 
-/// Each estimate under its name with its unit, in people's units.
+/// Each estimate under its name with its unit, in display units (cm, degrees).
 [[nodiscard]] nlohmann::ordered_json estimatesJson(
     const std::vector<analysis::Estimate>& estimates);
 
-/// Key "fit" of summary.json: a refusal in words, or parameters, intervals and tests.
+/// Key "fit" of summary.json: the reason if there is no fit, or parameters, intervals and tests.
 [[nodiscard]] nlohmann::ordered_json fitJson(const analysis::LawFit& fit);
 
 /// The table "Fit of the exact law" with its tests.

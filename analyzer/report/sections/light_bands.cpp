@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "analyzer/report/html/html_sections.hpp"
+#include "common/calibration/light_margins.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
@@ -13,23 +15,9 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-calibration::LightFit toFit(const LightCalibration& calibration) {
-  calibration::LightFit fit;
-  fit.gamma = calibration.gamma;
-  fit.vignetting = calibration.vignetting;
-  fit.scale = calibration.scale;
-  fit.ambient = calibration.ambient;
-  fit.residual = calibration.residual;
-  for (const auto& [robot, gains] : calibration.gains) {
-    fit.gains[{robot, true}] = gains.front;
-    fit.gains[{robot, false}] = gains.back;
-  }
-  return fit;
-}
-
 double centimetres(double metres) { return metres / units::kCentimetre; }
 
-/// Row by row as the arena lies, y upwards.
+/// The readings by position, with y upwards.
 std::string placeTable(const calibration::BandMargin& band, const LightBand& limits) {
   std::vector<std::string> columns{">y (cm) \\ x (cm)"};
   for (int column = 0; column < calibration::kMarginColumns; ++column) {
@@ -52,40 +40,28 @@ std::string placeTable(const calibration::BandMargin& band, const LightBand& lim
 
 }  // namespace
 
-std::vector<calibration::BandMargin> lightMargins(const LightCalibration& calibration,
-                                                  const Experiment& experiment) {
-  std::vector<calibration::BandLimits> bands;
-  for (const LightBand& band : experiment.light_table.bands) {
-    bands.push_back({band.program, band.low, band.high});
-  }
-  return calibration::bandMargins(toFit(calibration), bands, experiment.arena_width,
-                                  experiment.arena_height);
-}
-
 std::string html::lightBands(const RunRecord& record) {
   if (!record.light_calibration || !record.experiment) return {};
   const auto margins = lightMargins(*record.light_calibration, *record.experiment);
   if (margins.empty()) return {};
   std::string html = fmt::format(
-      "<h2>Light bands</h2>\n<p>With the calibration of light {} the same light is the same "
-      "reading "
-      "everywhere, so the margin of a band holds at every place: how far the light in its middle "
-      "is "
-      "from its edge, for the least sensitive of {} robots' sensors, whose readings follow the "
+      "<h2>Light bands</h2>\n<p>With the light calibration {}, equal light gives equal readings "
+      "everywhere, so the margins hold at every position: the distance of the light in the middle "
+      "of a band from its edge, for the least sensitive sensor of {} robots. Readings follow the "
       "calibration within {:.2g} % of full scale (rms).</p>\n",
       record.light_calibration->id, record.light_calibration->gains.size(),
       100 * record.light_calibration->residual);
-  Table table({"program", ">light", ">to the edge", ">in standard deviations of a reading",
-               ">chance of a wrong one"});
+  Table table({"program", ">light", ">margin to the edge", ">in standard deviations of a reading",
+               ">probability of a wrong reading"});
   for (const auto& band : margins) {
     table.row({escapeHtml(band.program), fmt::format("{:.3f}", band.light),
                fmt::format("{:.3f}", band.margin), fmt::format("{:.1f}", band.sigmas),
                fmt::format("{:.1e}", band.chance)});
   }
   html += table.text() +
-          "<details><summary>Without the calibration, place by place</summary>\n<p>What the sensor "
-          "that is nearest to leaving the band (or farthest outside, ✗) would read of the same "
-          "light.</p>\n";
+          "<details><summary>Without the calibration, by position</summary>\n<p>The reading of the "
+          "same light by the sensor that is closest to leaving the band, or farthest outside "
+          "(✗).</p>\n";
   const auto& bands = record.experiment->light_table.bands;
   for (std::size_t i = 0; i < margins.size(); ++i) {
     html +=

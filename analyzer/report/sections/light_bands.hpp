@@ -1,29 +1,22 @@
-/// How surely the light selects the programs that it should, from the calibration in the log.
+/// How surely the light selects the intended program, from the light calibration in the log.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <vector>
 
 #include "analyzer/report/record/run_record.hpp"
-#include "common/calibration/light_file.hpp"
-#include "light/photometry/light_margin.hpp"
 
 namespace lab::report {
 
-/// One for each band of the experiment's light table.
-[[nodiscard]] std::vector<calibration::BandMargin> lightMargins(const LightCalibration& calibration,
-                                                                const Experiment& experiment);
-
 namespace html {
 
-/// Margins of the bands, and what each would come to without the calibration, place by place. Empty
-/// where the run had none.
+/// The section of report.html: the margin of each light band, and what the sensors would read
+/// without the calibration, by place. Empty if the run had no light calibration.
 [[nodiscard]] std::string lightBands(const RunRecord& record);
 
 }  // namespace html
 
-/// The same for programs; null where the run had no calibration of light.
+/// The block "light_bands" of summary.json; null if the run had no light calibration.
 [[nodiscard]] nlohmann::ordered_json lightBandsJson(const RunRecord& record);
 
 }  // namespace lab::report

@@ -3,12 +3,78 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
+#include <nlohmann/json.hpp>
 
 #include "analyzer/report/html/html_sections.hpp"
+#include "analyzer/report/html/html_verdicts.hpp"
+#include "analyzer/report/sections/fit_section.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
+#include "common/text/json_number.hpp"
 
-namespace lab::report::html {
+namespace lab::report {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json testJson(const analysis::TestResult& result) {
+  return {{"statistic", number(result.statistic)},
+          {"p", number(result.p)},
+          {"samples", number(result.n)}};
+}
+
+/// One array per column.
+Json densityJson(const std::vector<analysis::DensityBar>& bars, const std::string& unit) {
+  Json low = Json::array();
+  Json high = Json::array();
+  Json value = Json::array();
+  Json error = Json::array();
+  Json count = Json::array();
+  Json theory = Json::array();
+  for (const analysis::DensityBar& bar : bars) {
+    low.push_back(number(bar.low));
+    high.push_back(number(bar.high));
+    value.push_back(number(bar.density));
+    error.push_back(number(bar.sigma));
+    count.push_back(number(bar.count));
+    theory.push_back(number(bar.theory));
+  }
+  return {{"from_" + unit, low},
+          {"to_" + unit, high},
+          {"density_per_" + unit, value},
+          {"standard_error_per_" + unit, error},
+          {"count", count},
+          {"theory_per_" + unit, theory}};
+}
+
+}  // namespace
+
+Json runsJson(const analysis::RunStatistics& runs, bool whole) {
+  if (!runs.problem.empty()) return {{"problem", runs.problem}};
+  Json json;
+  json["observed_s"] = number(runs.observed);
+  json["tumbles"] = runs.tumbles;
+  json["runs"] = runs.runs;
+  json["runs_cut_off"] = runs.cut_off;
+  json["runs_too_short_to_see"] = runs.hidden;
+  json["shortest_run_s"] = number(runs.shortest);
+  json["estimates"] = estimatesJson(runs.estimates);
+  if (!whole) return json;
+  json["tumble_time_scatter_s"] = number(runs.tumble_scatter);
+  json["wheel_speed_of_99_percent_of_turns_cm_s"] = number(runs.wheel_speed * 100);
+  json["wheel_speed_needed_for_half_a_turn_cm_s"] = number(runs.needed_wheel_speed * 100);
+  json["share_turned_beyond_180_degrees"] = number(runs.beyond_half_turn);
+  json["exponential_run_times"] = testJson(runs.exponential);
+  json["uniform_angles_kuiper"] = testJson(runs.uniform);
+  json["uniform_angles_rayleigh"] = testJson(runs.preferred);
+  json["independent_runs_correlation"] = testJson(runs.independent);
+  json["run_time_distribution"] = densityJson(runs.run_times, "s");
+  json["turn_distribution"] = densityJson(runs.turns, "rad");
+  return json;
+}
+
+namespace html {
 namespace {
 
 using analysis::RunStatistics;
@@ -25,10 +91,10 @@ std::string pText(double p) {
 
 void testRow(Table& table, const char* question, const char* how, const TestResult& test) {
   const bool rejected = test.p < kRejected;
-  const char* answer = rejected ? "no" : "nothing speaks against it";
+  const char* answer = rejected ? "no: rejected" : "not rejected";
   table.row({question,
              fmt::format("<span{}>{}</span>", rejected ? " class=\"disagrees\"" : "",
-                         std::isfinite(test.p) ? answer : "too few to tell"),
+                         std::isfinite(test.p) ? answer : "too few data"),
              pText(test.p), shortText(test.statistic),
              groupedText(static_cast<std::int64_t>(test.n)),
              fmt::format("<span class=\"soft\">{}</span>", how)});
@@ -37,35 +103,35 @@ void testRow(Table& table, const char* question, const char* how, const TestResu
 std::string tests(const RunStatistics& runs) {
   Table table({"", "answer", ">p", ">statistic", ">of", "test"});
   testRow(table, "Are run times exponential?",
-          "largest distance from the fitted exponential law (Lilliefors), ends of tracks as they "
-          "cut; p from 499 simulated sets",
+          "largest distance from the fitted exponential law (Lilliefors), with cut-off runs as "
+          "censored data; p from 499 simulated sets",
           runs.exponential);
-  testRow(table, "Are all tumble angles alike?", "Kuiper", runs.uniform);
+  testRow(table, "Are tumble angles uniform?", "Kuiper", runs.uniform);
   testRow(table, "Is no direction preferred?", "Rayleigh", runs.preferred);
-  testRow(table, "Is a run independent of the one before?", "correlation of successive run times",
+  testRow(table, "Are successive runs independent?", "correlation of successive run times",
           runs.independent);
   return table.text();
 }
 
-/// What the wheels have to say.
+/// Remarks on wheels that limit the tumbles.
 std::string wheels(const RunStatistics& runs, double limit) {
   std::string html;
   if (runs.needed_wheel_speed > limit) {
     html += fmt::format(
         "<li><b>The wheels are too slow for these tumbles:</b> half a turn in the programmed "
-        "<i>τ</i><sub>t</sub> needs {} cm/s, and they reach {}. Larger angles fall short, the "
+        "<i>τ</i><sub>t</sub> needs {} cm/s, and they reach {}. Larger turns are incomplete, the "
         "angles are not uniform, and <i>D</i> is not that of eq. 6.</li>\n",
         shortText(runs.needed_wheel_speed * kCm), shortText(limit * kCm));
   } else if (runs.wheel_speed > 0.98 * limit) {
     html += fmt::format(
-        "<li><b>Tumbles at the limit of the wheels:</b> turns need up to {} cm/s at the rim, and "
-        "the wheels reach {}. Angles may have fallen short.</li>\n",
+        "<li><b>Tumbles at the limit of the wheels:</b> turns need wheel speeds up to {} cm/s, and "
+        "the wheels reach {}. Some turns may be incomplete.</li>\n",
         shortText(runs.wheel_speed * kCm), shortText(limit * kCm));
   }
   if (runs.beyond_half_turn > kRejected) {
     html += fmt::format(
-        "<li>{:.0f} % of the tumbles turned by more than 180°: not the short way round. The "
-        "positions do not tell, the angular MSD does.</li>\n",
+        "<li>{:.0f} % of the tumbles turned by more than 180°, not the shorter way. Positions do "
+        "not show this; the angular MSD does.</li>\n",
         runs.beyond_half_turn * kPercents);
   }
   return html;
@@ -80,8 +146,8 @@ std::string card(const Finding& finding, double limit) {
            fmt::format("<p>No runs from poses: {}.</p>\n</section>\n", escapeHtml(runs.problem));
   }
   html += fmt::format(
-      "<p>{} begun in {}; {} seen from tumble to tumble, {} cut off by the end of a track, {} too "
-      "short to see (below {} s) and known by how long the robot stood.</p>\n",
+      "<p>{} began in {}. {} observed from tumble to tumble, {} cut off by the end of a track, {} "
+      "too short to detect (below {} s) and inferred from the durations of the stops.</p>\n",
       countText(runs.tumbles, "tumble"), durationText(runs.observed), countText(runs.runs, "run"),
       groupedText(runs.cut_off), groupedText(runs.hidden), shortText(runs.shortest));
   const std::string remarks = wheels(runs, limit);
@@ -97,10 +163,10 @@ std::string runs(const std::vector<Finding>& findings, double max_wheel_speed) {
     if (finding.pool->result.runs) cards += card(finding, max_wheel_speed);
   }
   if (cards.empty()) return {};
-  return "<h2>Runs and tumbles</h2>\n<p>Found in the poses alone, whatever the robots say: a "
-         "tumble "
-         "is a stop, a run the straight way between two stops.</p>\n" +
+  return "<h2>Runs and tumbles</h2>\n<p>Found in the poses alone, independent of the telemetry: a "
+         "tumble is a stop, a run is the straight path between two stops.</p>\n" +
          cards;
 }
 
-}  // namespace lab::report::html
+}  // namespace html
+}  // namespace lab::report

@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/summary/findings.hpp"
@@ -145,25 +147,25 @@ Json joinsJson(const analysis::ProgramResult& result) {
 std::string joinsText(const analysis::ProgramResult& result) {
   if (!result.joins || result.joins->joins == 0) return {};
   const JoinComparison& joins = *result.joins;
-  const std::string what = fmt::format("{}, every {} on the mean: ", countText(joins.joins, "join"),
-                                       durationText(joins.mean_piece));
+  const std::string what =
+      fmt::format("{}, one per {} on average: ", countText(joins.joins, "join"),
+                  durationText(joins.mean_piece));
   if (joins.compared == 0) {
-    return what + "too few windows straddle one to compare them with those within pieces";
+    return what + "too few windows straddle a join for a comparison with those within pieces";
   }
   if (std::abs(joins.max_z) < kDefect) {
     return what + fmt::format(
-                      "windows that straddle one differ from those within pieces by no more than "
-                      "the choice of walls explains (at most {:.1f} standard errors beyond it; "
-                      "lags up to {} s)",
+                      "windows that straddle a join differ from those within pieces by no more "
+                      "than the selection by walls explains (at most {:.1f} standard errors beyond "
+                      "it; lags up to {} s)",
                       std::abs(joins.max_z), shortText(joins.longest_lag));
   }
-  return what +
-         fmt::format(
-             "the joins do not fit: with windows that straddle one the {} at {} s differs by "
-             "{:.1f} standard errors beyond what the choice of walls explains; "
-             "--no-stitch analyzes without them",
-             joins.max_z_angular ? "angular MSD" : "MSD", shortText(joins.max_z_tau),
-             std::abs(joins.max_z));
+  return what + fmt::format(
+                    "the joins do not fit: with windows that straddle a join, the {} at {} s "
+                    "differs by {:.1f} standard errors beyond what the selection by walls "
+                    "explains; --no-stitch analyzes without joins",
+                    joins.max_z_angular ? "angular MSD" : "MSD", shortText(joins.max_z_tau),
+                    std::abs(joins.max_z));
 }
 
 namespace html {
@@ -171,15 +173,15 @@ namespace html {
 std::string stitching(const RunRecord& record) {
   if (record.pieces.empty()) return {};
   std::string html = fmt::format(
-      "<h2>Where the tracks were cut and joined</h2>\n<p>{} of free motion; the file segments.csv "
-      "has each of them with the reason for its end. {}</p>\n",
+      "<h2>Cuts and joins of the tracks</h2>\n<p>{} of free motion; segments.csv lists them with "
+      "the reason of their end. {}</p>\n",
       countText(static_cast<std::int64_t>(record.pieces.size()), "piece"),
-      record.stitched ? "The motion around a reversal is joined, since the robot resumes exactly; "
+      record.stitched ? "The track is joined at reversals, because the robot resumes exactly; "
                         "<code>lab analyze --no-stitch</code> cuts there instead."
-                      : "<strong>Joins are off (--no-stitch):</strong> long windows then are those "
-                        "that met no wall, and their curves are biased.");
+                      : "<strong>Joins are off (--no-stitch):</strong> long windows are then only "
+                        "those that met no wall, and the curves are biased.");
   const auto counts = countsOf(record);
-  Table table({"why a piece ended", ">times"});
+  Table table({"end of the piece", ">count"});
   for (std::size_t i = 0; i < kReasons; ++i) {
     if (counts.at(i) == 0) continue;
     table.row({std::string(pieceEndText(static_cast<PieceEnd>(i))), groupedText(counts.at(i))});
@@ -193,14 +195,14 @@ std::string stitching(const RunRecord& record) {
   const HeadingRecord& headings = record.headings;
   if (headings.jumps > 0) {
     html += fmt::format(
-        "<li>{} of the heading by π, which no wheel can make: the tracker took the tail for the "
-        "head. {} turned round.</li>\n",
+        "<li>{} of the heading by π, which wheels cannot make: the tracker confused head and tail. "
+        "{} flipped.</li>\n",
         countText(headings.jumps, "jump"), countText(headings.flips, "heading"));
   }
   if (headings.sense_turns > 0) {
     html += fmt::format(
-        "<li>{} in which the motion showed the head to be the tail: turned round as a "
-        "whole.</li>\n",
+        "<li>{} in which the motion showed that head and tail were confused: flipped "
+        "completely.</li>\n",
         countText(headings.sense_turns, "track"));
   }
   return html + "</ul>\n";

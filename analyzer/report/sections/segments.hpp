@@ -1,4 +1,4 @@
-/// Where the free motion of each robot was cut, and where it was joined, and why.
+/// Where and why the free motion of each robot was cut or joined.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -12,22 +12,22 @@ namespace lab::report {
 /// "reversal, joined", "program switch", ...
 [[nodiscard]] std::string_view pieceEndText(analysis::PieceEnd reason);
 
-/// segments.csv (docs/stitching.md): a row for each piece of free motion, ordered by robot and
-/// time.
+/// segments.csv (docs/stitching.md): one row per piece of free motion, ordered by robot and time.
 [[nodiscard]] std::string segmentsCsv(const RunRecord& record);
 
-/// Of a run: pieces by the reason for their end, and mended headings.
+/// For a run: pieces by the reason of their end, and corrected headings.
 [[nodiscard]] nlohmann::ordered_json stitchingJson(const RunRecord& record);
 
-/// Of a program: the comparison of windows within pieces with all; null where there is none.
+/// For a program: the comparison of windows within pieces with all windows; null if there is none.
 [[nodiscard]] nlohmann::ordered_json joinsJson(const analysis::ProgramResult& result);
 
-/// One sentence on it; empty where there is none.
+/// The same in one sentence; empty if there is none.
 [[nodiscard]] std::string joinsText(const analysis::ProgramResult& result);
 
 namespace html {
 
-/// Counts by reason, what the joins do to the curves, and mended headings.
+/// The section of report.html: counts by reason, effect of the joins on the curves, corrected
+/// headings.
 [[nodiscard]] std::string stitching(const RunRecord& record);
 
 }  // namespace html

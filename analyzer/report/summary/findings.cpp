@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <string_view>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
@@ -19,9 +21,9 @@ using analysis::VerdictKind;
 using units::kCm;
 using units::kPercents;
 
-constexpr std::int64_t kMuchOneIn = 10;  // poses left out: more, and a number may be made of it
+constexpr std::int64_t kMuchOneIn = 10;  // a larger share of omitted poses biases the estimates
 
-/// The formula of the paper for this model.
+/// The formula of the paper for a model.
 std::string paperFormula(analysis::ProgramKind kind) {
   switch (kind) {
     case analysis::ProgramKind::kAbp:
@@ -36,8 +38,7 @@ std::string paperFormula(analysis::ProgramKind kind) {
   }
 }
 
-/// The estimate that says most about a model.
-std::string_view telling(analysis::ProgramKind kind) {
+std::string_view characteristicName(analysis::ProgramKind kind) {
   switch (kind) {
     case analysis::ProgramKind::kBp:
       return "D_t";
@@ -61,11 +62,11 @@ std::string uniqueFile(const std::vector<Finding>& before, const std::string& na
   return file;
 }
 
-std::string nameOf(const RunRecord& record, const program_t& program) {
-  for (const RunProgram& known : record.programs) {
-    if (sameProgram(known.program, program)) return known.name;
-  }
-  return modelName(program.kind);
+int keyOf(const RunRecord& record, const program_t& program) {
+  const auto known =
+      std::find_if(record.programs.begin(), record.programs.end(),
+                   [&](const RunProgram& one) { return sameProgram(one.program, program); });
+  return known == record.programs.end() ? -1 : static_cast<int>(known - record.programs.begin());
 }
 
 /// "D_r = 0.748 rad²/s (95 %: 0.736 to 0.760; programmed 0.75)"
@@ -82,7 +83,8 @@ std::string estimateText(const Estimate& estimate) {
                      valueText(estimate.high95 * unit.factor, error), programmed);
 }
 
-/// The curves are compared at the measured speed: a reader must know where that differs.
+/// A remark if the measured speed differs from the programmed one, because curves are compared at
+/// the measured speed.
 std::vector<std::string> speedRemark(const ProgramResult& result) {
   for (const Estimate& estimate : result.estimates) {
     const bool is_speed = estimate.name == "v" || estimate.name == "v_a";
@@ -91,8 +93,8 @@ std::vector<std::string> speedRemark(const ProgramResult& result) {
     const double off = estimate.value / estimate.theory - 1;
     if (!outside || std::abs(off) > analysis::CurveOptions{}.speed_tolerance) continue;
     return {fmt::format(
-        "The speed is {:+.2f} % off the programmed one, as wheels with finite steps or a clock may "
-        "be; deviations are those from the exact law at the measured speed.",
+        "The speed is {:+.2f} % off the programmed one, which wheels with finite steps or clock "
+        "errors explain. Deviations are from the exact law at the measured speed.",
         off * kPercents)};
   }
   return {};
@@ -105,7 +107,9 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
   for (const analysis::FeedResult& result : record.results) {
     if (result.result.robot == analysis::kPool) {
       Finding finding;
-      finding.name = nameOf(record, result.program);
+      finding.key = keyOf(record, result.program);
+      finding.name = finding.key < 0 ? std::string(modelName(result.program.kind))
+                                     : record.programNameOf(finding.key);
       const bool none = result.result.law.kind == analysis::ProgramKind::kNone;
       finding.model = none ? "program not given" : modelName(result.program.kind);
       finding.file = uniqueFile(findings, finding.name);
@@ -133,19 +137,18 @@ std::string verdictText(const ProgramResult& result) {
 std::string verdictReason(const ProgramResult& result) {
   const analysis::Verdict& verdict = result.verdict;
   if (result.law.kind == analysis::ProgramKind::kNone) {
-    return "No program was given, so that there are curves and no theory: name it with --program "
-           "and "
-           "--set.";
+    return "No program was given, so there are curves without theory. Name the program with "
+           "--program and --set.";
   }
   if (verdict.kind == VerdictKind::kUndecided) {
     return fmt::format(
-        "Not enough to tell: {} can be judged. A verdict needs five, with at least a hundred draws "
-        "behind each.",
+        "Not enough data: {} can be judged. A verdict needs five, with at least a hundred "
+        "independent draws.",
         countText(verdict.judged, "lag"));
   }
   return fmt::format(
-      "Over {} the largest deviation from the exact law is {:.1f} standard errors ({} at {} s); "
-      "chance exceeds 3.2 in one run of a hundred, and 4 is the limit.",
+      "Over {} the largest deviation from the exact law is {:.1f} standard errors ({} at {} s); by "
+      "chance, one run of a hundred exceeds 3.2. The limit is 4.",
       countText(verdict.judged, "lag"), std::abs(verdict.max_z),
       verdict.angular ? "angular MSD" : "MSD", shortText(verdict.tau));
 }
@@ -153,41 +156,47 @@ std::string verdictReason(const ProgramResult& result) {
 std::vector<std::string> reservations(const ProgramResult& result) {
   std::vector<std::string> remarks = speedRemark(result);
   if (result.unbiased_lag > 0) {
-    remarks.push_back(fmt::format(
-        "The light depends on place, so a robot leaves this program by where it goes: windows "
-        "longer than {} s are selected by the motion itself. They are drawn hollow and not judged.",
-        shortText(result.unbiased_lag)));
+    remarks.push_back(
+        fmt::format("The light depends on the position, so the motion itself selects windows "
+                    "longer than {} s. They are drawn hollow and not judged.",
+                    shortText(result.unbiased_lag)));
   }
   if (result.reversals > 0) {
-    remarks.push_back(fmt::format(
-        "{} at walls or robots removed and the track joined across; robots resume exactly, so this "
-        "leaves the statistics those of free motion.",
-        countText(result.reversals, "reversal")));
+    remarks.push_back(
+        fmt::format("{} at walls or robots removed, and the track joined. Robots resume exactly, "
+                    "so the statistics are those of free motion.",
+                    countText(result.reversals, "reversal")));
   }
   if (result.contact_share > 0) {
-    remarks.push_back(fmt::format(
-        "{:.1f} % of the frames were cut because a body touched a robot or a wall. What remains is "
-        "motion between contacts, which favours places with room{}.",
-        result.contact_share * kPercents,
-        result.law.kind == analysis::ProgramKind::kRtp
-            ? ", and tumbles, since contacts end runs: in a crowd gamma comes out too high and the "
-              "law "
-              "is rejected"
-            : ""));
+    remarks.push_back(
+        fmt::format("{:.1f} % of the frames were cut because of contact with a robot or a wall. "
+                    "The remaining motion between contacts is biased toward free space{}.",
+                    result.contact_share * kPercents,
+                    result.law.kind == analysis::ProgramKind::kRtp
+                        ? ", and toward short runs, because contacts end runs: in a crowd gamma is "
+                          "too high and the law is rejected"
+                        : ""));
   }
   if (result.lost > 0) {
     remarks.push_back(fmt::format(
-        "{} left out: no report said what the robot did then, or the wheels could not have made "
-        "the jump.",
+        "{} omitted: no telemetry covered them, or wheels could not have made the jump.",
         countText(result.lost, "frame")));
   }
   const double noise = result.curves.msd.empty() ? 0 : result.curves.msd.front().noise;
   if (std::isfinite(noise) && noise > 0) {
-    remarks.push_back(fmt::format(
-        "Tracker noise of {} cm in each coordinate was measured and taken into account.",
-        fmt::format("{:.2g}", std::sqrt(noise) / 2 * kCm)));
+    remarks.push_back(
+        fmt::format("The measured tracker noise of {} cm per coordinate is taken into account.",
+                    fmt::format("{:.2g}", std::sqrt(noise) / 2 * kCm)));
   }
   return remarks;
+}
+
+const Estimate* characteristicEstimate(const ProgramResult& result) {
+  const auto found =
+      std::find_if(result.estimates.begin(), result.estimates.end(), [&](const Estimate& one) {
+        return one.name == characteristicName(result.law.kind) && std::isfinite(one.value);
+      });
+  return found == result.estimates.end() ? nullptr : &*found;
 }
 
 std::string paperComparison(const ProgramResult& result) {
@@ -211,9 +220,8 @@ std::string paperComparison(const ProgramResult& result) {
                : fmt::format("The paper's {} is the exact law here.", formula);
   }
   return fmt::format(
-      "The paper's {} differs from the exact law by up to {:+.{}f} % (at {} s); in this run that "
-      "is "
-      "{} standard errors at most.",
+      "The paper's {} differs from the exact law by up to {:+.{}f} % (at {} s); in this run, that "
+      "is at most {} standard errors.",
       formula, most * kPercents, std::abs(most) < 0.1 ? 1 : 0, shortText(furthest->tau),
       most_z < 10 ? fmt::format("{:.1f}", most_z) : fmt::format("{:.0f}", most_z));
 }
@@ -257,7 +265,7 @@ std::string lossText(const RunRecord& record) {
   const LossTotal total = totalOf(record.log.streams);
   if (total.lost == 0 && !total.at_least) return {};
   if (total.lost == 0) {
-    return "no message is known to be lost, but a sender ended without its last count";
+    return "no message is known to be lost, but the last count of a sender is missing";
   }
   const std::int64_t sent = total.lost + total.received;
   return fmt::format("{}{} of {} ({:.2g} %) missing in the log", total.at_least ? "at least " : "",
@@ -267,7 +275,7 @@ std::string lossText(const RunRecord& record) {
 
 std::vector<std::string> headlines(const RunRecord& record) {
   std::vector<std::string> lines;
-  // First: whatever follows is of numbers that mean something else.
+  // First, because doubts about units concern all numbers that follow.
   if (record.poses) lines = record.poses->doubts;
   const auto findings = findingsOf(record);
   std::int64_t jumped = 0;
@@ -280,11 +288,8 @@ std::vector<std::string> headlines(const RunRecord& record) {
       line += fmt::format(", at most {:.1f} standard errors over {}",
                           std::abs(result.verdict.max_z), countText(result.verdict.judged, "lag"));
     }
-    for (const Estimate& estimate : result.estimates) {
-      const bool tells = estimate.name == telling(result.law.kind);
-      if (selected || !tells || !std::isfinite(estimate.value)) continue;
-      line += "; " + estimateText(estimate);
-    }
+    const Estimate* estimate = selected ? nullptr : characteristicEstimate(result);
+    if (estimate != nullptr) line += "; " + estimateText(*estimate);
     lines.push_back(line);
   }
   const bool any = !findings.empty();
@@ -302,27 +307,28 @@ std::vector<std::string> headlines(const RunRecord& record) {
   if (record.poses) {
     const PoseSource& poses = *record.poses;
     if (any && poses.in_contact * kMuchOneIn > poses.rows) {
-      lines.push_back(fmt::format(
-          "{} of {} touch another robot or a wall of the {:g} x {:g} cm arena: only what is left "
-          "between is judged (another arena: --set arena.width_cm=... --set arena.height_cm=...)",
-          groupedText(poses.in_contact), countText(poses.rows, "pose"),
-          record.experimentOrDefault().arena_width * kCm,
-          record.experimentOrDefault().arena_height * kCm));
+      lines.push_back(
+          fmt::format("{} of {} touch another robot or a wall of the {:g} x {:g} cm arena: only "
+                      "the motion between contacts is judged (another arena: --set "
+                      "arena.width_cm=... --set arena.height_cm=...)",
+                      groupedText(poses.in_contact), countText(poses.rows, "pose"),
+                      record.experimentOrDefault().arena_width * kCm,
+                      record.experimentOrDefault().arena_height * kCm));
     }
     if (selected) {
       lines.push_back(fmt::format(
-          "{} of {} left out: faster than wheels can drive or turn a robot, so what is left is "
-          "selected. Is the unit of x and y right (--scale-cm), are headings in radians?",
+          "{} of {} omitted: faster than wheels can drive or turn a robot, so the rest is "
+          "selected. Is the unit of x and y right (--scale-cm)? Are headings in radians?",
           groupedText(jumped), countText(poses.rows, "pose")));
     }
     for (const auto& [count, what] :
-         {std::pair(poses.repeated, "said twice in one frame: counted once"),
-          std::pair(poses.contradicted, "of a robot in two places in one frame: left out")}) {
+         {std::pair(poses.repeated, "repeated within a frame: counted once"),
+          std::pair(poses.contradicted, "of a robot at two positions in one frame: omitted")}) {
       if (count > 0) lines.push_back(fmt::format("{} {}", countText(count, "pose"), what));
     }
     if (record.missing_frames > 0) {
-      lines.push_back(
-          fmt::format("{} missing by their numbers", countText(record.missing_frames, "frame")));
+      lines.push_back(fmt::format("{} missing in the frame numbers",
+                                  countText(record.missing_frames, "frame")));
     }
     return lines;
   }
@@ -331,7 +337,7 @@ std::vector<std::string> headlines(const RunRecord& record) {
   for (const Remark& fault : record.faults) {
     lines.push_back(fmt::format("fault at {:.1f} s: {}", record.seconds(fault.utime), fault.text));
   }
-  if (!record.ended) lines.emplace_back("the run has no END: it was cut short");
+  if (!record.ended) lines.emplace_back("the run has no END event: it was cut short");
   return lines;
 }
 

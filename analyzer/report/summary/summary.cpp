@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "analyzer/report/record/step_delays.hpp"
 #include "analyzer/report/sections/brownian_section.hpp"
@@ -28,7 +30,8 @@ Json secondsOrNull(const RunRecord& record, std::int64_t utime) {
   return utime == 0 ? Json(nullptr) : number(record.seconds(utime));
 }
 
-/// One array a column. A robot's own curve goes without what its program's pool says already.
+/// One array per column. The curve of a single robot omits the columns that equal those of the
+/// pool.
 Json curve(const std::vector<CurvePoint>& points, const std::string& si_unit, bool whole) {
   const DisplayUnit unit = displayUnit(si_unit);
   const auto column = [&points](auto value) {

@@ -1,4 +1,4 @@
-/// summary.json: docs/report.md lists its keys.
+/// summary.json: its keys are listed in docs/report.md.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace lab::report {
 
-/// The whole file. People's units, named in the keys; numbers rounded to six figures; null for what
-/// was not determined. Nothing in it depends on when, where or under which name the log is read.
+/// The complete file. Units are cm and degrees, and part of the keys; numbers have six digits; null
+/// if not determined. The content does not depend on time, host or name of the log.
 [[nodiscard]] std::string summaryJson(const RunRecord& record);
 
 }  // namespace lab::report

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <string_view>
 #include <vector>
@@ -13,8 +14,7 @@
 namespace lab::report {
 namespace {
 
-/// A number with a fixed count of decimals, without the detour through the shortest decimal:
-/// `units` of 10^-decimals.
+/// Appends units * 10^-decimals with a fixed number of decimals. Faster than formatting a double.
 void appendFixed(fmt::memory_buffer& out, std::int64_t units, int decimals) {
   std::int64_t scale = 1;
   for (int i = 0; i < decimals; ++i) scale *= 10;
@@ -25,11 +25,11 @@ void appendFixed(fmt::memory_buffer& out, std::int64_t units, int decimals) {
   const fmt::format_int whole(units / scale);
   out.append(whole.data(), whole.data() + whole.size());
   out.push_back('.');
-  const fmt::format_int digits(units % scale + scale);  // the leading 1 keeps the zeros
+  const fmt::format_int digits(units % scale + scale);  // the leading 1 keeps leading zeros
   out.append(digits.data() + 1, digits.data() + digits.size());
 }
 
-/// A number with a fixed count of decimals; nan where it is none that can be.
+/// Appends value * scale * 10^-decimals; nan if it is not finite or too large.
 void appendNumber(fmt::memory_buffer& out, double value, double scale, int decimals) {
   constexpr double kLargest = 1e15;
   const double units = value * scale;

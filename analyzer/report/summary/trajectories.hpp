@@ -1,4 +1,4 @@
-/// trajectories.csv: docs/report.md says what its columns mean.
+/// trajectories.csv: its columns are documented in docs/report.md.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 namespace lab::report {
 
 /// The whole file: frame,particle,x,y,t,theta,program,segment with x and y in cm, t in s since the
-/// start of the run and theta in rad, one row for each robot in each frame. The columns that
-/// trackpy reads come first.
+/// start of the run and theta in rad, one row per robot and frame. The columns that trackpy reads
+/// come first.
 [[nodiscard]] std::string trajectoriesCsv(const RunRecord& record);
 
-/// A field of a CSV file, quoted where it must be (RFC 4180).
+/// A field of a CSV file, quoted if necessary (RFC 4180).
 [[nodiscard]] std::string csvField(const std::string& text);
 
 }  // namespace lab::report

@@ -1,10 +1,12 @@
-// The layers of a light script: the light library says what it can paint, here it is said in the
-// words and units of the file.
+#include "common/experiment/checks/layer_checks.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <map>
+#include <memory>
 #include <numbers>
 #include <set>
 #include <sstream>
@@ -13,16 +15,16 @@
 #include <utility>
 #include <vector>
 
-#include "common/experiment/checks/experiment_checks.hpp"
-#include "common/experiment/experiment_conversions.hpp"
+#include "common/experiment/checks/program_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
+#include "common/experiment/light_messages.hpp"
 #include "common/files/file_values.hpp"
 #include "light/field/image.hpp"
 
 namespace lab::keys {
 namespace {
 
-/// The key of a light::Layer's field: the last one of the kind in the file's order.
+/// The key that holds a field of light::Layer, for this kind of layer.
 std::string keyOf(const std::string& field, light::LayerKind kind) {
   using enum light::LayerKind;
   if (field == "size") {
@@ -41,7 +43,7 @@ std::string keyOf(const std::string& field, light::LayerKind kind) {
   return field;
 }
 
-/// The key of a light::Drive's field.
+/// The key that holds a field of light::Drive.
 std::string keyOfDrive(const std::string& field) {
   constexpr std::array<std::pair<const char*, const char*>, 13> kKeys = {
       {{"vx", "vx_cm_s"},
@@ -62,7 +64,7 @@ std::string keyOfDrive(const std::string& field) {
   return key == kKeys.end() ? field : key->second;
 }
 
-/// "above 0 and below size = 0.1 m" in the words and the unit of the file.
+/// Converts a message such as "above 0 and below size = 0.1 m" to the keys and units of the file.
 std::string inCentimetres(std::string text, light::LayerKind kind) {
   if (const std::size_t size = text.find("size"); size != std::string::npos) {
     text.replace(size, 4, keyOf("size", kind));
@@ -80,7 +82,7 @@ std::string inCentimetres(std::string text, light::LayerKind kind) {
   return sentence;
 }
 
-/// Image files, each of them read once.
+/// Image files, each of which is read once.
 class Images {
  public:
   explicit Images(std::filesystem::path directory) : directory_(std::move(directory)) {}

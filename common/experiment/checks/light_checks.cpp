@@ -1,16 +1,20 @@
+#include "common/experiment/checks/light_checks.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
-#include "common/experiment/checks/experiment_checks.hpp"
+#include "common/experiment/checks/layer_checks.hpp"
+#include "common/experiment/checks/program_checks.hpp"
+#include "common/experiment/checks/script_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
 
 namespace lab::keys {
 namespace {
 
-/// Some ten steps of the robot's converter.
+/// About ten steps of the robot's converter.
 constexpr double kNarrowestBand = 0.01;  // [1]
 
 std::string bandPath(std::size_t index) {
@@ -21,16 +25,8 @@ std::string bandText(const LightBand& band) {
   return '[' + numberText(band.low) + ", " + numberText(band.high) + "]";
 }
 
-std::string programList(const ExperimentForm& form) {
-  std::string list;
-  for (const auto& [name, program] : form.common.programs) {
-    list += (list.empty() ? "" : ", ") + tomlString(name);
-  }
-  return list;
-}
-
-/// The largest hysteresis that leaves of every band a part which only this band can hold, so that
-/// light there selects its program whatever ran before.
+/// The largest hysteresis with which every band keeps an interval of light that selects its program
+/// whatever program ran before.
 double widestHysteresis(std::vector<LightBand> bands) {
   std::ranges::sort(bands, {}, &LightBand::low);
   double widest = 1;
@@ -101,13 +97,6 @@ void checkSteps(const ExperimentForm& form, const std::optional<std::filesystem:
 }
 
 }  // namespace
-
-void checkProgramName(const ExperimentForm& form, const std::string& path, const std::string& name,
-                      Problems& problems) {
-  if (problems.concern("programs") || form.common.programs.contains(name)) return;
-  problems.add(
-      path, "found " + tomlString(name) + ", allowed the name of a program: " + programList(form));
-}
 
 void checkShorthand(const ExperimentForm& form, Problems& problems) {
   if (form.program.empty()) return;

@@ -1,10 +1,14 @@
+#include "common/experiment/checks/network_checks.hpp"
+
 #include <arpa/inet.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
-#include "common/experiment/checks/experiment_checks.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_values.hpp"
 
@@ -13,7 +17,7 @@ namespace {
 
 bool hasHosts(const Experiment& e) { return !otherHosts(e).empty(); }
 
-/// What may stand between ssh and a command without being taken for an option, a path or two words.
+/// Whether a name can be an argument of ssh without being taken for an option, a path or two words.
 bool isSshName(const std::string& name) {
   return !name.empty() && name.front() != '-' &&
          name.find_first_of(" \t\n\"'\\/;&|<>$`*?()") == std::string::npos;
@@ -56,7 +60,7 @@ void checkHost(const HostSpec& host, Problems& problems) {
                    "options such as a port belong into ~/.ssh/config");
 }
 
-/// Two services that share something that no message carries.
+/// Checks that two services run on the same host, because they share more than messages.
 void checkTogether(const Experiment& e, const std::string& one, const std::string& other,
                    const std::string& why, Problems& problems) {
   const std::string here = hostOf(e, one);
@@ -165,14 +169,14 @@ void checkDashboard(const Dashboard& dashboard, Problems& problems) {
 }
 
 void checkCommandRobots(const ExperimentForm& form, Problems& problems) {
-  const std::vector<std::int32_t>& wanted = form.common.gateway.command_robots;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
+  const std::vector<std::int32_t>& ids = form.common.gateway.command_robots;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
     const bool known = std::ranges::any_of(form.robots, [&](const RobotEntry& entry) {
-      return wanted[i] >= entry.id && wanted[i] < entry.id + entry.count;
+      return ids[i] >= entry.id && ids[i] < entry.id + entry.count;
     });
     if (known) continue;
     problems.add("gateway.command_robots[" + std::to_string(i) + "]",
-                 "found " + std::to_string(wanted[i]) + ", allowed the id of a robot");
+                 "found " + std::to_string(ids[i]) + ", allowed the id of a robot");
   }
 }
 
@@ -185,7 +189,7 @@ void checkNetworks(const ExperimentForm& form, Problems& problems) {
   }
   if (!problems.concern("dashboard")) checkDashboard(form.common.dashboard, problems);
   if (problems.concern("hosts") || problems.concern("services")) return;
-  // The form keeps robots as entries: places speak of their bodies only.
+  // The form has entries of robots; checkPlaces() needs only their bodies.
   Experiment e = form.common;
   for (const RobotEntry& entry : form.robots) {
     RobotSpec robot;

@@ -1,49 +1,39 @@
+#include "common/experiment/checks/robot_checks.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <numbers>
 #include <string>
 #include <vector>
 
-#include "common/experiment/checks/experiment_checks.hpp"
-#include "common/experiment/experiment_conversions.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/checks/program_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
 
 namespace lab::keys {
 namespace {
 
-constexpr double kRoundingSlack = 1e-9;  // [m] so that a robot may touch the wall
+constexpr double kWallSlack = 1e-9;  // [m] so that a robot may touch the wall
 
-/// The densest packing covers 0.907; this leaves room to find random places and to move.
+/// Largest covered fraction of the arena. The densest packing of discs covers 0.907; this leaves
+/// room for random placement and for motion.
 constexpr double kLargestCover = 0.6;
 
-constexpr double kFastestScan = 0.01;  // [s] of the robot's eight channels
+constexpr double kFastestScan = 0.01;  // [s] duration of a scan of the robot's eight channels
 
-/// Speeds that an 8 MHz robot meets within 0.2 % and that every serial line knows.
+/// Baud rates that the robot's 8 MHz clock meets within 0.2 % and that every serial line supports.
 constexpr std::array kBauds = {9600, 38400, 500000};
-constexpr int kChipBaud = 38400;  // of the line between sim_svc and its chips
+constexpr int kChipBaud = 38400;  // of the line between sim_svc and the simulated chips
 
 std::string entryPath(std::size_t index) { return "robots[" + std::to_string(index) + "]"; }
 
-/// Without the last digits, in which sums and differences differ from what a person expects.
-std::string cm(double metre) {
-  constexpr double kDigits = 1e9;
-  return numberText(std::round(metre * 100 * kDigits) / kDigits);
-}
-
-/// Whether the sizes of arena and robots are known, as nothing about places can be said without.
+/// Whether the sizes of arena and robots have no problem; checks of places need them.
 bool sizesAreKnown(const Problems& problems) {
   return !problems.concern("arena.width_cm") && !problems.concern("arena.height_cm") &&
          !problems.concern("robot.diameter_cm");
-}
-
-bool wheelsAreKnown(const Problems& problems) {
-  return !problems.concern("robot.diameter_cm") &&
-         !problems.concern("robot.max_wheel_speed_cm_s") &&
-         !problems.concern("robot.sensor_period_ms");
 }
 
 void checkIds(const ExperimentForm& form, Problems& problems) {
@@ -75,7 +65,7 @@ void checkIds(const ExperimentForm& form, Problems& problems) {
   }
 }
 
-/// What only robots on the wire ask of the file.
+/// Checks of robots on serial lines.
 void checkLines(const ExperimentForm& form, Problems& problems) {
   const RobotHardware& hardware = form.common.hardware;
   std::map<std::int64_t, std::size_t> uids;
@@ -120,9 +110,9 @@ void checkLines(const ExperimentForm& form, Problems& problems) {
 
 void checkInside(const std::string& path, double place, double size, double radius,
                  Problems& problems) {
-  if (place >= radius - kRoundingSlack && place <= size - radius + kRoundingSlack) return;
-  problems.add(path, "found " + cm(place) + ", allowed " + cm(radius) + " to " + cm(size - radius) +
-                         " (inside the arena)");
+  if (place >= radius - kWallSlack && place <= size - radius + kWallSlack) return;
+  problems.add(path, "found " + centimetreText(place) + ", allowed " + centimetreText(radius) +
+                         " to " + centimetreText(size - radius) + " (inside the arena)");
 }
 
 void checkPose(const ExperimentForm& form, std::size_t index, Problems& problems) {
@@ -156,7 +146,7 @@ void checkPose(const ExperimentForm& form, std::size_t index, Problems& problems
 
 void checkOverlaps(const ExperimentForm& form, Problems& problems) {
   const double diameter = form.common.hardware.diameter;
-  // Of these alone: whatever else is wrong with a robot, its place may be a good one.
+  // A robot with another problem may still have a valid place.
   std::vector<bool> has_place;
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     has_place.push_back(form.robots[i].x && form.robots[i].y &&
@@ -171,8 +161,9 @@ void checkOverlaps(const ExperimentForm& form, Problems& problems) {
       const double distance = std::hypot(*a.x - *b.x, *a.y - *b.y);
       if (distance >= diameter) continue;
       problems.add(entryPath(i) + ".x_cm",
-                   "found a place " + cm(distance) + " cm from that of " + entryPath(j) +
-                       ", allowed at least robot.diameter_cm = " + cm(diameter));
+                   "found a place " + centimetreText(distance) + " cm from that of " +
+                       entryPath(j) +
+                       ", allowed at least robot.diameter_cm = " + centimetreText(diameter));
       break;
     }
   }
@@ -185,8 +176,8 @@ void checkRoom(const ExperimentForm& form, Problems& problems) {
   const double area = form.common.arena_width * form.common.arena_height;
   const double one = std::numbers::pi * radius * radius / area;
   if (2 * radius > std::min(form.common.arena_width, form.common.arena_height)) {
-    problems.add("robot.diameter_cm",
-                 "found " + cm(2 * radius) + ", allowed at most the arena's width and height");
+    problems.add("robot.diameter_cm", "found " + centimetreText(2 * radius) +
+                                          ", allowed at most the arena's width and height");
   } else if (static_cast<double>(robots) * one > kLargestCover) {
     problems.add("robots", "found " + std::to_string(robots) + " robots, allowed at most " +
                                std::to_string(static_cast<std::int64_t>(kLargestCover / one)) +
@@ -195,98 +186,25 @@ void checkRoom(const ExperimentForm& form, Problems& problems) {
   }
 }
 
-std::string wayOut(Model model) {
-  switch (model) {
-    case Model::kAbp:
-      return "lower v_cm_s or eta_rad_s";
-    case Model::kNoisyAbp:
-      return "lower V_cm_s or va_cm_s";
-    case Model::kBp:
-      return "lower V_cm_s";
-    case Model::kRtp:
-      return "lower v_cm_s or raise tau_t_s";
-    default:
-      return "lower the wheel speeds";
-  }
-}
-
-void checkTime(const std::string& path, double time, double sensor_period, Problems& problems) {
-  const double milliseconds = time * 1000;
-  if (std::abs(milliseconds - std::round(milliseconds)) > 1e-6) {
-    problems.add(path, "found " + numberText(time) + ", allowed whole milliseconds, as " +
-                           numberText(std::max(1.0, std::round(milliseconds)) / 1000));
-  } else if (time < sensor_period * (1 - kRoundingSlack)) {
-    problems.add(path, "found " + numberText(time) + ", allowed at least " +
-                           numberText(sensor_period) + " (robot.sensor_period_ms)");
-  }
-}
-
-void checkProgram(const ProgramSpec& program, const RobotHardware& hardware, Problems& problems) {
-  const std::string path = "programs." + program.name;
-  if (problems.concern(path) || !wheelsAreKnown(problems)) return;
-  const Model model = program.model;
-  if (model == Model::kAbp || model == Model::kNoisyAbp || model == Model::kBp) {
-    checkTime(path + ".epsilon_s", program.epsilon, hardware.sensor_period, problems);
-  }
-  if (model == Model::kRtp) {
-    checkTime(path + ".tau_t_s", program.tau_t, hardware.sensor_period, problems);
-  }
-  if (problems.concern(path)) return;
-  const auto result = dynamics::toProgramParams(toPhysics(program), wheelLimits(hardware));
-  if (!result.ok) {
-    problems.add(path, "found " + result.reason + "; allowed: " + wayOut(model) +
-                           ", or raise robot.max_wheel_speed_cm_s");
-  }
-}
-
-void checkTwins(const std::map<std::string, ProgramSpec>& programs, Problems& problems) {
-  for (auto twin = programs.begin(); twin != programs.end(); ++twin) {
-    for (auto first = programs.begin(); first != twin; ++first) {
-      if (!sameProgram(toMessage(first->second), toMessage(twin->second))) continue;
-      problems.add("programs." + twin->first,
-                   "found the same as programs." + first->first +
-                       ", allowed programs that differ: the analyzer knows them by what they do");
-      break;
-    }
-  }
-}
-
 void checkReversal(const ExperimentForm& form, Problems& problems) {
   const Reversal& reversal = form.common.reversal;
   const RobotHardware& robot = form.common.hardware;
   if (reversal.on == ReverseOn::kNever || problems.concern("reversal")) return;
   if (wheelsAreKnown(problems) && reversal.speed > robot.max_wheel_speed) {
-    problems.add("reversal.speed_cm_s", "found " + cm(reversal.speed) + ", allowed 0.1 to " +
-                                            cm(robot.max_wheel_speed) +
-                                            " (robot.max_wheel_speed_cm_s)");
+    problems.add("reversal.speed_cm_s",
+                 "found " + centimetreText(reversal.speed) + ", allowed 0.1 to " +
+                     centimetreText(robot.max_wheel_speed) + " (robot.max_wheel_speed_cm_s)");
   }
   if (!sizesAreKnown(problems)) return;
   const double room = std::min(form.common.arena_width, form.common.arena_height) - robot.diameter;
   if (reversal.distance > room) {
-    problems.add("reversal.distance_cm", "found " + cm(reversal.distance) + ", allowed 1 to " +
-                                             cm(room) + " (within the arena)");
+    problems.add("reversal.distance_cm", "found " + centimetreText(reversal.distance) +
+                                             ", allowed 1 to " + centimetreText(room) +
+                                             " (within the arena)");
   }
 }
 
 }  // namespace
-
-void checkCamera(const ExperimentForm& form, Problems& problems) {
-  const Camera& camera = form.common.camera;
-  if (camera.tracker != Tracker::kCamera || problems.concern("camera")) return;
-  if (camera.source.empty()) {
-    problems.add("camera.camera", "found an empty text, allowed \"sim\", a device, a film, ...");
-  } else if (!isPainted(camera) && camera.calibration.empty()) {
-    problems.add("camera.calibration",
-                 "found none, needed for any camera but \"sim\" (lab calibrate camera)");
-  } else if (!isPainted(camera) && !problems.concern("robots") &&
-             std::ranges::none_of(form.robots, [](const RobotEntry& entry) {
-               return entry.body == Body::kSerial;
-             })) {
-    problems.add("camera.camera", "found \"" + camera.source +
-                                      "\", but no robot with body = \"serial\" that it could see; "
-                                      "simulated robots are seen by camera = \"sim\"");
-  }
-}
 
 void checkRobots(const ExperimentForm& form, Problems& problems) {
   checkIds(form, problems);
@@ -299,10 +217,7 @@ void checkRobots(const ExperimentForm& form, Problems& problems) {
     checkOverlaps(form, problems);
     if (counts_are_known) checkRoom(form, problems);
   }
-  for (const auto& [name, program] : form.common.programs) {
-    checkProgram(program, form.common.hardware, problems);
-  }
-  if (!problems.concern("programs")) checkTwins(form.common.programs, problems);
+  checkPrograms(form, problems);
   checkReversal(form, problems);
 }
 

@@ -1,12 +1,14 @@
+#include "common/experiment/checks/script_checks.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "common/experiment/checks/experiment_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/files/file_values.hpp"
@@ -15,10 +17,6 @@ namespace lab::keys {
 namespace {
 
 std::string stepPath(std::size_t index) { return "light.steps[" + std::to_string(index) + "]"; }
-
-std::string place(double metre) {
-  return fileText(std::round(metre * 1e9) / 1e9, unitOf("_cm"));  // 1.2 - 0.0375 is 116.25 cm
-}
 
 bool checkStepForms(const ExperimentForm& form, Problems& problems) {
   const bool holds = form.light_steps.front().hold.has_value();
@@ -39,7 +37,7 @@ bool checkStepForms(const ExperimentForm& form, Problems& problems) {
   return fine;
 }
 
-/// A condition and a way back need steps whose times are open.
+/// Checks that until and back_to are used only with hold_s.
 bool checkOpenSteps(const ExperimentForm& form, Problems& problems) {
   if (form.light_steps.front().hold) return true;
   bool fine = true;
@@ -54,18 +52,19 @@ bool checkOpenSteps(const ExperimentForm& form, Problems& problems) {
   return fine;
 }
 
-/// What the analyzer measures of robots that run such a program (analyzer/curves/estimates.cpp).
-std::vector<std::string_view> estimatesOf(Model model) {
+/// The names of the estimates that the analyzer computes for a kind of program
+/// (analyzer/curves/estimates.cpp).
+std::vector<std::string_view> estimatesOf(ProgramKind model) {
   switch (model) {
-    case Model::kAbp:
+    case ProgramKind::kAbp:
       return {"D_r", "v", "D", "L_s", "D_slope"};
-    case Model::kNoisyAbp:
+    case ProgramKind::kNoisyAbp:
       return {"D_r", "v_a", "V", "D_t", "D", "D_slope"};
-    case Model::kBp:
+    case ProgramKind::kBp:
       return {"D_r", "v", "V", "D_t", "D", "D_slope"};
-    case Model::kRtp:
+    case ProgramKind::kRtp:
       return {"v", "gamma", "tau_r", "D", "L_s", "D_slope"};
-    case Model::kWheels:
+    case ProgramKind::kWheels:
       return {"v"};
     default:
       return {};
@@ -79,12 +78,12 @@ std::string listed(const Names& names) {
   return list;
 }
 
-/// Programs that some light selects.
-std::map<std::string, Model> selectedPrograms(const ExperimentForm& form) {
-  std::map<std::string, Model> selected;
+/// The programs that the light table selects.
+std::map<std::string, ProgramKind> selectedPrograms(const ExperimentForm& form) {
+  std::map<std::string, ProgramKind> selected;
   for (const LightBand& band : form.common.light_table.bands) {
     const auto program = form.common.programs.find(band.program);
-    if (program != form.common.programs.end()) selected[band.program] = program->second.model;
+    if (program != form.common.programs.end()) selected[band.program] = program->second.kind;
   }
   return selected;
 }
@@ -117,14 +116,14 @@ void checkTumbles(const ExperimentForm& form, const std::string& path, const Unt
   if (problems.concern("programs") || problems.concern("light_table")) return;
   const auto selected = selectedPrograms(form);
   const bool tumbling = std::ranges::any_of(
-      selected, [](const auto& program) { return program.second == Model::kRtp; });
+      selected, [](const auto& program) { return program.second == ProgramKind::kRtp; });
   if (tumbling) return;
   problems.add(path + ".tumbles", "found " + std::to_string(until.tumbles) +
                                       ", allowed only where the light table selects a program "
                                       "that tumbles (model = \"rtp\")");
 }
 
-/// Whether [middle - half, middle + half] has a part where a robot's axis can be.
+/// Whether a robot's axis can be in a part of [middle - half, middle + half].
 bool reaches(double middle, double half, double size, double radius) {
   return middle + half >= radius && middle - half <= size - radius;
 }
@@ -136,18 +135,19 @@ void checkRegion(const ExperimentForm& form, const std::string& path, const Unti
   const double width = form.common.arena_width;
   const double height = form.common.arena_height;
   const double rim = form.common.hardware.diameter / 2;
-  // A circle may reach the corner of this frame with neither of its extreme points: the nearest
-  // place of the frame decides.
+  // A circle in a corner of this rectangle may reach it with none of its extreme points, so the
+  // nearest point of the rectangle decides.
   const double to_x = until.x - std::clamp(until.x, rim, std::max(rim, width - rim));
   const double to_y = until.y - std::clamp(until.y, rim, std::max(rim, height - rim));
   const bool entered = circle ? std::hypot(to_x, to_y) <= until.radius
                               : reaches(until.x, until.width / 2, width, rim) &&
                                     reaches(until.y, until.height / 2, height, rim);
   if (entered) return;
-  problems.add(path + ".x_cm", "found a region around " + place(until.x) + ", " + place(until.y) +
-                                   " that no robot can enter, allowed one that reaches into " +
-                                   place(rim) + " to " + place(width - rim) + ", " + place(rim) +
-                                   " to " + place(height - rim));
+  problems.add(path + ".x_cm",
+               "found a region around " + centimetreText(until.x) + ", " + centimetreText(until.y) +
+                   " that no robot can enter, allowed one that reaches into " +
+                   centimetreText(rim) + " to " + centimetreText(width - rim) + ", " +
+                   centimetreText(rim) + " to " + centimetreText(height - rim));
 }
 
 void checkOneRobot(const ExperimentForm& form, const std::string& path, std::int32_t robot,
@@ -181,7 +181,7 @@ void checkUntil(const ExperimentForm& form, const std::string& path, const Until
   if (until.region != Region::kNone) checkRegion(form, path, until, problems);
 }
 
-/// Where the label stands; complains where that is not clear.
+/// Checks that back_to names exactly one step up to this one.
 bool checkLabel(const LightScript& script, std::size_t index, Problems& problems) {
   const std::string& label = script.steps[index].back_to;
   const std::string path = stepPath(index) + ".back_to";
@@ -215,8 +215,8 @@ bool checkGroups(const LightScript& script, Problems& problems) {
   const std::vector<StepGroup> groups = groupsOf(script);
   for (std::size_t i = 0; i < groups.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
-      // In the order of their last steps: the later one either begins behind the earlier or holds
-      // it.
+      // Groups are sorted by their last steps: the later one must begin after the earlier one or
+      // contain it.
       if (groups[i].first > groups[j].last || groups[i].first <= groups[j].first) continue;
       problems.add(stepPath(groups[i].last) + ".back_to",
                    "found " + tomlString(script.steps[groups[i].last].back_to) +
@@ -276,8 +276,7 @@ void checkStepTimes(const ExperimentForm& form, const LightScript& script, Probl
   }
 }
 
-/// The run's end must not come before a condition's limit: what is declared for then would not
-/// happen.
+/// Checks that no limit of a condition is after the run's end, where if_not would have no effect.
 void checkLimits(const ExperimentForm& form, const LightScript& script, Problems& problems) {
   if (script.repeat || problems.concern("duration_s") || problems.concern("light.steps")) return;
   const auto begins = stepTimes(form);

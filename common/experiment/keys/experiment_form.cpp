@@ -1,20 +1,44 @@
 #include "common/experiment/keys/experiment_form.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "common/experiment/script_plan.hpp"
+#include "common/files/file_values.hpp"
 #include "light/field/layer.hpp"
 
 namespace lab::keys {
 namespace {
+
+using light::LayerKind;
+
+double phaseRate(double speed, double period) { return 2 * std::numbers::pi * speed / period; }
+
+/// The speed that a file can express with the fewest digits and that gives exactly this rate, so
+/// that a written file reads back as the same experiment.
+double speedOf(double rate, double period) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  const FileUnit& unit = unitOf("_cm_s");
+  const double near = rate * period / (2 * std::numbers::pi);
+  const double in_file = near * unit.divide / unit.multiply;
+  for (const double start :
+       {in_file, std::nextafter(in_file, -kInfinity), std::nextafter(in_file, kInfinity)}) {
+    for (int digits = 1; digits <= std::numeric_limits<double>::max_digits10; ++digits) {
+      const double speed = toSi(roundedToDigits(start, digits), unit);
+      if (phaseRate(speed, period) == rate) return speed;
+    }
+  }
+  return near;
+}
 
 std::string labelOf(const ExperimentForm& form, std::size_t index) {
   const std::string& label = form.light_steps[index].label;
   return label.empty() ? "step " + std::to_string(index + 1) : label;
 }
 
-/// A robot that touches a wall is not to be outside by a rounding error.
+/// Corrects rounding errors: a robot that touches a wall must not be outside.
 double clampInside(double place, double size, double radius) {
   return std::max(radius, std::min(place, size - radius));
 }
@@ -51,7 +75,7 @@ bool sharesEntry(const RobotEntry& entry, const RobotSpec& robot) {
   return plain && entry.body == robot.body && entry.id + entry.count == robot.id;
 }
 
-/// Robots that differ by nothing but consecutive ids share an entry.
+/// Robots with consecutive ids and otherwise equal share an entry.
 std::vector<RobotEntry> toEntries(const std::vector<RobotSpec>& robots) {
   std::vector<RobotEntry> entries;
   for (const RobotSpec& robot : robots) {
@@ -120,6 +144,37 @@ LightScript scriptOf(const ExperimentForm& form) {
     script.steps.push_back(std::move(step));
   }
   return script;
+}
+
+std::optional<double> lightFor(const LightTable& table, const std::string& program) {
+  const auto band = std::ranges::find(table.bands, program, &LightBand::program);
+  if (band == table.bands.end()) return {};
+  return 0.5 * (band->low + band->high);
+}
+
+LayerSpec toLayer(const LayerEntry& entry, const Experiment& common) {
+  LayerSpec layer = entry.layer;
+  const auto kind = static_cast<LayerKind>(layer.kind);
+  if (kind != LayerKind::kUniform) {
+    const bool in_robots_frame = layer.drive.follow == light::Follow::kRobots;
+    layer.x = entry.x.value_or(in_robots_frame ? 0 : common.arena_width / 2);
+    layer.y = entry.y.value_or(in_robots_frame ? 0 : common.arena_height / 2);
+  }
+  if (kind == LayerKind::kWave) layer.drive.phase_rate = phaseRate(entry.speed, layer.size);
+  if (kind == LayerKind::kNoise) layer.drive.phase_rate = entry.change;
+  if (!layer.drive.images.empty()) layer.image = layer.drive.images.front();
+  if (!entry.program.empty()) {
+    layer.intensity = lightFor(common.light_table, entry.program).value_or(0);
+  }
+  return layer;
+}
+
+LayerEntry toEntry(const LayerSpec& layer) {
+  LayerEntry entry{.layer = layer, .x = layer.x, .y = layer.y};
+  const auto kind = static_cast<LayerKind>(layer.kind);
+  if (kind == LayerKind::kWave) entry.speed = speedOf(layer.drive.phase_rate, layer.size);
+  if (kind == LayerKind::kNoise) entry.change = layer.drive.phase_rate;
+  return entry;
 }
 
 Experiment toExperiment(const ExperimentForm& form) {

@@ -1,4 +1,4 @@
-/// An experiment as its file says it: some things there may be said in more than one way.
+/// An experiment in the structure of its file, which has several ways to write the same.
 #pragma once
 
 #include <cstdint>
@@ -24,17 +24,17 @@ struct RobotEntry {
   double from = 0;               ///< [s]
 };
 
-/// A layer in a list of layers.
+/// One layer in a list of layers.
 struct LayerEntry {
-  LayerSpec layer{};          ///< all but x, y, and what follows
-  std::optional<double> x{};  ///< [m] the middle of the arena, or the robot's, where not given
+  LayerSpec layer{};          ///< all except x, y and the fields below
+  std::optional<double> x{};  ///< [m] if not given, the middle of the arena or of the robot
   std::optional<double> y{};  ///< [m]
   double speed = 0;           ///< [m/s] of a wave's crests
   double change = 0;          ///< [1/s] of noise
-  std::string program{};      ///< whose light is the intensity, empty: the layer's own
+  std::string program{};      ///< its light is the intensity; empty: the layer's own
 };
 
-/// One [[light.steps]]: `at` or `hold`.
+/// One [[light.steps]]. It has either `at` or `hold`.
 struct StepEntry {
   std::string label;
   std::optional<double> at;    ///< [s]
@@ -49,39 +49,40 @@ struct StepEntry {
 };
 
 struct ExperimentForm {
-  Experiment common;                   ///< all but robots and the light's steps and length
+  Experiment common;                   ///< all except robots and the light's steps and length
   std::string program;                 ///< shorthand for a light table of one band, empty: none
   std::vector<RobotEntry> robots;      ///< in the order of the file
   std::vector<StepEntry> light_steps;  ///< in the order of the file
   std::optional<double> light_length;  ///< [s]
 };
 
-/// What the shorthand `program` stands for.
-inline constexpr double kShorthandLight = 0.5;  ///< [1] uniform, where no light is given
+/// The light that the shorthand `program` stands for.
+inline constexpr double kShorthandLight = 0.5;  ///< [1] uniform
 
-/// The entries a program name, a lone light and so on stand for, filled in. Needs no valid form.
+/// Replaces the shorthand `program` by the entries it stands for. The form need not be valid.
 void expandShorthand(ExperimentForm& form);
 
-/// When each step begins [s], at the latest; the last element is when the last one ends, infinite
-/// where nothing says so. Sums of hold times are rounded to the microsecond.
+/// The latest start of each step [s]; the last element is the end of the last step, infinite if it
+/// is not given. Sums of hold times are rounded to the microsecond.
 [[nodiscard]] std::vector<double> stepTimes(const ExperimentForm& form);
 
-/// The light script without its times: LightStep::at and hold, LightScript::length.
+/// The light script without times: LightStep::at and hold and LightScript::length are not set.
 [[nodiscard]] LightScript scriptOf(const ExperimentForm& form);
 
-/// The middle of the band that selects the program, where one does [1].
+/// The middle of the light band that selects the program [1]; nothing if no band does.
 [[nodiscard]] std::optional<double> lightFor(const LightTable& table, const std::string& program);
 
-/// @param common the experiment around it: its arena and its light table are read.
+/// Converts an entry to a layer.
+/// @param common the experiment, for its arena and its light table
 [[nodiscard]] LayerSpec toLayer(const LayerEntry& entry, const Experiment& common);
 
-/// The entry that toLayer() turns into `layer`.
+/// The entry that toLayer() converts to `layer`.
 [[nodiscard]] LayerEntry toEntry(const LayerSpec& layer);
 
-/// @param form that has passed the checks.
+/// Converts a form that has passed the checks.
 [[nodiscard]] Experiment toExperiment(const ExperimentForm& form);
 
-/// The form that toExperiment() turns into `experiment`.
+/// The form that toExperiment() converts to `experiment`.
 [[nodiscard]] ExperimentForm toForm(const Experiment& experiment);
 
 }  // namespace lab::keys

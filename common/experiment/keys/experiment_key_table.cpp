@@ -2,7 +2,11 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdint>
+#include <functional>
 #include <numeric>
+#include <optional>
+#include <span>
 #include <utility>
 
 #include "common/experiment/keys/experiment_keys.hpp"
@@ -131,7 +135,7 @@ std::vector<Section> collectSections() {
   return collector.sections();
 }
 
-/// How many letters must change to turn one into the other (Levenshtein 1966).
+/// The Levenshtein distance (1966).
 std::size_t editDistance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -178,7 +182,7 @@ std::string nearestKey(std::string_view name, const std::vector<std::string>& na
   std::string nearest;
   std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
   for (const std::string& candidate : names) {
-    // A forgotten unit counts as one letter.
+    // A missing unit counts as one letter.
     const bool no_unit = candidate.starts_with(std::string(name) + "_");
     const std::size_t distance = no_unit ? 1 : editDistance(name, candidate);
     if (distance < least) {

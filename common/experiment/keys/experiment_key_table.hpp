@@ -1,4 +1,4 @@
-/// The keys of an experiment file as people read them.
+/// Documentation of the keys of an experiment file, and search for similar keys.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace lab::keys {
 
-/// Tables in Markdown, one for each table of the file: key, type, unit, default, allowed, meaning.
-/// docs/experiments.md contains them word by word.
+/// Markdown tables, one for each table of the file: key, type, unit, default, allowed, meaning.
+/// docs/experiments.md contains them literally.
 [[nodiscard]] std::string keyTables();
 
 /// Paths of the keys called `name`, such as "camera.fps".
 [[nodiscard]] std::vector<std::string> keyPathsEndingIn(std::string_view name);
 
-/// The name among `names` that `name` was most likely meant to be, empty: none is near.
+/// The element of `names` that is most similar to `name`; empty if none is similar.
 [[nodiscard]] std::string nearestKey(std::string_view name, const std::vector<std::string>& names);
 
 }  // namespace lab::keys

@@ -4,18 +4,22 @@
 #include <array>
 #include <initializer_list>
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "common/experiment/keys/key_helpers.hpp"
+#include "common/experiment/keys/light_keys.hpp"
+#include "common/experiment/keys/network_keys.hpp"
 #include "robot/dynamics/light_table.hpp"
 
 namespace lab::keys {
 namespace {
 
 const std::array<Choice, 6> kModels = {
-    {choiceOf("abp", Model::kAbp), choiceOf("noisy_abp", Model::kNoisyAbp),
-     choiceOf("bp", Model::kBp), choiceOf("rtp", Model::kRtp), choiceOf("stand", Model::kNone),
-     choiceOf("wheels", Model::kWheels)}};
+    {choiceOf("abp", ProgramKind::kAbp), choiceOf("noisy_abp", ProgramKind::kNoisyAbp),
+     choiceOf("bp", ProgramKind::kBp), choiceOf("rtp", ProgramKind::kRtp),
+     choiceOf("stand", ProgramKind::kNone), choiceOf("wheels", ProgramKind::kWheels)}};
 const std::array<Choice, 5> kBodies = {{choiceOf("sim", Body::kSim), choiceOf("wire", Body::kWire),
                                         choiceOf("firmware", Body::kFirmware),
                                         choiceOf("serial", Body::kSerial),
@@ -32,10 +36,9 @@ const std::array<Choice, 2> kTrackers = {
 void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"diameter_cm", "diameter, which is also the distance d between the wheels"}, {1, 50},
            robot.diameter);
-  v.number({"max_wheel_speed_cm_s", "fastest speed of a wheel"}, {0.1, 500}, robot.max_wheel_speed);
+  v.number({"max_wheel_speed_cm_s", "highest speed of a wheel"}, {0.1, 500}, robot.max_wheel_speed);
   v.flag({"pwm_steps",
-          "wheel speeds come in 256 steps, rounded to the nearest, as from the "
-          "robot's PWM; false: ideal wheels"},
+          "wheel speeds are rounded to the 256 levels of the robot's PWM; false: ideal wheels"},
          robot.pwm_steps);
   v.number({"clock_error_percent", "standard deviation of the rates of the robots' clocks"}, {0, 5},
            robot.clock_error);
@@ -45,13 +48,14 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
            {0, 20}, robot.wheel_gain_error);
   v.number({"wheel_base_error_percent", "standard deviation of the distances between the wheels"},
            {0, 20}, robot.wheel_base_error);
-  v.number({"motor_dead_band_percent", "of full duty, up to which a wheel does not turn"}, {0, 40},
-           robot.motor_dead_band);
+  v.number({"motor_dead_band_percent", "fraction of full duty up to which a wheel does not turn"},
+           {0, 40}, robot.motor_dead_band);
   v.number({"speed_noise_cm_sqrt_s",
-            "random forward motion: its variance grows by the square of "
-            "this every second"},
+            "random forward motion: its variance grows by the square of this per second"},
            {0, 10}, robot.speed_noise);
-  v.number({"turn_noise_deg_sqrt_s", "random turning, likewise"}, {0, 90}, robot.turn_noise);
+  v.number({"turn_noise_deg_sqrt_s",
+            "random rotation: its variance grows by the square of this per second"},
+           {0, 90}, robot.turn_noise);
   v.number({"sensor_period_ms", "time between two readings of the robot's sensors"},
            {.low = 1, .high = 1000, .whole = true}, robot.sensor_period);
   v.number({"light_gain_error_percent",
@@ -59,38 +63,38 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
            {0, 30}, robot.light_gain_error);
   v.number({"light_noise_percent", "standard deviation of a light reading, of full scale"}, {0, 10},
            robot.light_noise);
-  v.number({"ir_range_cm", "how far from the rim the infrared sensors see"}, {0, 100},
+  v.number({"ir_range_cm", "range of the infrared sensors, from the rim"}, {0, 100},
            robot.ir_range);
-  v.number({"status_rate_hz", "ROBOT_STATUS messages a second"}, {1, 200}, robot.status_rate);
-  v.number({"lease_s",
-            "a robot stops when it has heard no command for this long; commands come "
-            "every 0.2 s"},
-           {0.4, 60}, robot.lease);
-  v.number({"free_run_s",
-            "a robot goes on for this long without hearing a command; 0: lease_s is all it has"},
-           {0, kLongestFreeRun}, robot.free_run);
+  v.number({"status_rate_hz", "ROBOT_STATUS messages per second"}, {1, 200}, robot.status_rate);
+  v.number(
+      {"lease_s", "a robot stops after this time without a command; commands are sent every 0.2 s"},
+      {0.4, 60}, robot.lease);
+  v.number(
+      {"free_run_s",
+       "a robot continues for this time without a command, instead of lease_s; 0: it does not"},
+      {0, kLongestFreeRun}, robot.free_run);
   v.flag({"resume_after_reboot",
-          "a robot on the wire that reboots during a run goes on by itself; false: it stands "
+          "a robot on the wire that reboots during a run continues by itself; false: it stands "
           "until the run ends"},
          robot.resume_after_reboot);
   v.text({"motors",
-          "what simulated robots hold of their motors: calibration/motors.toml of a run of lab "
-          "calibrate motors, beside the experiment file"},
+          "motor calibrations of simulated robots: the calibration/motors.toml of a run of lab "
+          "calibrate motors; path relative to the experiment file"},
          {.most = 400}, robot.motors);
 }
 
 void visitSerial(KeyVisitor& v, SerialLines& serial) {
   std::int64_t baud = serial.baud;
   v.text({"ports",
-          "devices that may be robots, with * and ?, separated by spaces; opening one resets the "
-          "board on it"},
+          "devices that may be robots, with * and ?, separated by spaces; opening a device resets "
+          "its board"},
          {.most = 1000}, serial.ports);
   v.integer({"baud", "speed of the lines, as the firmware was built"}, 9600, 500000, baud);
   serial.baud = static_cast<int>(baud);
 }
 
 void visitRobot(KeyVisitor& v, RobotEntry& robot) {
-  v.integer({"id", "the robot's number; with count, the first one's", Need::kRequired}, 1,
+  v.integer({"id", "the robot's number; with count, the first number", Need::kRequired}, 1,
             kLargestId, robot.id);
   v.integer({"count", "this many robots, with consecutive ids"}, 1, kMostRobots, robot.count);
   const Selector body(v,
@@ -110,56 +114,61 @@ void visitRobot(KeyVisitor& v, RobotEntry& robot) {
                     .default_text = "random"},
                    kAngle, robot.theta);
   v.integer(body.only({Body::kSerial},
-                      {"uid", "number of the electronics, as robot_bridge --list shows it",
+                      {"uid", "serial number of the electronics, as robot_bridge --list shows it",
                        Need::kRequired}),
             1, 0xFFFFFFFFLL, robot.uid);
   v.text(body.only({Body::kReplay},
-                   {"log", "log, or folder of a run, beside the experiment file", Need::kRequired}),
+                   {"log", "log, or folder of a run; path relative to the experiment file",
+                    Need::kRequired}),
          {.most = 400}, robot.log);
   v.integer(body.only({Body::kReplay},
                       {.name = "recorded_id", .meaning = "the robot in that log; 0: the same id"}),
             0, kLargestId, robot.recorded_id);
-  v.number(body.only({Body::kReplay}, {"from_s", "where in that log's script the replay begins"}),
+  v.number(body.only({Body::kReplay},
+                     {"from_s", "time in that log's script at which the replay begins"}),
            {0, kLongestRun}, robot.from);
 }
 
-void visitProgram(KeyVisitor& v, ProgramSpec& program) {
-  const Selector model(v, {"model", "the kind of motion", Need::kRequired}, kModels, program.model);
+void visitProgram(KeyVisitor& v, RobotProgram& program) {
+  const Selector model(v, {"model", "the kind of motion", Need::kRequired}, kModels, program.kind);
   const auto needed = [](const char* name, const char* meaning) {
     return Key{name, meaning, Need::kRequired};
   };
-  v.number(model.only({Model::kAbp, Model::kRtp}, needed("v_cm_s", "speed; of a run (rtp)")),
-           kSpeed, program.v);
-  v.number(model.only({Model::kNoisyAbp}, needed("va_cm_s", "mean speed of each wheel")), kSpeed,
-           program.va);
-  v.number(model.only({Model::kNoisyAbp, Model::kBp},
+  v.number(
+      model.only({ProgramKind::kAbp, ProgramKind::kRtp}, needed("v_cm_s", "speed; of a run (rtp)")),
+      kSpeed, program.v);
+  v.number(model.only({ProgramKind::kNoisyAbp}, needed("va_cm_s", "mean speed of each wheel")),
+           kSpeed, program.va);
+  v.number(model.only({ProgramKind::kNoisyAbp, ProgramKind::kBp},
                       needed("V_cm_s", "half width of the wheels' uniform speed noise")),
            {0, 500}, program.V);
-  v.number(model.only({Model::kAbp, Model::kNoisyAbp, Model::kBp},
+  v.number(model.only({ProgramKind::kAbp, ProgramKind::kNoisyAbp, ProgramKind::kBp},
                       needed("epsilon_s",
-                             "for how long one draw is held; whole milliseconds, at "
-                             "least robot.sensor_period_ms")),
+                             "time for which one draw is held; whole milliseconds, at least "
+                             "robot.sensor_period_ms")),
            kHold, program.epsilon);
+  v.number(model.only({ProgramKind::kAbp},
+                      needed("eta_rad_s", "half width of the uniform rate of turning")),
+           {0, 1000}, program.eta);
   v.number(
-      model.only({Model::kAbp}, needed("eta_rad_s", "half width of the uniform rate of turning")),
-      {0, 1000}, program.eta);
-  v.number(model.only({Model::kRtp}, needed("gamma_per_s", "rate of tumbling: 1 / mean run time")),
-           {0.01, 1000}, program.gamma);
-  v.number(model.only({Model::kRtp}, needed("tau_t_s",
-                                            "duration of a tumble; whole milliseconds, "
-                                            "at least robot.sensor_period_ms")),
+      model.only({ProgramKind::kRtp}, needed("gamma_per_s", "rate of tumbling: 1 / mean run time")),
+      {0.01, 1000}, program.gamma);
+  v.number(model.only({ProgramKind::kRtp}, needed("tau_t_s",
+                                                  "duration of a tumble; whole milliseconds, "
+                                                  "at least robot.sensor_period_ms")),
            kHold, program.tau_t);
-  v.number(model.only({Model::kWheels}, needed("left_cm_s", "speed of the left wheel")), kSpeed,
-           program.wheel_left);
-  v.number(model.only({Model::kWheels}, needed("right_cm_s", "speed of the right wheel")), kSpeed,
-           program.wheel_right);
+  v.number(model.only({ProgramKind::kWheels}, needed("left_cm_s", "speed of the left wheel")),
+           kSpeed, program.wheel_left);
+  v.number(model.only({ProgramKind::kWheels}, needed("right_cm_s", "speed of the right wheel")),
+           kSpeed, program.wheel_right);
 }
 
 void visitLightTable(KeyVisitor& v, LightTable& table) {
   enumerate(v, {"sensor", "which of the robot's two light sensors the bands are compared with"},
             kSensors, table.sensor);
-  v.number({"hysteresis", "a band is kept until the light is outside it by more than this"},
-           {0, 0.5}, table.hysteresis);
+  v.number(
+      {"hysteresis", "a band remains selected until the light is outside it by more than this"},
+      {0, 0.5}, table.hysteresis);
   visitList(v,
             {"bands",
              "which light selects which program; in light outside every band a robot "
@@ -177,27 +186,26 @@ void visitLightTable(KeyVisitor& v, LightTable& table) {
 }
 
 void visitReversal(KeyVisitor& v, Reversal& reversal) {
-  enumerate(v, {"on", "what a robot that comes too near turns back from; any: walls and robots"},
-            kReverseOn, reversal.on);
-  v.number({"distance_cm", "how far it drives back (appendix B: about 40 cm)"}, {1, 400},
+  enumerate(v, {"on", "obstacles from which a robot turns back; any: walls and robots"}, kReverseOn,
+            reversal.on);
+  v.number({"distance_cm", "distance that it drives back (appendix B: about 40 cm)"}, {1, 400},
            reversal.distance);
-  v.number({"speed_cm_s", "how fast"}, {0.1, 500}, reversal.speed);
+  v.number({"speed_cm_s", "speed of driving back"}, {0.1, 500}, reversal.speed);
 }
 
 void visitCamera(KeyVisitor& v, Camera& camera) {
-  const Selector tracker(
-      v,
-      {"tracker",
-       "who tells where the robots are; sim: the simulator, with the errors below; camera: "
-       "tracker_svc, from pictures"},
-      kTrackers, camera.tracker);
+  const Selector tracker(v,
+                         {"tracker",
+                          "source of the robots' poses; sim: the simulator, with the errors below; "
+                          "camera: tracker_svc, from pictures"},
+                         kTrackers, camera.tracker);
   const auto painted = [&](Key key) { return tracker.only({Tracker::kCamera}, std::move(key)); };
   const auto modelled = [&](Key key) { return tracker.only({Tracker::kSimPoses}, std::move(key)); };
   v.text(painted({"camera",
-                  "sim: the one that sim_svc paints; else a device, a movie or an "
-                  "address (docs/cameras.md)"}),
+                  "sim: the one that sim_svc simulates; else a device, a movie or an address "
+                  "(docs/cameras.md)"}),
          {.most = 400}, camera.source);
-  v.number({"fps", "frames a second"}, {1, 500}, camera.fps);
+  v.number({"fps", "frames per second"}, {1, 500}, camera.fps);
   std::int64_t width = camera.width;
   std::int64_t height = camera.height;
   v.integer(painted({"width_px", "of the pictures"}), 160, 8192, width);
@@ -209,29 +217,30 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
   v.number(painted({"gain", "of the simulated camera a factor, of a device in its own units"}),
            {0, 1e6}, camera.gain);
   v.text(painted({.name = "calibration",
-                  .meaning = "camera.json of lab calibrate camera; the simulated camera's own "
-                             "where empty",
+                  .meaning =
+                      "camera.json of lab calibrate camera; if empty, that of the simulated camera",
                   .default_text = "empty"}),
          {.most = 400}, camera.calibration);
-  v.flag(painted({"handshake",
-                  "before the script each robot turns for a moment, so that the "
-                  "tracker knows which cap it is"}),
-         camera.handshake);
+  v.flag(
+      painted({"handshake",
+               "before the script each robot turns briefly, so that the tracker can identify it"}),
+      camera.handshake);
   std::int64_t port = camera.debug_port;
   v.integer(painted({"debug_port", "of the tracker's debug view on 127.0.0.1, 0: none"}), 0, 65535,
             port);
   camera.debug_port = static_cast<int>(port);
-  v.number(painted({"ambient", "room light in the simulated picture, of the projector's white"}),
+  v.number(painted({"ambient",
+                    "room light in the simulated picture, as a fraction of the projector's white"}),
            kShare, camera.ambient);
   v.number(modelled({"position_noise_cm", "standard deviation of x and of y"}), {0, 5},
            camera.position_noise);
   v.number(modelled({"heading_noise_deg", "standard deviation of the heading"}), {0, 90},
            camera.heading_noise);
-  v.number({"delay_ms", "from the exposure to the message, or to the picture where one is painted"},
-           {0, 5000}, camera.delay);
-  v.number(modelled({"dropout", "chance that one robot is missing in one frame"}),
+  v.number({"delay_ms", "from the exposure to the message, or to the simulated picture"}, {0, 5000},
+           camera.delay);
+  v.number(modelled({"dropout", "probability that one robot is missing in one frame"}),
            {.low = 0, .high = 1, .below_high = true}, camera.dropout);
-  v.number({"frame_loss", "chance that a whole simulated frame is missing"},
+  v.number({"frame_loss", "probability that a whole simulated frame is missing"},
            {.low = 0, .high = 1, .below_high = true}, camera.frame_loss);
 }
 
@@ -243,14 +252,14 @@ void visitTop(KeyVisitor& v, ExperimentForm& form) {
             version);
   v.text({"name", "of the run and of its folder", Need::kRequired}, {.most = 64, .as_folder = true},
          e.name);
-  v.text({"description", "for people"}, {.most = 4000}, e.description);
-  v.integer({"seed", "all random numbers derive from it"}, 0,
+  v.text({"description", "free text"}, {.most = 4000}, e.description);
+  v.integer({"seed", "all random numbers are derived from it"}, 0,
             std::numeric_limits<std::int64_t>::max(), seed);
   v.number({"duration_s", "length of the run, at most ten days", Need::kRequired},
            {0.001, kLongestRun}, e.duration);
   v.text({"program",
-          "shorthand for a light_table with one band over all light, and for a uniform "
-          "light of 0.5 where [light] has no steps",
+          "shorthand for a light_table with one band over all light, and, if [light] has no steps, "
+          "for a uniform light of 0.5",
           Need::kShorthand, "-"},
          {.most = 32, .bare = true}, form.program);
   visitStopOn(v, e.stop_on);
@@ -272,8 +281,8 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
             v.number({"height_cm", "along y"}, {10, 1000}, e.arena_height);
           });
   v.table({"robot",
-           "The robots' hardware, the same for all. Errors are what a simulated robot has "
-           "and does not know"},
+           "The robots' hardware, the same for all. Only simulated robots have these errors, and "
+           "they do not know them"},
           [&] { visitHardware(v, e.hardware); });
   v.table({"serial", "The lines to real robots (body = \"serial\")"},
           [&] { visitSerial(v, e.serial); });
@@ -282,11 +291,10 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
             [&](RobotEntry& robot) { visitRobot(v, robot); });
   std::vector<std::string> names;
   for (const auto& [name, program] : e.programs) names.push_back(name);
-  v.namedTables({"programs", "What robots can do; NAME is yours", Need::kRequired},
+  v.namedTables({"programs", "What robots can do; choose NAME freely", Need::kRequired},
                 {.most = 32, .bare = true}, {.fewest = 1, .most = 100}, names,
                 [&](const std::string& name) {
-                  ProgramSpec& program = e.programs[name];
-                  program.name = name;
+                  RobotProgram& program = e.programs[name];
                   visitProgram(v, program);
                 });
   v.table({"light_table", "Which light selects which program"},
@@ -296,7 +304,7 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
   v.table({"light", "The light script"}, [&] { visitLight(v, form); });
   visitList(v,
             {"stop_when",
-             "What ends the run before duration_s: a measured number that is known well enough"},
+             "Rules that end the run before duration_s: a measured number is known well enough"},
             {.fewest = 0, .most = 20}, e.stop_when,
             [&](StopRule& rule) { visitStopRule(v, rule); });
   v.table({"projector", "The projector"}, [&] { visitProjector(v, e.projector); });
@@ -304,9 +312,10 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
   v.table({"analysis", "The analyzer"}, [&] {
     v.number({"max_lag_s", "longest lag of the curves"}, {0.1, 3600}, e.analysis.max_lag);
   });
-  v.table({"faults", "For practising with what a network does"}, [&] {
-    v.number({"message_loss", "chance that a message does not reach a listener, in virtual time"},
-             {.low = 0, .high = 1, .below_high = true}, e.faults.message_loss);
+  v.table({"faults", "Simulated faults of a network"}, [&] {
+    v.number(
+        {"message_loss", "probability that a message does not reach a receiver, in virtual time"},
+        {.low = 0, .high = 1, .below_high = true}, e.faults.message_loss);
   });
 }
 

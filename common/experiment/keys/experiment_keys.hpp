@@ -1,16 +1,12 @@
-/// The keys of an experiment file, described once: visitKeys() is what reads the file, writes it,
-/// knows an unknown key and prints the tables of docs/experiments.md.
+/// The keys of an experiment file, described once. All visitors of visitKeys() share the
+/// description: they read the file, write it, recognise unknown keys and print the tables of
+/// docs/experiments.md.
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <optional>
-#include <span>
-#include <string>
-#include <string_view>
-#include <vector>
 
 #include "common/experiment/keys/experiment_form.hpp"
+#include "common/experiment/keys/key_visitor.hpp"
 
 namespace lab::keys {
 
@@ -19,108 +15,7 @@ inline constexpr std::int64_t kMostRobots = 250;
 inline constexpr std::int64_t kLargestId = 9999;
 inline constexpr double kLongestRun = 864000;  ///< [s] ten days
 
-enum class Need {
-  kOptional,   ///< keeps its default
-  kRequired,   ///< missing is a problem
-  kShorthand,  ///< read and expanded, never written
-};
-
-/// Whether a key has a meaning here, which may depend on a key before it ("model").
-enum class Applies { kYes, kNo, kUndecided };
-
-struct Key {
-  std::string name;
-  std::string meaning;  ///< one sentence without its full stop, for the docs
-  Need need = Need::kOptional;
-  std::string default_text = {};  ///< for the docs, where the default is not a plain value
-  Applies applies = Applies::kYes;
-  std::string condition = {};  ///< when it applies, "model = \"abp\" or \"rtp\""
-};
-
-/// Allowed numbers, in the file's unit.
-struct Range {
-  double low = 0;
-  double high = 0;
-  bool above_low = false;   ///< low itself is not allowed
-  bool below_high = false;  ///< high itself is not allowed
-  bool whole = false;       ///< no fractions
-
-  /// False for NaN.
-  [[nodiscard]] bool contains(double value) const;
-  [[nodiscard]] std::string text() const;
-};
-
-/// Allowed texts.
-struct TextRule {
-  std::size_t most = 0;    ///< bytes
-  bool as_folder = false;  ///< letters, digits, . _ and -, beginning with a letter or digit
-  bool bare = false;       ///< letters, digits, _ and -
-  [[nodiscard]] bool accepts(std::string_view text) const;
-  [[nodiscard]] std::string text() const;
-};
-
-struct Choice {
-  std::string name;
-  int value = 0;
-  std::string refusal = {};  ///< why this version does not take it, empty: it does
-};
-
-/// No choice could be read.
-inline constexpr int kUndecided = -1;
-
-/// How a list stands in the file.
-struct ListRule {
-  std::size_t fewest = 0;
-  std::size_t most = 0;
-  bool in_line = false;  ///< key = [{...}, ...], else [[key]]
-};
-
-/// What is done with the keys. Fields hold their defaults before and the file's values after a
-/// reading visit; other visits leave them alone.
-class KeyVisitor {
- public:
-  KeyVisitor() = default;
-  KeyVisitor(const KeyVisitor&) = delete;
-  KeyVisitor& operator=(const KeyVisitor&) = delete;
-  virtual ~KeyVisitor() = default;
-
-  virtual void number(const Key& key, const Range& range, double& si) = 0;
-  virtual void optionalNumber(const Key& key, const Range& range, std::optional<double>& si) = 0;
-  virtual void integer(const Key& key, std::int64_t low, std::int64_t high,
-                       std::int64_t& value) = 0;
-  virtual void flag(const Key& key, bool& value) = 0;
-  virtual void text(const Key& key, const TextRule& rule, std::string& value) = 0;
-  /// Sets kUndecided where the file's value is not one of the choices.
-  virtual void choice(const Key& key, std::span<const Choice> choices, int& value) = 0;
-  /// key = [low, high]
-  virtual void interval(const Key& key, const Range& range, double& low, double& high) = 0;
-
-  /// key = [1, 2]
-  virtual void integers(const Key& key, std::int64_t low, std::int64_t high, const ListRule& rule,
-                        std::vector<std::int32_t>& values) = 0;
-  /// key = ["a", "b"]
-  virtual void texts(const Key& key, const TextRule& text_rule, const ListRule& rule,
-                     std::vector<std::string>& values) = 0;
-
-  virtual void table(const Key& key, const std::function<void()>& keys) = 0;
-  /// key = {...}, where it is given.
-  virtual void inLineTable(const Key& key, bool& given, const std::function<void()>& keys) = 0;
-  virtual void list(const Key& key, const ListRule& rule, std::size_t size,
-                    const std::function<void(std::size_t size)>& resize,
-                    const std::function<void(std::size_t index)>& element) = 0;
-  /// [key.NAME] tables.
-  virtual void namedTables(const Key& key, const TextRule& name_rule, const ListRule& rule,
-                           const std::vector<std::string>& names,
-                           const std::function<void(const std::string& name)>& keys) = 0;
-};
-
-/// "sim", "serial" or "replay", those that this version takes.
-[[nodiscard]] std::string choiceText(std::span<const Choice> choices);
-
-/// "1 to 250".
-[[nodiscard]] std::string countText(const ListRule& rule);
-
-/// Shows every key of the file to the visitor, in the order in which they are written.
+/// Passes every key of the file to the visitor, in the order in which they are written.
 void visitKeys(KeyVisitor& visitor, ExperimentForm& form);
 
 }  // namespace lab::keys

@@ -1,4 +1,10 @@
 #include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/keys/experiment_form.hpp"

@@ -1,4 +1,4 @@
-/// What the descriptions of the keys have in common.
+/// Common parts of the key descriptions.
 #pragma once
 
 #include <algorithm>
@@ -41,21 +41,21 @@ void visitList(KeyVisitor& visitor, const Key& key, const ListRule& rule,
       [&](std::size_t index) { keys(elements[index]); });
 }
 
-/// A key that is written only where it says something.
+/// A key that is written only if its value differs from the default.
 inline Key writtenIf(bool something, Key key) {
   if (key.default_text.empty()) key.default_text = "-";
   key.need = something ? Need::kOptional : Need::kShorthand;
   return key;
 }
 
-/// A key that has a meaning only next to another one.
+/// A key that is allowed only next to another one.
 inline Key applicableIf(bool applies, const char* condition, Key key) {
   key.applies = applies ? Applies::kYes : Applies::kNo;
   key.condition = condition;
   return key;
 }
 
-/// Keys that only some choices of the key before them have.
+/// Makes keys that are allowed only for some values of another key, such as "model".
 class Selector {
  public:
   template <typename Enum>
@@ -85,13 +85,5 @@ class Selector {
   std::span<const Choice> choices_;
   int current_;
 };
-
-// Parts of visitKeys() with files of their own.
-void visitLayer(KeyVisitor& v, LayerEntry& entry);
-void visitLight(KeyVisitor& v, ExperimentForm& form);
-void visitStopOn(KeyVisitor& v, StopOn& on);
-void visitStopRule(KeyVisitor& v, StopRule& rule);
-void visitProjector(KeyVisitor& v, Projector& projector);
-void visitNetworks(KeyVisitor& v, Experiment& e);
 
 }  // namespace lab::keys

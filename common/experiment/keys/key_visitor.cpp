@@ -1,6 +1,7 @@
+#include "common/experiment/keys/key_visitor.hpp"
+
 #include <cmath>
 
-#include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
 
 namespace lab::keys {

@@ -1,6 +1,9 @@
-// The keys of a layer: what it paints and how that changes.
+#include "common/experiment/keys/layer_keys.hpp"
+
 #include <array>
+#include <cstdint>
 #include <limits>
+#include <string>
 
 #include "common/experiment/keys/key_helpers.hpp"
 #include "light/field/layer.hpp"
@@ -58,25 +61,25 @@ void visitImages(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
   light::Drive& drive = layer.drive;
   v.texts(kind.only({LayerKind::kImage},
                     writtenIf(!drive.images.empty(),
-                              {"files", "image files that are shown one after the other"})),
+                              {"files", "image files that are shown in sequence"})),
           {.most = 200}, {.fewest = 1, .most = light::kMostImages}, drive.images);
   const bool sequence = !drive.images.empty();
-  Key file = kind.only({LayerKind::kImage},
-                       {"file",
-                        "image file, beside the experiment file; grey 0 gives intensity2, white "
-                        "intensity",
-                        Need::kRequired});
+  Key file = kind.only(
+      {LayerKind::kImage},
+      {"file",
+       "image file; path relative to the experiment file; black gives intensity2, white intensity",
+       Need::kRequired});
   if (sequence && file.applies == Applies::kYes) file.applies = Applies::kNo;
   file.condition += " and no files";
   v.text(file, {.most = 200}, layer.image);
   v.number(applicableIf(sequence, "files", {"images_per_s", "of the sequence"}),
            {.low = 0, .high = light::kLargestRate, .above_low = true}, drive.image_rate);
   v.flag(applicableIf(sequence, "files",
-                      {"loop", "the sequence begins again; else its last image stays"}),
+                      {"loop", "the sequence repeats; false: its last image remains"}),
          drive.image_loop);
 }
 
-// Lengths and places go to the fields of the same layer that light/field/layer.hpp lists.
+// light/field/layer.hpp lists which field holds which key.
 void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   using enum LayerKind;
   LayerSpec& layer = entry.layer;
@@ -91,16 +94,16 @@ void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   v.number(kind.only({kHalfPlane, kLinearGradient, kStripes, kChecker, kImage, kNoise, kWave},
                      {"angle_deg",
                       "direction, counter-clockwise from x: towards the lit side, up the gradient, "
-                      "across the stripes, of the image's lower edge, of the wave's way"}),
+                      "across the stripes, of the image's lower edge, of the wave's propagation"}),
            kAngle, layer.angle);
   v.number(
       kind.only({kDisk, kRing, kRadialGradient}, {"radius_cm", "outer radius", Need::kRequired}),
       kLength, layer.size);
   v.number(
-      kind.only({kLinearGradient}, {"length_cm",
-                                    "over which intensity turns into intensity2, half of it on "
-                                    "either side of x_cm, y_cm",
-                                    Need::kRequired}),
+      kind.only({kLinearGradient},
+                {"length_cm",
+                 "over which the light changes from intensity to intensity2, centred at x_cm, y_cm",
+                 Need::kRequired}),
       kLength, layer.size);
   v.number(kind.only({kStripes, kChecker, kWave},
                      {"period_cm", "of the stripes, of the wave; side of a checker's squares",
@@ -114,10 +117,10 @@ void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   v.number(kind.only({kRing, kRadialGradient},
                      {"inner_radius_cm", "inner radius; up to it a radial gradient has intensity"}),
            {0, 1000}, layer.inner);
-  v.number(
-      kind.only({kStripes}, {"share", "of a period that has intensity; the rest has intensity2",
-                             Need::kRequired}),
-      {.low = 0, .high = 1, .above_low = true, .below_high = true}, layer.inner);
+  v.number(kind.only({kStripes},
+                     {"share", "fraction of a period that has intensity; the rest has intensity2",
+                      Need::kRequired}),
+           {.low = 0, .high = 1, .above_low = true, .below_high = true}, layer.inner);
   v.number(kind.only({kImage}, {"height_cm", "of the image", Need::kRequired}), kLength,
            layer.inner);
   v.number(kind.only({kHalfPlane, kDisk, kRing, kStripes, kChecker, kImage},
@@ -139,7 +142,7 @@ void visitIntensities(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   }
   v.number(intensity, kShare, layer.intensity);
   v.number(kind.only({kLinearGradient, kRadialGradient, kStripes, kChecker, kImage, kNoise, kWave},
-                     {"intensity2", "the other end or the other part"}),
+                     {"intensity2", "of the other end or part"}),
            kShare, layer.intensity2);
 }
 
@@ -156,10 +159,9 @@ void visitMotion(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
       kAngle, drive.spin);
   v.number(kind.only({LayerKind::kWave}, {"speed_cm_s", "of the crests, along angle_deg"}), kSpeed,
            entry.speed);
-  v.number(
-      kind.only({LayerKind::kNoise},
-                {"change_per_s", "how often a second the pattern has turned into another one"}),
-      kRate, entry.change);
+  v.number(kind.only({LayerKind::kNoise},
+                     {"change_per_s", "rate at which the pattern changes into an independent one"}),
+           kRate, entry.change);
 }
 
 void visitWaveform(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
@@ -168,8 +170,8 @@ void visitWaveform(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
   const Selector waveform(
       v,
       writtenIf(drive.waveform != kSteady, {"waveform",
-                                            "how the intensity goes between its own value and "
-                                            "low; a telegraph switches at random times"}),
+                                            "how the intensity varies between its own value and "
+                                            "low; telegraph: switches at random times"}),
       kWaveforms, drive.waveform);
   const auto any = {kSine, kSquare, kTelegraph};
   v.number(waveform.only(any, {"period_s",
@@ -178,9 +180,10 @@ void visitWaveform(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
                                Need::kRequired}),
            kTime, drive.period);
   v.number(waveform.only(any, {"low", "intensity at the lower end"}), kShare, drive.low);
-  v.number(waveform.only(any, {"start", "share of a period that has passed when the step begins"}),
-           kShare, drive.start);
-  // One key for both: they are never the same stream of numbers.
+  v.number(
+      waveform.only(any, {"start", "phase at the start of the step, as a fraction of a period"}),
+      kShare, drive.start);
+  // One key serves both: pattern and telegraph use different random streams.
   const bool noise = layer.kind == static_cast<std::int8_t>(LayerKind::kNoise);
   const bool telegraph = drive.waveform == kTelegraph;
   Key seed = kind.only({LayerKind::kNoise}, {"seed", "which random pattern or telegraph"});
@@ -196,30 +199,30 @@ void visitFollow(KeyVisitor& v, const Selector& kind, light::Drive& drive) {
   using enum Follow;
   const Selector follow(
       v,
-      kind.only(kPlaced, writtenIf(drive.follow != kNothing,
-                                   {"follow",
-                                    "robots: a copy of the layer on each robot, x_cm, y_cm and "
-                                    "angle_deg in its frame; trail: what robots leave behind"})),
+      kind.only(kPlaced,
+                writtenIf(drive.follow != kNothing,
+                          {"follow",
+                           "robots: a copy of the layer on each robot, with x_cm, y_cm and "
+                           "angle_deg in the robot's frame; trail: a trail that robots deposit"})),
       kFollows, drive.follow);
   const auto both = {kRobots, kTrail};
   v.integers(follow.only(both, {.name = "robots", .meaning = "which", .default_text = "every one"}),
              1, kLargestId, {.fewest = 0, .most = light::kMostFollowed}, drive.robots);
   v.flag(follow.only({kRobots}, {"predict",
-                                 "where the robot is when the light arrives, instead of "
-                                 "where it was seen"}),
+                                 "use the predicted pose at the time when the light arrives, "
+                                 "instead of the last observed one"}),
          drive.predict);
-  v.number(follow.only(both, {"stale_s", "a robot not seen for so long is lost"}), kTime,
+  v.number(follow.only(both, {"stale_s", "a robot whose last pose is older is lost"}), kTime,
            drive.stale);
   enumerate(v,
             follow.only(both, {"when_lost",
-                               "remove: its copy goes; hold: it stays where it was; safe: "
-                               "the safe light is shown until the robot is back"}),
+                               "remove: its copy disappears; hold: it remains where it was; safe: "
+                               "the safe light is shown until the robot is found again"}),
             kWhenLost, drive.when_lost);
-  v.number(
-      follow.only({kTrail}, {"rate_per_s", "intensity that a robot lays down where it stands"}),
-      kRate, drive.rate);
-  v.number(follow.only({kTrail}, {"decay_per_s", "of what was laid down"}), kRate, drive.decay);
-  v.number(follow.only({kTrail}, {"diffusion_cm2_s", "of what was laid down"}),
+  v.number(follow.only({kTrail}, {"rate_per_s", "intensity per second that a robot deposits"}),
+           kRate, drive.rate);
+  v.number(follow.only({kTrail}, {"decay_per_s", "of the deposited trail"}), kRate, drive.decay);
+  v.number(follow.only({kTrail}, {"diffusion_cm2_s", "of the deposited trail"}),
            {0, 1e4 * light::kLargestDiffusion}, drive.diffusion);
 }
 
@@ -232,10 +235,10 @@ void visitGate(KeyVisitor& v, light::Drive& drive) {
                                       "is inside the circle, or outside"}),
       kGates, drive.gate);
   std::int64_t robot = drive.gate_robot;
-  v.integer(
-      gate.only({kProgram, kInside, kOutside},
-                {"gate_robot", "which robot; 0: the one that is followed, any where none is"}),
-      0, kLargestId, robot);
+  v.integer(gate.only({kProgram, kInside, kOutside},
+                      {"gate_robot",
+                       "which robot; 0: the followed one, or any if the layer follows none"}),
+            0, kLargestId, robot);
   drive.gate_robot = static_cast<std::int32_t>(robot);
   v.text(gate.only({kProgram}, {"gate_program", "a program's name", Need::kRequired}),
          {.most = 32, .bare = true}, drive.gate_program);

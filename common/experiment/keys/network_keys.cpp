@@ -1,15 +1,20 @@
+#include "common/experiment/keys/network_keys.hpp"
+
 #include <array>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
 
 #include "common/experiment/keys/key_helpers.hpp"
 
-/// The keys of everything between processes: the bus, ROS 2, other hosts, browsers.
 namespace lab::keys {
 namespace {
 
 const std::array<Choice, 2> kJoins = {
     {choiceOf("dds", JoinBy::kDds), choiceOf("multicast", JoinBy::kMulticast)}};
 inline constexpr std::int64_t kHighestDomain =
-    230;  // Cyclone 0.10 with DDS Security takes no higher one
+    230;  // the highest that Cyclone DDS 0.10 accepts with DDS Security
 inline constexpr std::size_t kLongestAddress = 64;
 inline constexpr std::size_t kLongestPath = 1000;
 
@@ -17,8 +22,8 @@ void visitBus(KeyVisitor& v, Network& network) {
   std::int64_t port = network.port;
   std::int64_t ttl = network.ttl;
   v.integer({"port", "UDP port of the LCM bus, 0: a free one"}, 0, 65535, port);
-  v.integer({"ttl", "how many routers a message may pass, 0: it stays on this machine"}, 0, 255,
-            ttl);
+  v.integer({"ttl", "number of routers that a message may pass, 0: it does not leave this machine"},
+            0, 255, ttl);
   network.port = static_cast<int>(port);
   network.ttl = static_cast<int>(ttl);
 }
@@ -30,7 +35,7 @@ void visitDomain(KeyVisitor& v, const char* meaning, int& domain) {
 }
 
 void visitGateway(KeyVisitor& v, Gateway& gateway) {
-  v.flag({"ros", "whether ROS 2 tools see the lab (docs/ros2.md)"}, gateway.ros);
+  v.flag({"ros", "whether ROS 2 tools can observe the lab (docs/ros2.md)"}, gateway.ros);
   visitDomain(v, "ROS_DOMAIN_ID", gateway.domain);
   v.text({"name", "first part of every topic: /lab/robot1/pose"}, {.most = 32, .bare = true},
          gateway.name);
@@ -52,9 +57,9 @@ void visitGateway(KeyVisitor& v, Gateway& gateway) {
          gateway.unsecured_commands);
   v.integers({"command_robots", "ids of the robots that ROS 2 may drive, []: all"}, 0, kLargestId,
              {.fewest = 0, .most = kMostRobots, .in_line = true}, gateway.command_robots);
-  v.number({"command_timeout_s",
-            "a robot driven from ROS 2 stands when it has heard nothing for this long"},
-           {0.1, 5}, gateway.command_timeout);
+  v.number(
+      {"command_timeout_s", "a robot driven from ROS 2 stands after this time without a command"},
+      {0.1, 5}, gateway.command_timeout);
 }
 
 void visitLink(KeyVisitor& v, Link& link) {
@@ -64,7 +69,7 @@ void visitLink(KeyVisitor& v, Link& link) {
              "own multicast (network.ttl)"},
             kJoins, link.join);
   visitDomain(v, "DDS domain of the gateways, apart from ROS 2's", link.domain);
-  v.text({"address", "of this host on the way to the others; \"\": as ssh goes"},
+  v.text({"address", "of this host as seen from the others; \"\": the one that ssh uses"},
          {.most = kLongestAddress}, link.address);
   v.text({"security", "folder of DDS Security certificates (docs/security.md); \"\": none"},
          {.most = kLongestPath}, link.security);
@@ -72,31 +77,33 @@ void visitLink(KeyVisitor& v, Link& link) {
           "join hosts without DDS Security: anybody on that network can then drive the robots"},
          link.unsecured);
   v.number(
-      {"max_clock_offset_ms", "between the clocks of two hosts; with a larger one nothing passes"},
+      {"max_clock_offset_ms",
+       "largest offset between the clocks of two hosts; with a larger one no message is forwarded"},
       {0.1, 10000}, link.max_clock_offset);
-  v.number({"patience_s", "how long a run waits for a host that has fallen silent"}, {1, 3600},
-           link.patience);
+  v.number({"patience_s", "time for which a run waits for a host that has stopped responding"},
+           {1, 3600}, link.patience);
 }
 
 void visitDashboard(KeyVisitor& v, Dashboard& dashboard) {
   v.text({"address",
-          "of this machine to listen on, \"0.0.0.0\": on all of them; \"\": nobody elsewhere sees "
-          "the page"},
+          "of this machine to listen on, \"0.0.0.0\": all of them; \"\": the page can be opened on "
+          "this machine only"},
          {.most = kLongestAddress}, dashboard.address);
   std::int64_t port = dashboard.port;
-  v.integer({"port", "of the page; the next free one is taken"}, 1024, 65535, port);
+  v.integer({"port", "of the page; if it is in use, the next free one"}, 1024, 65535, port);
   dashboard.port = static_cast<int>(port);
-  v.flag({"control_from_elsewhere",
-          "whether who has the printed address may drive the lab from other machines too"},
-         dashboard.control_from_elsewhere);
+  v.flag(
+      {"control_from_elsewhere",
+       "whether a user who has the printed address may control the lab from other machines, too"},
+      dashboard.control_from_elsewhere);
 }
 
 void visitHost(KeyVisitor& v, HostSpec& host) {
-  v.text({"ssh", "as ssh takes it, \"pi@robot-bench\"; \"\": NAME"}, {.most = 200}, host.ssh);
-  v.text({"address", "of that host on the way to this one; \"\": as ssh goes"},
+  v.text({"ssh", "argument of ssh, \"pi@robot-bench\"; \"\": NAME"}, {.most = 200}, host.ssh);
+  v.text({"address", "of that host as seen from this one; \"\": the one that ssh uses"},
          {.most = kLongestAddress}, host.address);
-  v.text({"programs", "folder of the lab's programs there; \"\": its PATH"}, {.most = kLongestPath},
-         host.programs);
+  v.text({"programs", "folder of the lab's programs there; \"\": searched in its PATH"},
+         {.most = kLongestPath}, host.programs);
 }
 
 template <typename Entry, typename Keys>
@@ -116,18 +123,18 @@ void visitNetworks(KeyVisitor& v, Experiment& e) {
   v.table({"link", "How hosts are joined"}, [&] { visitLink(v, e.link); });
   v.table({"dashboard", "The page in a browser (docs/dashboard.md)"},
           [&] { visitDashboard(v, e.dashboard); });
-  visitNamed(v, {"hosts", "Other computers that services run on; NAME is yours"},
+  visitNamed(v, {"hosts", "Other computers that services run on; choose NAME freely"},
              {.most = 32, .bare = true}, e.hosts, [&](const std::string& name, HostSpec& host) {
                host.name = name;
                visitHost(v, host);
              });
-  visitNamed(v, {"services", "Where services run; NAME is a service, as sim_svc"},
+  visitNamed(v, {"services", "The hosts of services; NAME is a service, such as sim_svc"},
              {.most = 32, .bare = true}, e.services,
              [&](const std::string& name, ServicePlacement& place) {
                place.service = name;
                v.text({"host",
-                       "NAME of [hosts.NAME], or \"pi@robot-bench\" as ssh takes it; \"\": this "
-                       "machine"},
+                       "NAME of [hosts.NAME], or an argument of ssh such as \"pi@robot-bench\"; "
+                       "\"\": this machine"},
                       {.most = 200}, place.host);
              });
 }

@@ -1,6 +1,12 @@
 #include "common/experiment/keys/toml_reader.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "common/experiment/keys/experiment_key_table.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
@@ -195,22 +201,22 @@ class TomlReader final : public KeyVisitor {
     }
   }
 
-  /// To be called when every key has been visited.
+  /// Call this after all keys have been visited.
   void finish() { refuseUnknownKeys(); }
 
  private:
   struct Scope {
     const toml::table* table;
     std::string path;
-    std::vector<std::string> known;    ///< keys that need no further word
-    std::vector<std::string> allowed;  ///< those among them that have a meaning here
+    std::vector<std::string> known;    ///< keys of this table
+    std::vector<std::string> allowed;  ///< those of them that are allowed here
   };
 
   [[nodiscard]] std::string pathOf(const std::string& name) const {
     return scopes_.back().path.empty() ? name : scopes_.back().path + "." + name;
   }
 
-  /// The key's value, or null when it is not there or means nothing here.
+  /// The key's value, or null if it is missing or not allowed here.
   const toml::node* take(const Key& key, const std::string& allowed) {
     Scope& scope = scopes_.back();
     const toml::node* node = scope.table->get(key.name);
@@ -228,7 +234,8 @@ class TomlReader final : public KeyVisitor {
     return node;
   }
 
-  /// A list whose elements `read` takes or refuses; one that is refused leaves the list as it was.
+  /// Reads a list with `read`, which accepts or refuses each element. If one is refused, the list
+  /// keeps its values.
   template <typename Element, typename Read>
   void takeAll(const Key& key, const ListRule& rule, const std::string& one, const char* form,
                std::vector<Element>& values, const Read& read) {

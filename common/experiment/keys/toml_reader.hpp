@@ -7,8 +7,7 @@
 
 namespace lab::keys {
 
-/// What the document says; what is wrong goes to `problems`, and that part of the form keeps its
-/// default.
+/// Reads the form. Wrong values are reported to `problems`, and their fields keep the defaults.
 [[nodiscard]] ExperimentForm readForm(const TomlDocument& document, Problems& problems);
 
 }  // namespace lab::keys

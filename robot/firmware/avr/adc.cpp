@@ -11,8 +11,8 @@ namespace {
 
 using dynamics::kIrSensors;
 
-// A scan: the two light sensors and the infrared ones with the emitters off, one conversion for the
-// emitters to settle, the infrared ones with them on.
+// Order of the conversions in a scan: two light sensors and six infrared sensors with the emitters
+// off, one unused conversion while the emitters settle, six infrared sensors with the emitters on.
 constexpr uint8_t kDark = 2;
 constexpr uint8_t kSettle = kDark + kIrSensors;
 constexpr uint8_t kLit = kSettle + 1;
@@ -46,7 +46,7 @@ void convert(uint8_t at) {
 
 void startConverter() {
   ADCSRA = 0;
-  DIDR0 = 0x3F;  // A0 to A5 are no digital inputs
+  DIDR0 = 0x3F;  // disable the digital inputs of A0 to A5
   PORTB = static_cast<uint8_t>(PORTB & ~kIrEmitters);
   DDRB = static_cast<uint8_t>(DDRB | kIrEmitters);
   step = kEnd;
@@ -58,8 +58,8 @@ void beginScan() {
   convert(0);
 }
 
-// A scan that is complete but not yet taken counts: else the program, looking between the two,
-// would begin another and then take both, a period too late.
+// Includes a complete scan that was not yet taken. Otherwise the program could begin another scan
+// before it takes this one, and would then be one period late.
 bool scanUnderWay() { return step != kEnd || complete; }
 
 bool takeScan(dynamics::Sensors& sensors) {
@@ -80,7 +80,7 @@ bool takeScan(dynamics::Sensors& sensors) {
 
 ISR(ADC_vect) {
   using namespace lab::avr;
-  // Before the channel is changed: the result belongs to the present one.
+  // Read the result of the present channel before the channel is changed.
   const uint16_t counts = ADC;
   const uint8_t at = step;
   if (at >= kLit) {

@@ -5,17 +5,17 @@
 namespace lab {
 namespace avr {
 
-/// The converter at 125 kHz, 104 us a conversion, supply as reference; emitters off.
+/// Starts the converter: 125 kHz, 104 us per conversion, supply voltage as reference, emitters off.
 void startConverter();
 
-/// Begins a scan of all sensors, 1.6 ms; not while one is under way.
+/// Begins a scan of all sensors, which takes 1.6 ms. Must not be called during a scan.
 void beginScan();
 
-/// From beginScan() until its readings were taken.
+/// Whether there is a scan whose readings were not yet taken.
 bool scanUnderWay();
 
-/// True once after each scan, with its readings. An infrared reading is the one with the emitters
-/// on less the one with them off, so that light from elsewhere does not count.
+/// Returns true once after each scan, with its readings. An infrared reading is the difference
+/// between emitters on and off, which removes ambient light.
 bool takeScan(dynamics::Sensors& sensors);
 
 }  // namespace avr

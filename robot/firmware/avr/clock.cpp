@@ -37,7 +37,7 @@ Instant nowWithInterruptsOff() {
   Instant now;
   now.us = TCNT1;
   now.ms = static_cast<uint16_t>(milliseconds);
-  // The counter has begun a millisecond whose interrupt still waits.
+  // The counter has begun a new millisecond, but its interrupt is still pending.
   if ((TIFR1 & 1U << OCF1A) != 0 && now.us < kMicrosecondsPerMs / 2) {
     ++now.ms;
   }

@@ -5,20 +5,20 @@
 namespace lab {
 namespace avr {
 
-/// The robot's clock: timer 1 counts microseconds, 1000 to the millisecond.
+/// Starts the robot's clock: timer 1 counts microseconds from 0 to 999.
 void startClock();
 
 /// Milliseconds since startClock(); wraps around.
 uint32_t nowMs();
 
-/// An instant as it can be taken inside an interrupt: the low bits of the milliseconds and the
-/// microseconds in them.
+/// A time as it can be read inside an interrupt: the low 16 bits of the milliseconds, and the
+/// microseconds within the millisecond.
 struct Instant {
   uint16_t ms;
   uint16_t us;
 };
 
-/// Now. Interrupts must be off.
+/// The present time. Interrupts must be off.
 Instant nowWithInterruptsOff();
 
 }  // namespace avr

@@ -9,7 +9,7 @@
 #include "robot/firmware/avr/uart.hpp"
 #include "robot/firmware/device.hpp"
 
-// The compiler refers to it from the tables of abstract classes; it is never called.
+// Referenced by the virtual tables of abstract classes; never called.
 extern "C" void __cxa_pure_virtual() {
   for (;;) {
   }
@@ -47,7 +47,7 @@ firmware::BootFacts bootFacts() {
 
 void sleepUntilSomethingHappens(uint32_t last_tick_ms) {
   cli();
-  // The instruction after sei() still runs before any interrupt: nothing is slept over.
+  // No interrupt is missed: the instruction after sei() still runs before any interrupt.
   if (bytesWait() || nowMs() != last_tick_ms) {
     sei();
     return;
@@ -62,7 +62,7 @@ void run(firmware::Device& device) {
   uint32_t last_tick_ms = nowMs();
   for (;;) {
     Received received;
-    // No more than the queue holds: a line faster than the program must not keep it from its work.
+    // At most one full queue, so that a line faster than the program does not block other work.
     for (uint8_t i = 0; i < kReceiveQueue && receiveByte(nowMs(), received); ++i) {
       device.receive(received.ms, received.us, received.byte);
     }
@@ -78,7 +78,7 @@ void run(firmware::Device& device) {
       if (!scanUnderWay() && device.scanDue(now_ms)) {
         beginScan();
       }
-      feedWatchdog();  // only while the clock ticks and this loop goes round
+      feedWatchdog();  // only while the clock ticks and this loop runs
     }
     sleepUntilSomethingHappens(last_tick_ms);
   }

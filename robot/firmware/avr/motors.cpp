@@ -34,8 +34,8 @@ void startMotors() {
   TCCR0B = 1U << CS01;  // clock / 8 / 256
 }
 
-// At OCR = n the pin is high for n + 1 of 256 counts: 0 is not off. A wheel of 0 therefore gets
-// both direction pins low and its pin back from the timer.
+// At OCR = n the pin is high for n + 1 of 256 counts, so 0 is not off. For duty 0, both direction
+// pins are therefore low and the timer is disconnected from the PWM pin.
 void setMotors(int16_t left, int16_t right) {
   ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {  // ports are also written by the converter's interrupt
     OCR0B = size(left);

@@ -2,7 +2,7 @@
 
 #include <avr/io.h>
 
-// What is soldered to which pin (docs/robot.md). For another board, this is the file to change.
+// The connections of the pins (docs/robot.md). For another board, change this file.
 
 namespace lab {
 namespace avr {

@@ -8,7 +8,7 @@
 #include "robot/firmware/avr/motors.hpp"
 #include "robot/wire/messages.hpp"
 
-extern uint8_t _end;     // of the data, from the linker
+extern uint8_t _end;     // end of the data, from the linker
 extern uint8_t __stack;  // the last byte of RAM
 
 namespace {
@@ -16,14 +16,15 @@ namespace {
 constexpr uint8_t kPaint = 0xC5;
 constexpr uint32_t kBitten = 0x1DEADD06UL;
 
-// Not cleared at the start: what was before a restart without reset.
+// Not cleared at the start, so that the values survive a restart without reset.
 uint32_t watchdog_mark __attribute__((section(".noinit")));
 uint8_t reset_flags __attribute__((section(".noinit")));
 
 }  // namespace
 
-// Runs before the data are set up and before main(): keeps the reset cause, ends a watchdog that a
-// reset left on (it would bite again within 16 ms), and paints the free RAM.
+// Runs before the data are initialised and before main(). Saves the reset cause, switches off a
+// watchdog that a reset left on (it would reset again within 16 ms), and fills the free RAM with a
+// pattern for stackLeft().
 extern "C" void atStart() __attribute__((naked, used, section(".init3")));
 void atStart() {
   reset_flags = MCUSR;
@@ -61,7 +62,7 @@ void startWatchdog() {
 #else
   ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
     wdt_reset();
-    WDTCSR = 1U << WDCE | 1U << WDE;  // opens it for four cycles
+    WDTCSR = 1U << WDCE | 1U << WDE;  // allows changes for four cycles
     WDTCSR = 1U << WDIE | 1U << WDP2;
   }
 #endif
@@ -81,7 +82,8 @@ uint16_t stackLeft() {
 }  // namespace lab
 
 #ifndef LAB_WATCHDOG_RESET
-// Never returns, so nothing is saved; only the register that the compiler takes for zero is.
+// Never returns, so no registers are saved; only the register that the compiler assumes to be zero
+// must be cleared.
 ISR(WDT_vect, ISR_NAKED) {
   asm volatile("clr __zero_reg__");
   lab::avr::cutMotors();

@@ -5,12 +5,12 @@
 namespace lab {
 namespace avr {
 
-/// Why the chip started, as found before main() (wire::ResetCause).
+/// Why the chip started (wire::ResetCause).
 uint8_t resetCause();
 
-/// Starts the watchdog, 250 ms. As built by default a bite does not reset the chip, because the
-/// stock bootloader of the Pro Mini never leaves a watchdog reset: the interrupt cuts the motors
-/// and starts the program from its beginning. Built with LAB_WATCHDOG_RESET it is a true reset.
+/// Starts the watchdog, 250 ms. By default its timeout does not reset the chip, because the stock
+/// bootloader of the Pro Mini hangs after a watchdog reset. Instead its interrupt switches off the
+/// motors and restarts the program. With LAB_WATCHDOG_RESET the chip is reset.
 void startWatchdog();
 void feedWatchdog();
 

@@ -6,7 +6,7 @@
 
 #include "robot/firmware/avr/clock.hpp"
 
-// The divider in double speed, rounded to nearest, and the speed that comes out.
+// The divider for double speed mode, rounded to nearest, and the resulting speed.
 #define LAB_UBRR ((F_CPU + 4UL * LAB_BAUD) / (8UL * LAB_BAUD) - 1UL)
 #define LAB_REAL_BAUD (F_CPU / (8UL * (LAB_UBRR + 1UL)))
 #if LAB_REAL_BAUD * 1000UL > LAB_BAUD * 1015UL || LAB_REAL_BAUD * 1000UL < LAB_BAUD * 985UL
@@ -28,7 +28,7 @@ volatile uint8_t tx_in = 0;   ///< written by the program
 volatile uint8_t tx_out = 0;  ///< written by the interrupt
 
 volatile uint16_t overruns = 0;
-volatile Instant last_zero = {0, 0};  ///< when the last 0 came in
+volatile Instant last_zero = {0, 0};  ///< when the last 0 was received
 
 uint8_t next(uint8_t index, uint8_t size) {
   return static_cast<uint8_t>((index + 1U) & (size - 1U));
@@ -40,7 +40,7 @@ void startUart() {
   UCSR0B = 0;
   rx_in = rx_out = tx_in = tx_out = 0;
   overruns = 0;
-  // In this order: double speed before the divider it belongs to.
+  // Double speed mode must be set before the divider.
   UCSR0A = 1U << U2X0;
   UCSR0C = 1U << UCSZ01 | 1U << UCSZ00;
   UBRR0H = static_cast<uint8_t>(LAB_UBRR >> 8);
@@ -101,7 +101,7 @@ uint16_t takeOverruns() {
 
 ISR(USART_RX_vect) {
   using namespace lab::avr;
-  const uint8_t status = UCSR0A;  // before the byte: it belongs to it
+  const uint8_t status = UCSR0A;  // must be read before the byte
   const uint8_t byte = UDR0;
   if ((status & 1U << DOR0) != 0) {
     overruns = overruns + 1;

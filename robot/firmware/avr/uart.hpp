@@ -7,30 +7,31 @@ namespace avr {
 
 constexpr uint32_t kBaud = LAB_BAUD;
 
-/// How many bytes wait for the program at most (one less). A power of two, so that an index wraps
-/// by a mask.
+/// Size of the receive queue, which holds one byte less. A power of two, so that indices wrap by a
+/// mask.
 constexpr uint8_t kReceiveQueue = 64;
 
-/// The serial line at kBaud, 8N1, driven by interrupts.
+/// Starts the serial line: kBaud, 8N1, interrupt driven.
 void startUart();
 
-/// A byte that came in. For a 0, the end of a frame, also when; for any other byte just now.
+/// A received byte. The time is that of its reception for a 0 (the end of a frame), and the present
+/// time for other bytes.
 struct Received {
   uint8_t byte;
   uint32_t ms;
   uint16_t us;
 };
 
-/// Takes the oldest byte that came in; false: there is none.
+/// Takes the oldest received byte. Returns false if there is none.
 bool receiveByte(uint32_t now_ms, Received& received);
 
-/// Whether bytes wait. Also callable with interrupts off.
+/// Whether there are received bytes. May be called with interrupts off.
 bool bytesWait();
 
-/// Queues all bytes, or none of them.
+/// Queues all bytes, or none of them and returns false.
 bool sendBytes(const uint8_t* bytes, uint8_t size);
 
-/// Whether nothing is queued.
+/// Whether the send queue is empty.
 bool nothingQueued();
 
 /// Bytes lost since the last call, because the line or the queue overran.

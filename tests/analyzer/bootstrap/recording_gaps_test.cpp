@@ -7,7 +7,7 @@
 namespace lab::analysis {
 namespace {
 
-TEST(SegmentLengths, TellHowManyWindowsOfALagAreLeft) {
+TEST(SegmentLengths, GiveTheShareOfRemainingWindows) {
   SegmentLengths dut;
   EXPECT_EQ(dut.covered(10), 1);
   for (int i = 0; i < 30; ++i) dut.add(100);
@@ -20,7 +20,7 @@ TEST(SegmentLengths, TellHowManyWindowsOfALagAreLeft) {
   EXPECT_EQ(dut.covered(2000), 0);
 }
 
-TEST(RecordingGaps, AreInSimulatedFilmsAsInTheMeasuredOne) {
+TEST(RecordingGaps, AreEqualInSimulatedAndMeasuredRecordings) {
   RecordingGaps gaps;
   gaps.lost = 0.2;
   gaps.lost_length = 3;
@@ -51,7 +51,7 @@ TEST(RecordingGaps, AreInSimulatedFilmsAsInTheMeasuredOne) {
   EXPECT_GT(dut.of_headings.back(), dut.of_places.back());
 }
 
-TEST(RecordingGaps, LoseFewerOfFewerFrames) {
+TEST(RecordingGaps, LoseFewerFramesAtALowerFrameRate) {
   RecordingGaps gaps;
   gaps.lost = 0.1;
   const RecordingStretches dut = drawStretches(gaps, 0.01, 0.04, 400'000, 1);

@@ -6,14 +6,14 @@
 #include <stdexcept>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
-#include "analyzer/observation.hpp"
+#include "analyzer/laws/observation.hpp"
 #include "tests/analyzer/paper_programs.hpp"
 #include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis {
 namespace {
 
-/// Every lag of both curves, averaged over films, is the law as the camera sees it.
+/// Every lag of both curves, averaged over recordings, is the law as the camera sees it.
 void expectLaw(const RecordingPlan& plan, const char* what) {
   const std::vector<int> lags{1, 2, 4, 8, 16, 32, 64, 128};
   const ExactLaw exact(plan.law);
@@ -33,19 +33,19 @@ void expectLaw(const RecordingPlan& plan, const char* what) {
   }
 }
 
-TEST(SyntheticFilm, FollowsTheExactLawOfEveryProgram) {
+TEST(SimulatedRecording, FollowsTheExactLawOfEveryProgram) {
   expectLaw({abpLaw(3, 0.5), 200, 0.107, 0, 0, 0}, "ABP ");
   expectLaw({noisyLaw(0.01, 0.1, 0.1), 200, 0.107, 0, 0, 0}, "noisy ABP ");
   expectLaw({noisyLaw(0, 0.07, 0.2), 200, 0.107, 0, 0, 0}, "BP ");
   expectLaw({rtpLaw(1, 0.5), 200, 0.107, 0, 0, 0}, "RTP ");
 }
 
-TEST(SyntheticFilm, SeesThroughACamera) {
+TEST(SimulatedRecording, IncludesExposureAndNoise) {
   expectLaw({abpLaw(6, 0.25), 200, 0.107, 0.001, 0.05, 0}, "noise ");
   expectLaw({abpLaw(6, 0.25), 200, 0.107, 0, 0, 0.03}, "exposure ");
 }
 
-TEST(SyntheticFilm, IsTheSameForTheSameSeed) {
+TEST(SimulatedRecording, IsTheSameForTheSameSeed) {
   const RecordingPlan plan{rtpLaw(1, 0.5), 50, 0.1, 0.001, 0.01, 0};
   RecordingPoses a;
   RecordingPoses b;
@@ -57,7 +57,7 @@ TEST(SyntheticFilm, IsTheSameForTheSameSeed) {
   EXPECT_NE(a.x, b.x);
 }
 
-TEST(SyntheticFilm, RefusesWhatItCannotFilm) {
+TEST(SimulatedRecording, RejectsInvalidPlans) {
   RecordingPoses poses;
   EXPECT_THROW(simulateRecording({ProgramLaw{}, 10, 0.1, 0, 0, 0}, 1, poses),
                std::invalid_argument);

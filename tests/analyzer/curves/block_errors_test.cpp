@@ -18,7 +18,7 @@ BlockSums block(double time, double forward) {
 
 std::vector<double> meanSpeed(const BlockSums& sums) { return {sums.forward / sums.forward_time}; }
 
-TEST(GroupBlocks, MergesNeighboursOfARobotAndNeverTwoRobots) {
+TEST(GroupBlocks, MergesAdjacentBlocksOfOneRobotOnly) {
   BlockData data;
   data.tracks = {{block(1, 1), block(1, 2), block(1, 3), block(1, 4), block(1, 5)}, {block(1, 6)}};
   const std::vector<BlockSums> dut = groupBlocks(data, 2);
@@ -45,21 +45,22 @@ TEST(Jackknife, GivesTheTrueErrorForUnequalBlocks) {
   std::normal_distribution<double> normal;
   double variance = 0;
   double claimed = 0;
-  const int films = 4000;
-  for (int film = 0; film < films; ++film) {
+  const int recordings = 4000;
+  for (int recording = 0; recording < recordings; ++recording) {
     std::vector<BlockSums> blocks;
     for (int i = 0; i < 20; ++i) {
       const double time = 1 + i % 4;
       blocks.push_back(block(time, time + std::sqrt(time) * normal(random)));
     }
     const Replicates dut = jackknife(blocks, meanSpeed);
-    variance += std::pow(dut.values[0] - 1, 2) / films;
-    claimed += std::pow(dut.sigma(0), 2) / films;
+    variance += std::pow(dut.values[0] - 1, 2) / recordings;
+    claimed += std::pow(dut.sigma(0), 2) / recordings;
   }
-  EXPECT_NEAR(claimed / variance, 1, 0.1);  // the scatter of a variance over 4000 films is 2.2 %
+  EXPECT_NEAR(claimed / variance, 1,
+              0.1);  // the scatter of a variance over 4000 recordings is 2.2 %
 }
 
-TEST(Jackknife, ClaimsNothingFromASingleBlock) {
+TEST(Jackknife, GivesNanForASingleBlock) {
   const Replicates dut = jackknife({block(1, 1)}, meanSpeed);
   EXPECT_TRUE(std::isnan(dut.sigma(0)));
 }

@@ -13,7 +13,7 @@
 namespace lab::analysis {
 namespace {
 
-TEST(CosSin, IsRightToTheLastBitButOneUpToAMillionRadians) {
+TEST(CosSin, IsAccurateToTwoUnitsInTheLastPlaceUpToAMillionRadians) {
   std::mt19937_64 random(3);
   for (const double largest : {1e-9, 1.0, 30.0, 1e4, 1e6}) {
     std::uniform_real_distribution<double> angle(-largest, largest);
@@ -29,7 +29,7 @@ TEST(CosSin, IsRightToTheLastBitButOneUpToAMillionRadians) {
   }
 }
 
-TEST(CosSin, TurnsThroughAllQuarters) {
+TEST(CosSin, IsCorrectInAllQuarters) {
   for (int quarter = -9; quarter <= 9; ++quarter) {
     for (const double beside : {-0.7, 0.0, 0.7}) {
       const double angle = 0.5 * std::numbers::pi * quarter + beside;
@@ -42,7 +42,7 @@ TEST(CosSin, TurnsThroughAllQuarters) {
   }
 }
 
-TEST(CosSin, GivesTheSameBitsOneByOneAndSideBySide) {
+TEST(CosSin, GivesTheSameBitsForSingleAnglesAndArrays) {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> angle(-100, 100);
   for (std::size_t n = 0; n < 9; ++n) {
@@ -62,7 +62,7 @@ TEST(CosSin, GivesTheSameBitsOneByOneAndSideBySide) {
   }
 }
 
-TEST(CosSin, GivesNanOfWhatIsNoAngle) {
+TEST(CosSin, GivesNanForAnglesThatAreNotFinite) {
   const std::array<double, 3> angles{std::numeric_limits<double>::quiet_NaN(),
                                      std::numeric_limits<double>::infinity(),
                                      -std::numeric_limits<double>::infinity()};

@@ -30,21 +30,21 @@ TEST(Estimates, CoverTheTruthOfTheRtpAtTheStatedRate) {
   }
 }
 
-TEST(CurveErrors, AreTheTrueScatterUpToAFilmOver180) {
-  WalkerRecording film;
-  film.law = abpLaw(3, 0.5);
-  film.duration = 300;
-  film.fps = 24.3;
-  film.telemetry_rate = 20;
-  const EnsembleCurves curves = cover(film, 500, 1.67).curves;
-  expectTrueErrors(curves.msd, film.duration);
-  expectTrueErrors(curves.angular, film.duration);
+TEST(CurveErrors, EqualTheTrueScatterUpToA180thOfTheRecording) {
+  WalkerRecording recording;
+  recording.law = abpLaw(3, 0.5);
+  recording.duration = 300;
+  recording.fps = 24.3;
+  recording.telemetry_rate = 20;
+  const EnsembleCurves curves = cover(recording, 500, 1.67).curves;
+  expectTrueErrors(curves.msd, recording.duration);
+  expectTrueErrors(curves.angular, recording.duration);
 }
 
-TEST(Estimates, SayWhatAFewSecondsCannotTell) {
-  WalkerRecording film = shortRecording(abpLaw(3, 0.5));
-  film.duration = 3;
-  const ProgramResult dut = analyseRecording(film, stitch(film));
+TEST(Estimates, ReportInsufficientDataOfAFewSeconds) {
+  WalkerRecording recording = shortRecording(abpLaw(3, 0.5));
+  recording.duration = 3;
+  const ProgramResult dut = analyseRecording(recording, stitch(recording));
   ASSERT_FALSE(dut.estimates.empty());
   EXPECT_EQ(dut.verdict.kind, VerdictKind::kUndecided);
   for (const Estimate& estimate : dut.estimates) {
@@ -65,7 +65,7 @@ TEST(Estimates, AreAbsentWithoutDataOrLaw) {
   EXPECT_TRUE(curves(abpLaw(3, 0.5), empty.data(), CurveOptions{}).msd.empty());
 }
 
-/// Ten minutes at 20 frames a second, 3 cm/s, of a heading that turns evenly and at random.
+/// Ten minutes at 20 frames a second and 3 cm/s, with a heading that turns uniformly and randomly.
 Estimate speedOfUnknown(double turn_rate, double rotational_diffusivity) {
   constexpr double kPeriod = 0.05;
   constexpr int kSteps = 50;  // a frame
@@ -95,7 +95,7 @@ Estimate speedOfUnknown(double turn_rate, double rotational_diffusivity) {
   return {};
 }
 
-TEST(Estimates, KnowTheSpeedHoweverTheHeadingTurns) {
+TEST(Estimates, GiveTheSpeedForAnyTurningOfTheHeading) {
   for (const auto& [rate, diffusivity] :
        {std::pair{0.0, 2.0}, {4.0, 0.0}, {3.0, 0.5}, {0.0, 0.0}}) {
     SCOPED_TRACE(rate);
@@ -108,55 +108,55 @@ TEST(Estimates, KnowTheSpeedHoweverTheHeadingTurns) {
 }
 
 TEST(Verdict, DisagreesWithANeighbouringProgram) {
-  WalkerRecording film = shortRecording(abpLaw(3, 0.5));
-  film.duration = 600;
-  const StitchedRecording stitched = stitch(film);
-  EXPECT_EQ(analyseRecording(film, stitched).verdict.kind, VerdictKind::kAgrees);
+  WalkerRecording recording = shortRecording(abpLaw(3, 0.5));
+  recording.duration = 600;
+  const StitchedRecording stitched = stitch(recording);
+  EXPECT_EQ(analyseRecording(recording, stitched).verdict.kind, VerdictKind::kAgrees);
 
-  film.law = abpLaw(3.6, 0.5);  // 44 % more D_r
-  EXPECT_EQ(analyseRecording(film, stitched).verdict.kind, VerdictKind::kDisagrees);
-  film.law = abpLaw(3, 0.5, 0.035);  // beyond what a calibration explains
-  EXPECT_EQ(analyseRecording(film, stitched).verdict.kind, VerdictKind::kDisagrees);
+  recording.law = abpLaw(3.6, 0.5);  // D_r is 44 % larger
+  EXPECT_EQ(analyseRecording(recording, stitched).verdict.kind, VerdictKind::kDisagrees);
+  recording.law = abpLaw(3, 0.5, 0.035);  // more than a calibration error
+  EXPECT_EQ(analyseRecording(recording, stitched).verdict.kind, VerdictKind::kDisagrees);
 }
 
-// Of long lags contacts leave few windows, in the few segments that are as long.
-TEST(Verdict, JudgesNoLagOfWhichCutsLeaveLittle) {
+// Contacts leave few windows of long lags, in the few segments that are long enough.
+TEST(Verdict, JudgesNoLagWithFewWindowsAfterCuts) {
   int disagree = 0;
   for (unsigned i = 0; i < 40; ++i) {
-    WalkerRecording film = shortRecording(abpLaw(3, 0.5));
-    film.duration = 1200;
-    film.cut_every = 3;
-    film.seed = 500 + i;
-    const ProgramResult dut = analyseRecording(film, stitch(film));
+    WalkerRecording recording = shortRecording(abpLaw(3, 0.5));
+    recording.duration = 1200;
+    recording.cut_every = 3;
+    recording.seed = 500 + i;
+    const ProgramResult dut = analyseRecording(recording, stitch(recording));
     disagree += dut.verdict.kind == VerdictKind::kDisagrees ? 1 : 0;
     EXPECT_GE(dut.verdict.judged, 20);
     for (const CurvePoint& point : dut.curves.msd) {
       EXPECT_FALSE(point.judged && point.tau > 3 * 3.3) << point.tau;  // e^-3.3 of the windows
     }
   }
-  EXPECT_LE(disagree, 2);  // above 4 sigma: once in a thousand films
+  EXPECT_LE(disagree, 2);  // above 4 sigma by chance in one of a thousand recordings
 }
 
-TEST(Verdict, TakesASmallSpeedErrorForACalibration) {
-  WalkerRecording film = shortRecording(abpLaw(3, 0.5, 0.0297));
-  film.duration = 600;
-  const StitchedRecording stitched = stitch(film);
-  film.law.v = 0.03;
-  const ProgramResult dut = analyseRecording(film, stitched);
+TEST(Verdict, AcceptsASmallSpeedErrorAsCalibration) {
+  WalkerRecording recording = shortRecording(abpLaw(3, 0.5, 0.0297));
+  recording.duration = 600;
+  const StitchedRecording stitched = stitch(recording);
+  recording.law.v = 0.03;
+  const ProgramResult dut = analyseRecording(recording, stitched);
   EXPECT_EQ(dut.verdict.kind, VerdictKind::kAgrees);
   for (const Estimate& estimate : dut.estimates) {
     if (estimate.name == "v") {
-      EXPECT_LT(estimate.high95, 0.03);  // but the estimate says so
+      EXPECT_LT(estimate.high95, 0.03);  // but the estimate shows it
     }
   }
 }
 
-TEST(Curves, SeparateTheTrackersNoise) {
-  WalkerRecording film = shortRecording(abpLaw(3, 0.5));
-  film.duration = 600;
-  const ProgramResult dut = analyseRecording(film, stitch(film));
-  const double sigma2 = film.sigma * film.sigma;
-  const double sigma_theta2 = film.sigma_theta * film.sigma_theta;
+TEST(Curves, SeparateTheTrackerNoise) {
+  WalkerRecording recording = shortRecording(abpLaw(3, 0.5));
+  recording.duration = 600;
+  const ProgramResult dut = analyseRecording(recording, stitch(recording));
+  const double sigma2 = recording.sigma * recording.sigma;
+  const double sigma_theta2 = recording.sigma_theta * recording.sigma_theta;
   EXPECT_NEAR(dut.curves.msd.front().noise / (4 * sigma2), 1, 0.03);
   EXPECT_NEAR(dut.curves.angular_msd.front().noise / (2 * sigma_theta2), 1, 0.03);
   EXPECT_LT(std::abs(dut.curves.msd.front().z), 4);

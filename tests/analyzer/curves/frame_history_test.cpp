@@ -40,7 +40,7 @@ TEST(FrameHistory, FindsTheFramesOfTheHistoryAndOfTheCollection) {
   }
 }
 
-TEST(FrameHistory, FindsNothingWhereFramesWereLost) {
+TEST(FrameHistory, FindsNothingInPlaceOfLostFrames) {
   for (const int lost : {1, 2, 63, 65, 79, 80, 81, 1000}) {
     FrameHistory dut = begun();
     push(dut, 100);
@@ -57,7 +57,7 @@ TEST(FrameHistory, FindsNothingWhereFramesWereLost) {
   }
 }
 
-TEST(FrameHistory, ForgetsEverything) {
+TEST(FrameHistory, ForgetDiscardsAllFrames) {
   FrameHistory dut = begun();
   push(dut, 100);
   dut.retire();
@@ -69,7 +69,7 @@ TEST(FrameHistory, ForgetsEverything) {
   EXPECT_TRUE(dut.find(dut.newest()));
 }
 
-TEST(FrameHistory, InterpolatesWhereAtMostOneFrameWasLost) {
+TEST(FrameHistory, InterpolatesAcrossAtMostOneLostFrame) {
   for (const int lost : {0, 1, 2}) {
     FrameHistory dut = begun();
     push(dut, 100);

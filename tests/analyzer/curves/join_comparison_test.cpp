@@ -12,24 +12,24 @@ namespace {
 
 /// Every join misplaces what follows by `defect` (m).
 JoinComparison compared(const ProgramLaw& law, double defect, bool join = true) {
-  WalkerRecording film;
-  film.law = law;
-  film.duration = 1800;
-  film.fps = 9.97;
-  film.sigma = 0.0005;
-  film.sigma_theta = 0.0175;
-  film.walls = true;
-  film.seed = 11;
+  WalkerRecording recording;
+  recording.law = law;
+  recording.duration = 1800;
+  recording.fps = 9.97;
+  recording.sigma = 0.0005;
+  recording.sigma_theta = 0.0175;
+  recording.walls = true;
+  recording.seed = 11;
   StitcherConfig config;
   config.join = join;
   TrackStitcher stitcher(config);
   std::vector<Sample> samples;
-  Walker walker(film);
+  Walker walker(recording);
   walker.on_frame = [&](const TrackPoint& point) { stitcher.addFrame(point, samples); };
   walker.on_telemetry = [&](const RobotTelemetry& told) { stitcher.addTelemetry(told, samples); };
   walker.run();
   stitcher.flush(samples);
-  JoinAccumulator watch(1 / film.fps, 100);
+  JoinAccumulator watch(1 / recording.fps, 100);
   double offset = 0;
   Sample last;
   last.segment = -1;
@@ -44,7 +44,7 @@ JoinComparison compared(const ProgramLaw& law, double defect, bool join = true) 
 
 class Joins : public testing::TestWithParam<ProgramLaw> {};
 
-TEST_P(Joins, FitWhereTheRobotResumesExactly) {
+TEST_P(Joins, FitIfTheRobotResumesExactly) {
   const JoinComparison dut = compared(GetParam(), 0);
   EXPECT_GT(dut.joins, 5);
   EXPECT_GT(dut.compared, 4);
@@ -52,12 +52,12 @@ TEST_P(Joins, FitWhereTheRobotResumesExactly) {
   for (const JoinLag& lag : dut.msd) EXPECT_EQ(lag.compared && lag.tau > dut.longest_lag, false);
 }
 
-TEST_P(Joins, DoNotFitWhereTheyAreMisplaced) { EXPECT_GT(compared(GetParam(), 0.02).max_z, 4); }
+TEST_P(Joins, DoNotFitIfTheyAreMisplaced) { EXPECT_GT(compared(GetParam(), 0.02).max_z, 4); }
 
 INSTANTIATE_TEST_SUITE_P(Programs, Joins,
                          testing::Values(abpLaw(3, 0.5), abpLaw(1, 0.25), rtpLaw(1, 0.5)));
 
-TEST(JoinComparison, HasNothingToSayWithoutJoins) {
+TEST(JoinComparison, ComparesNothingWithoutJoins) {
   const JoinComparison dut = compared(abpLaw(3, 0.5), 0, false);
   EXPECT_EQ(dut.joins, 0);
   EXPECT_EQ(dut.compared, 0);

@@ -76,7 +76,7 @@ void addWindow(Sums& sums, const Sample& start, const Sample& end) {
   }
 }
 
-/// Every window of one lag by looking at every pair of samples.
+/// The windows of one lag by brute force, over all pairs of samples.
 Sums bruteForce(const std::vector<Sample>& samples, int lag) {
   const double tau = lag * kPeriod;
   Sums sums;
@@ -158,7 +158,7 @@ TEST(MsdAccumulator, LetsNoWindowCrossACut) {
   expectBruteForce(track, kShortLags);
 }
 
-TEST(MsdAccumulator, BreaksOnlyAngularWindowsWhereTheHeadingIsAmbiguous) {
+TEST(MsdAccumulator, CutsOnlyAngularWindowsIfTheHeadingIsAmbiguous) {
   Track track;
   track.walk(50);
   track.cutAngle();
@@ -181,7 +181,7 @@ TEST(MsdAccumulator, InterpolatesTheStartOfWindowsAcrossJoins) {
   expectBruteForce(track, kShortLags);
 }
 
-/// Whatever happens to a track, after any number of frames since the last time.
+/// A track with all kinds of events, after any number of frames since the last event.
 Track eventfulTrack(int events) {
   Track track;
   std::mt19937_64 random(11);
@@ -207,11 +207,11 @@ Track eventfulTrack(int events) {
   return track;
 }
 
-TEST(MsdAccumulator, AgreesWithBruteForceWhateverHappensAtAnyFrame) {
+TEST(MsdAccumulator, AgreesWithBruteForceForAnyEventAtAnyFrame) {
   expectBruteForce(eventfulTrack(100), kShortLags);
 }
 
-TEST(MsdAccumulator, GivesTheSameBitsHoweverOftenItIsAsked) {
+TEST(MsdAccumulator, GivesTheSameBitsForAnyNumberOfQueries) {
   const std::vector<int> lags{1, 2, 15, 16, 40, 64, 100, 500};
   MsdAccumulator often(lags, kPeriod);
   MsdAccumulator once(lags, kPeriod);
@@ -241,7 +241,7 @@ TEST(MsdAccumulator, GivesTheSameBitsHoweverOftenItIsAsked) {
   }
 }
 
-TEST(MsdAccumulator, KnowsEveryFrameAtOnce) {
+TEST(MsdAccumulator, IncludesEveryFrameImmediately) {
   Track track;
   track.walk(300);
   MsdAccumulator dut({1, 7, 100}, kPeriod);
@@ -260,7 +260,7 @@ TEST(MsdAccumulator, CountsRunsAndTumblesUpToTheLastFrame) {
   Sample sample;
   for (int i = 0; i < 500; ++i) {
     dut.add(sample);
-    if (i == 250) {  // what lies between two segments is in neither
+    if (i == 250) {  // runs between two segments belong to neither
       ++sample.segment;
       ++sample.piece;
       sample.run_time += 5;
@@ -273,10 +273,10 @@ TEST(MsdAccumulator, CountsRunsAndTumblesUpToTheLastFrame) {
   const BlockSums total = dut.data().total();
   EXPECT_NEAR(total.run_span, 498 * kPeriod, 1e-9);
   EXPECT_NEAR(total.run_time, 0.5 * 498 * kPeriod, 1e-9);
-  EXPECT_EQ(total.tumbles, 49);  // of 50 one fell between the segments
+  EXPECT_EQ(total.tumbles, 49);  // one of 50 is between the segments
 }
 
-TEST(MsdAccumulator, SkipsTheFrameThatFallsOntoTheLastSlotAfterAJoin) {
+TEST(MsdAccumulator, SkipsTheFrameThatFallsOnTheLastSlotAfterAJoin) {
   Track track;
   track.walk(40);
   track.join(-0.8);  // the first frame after the reversal is only 0.2 periods later
@@ -289,7 +289,7 @@ TEST(MsdAccumulator, SkipsTheFrameThatFallsOntoTheLastSlotAfterAJoin) {
   EXPECT_EQ(dut.data().total().lags[0].windows, 78U);
 }
 
-TEST(MsdAccumulator, SubsamplesLongLagsWithoutPreference) {
+TEST(MsdAccumulator, SubsamplesLongLagsWithoutBias) {
   Track track;
   track.walk(60000);
   const std::vector<int> lags{15, 16, 100, 1000};
@@ -310,8 +310,8 @@ TEST(MsdAccumulator, SubsamplesLongLagsWithoutPreference) {
       const Sample& b = track.samples()[j];
       every += std::pow(b.x - a.x, 2) + std::pow(b.y - a.y, 2);
     }
-    const double film_error = std::sqrt(2.0 * lags[i] / 3 / 60000);
-    EXPECT_NEAR(total.lags[i].r2 / windows / (every / all), 1, 0.25 * film_error);
+    const double recording_error = std::sqrt(2.0 * lags[i] / 3 / 60000);
+    EXPECT_NEAR(total.lags[i].r2 / windows / (every / all), 1, 0.25 * recording_error);
   }
 }
 
@@ -325,7 +325,7 @@ TEST(MsdAccumulator, LeavesUnobservedLagsWithoutWindows) {
   EXPECT_EQ(dut.data().total().lags[1].windows, 0U);
 }
 
-TEST(MsdAccumulator, KeepsTheSumOfTheBlocksWhenTheyMerge) {
+TEST(MsdAccumulator, KeepsTheSumOfTheBlocksWhenTheyAreMerged) {
   Track track;
   track.walk(30000);
   MsdAccumulator dut({1, 7}, kPeriod);
@@ -361,7 +361,7 @@ TEST(MsdAccumulator, PoolsRobotsAsIndependentBlocks) {
   EXPECT_NEAR(pool.lagTime(1, total), 7 * kPeriod, 1e-9);
 }
 
-TEST(MsdAccumulator, MeasuresTheForwardStepAndWhatCrossesTheHeading) {
+TEST(MsdAccumulator, MeasuresTheStepsAlongAndAcrossTheHeading) {
   MsdAccumulator dut({1}, kPeriod);
   Sample sample;
   sample.theta = 0.7;
@@ -379,9 +379,9 @@ TEST(MsdAccumulator, MeasuresTheForwardStepAndWhatCrossesTheHeading) {
   EXPECT_NEAR(total.sideways2 / total.steps, 0.0002 * 0.0002, 1e-15);
 }
 
-TEST(MsdAccumulator, GivesWindowsOfLongLagsTheirExactLengthAcrossLostFramesAndJoins) {
-  // Straight on at constant speed every window of a lag has one and the same displacement, and a
-  // window that lasts a frame too long or too short shows.
+TEST(MsdAccumulator, WindowsOfLongLagsHaveTheExactLengthAcrossLostFramesAndJoins) {
+  // At constant velocity all windows of a lag have the same displacement, so a window that is a
+  // frame too long or too short is detected.
   Track track;
   for (int i = 0; i < 400; ++i) {
     track.walk(37 + i % 11);
@@ -413,7 +413,7 @@ TEST(MsdAccumulator, GivesWindowsOfLongLagsTheirExactLengthAcrossLostFramesAndJo
 }
 
 /// A reversal may last a whole number of frames: then windows across it end exactly at a frame.
-TEST(MsdAccumulator, LosesNoWindowOfLongLagsWhereJoinsKeepTheFramesInStep) {
+TEST(MsdAccumulator, LosesNoWindowOfLongLagsIfReversalsLastWholeFrames) {
   const std::vector<int> lags{1, 70, 100, 150, 316, 500};
   constexpr double kTenth = 0.1;  // s
   const auto windows = [&](double gap) {
@@ -451,7 +451,7 @@ TEST(MsdAccumulator, KeepsAnHourAtHundredFramesASecondInLessThan50kB) {
   EXPECT_LT(dut.memoryBytes(), 50000U);
 }
 
-TEST(BlockStore, PacksBlocksWithoutLosingWhatTheyDifferIn) {
+TEST(BlockStore, PacksBlocksWithoutLosingTheirDifferences) {
   Track track;
   track.walk(20000);
   MsdAccumulator dut({1, 7, 100}, kPeriod);

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+
 #include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis {
@@ -15,72 +17,72 @@ ProgramLaw bp(double amplitude, double epsilon) {
   return law;
 }
 
-BrownianTest testOf(const WalkerRecording& film, const ProgramLaw& asked) {
-  const StitchedRecording stitched = stitch(film);
-  ProgramAnalysis analysis(asked, 1 / film.fps, 100);
+BrownianTest testRecording(const WalkerRecording& recording, const ProgramLaw& asked) {
+  const StitchedRecording stitched = stitch(recording);
+  ProgramAnalysis analysis(asked, 1 / recording.fps, 100);
   for (const Sample& sample : stitched.samples) analysis.add(sample);
   const auto test = testBrownian(asked, analysis.data());
   return test.value_or(BrownianTest{});
 }
 
-TEST(BrownianTest, ARobotsOwnAxisIsSeenInOneHour) {
-  WalkerRecording film;
-  film.law = bp(0.07, 0.2);
-  film.duration = 3600;
-  film.fps = 10.3;
-  film.sigma = 0.0005;
-  film.sigma_theta = 0.01;
-  const BrownianTest test = testOf(film, film.law);
+TEST(BrownianTest, DetectsDiffusionAlongTheRobotAxisInOneHour) {
+  WalkerRecording recording;
+  recording.law = bp(0.07, 0.2);
+  recording.duration = 3600;
+  recording.fps = 10.3;
+  recording.sigma = 0.0005;
+  recording.sigma_theta = 0.01;
+  const BrownianTest test = testRecording(recording, recording.law);
   ASSERT_GE(test.lags.size(), 6U);
   EXPECT_TRUE(test.isotropic.rejected) << test.text;
   EXPECT_FALSE(test.exact.rejected) << test.text;
   EXPECT_EQ(test.text.rfind("Not Brownian motion in the plane: kurtosis 2.", 0), 0U) << test.text;
 }
 
-TEST(BrownianTest, AnotherLawIsRejected) {
+TEST(BrownianTest, RejectsAnotherLaw) {
   // Robots that turn twenty times as fast are isotropic within a second: not the programmed law.
-  WalkerRecording film;
-  film.law = bp(0.07, 0.2);
-  film.law.wheel_base = 0.075 / 6;
-  film.duration = 3600;
-  film.fps = 10.3;
-  const BrownianTest test = testOf(film, bp(0.07, 0.2));
+  WalkerRecording recording;
+  recording.law = bp(0.07, 0.2);
+  recording.law.wheel_base = 0.075 / 6;
+  recording.duration = 3600;
+  recording.fps = 10.3;
+  const BrownianTest test = testRecording(recording, bp(0.07, 0.2));
   ASSERT_FALSE(test.lags.empty());
   EXPECT_TRUE(test.exact.rejected) << test.text;
 }
 
-TEST(BrownianTest, IsForBrownianParticlesWithEnoughData) {
-  WalkerRecording film;
-  film.law = bp(0.07, 0.2);
-  film.duration = 2;
-  film.fps = 10.3;
-  const StitchedRecording stitched = stitch(film);
-  ProgramAnalysis analysis(film.law, 1 / film.fps, 100);
+TEST(BrownianTest, NeedsABrownianParticleAndEnoughData) {
+  WalkerRecording recording;
+  recording.law = bp(0.07, 0.2);
+  recording.duration = 2;
+  recording.fps = 10.3;
+  const StitchedRecording stitched = stitch(recording);
+  ProgramAnalysis analysis(recording.law, 1 / recording.fps, 100);
   for (const Sample& sample : stitched.samples) analysis.add(sample);
-  EXPECT_FALSE(testBrownian(film.law, analysis.data()));
+  EXPECT_FALSE(testBrownian(recording.law, analysis.data()));
   ProgramLaw abp;
   abp.kind = ProgramKind::kAbp;
   EXPECT_FALSE(testBrownian(abp, analysis.data()));
-  EXPECT_FALSE(testBrownian(film.law, BlockData{}));
+  EXPECT_FALSE(testBrownian(recording.law, BlockData{}));
 }
 
-TEST(BrownianTest, RejectsTheTruthAsRarelyAsItSays) {
+TEST(BrownianTest, RejectsTheTrueLawAtTheStatedRate) {
   int rejected = 0;
-  constexpr int kFilms = 100;
+  constexpr int kRecordings = 100;
   Scatter largest;
-  for (int i = 0; i < kFilms; ++i) {
-    WalkerRecording film;
-    film.law = bp(0.07, 0.2);
-    film.duration = 1200;
-    film.fps = 10.3;
-    film.seed = static_cast<std::uint64_t>(100 + i);
-    const BrownianTest test = testOf(film, film.law);
+  for (int i = 0; i < kRecordings; ++i) {
+    WalkerRecording recording;
+    recording.law = bp(0.07, 0.2);
+    recording.duration = 1200;
+    recording.fps = 10.3;
+    recording.seed = static_cast<std::uint64_t>(100 + i);
+    const BrownianTest test = testRecording(recording, recording.law);
     rejected += test.exact.rejected ? 1 : 0;
     for (const KurtosisPoint& lag : test.lags) largest.add(std::abs(lag.z_exact));
   }
   RecordProperty("rejected", rejected);
   RecordProperty("mean_abs_z_percent", static_cast<int>(100 * largest.mean()));
-  // One is expected; more than 4 have a chance of 4 in 1000 (the films are always the same).
+  // One is expected; more than 4 have a chance of 4 in 1000 (the recordings are always the same).
   EXPECT_LE(rejected, 4);
 }
 

@@ -9,7 +9,7 @@
 
 namespace lab::analysis {
 
-/// What the fits of many films of one program gave, beside the truth.
+/// Results of the fits of many recordings of one program, relative to the truth.
 struct FitScatter {
   struct Number {
     Scatter relative;  ///< value / truth - 1
@@ -18,7 +18,7 @@ struct FitScatter {
   };
   std::map<std::string, Number> numbers;
   Scatter chi2;
-  int films = 0;
+  int recordings = 0;
   int refused = 0;
   int unlikely = 0;        ///< chi2 below p = 0.01
   int guarded = 0;         ///< guard_z above 4
@@ -26,7 +26,7 @@ struct FitScatter {
   int paper_rejected = 0;
 
   void add(const LawFit& fit) {
-    ++films;
+    ++recordings;
     if (!fit.fitted()) {
       ++refused;
       return;
@@ -48,59 +48,59 @@ struct FitScatter {
   }
 
   [[nodiscard]] double share(const std::string& name) const {
-    return static_cast<double>(numbers.at(name).covered) / films;
+    return static_cast<double>(numbers.at(name).covered) / recordings;
   }
   [[nodiscard]] double sd(const std::string& name) const {
     return numbers.at(name).relative.deviation();
   }
 };
 
-/// The curves of one film by the analyzer's own way from poses to sums.
-inline MeasuredCurves curvesOfRecording(const WalkerRecording& film, double max_lag) {
-  ProgramAnalysis analysis(film.law, 1 / film.fps, max_lag);
-  for (const Sample& sample : stitch(film).samples) analysis.add(sample);
-  return measuredCurves(film.law, analysis.data());
+/// The curves of one recording, computed by the analyzer from poses.
+inline MeasuredCurves curvesOfRecording(const WalkerRecording& recording, double max_lag) {
+  ProgramAnalysis analysis(recording.law, 1 / recording.fps, max_lag);
+  for (const Sample& sample : stitch(recording).samples) analysis.add(sample);
+  return measuredCurves(recording.law, analysis.data());
 }
 
-/// Fits `films` films. Unless nested, the films behind the covariance are simulated once, at the
-/// true parameters, and reused.
-inline FitScatter fitRecordings(WalkerRecording film, int films, double max_lag, bool nested,
-                                bool tests) {
+/// Fits `recordings` recordings. Unless nested, the recordings of the covariance are simulated
+/// once, at the true parameters, and reused.
+inline FitScatter fitRecordings(WalkerRecording recording, int recordings, double max_lag,
+                                bool nested, bool tests) {
   FitScatter result;
   SimulatedCurves truth;
   SimulatedCurves octaves;
   const FitOptions options;
-  for (int i = 0; i < films; ++i) {
-    film.seed = 90000U + static_cast<unsigned>(i);
-    const MeasuredCurves curves = curvesOfRecording(film, max_lag);
+  for (int i = 0; i < recordings; ++i) {
+    recording.seed = 90000U + static_cast<unsigned>(i);
+    const MeasuredCurves curves = curvesOfRecording(recording, max_lag);
     if (i == 0) {
       MeasuredCurves known = curves;
-      known.offset = 4 * film.sigma * film.sigma;
-      known.angular_offset = 2 * film.sigma_theta * film.sigma_theta;
-      truth = simulateForFit(film.law, known.offset, known.angular_offset, known,
-                             planFit(film.law, known, options), options);
-      if (tests) octaves = simulateForTest(film.law, known, 400, 5);
+      known.offset = 4 * recording.sigma * recording.sigma;
+      known.angular_offset = 2 * recording.sigma_theta * recording.sigma_theta;
+      truth = simulateForFit(recording.law, known.offset, known.angular_offset, known,
+                             planFit(recording.law, known, options), options);
+      if (tests) octaves = simulateForTest(recording.law, known, 400, 5);
     }
-    LawFit fit = fitLaw(film.law, curves, options, nested ? nullptr : &truth);
+    LawFit fit = fitLaw(recording.law, curves, options, nested ? nullptr : &truth);
     if (tests) {
-      fit.exact = testLaw(TestedLaw::kExact, film.law, curves, octaves, {});
-      fit.paper = testLaw(TestedLaw::kPaper, film.law, curves, octaves, {});
+      fit.exact = testLaw(TestedLaw::kExact, recording.law, curves, octaves, {});
+      fit.paper = testLaw(TestedLaw::kPaper, recording.law, curves, octaves, {});
     }
     result.add(fit);
   }
   return result;
 }
 
-/// Nobody locks to the camera: no hold time is a multiple of its period.
+/// No hold time is a multiple of the frame period, so the phase sweeps.
 inline WalkerRecording fitRecording(const ProgramLaw& law, double duration) {
-  WalkerRecording film;
-  film.law = law;
-  film.duration = duration;
-  film.fps = 9.97;
-  film.telemetry_rate = 2;
-  film.sigma = 0.0005;
-  film.sigma_theta = 0.025;
-  return film;
+  WalkerRecording recording;
+  recording.law = law;
+  recording.duration = duration;
+  recording.fps = 9.97;
+  recording.telemetry_rate = 2;
+  recording.sigma = 0.0005;
+  recording.sigma_theta = 0.025;
+  return recording;
 }
 
 }  // namespace lab::analysis

@@ -11,15 +11,15 @@
 namespace lab::analysis {
 namespace {
 
-/// 95 % within the binomial 3-sigma band.
+/// Expects 95 % within the binomial 3-sigma band.
 void expectFitCoverage(const FitScatter& dut, const std::string& name) {
-  const double band = 3 * std::sqrt(0.95 * 0.05 / dut.films);
+  const double band = 3 * std::sqrt(0.95 * 0.05 / dut.recordings);
   EXPECT_GT(dut.share(name), 0.95 - band) << name;
   EXPECT_LT(dut.share(name), 0.95 + band) << name;
 }
 
-/// Fits and tests find the law that the films have.
-/// @param most films that may be unlikely at p < 0.01
+/// Expects that fits and tests confirm the law of the recordings.
+/// @param most largest number of recordings with p < 0.01
 void expectOwnLaw(const FitScatter& dut, int most) {
   EXPECT_EQ(dut.refused, 0);
   EXPECT_LE(dut.unlikely, most);
@@ -43,16 +43,16 @@ TEST(LawFit, ReachesTheLimitOfTheDrawsForTheAbp) {
 }
 
 TEST(LawFit, HoldsForTheBp) {
-  WalkerRecording film = fitRecording(noisyLaw(0, 0.07, 0.2), 300);
-  film.fps = 19.97;
-  const FitScatter dut = fitRecordings(film, 100, 5, false, true);
+  WalkerRecording recording = fitRecording(noisyLaw(0, 0.07, 0.2), 300);
+  recording.fps = 19.97;
+  const FitScatter dut = fitRecordings(recording, 100, 5, false, true);
   EXPECT_EQ(dut.refused, 0);
   expectFitCoverage(dut, "V");
   EXPECT_LT(std::abs(dut.numbers.at("V").relative.z(0)), 4);
   EXPECT_LE(dut.exact_rejected, 6);
 }
 
-TEST(LawFit, HoldsForTheRtpWhoseFormulaInThePaperIsExact) {
+TEST(LawFit, HoldsForTheRtpWhosePaperFormulaIsExact) {
   const FitScatter dut = fitRecordings(fitRecording(rtpLaw(1, 0.5), 600), 100, 20, false, true);
   EXPECT_EQ(dut.refused, 0);
   expectFitCoverage(dut, "gamma");
@@ -60,83 +60,82 @@ TEST(LawFit, HoldsForTheRtpWhoseFormulaInThePaperIsExact) {
   EXPECT_LE(dut.paper_rejected, 6);
 }
 
-TEST(LawFit, NeedsNoCovarianceFromOutside) {
+TEST(LawFit, WorksWithItsOwnCovariance) {
   const FitScatter dut = fitRecordings(fitRecording(abpLaw(3, 0.5), 300), 15, 10, true, false);
   EXPECT_EQ(dut.refused, 0);
   EXPECT_GE(dut.share("D_r"), 0.7);
   EXPECT_NEAR(dut.numbers.at("D_r").sigma.mean(), std::sqrt(0.8 * 0.5 / 300), 0.005);
 }
 
-// Curves err together by which windows they are made of: simulated films must choose as the
-// accumulator does, which leaves out more the more frames a lag has.
-TEST(LawFit, SaysHowWellItFitsAtEveryFrameRate) {
+// The covariance of lags depends on the selected windows: simulated recordings must select like the
+// accumulator, which skips more windows the more frames a lag has.
+TEST(LawFit, HasACalibratedPValueAtEveryFrameRate) {
   for (const double fps : {24.3, 49.9, 121.0, 240.0}) {
-    WalkerRecording film = fitRecording(abpLaw(4, 0.4), 300);
-    film.fps = fps;
-    film.sigma = 0.0003;
-    film.sigma_theta = 0.0105;
-    const FitScatter dut = fitRecordings(film, 30, 5, false, false);
+    WalkerRecording recording = fitRecording(abpLaw(4, 0.4), 300);
+    recording.fps = fps;
+    recording.sigma = 0.0003;
+    recording.sigma_theta = 0.0105;
+    const FitScatter dut = fitRecordings(recording, 30, 5, false, false);
     EXPECT_EQ(dut.refused, 0) << fps;
     EXPECT_LE(dut.unlikely, 3) << fps;  // 0.3 expected; 4 by chance once in 10^4
     EXPECT_LT(std::abs(dut.numbers.at("D_r").relative.z(0)), 4) << fps;
   }
 }
 
-// With frames lost each lag lacks other windows, so that neighbouring lags err together less.
-TEST(LawFit, SaysHowWellItFitsWhereFramesAreLost) {
+// Lost frames remove different windows of each lag, so neighbouring lags are less correlated.
+TEST(LawFit, HasACalibratedPValueWithLostFrames) {
   struct Loss {
     double share, length, fps;
   };
   for (const Loss loss : {Loss{0.05, 1.05, 20.3}, {0.2, 3, 20.3}, {0.05, 1.05, 121}}) {
     SCOPED_TRACE(loss.share);
     SCOPED_TRACE(loss.fps);
-    WalkerRecording film = fitRecording(abpLaw(3, 0.47), 300);
-    film.fps = loss.fps;
-    film.sigma = 0.0005;
-    film.sigma_theta = 0.0175;
-    film.missing = loss.share;
-    film.missing_length = loss.length;
-    const FitScatter dut = fitRecordings(film, 40, 5, false, true);
+    WalkerRecording recording = fitRecording(abpLaw(3, 0.47), 300);
+    recording.fps = loss.fps;
+    recording.sigma = 0.0005;
+    recording.sigma_theta = 0.0175;
+    recording.missing = loss.share;
+    recording.missing_length = loss.length;
+    const FitScatter dut = fitRecordings(recording, 40, 5, false, true);
     expectOwnLaw(dut, 4);  // 0.4 expected; 5 by chance once in 10^4
   }
 }
 
-// So do films of robots that meet others, which are left out: of long lags little is left, and
-// other windows than of short ones.
-TEST(LawFit, SaysHowWellItFitsInACrowd) {
+// Contacts are cut: few windows of long lags remain, and other ones than of short lags.
+TEST(LawFit, HasACalibratedPValueInACrowd) {
   for (const double every : {2.0, 6.0}) {
     SCOPED_TRACE(every);
-    WalkerRecording film = fitRecording(abpLaw(3, 0.5), 400);
-    film.fps = 20.3;
-    film.sigma = 0.0005;
-    film.sigma_theta = 0.0175;
-    film.cut_every = every;
-    const FitScatter dut = fitRecordings(film, 60, 5, false, true);
+    WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 400);
+    recording.fps = 20.3;
+    recording.sigma = 0.0005;
+    recording.sigma_theta = 0.0175;
+    recording.cut_every = every;
+    const FitScatter dut = fitRecordings(recording, 60, 5, false, true);
     expectOwnLaw(dut, 5);  // 0.6 expected; 6 by chance once in 10^4
   }
 }
 
-TEST(LawFit, IsTheSameToTheBitAgain) {
-  const WalkerRecording film = fitRecording(abpLaw(3, 0.5), 120);
-  const MeasuredCurves curves = curvesOfRecording(film, 10);
-  const LawFit once = fitLaw(film.law, curves, {});
-  const LawFit again = fitLaw(film.law, curves, {});
+TEST(LawFit, IsReproducibleToTheBit) {
+  const WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 120);
+  const MeasuredCurves curves = curvesOfRecording(recording, 10);
+  const LawFit once = fitLaw(recording.law, curves, {});
+  const LawFit again = fitLaw(recording.law, curves, {});
   ASSERT_TRUE(once.fitted()) << once.refusal;
   EXPECT_EQ(once.parameters.front().value, again.parameters.front().value);
   EXPECT_EQ(once.chi2, again.chi2);
 }
 
 TEST(LawFit, WorksWithoutHeadings) {
-  const WalkerRecording film = fitRecording(abpLaw(3, 0.5), 600);
-  MeasuredCurves curves = curvesOfRecording(film, 10);
+  const WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 600);
+  MeasuredCurves curves = curvesOfRecording(recording, 10);
   curves.angular_msd.assign(curves.lags.size(), std::nan(""));
-  const LawFit dut = fitLaw(film.law, curves, {});
+  const LawFit dut = fitLaw(recording.law, curves, {});
   ASSERT_TRUE(dut.fitted()) << dut.refusal;
   EXPECT_FALSE(dut.angular);
   EXPECT_LT(std::abs(dut.derived.front().value - 0.75), 4 * dut.derived.front().sigma);
 }
 
-TEST(LawFit, RefusesInWordsWhereDataDoNotSuffice) {
+TEST(LawFit, GivesAReasonIfDataAreInsufficient) {
   const ProgramLaw law = abpLaw(3, 0.5);
   EXPECT_NE(fitLaw(law, MeasuredCurves{}, {}).refusal.find("no free motion"), std::string::npos);
 
@@ -144,25 +143,26 @@ TEST(LawFit, RefusesInWordsWhereDataDoNotSuffice) {
   EXPECT_NE(fitLaw(law, curvesOfRecording(shorter, 10), {}).refusal.find("draws of the noise"),
             std::string::npos);
 
-  const WalkerRecording film = fitRecording(law, 120);
-  MeasuredCurves still = curvesOfRecording(film, 10);
+  const WalkerRecording recording = fitRecording(law, 120);
+  MeasuredCurves still = curvesOfRecording(recording, 10);
   const double noise = still.offset;
   for (double& value : still.msd) value = noise;
   EXPECT_NE(fitLaw(law, still, {}).refusal.find("no motion"), std::string::npos);
 
-  MeasuredCurves one = curvesOfRecording(film, 10);
+  MeasuredCurves one = curvesOfRecording(recording, 10);
   for (std::size_t i = 1; i < one.lags.size(); ++i) one.msd[i] = one.angular_msd[i] = std::nan("");
   EXPECT_NE(fitLaw(law, one, {}).refusal.find("lags"), std::string::npos);
 
   ProgramLaw other = law;
-  other.v = 0.3;  // ten times what was filmed
-  EXPECT_NE(fitLaw(other, curvesOfRecording(film, 10), {}).refusal.find("not like the program's"),
-            std::string::npos);
+  other.v = 0.3;  // ten times what was recorded
+  EXPECT_NE(
+      fitLaw(other, curvesOfRecording(recording, 10), {}).refusal.find("not like the program's"),
+      std::string::npos);
 }
 
-TEST(LawFit, TellsAProgramThatIsNotTheFilms) {
-  const WalkerRecording film = fitRecording(abpLaw(3, 0.5), 600);
-  const MeasuredCurves curves = curvesOfRecording(film, 10);
+TEST(LawFit, RejectsAProgramThatWasNotRun) {
+  const WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 600);
+  const MeasuredCurves curves = curvesOfRecording(recording, 10);
   const ProgramLaw wrong = abpLaw(3.6, 0.5);
   const LawTest dut =
       testLaw(TestedLaw::kExact, wrong, curves, simulateForTest(wrong, curves, 300, 1), {});
@@ -172,13 +172,13 @@ TEST(LawFit, TellsAProgramThatIsNotTheFilms) {
   EXPECT_NEAR(fit.derived.front().value, 0.75, 4 * fit.derived.front().sigma);
 }
 
-TEST(FilmFit, GivesThePoolsFilmsToItsRobots) {
-  WalkerRecording film = fitRecording(abpLaw(3, 0.5), 300);
+TEST(RecordingFit, SimulatedRecordingsOfThePoolServeItsRobots) {
+  WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 300);
   std::vector<BlockData> blocks;
   for (int robot = 0; robot < 4; ++robot) {
-    film.seed = 60U + static_cast<unsigned>(robot);
-    ProgramAnalysis analysis(film.law, 1 / film.fps, 20);
-    for (const Sample& sample : stitch(film).samples) analysis.add(sample);
+    recording.seed = 60U + static_cast<unsigned>(robot);
+    ProgramAnalysis analysis(recording.law, 1 / recording.fps, 20);
+    for (const Sample& sample : stitch(recording).samples) analysis.add(sample);
     blocks.push_back(analysis.data());
   }
   BlockData all;
@@ -187,9 +187,9 @@ TEST(FilmFit, GivesThePoolsFilmsToItsRobots) {
   for (const BlockData& block : blocks) {
     data.push_back(&block);
     all.pool(block);
-    robots.push_back(analyse(film.law, block, {}, {}));
+    robots.push_back(analyse(recording.law, block, {}, {}));
   }
-  ProgramResult pool = analyse(film.law, all, {}, {});
+  ProgramResult pool = analyse(recording.law, all, {}, {});
   addBootstrapResults(pool, all, robots, data, {});
   ASSERT_TRUE(pool.fit && pool.fit->fitted());
   ASSERT_TRUE(pool.fit->exact && pool.fit->paper);
@@ -197,26 +197,27 @@ TEST(FilmFit, GivesThePoolsFilmsToItsRobots) {
   EXPECT_LT(pool.fit->paper->p_value, 1e-3);
   for (const ProgramResult& robot : robots) {
     ASSERT_TRUE(robot.fit && robot.fit->fitted());
-    // A quarter of the time: twice the error.
+    // A quarter of the time has twice the error.
     EXPECT_NEAR(robot.fit->derived[0].sigma / pool.fit->derived[0].sigma, 2, 0.25);
   }
 }
 
-TEST(CurvesWithFilms, StateTheScatterOfLongLags) {
-  WalkerRecording film = fitRecording(abpLaw(3, 0.5), 300);
+TEST(CurvesWithRecordings, StateTheTrueScatterOfLongLags) {
+  WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 300);
   Scatter value;
   Scatter sigma;
-  SimulatedCurves films;
+  SimulatedCurves recordings;
   for (int i = 0; i < 150; ++i) {
-    film.seed = 300U + static_cast<unsigned>(i);
-    ProgramAnalysis analysis(film.law, 1 / film.fps, 30);
-    for (const Sample& sample : stitch(film).samples) analysis.add(sample);
+    recording.seed = 300U + static_cast<unsigned>(i);
+    ProgramAnalysis analysis(recording.law, 1 / recording.fps, 30);
+    for (const Sample& sample : stitch(recording).samples) analysis.add(sample);
     if (i == 0) {
-      films = simulateForTest(film.law, measuredCurves(film.law, analysis.data()), 400, 9);
+      recordings =
+          simulateForTest(recording.law, measuredCurves(recording.law, analysis.data()), 400, 9);
     }
     CurveOptions options;
-    options.films = &films;
-    const Curves dut = curves(film.law, analysis.data(), options);
+    options.recordings = &recordings;
+    const Curves dut = curves(recording.law, analysis.data(), options);
     const CurvePoint& point = dut.angular_msd[dut.angular_msd.size() - 6];
     EXPECT_GT(point.tau, 10);
     value.add(point.value);

@@ -1,7 +1,9 @@
-// What it does to an interval that the run ends when the number is known well enough: films that
-// end by the rule of stop_when, looked at as often as the lab does (or every 5 s).
+// The effect on intervals if a run ends when an estimate is precise enough: recordings that end by
+// the rule of stop_when, checked as often as in the lab (or every 5 s).
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <optional>
 
@@ -10,7 +12,7 @@
 namespace lab::analysis::optional_stopping_test {
 namespace {
 
-constexpr int kFilms = 300;
+constexpr int kRecordings = 300;
 
 ProgramLaw figure2b() {
   ProgramLaw law;
@@ -28,50 +30,51 @@ Estimate rotational(const ProgramAnalysis& analysis) {
   return {};
 }
 
-/// Films and what their intervals hold.
+/// Coverage of the intervals of recordings.
 struct Coverage {
   Scatter value;
   Scatter length;
-  int films = 0;
+  int recordings = 0;
   int covered = 0;
   int missed_low = 0;  ///< The truth is above the interval.
 
   void add(const Estimate& estimate, double seconds) {
     value.add(estimate.value / estimate.theory);
     length.add(seconds);
-    ++films;
+    ++recordings;
     covered += estimate.low95 <= estimate.theory && estimate.theory <= estimate.high95 ? 1 : 0;
     missed_low += estimate.high95 < estimate.theory ? 1 : 0;
   }
-  [[nodiscard]] double share() const { return static_cast<double>(covered) / films; }
+  [[nodiscard]] double share() const { return static_cast<double>(covered) / recordings; }
   void print(const char* what) const {
     std::printf(
-        "%-34s %d films, %.0f +- %.0f s: bias %+.2f +- %.2f %%, covered %.1f %%, "
+        "%-34s %d recordings, %.0f +- %.0f s: bias %+.2f +- %.2f %%, covered %.1f %%, "
         "too low in %.1f %%\n",
-        what, films, length.mean(), length.deviation(), 100 * (value.mean() - 1),
-        100 * value.deviation() / std::sqrt(value.n), 100 * share(), 100.0 * missed_low / films);
+        what, recordings, length.mean(), length.deviation(), 100 * (value.mean() - 1),
+        100 * value.deviation() / std::sqrt(value.n), 100 * share(),
+        100.0 * missed_low / recordings);
   }
 };
 
 struct Stopped {
   Coverage by_rule;
-  Coverage fixed;  ///< Films of the mean length of the others.
+  Coverage fixed;  ///< Recordings of the mean length of the others.
 };
 
 /// @param every s between two looks at the estimate
-/// @param fixed length of the films that end by the clock, s
+/// @param fixed length of the recordings that end by the clock, s
 Stopped measure(double wanted, double at_least, double longest, double every, double fixed) {
   Stopped result;
-  for (int i = 0; i < kFilms; ++i) {
-    WalkerRecording film;
-    film.law = figure2b();
-    film.duration = longest;
-    film.fps = 10.07;
-    film.sigma_theta = 0.01;
-    film.sigma = 0.0005;
-    film.seed = 7000 + static_cast<std::uint64_t>(i);
-    const StitchedRecording stitched = stitch(film);
-    ProgramAnalysis analysis(film.law, 1 / film.fps, 100);
+  for (int i = 0; i < kRecordings; ++i) {
+    WalkerRecording recording;
+    recording.law = figure2b();
+    recording.duration = longest;
+    recording.fps = 10.07;
+    recording.sigma_theta = 0.01;
+    recording.sigma = 0.0005;
+    recording.seed = 7000 + static_cast<std::uint64_t>(i);
+    const StitchedRecording stitched = stitch(recording);
+    ProgramAnalysis analysis(recording.law, 1 / recording.fps, 100);
     double next = every;
     std::optional<Estimate> stopped;
     std::optional<Estimate> ended;
@@ -95,7 +98,7 @@ Stopped measure(double wanted, double at_least, double longest, double every, do
   return result;
 }
 
-TEST(OptionalStopping, KeepsItsIntervalsNearly) {
+TEST(OptionalStopping, NearlyKeepsTheCoverageOfIntervals) {
   const Stopped ten = measure(0.10, 0, 500, 1, 160);
   ten.by_rule.print("D_r to 10 %");
   std::fflush(stdout);
@@ -105,7 +108,7 @@ TEST(OptionalStopping, KeepsItsIntervalsNearly) {
   const Stopped five = measure(0.05, 0, 1200, 5, 630);
   five.by_rule.print("D_r to 5 %");
   five.fixed.print("by the clock");
-  // The rule prefers films that happen to scatter little.
+  // The rule selects recordings that scatter little by chance.
   EXPECT_GT(ten.by_rule.share(), 0.87);
   EXPECT_GT(five.by_rule.share(), 0.90);
   EXPECT_LT(std::abs(ten.by_rule.value.mean() - 1), 0.05);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/statistics.hpp"
@@ -47,7 +48,7 @@ TEST(StudentQuantile, AgreesWithTheTables) {
   EXPECT_NEAR(studentQuantile(1e9), 1.960, 1e-3);
 }
 
-TEST(NormalDeviate, IsAsImprobableAsStudentsT) {
+TEST(NormalDeviate, HasTheProbabilityOfStudentsT) {
   EXPECT_NEAR(normalDeviate(2.365, 7), 1.960, 5e-3);
   EXPECT_NEAR(normalDeviate(-2.131, 15), -1.960, 3e-3);
   EXPECT_NEAR(normalDeviate(4, 1e9), 4, 1e-6);
@@ -84,7 +85,7 @@ TEST(DeviateOf, InvertsTheNormalTail) {
   EXPECT_EQ(std::lround(deviateOf(0)), 40);
 }
 
-TEST(LagGrid, IsAscendingWholeAndHoldsTheHoldTime) {
+TEST(LagGrid, IsAscendingAndContainsTheHoldTime) {
   for (const double fps : {10.0, 25.0, 50.0, 100.0}) {
     const std::vector<int> dut = makeLagGrid(1 / fps, 100, abpLaw(3, 0.5));
     EXPECT_EQ(dut.front(), 1);
@@ -100,7 +101,7 @@ TEST(LagGrid, IsAscendingWholeAndHoldsTheHoldTime) {
   }
 }
 
-TEST(LagGrid, HoldsOneLagEvenForTheShortestFilm) {
+TEST(LagGrid, HasOneLagEvenForTheShortestRecording) {
   EXPECT_EQ(makeLagGrid(0.1, 0.05, abpLaw(3, 0.5)), std::vector<int>{1});
   EXPECT_EQ(makeLagGrid(0.1, 0.35, rtpLaw(1, 0.5)), (std::vector<int>{1, 2, 3}));
 }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -164,7 +165,7 @@ TEST(RtpLaw, SlopeOfTheMsdIsItsDiffusivity) {
   EXPECT_TRUE(std::isinf(RtpLaw(0.05, 3, 0.5, Turning::uniform(0, 0)).diffusivity()));
 }
 
-TEST(RtpLaw, WheelsThatSaturateTurnTooLittle) {
+TEST(RtpLaw, SaturatedWheelsTurnTooLittle) {
   // 0 to 360 degrees in half a second on wheels of 27 cm/s, 7.5 cm apart.
   const Turning turning = Turning::clipped(0, 2 * kPi, 2 * 0.27 / 0.075 * 0.5);
   EXPECT_NEAR(turning.z.real(), -0.45, 0.005);

@@ -5,7 +5,7 @@
 
 namespace lab::analysis {
 
-/// Means over independent windows and how far they are from what is expected, in standard errors.
+/// Means over independent windows, and their deviation from an expected value in standard errors.
 struct WindowMoments {
   double n = 0;
   double r2 = 0;
@@ -13,7 +13,7 @@ struct WindowMoments {
   double r6 = 0;
   double r8 = 0;
 
-  /// The square of one window's displacement or rotation.
+  /// Adds the squared displacement or rotation of a window.
   void add(double square) {
     n += 1;
     r2 += square;
@@ -29,7 +29,7 @@ struct WindowMoments {
   }
 
   [[nodiscard]] double kurtosis() const { return r4 * n / (r2 * r2); }
-  /// Of the kurtosis, by the delta method.
+  /// The deviation of the kurtosis, by the delta method.
   [[nodiscard]] double kurtosisZ(double expected) const {
     const double m2 = r2 / n;
     const double m4 = r4 / n;

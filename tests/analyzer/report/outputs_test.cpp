@@ -5,6 +5,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <string>
 
 #include "analyzer/report/html/report_page.hpp"
 #include "analyzer/report/summary/summary.hpp"
@@ -48,7 +49,7 @@ TEST(Trajectories, HasARowForEachRobotInEachFrame) {
   EXPECT_EQ(std::count(dut.begin(), dut.end(), '\n'), 1 + 2 * 1200);
 }
 
-TEST(Trajectories, WritesPlacesInCentimetresToTheMicrometre) {
+TEST(Trajectories, WritesPositionsInCentimetresToTheMicrometre) {
   RunRecord record;
   record.tracks.frames.push_back({-250'000, 7, 0});
   record.tracks.rows.push_back({3, 0.5F, -0.000004F, -3.0F, -1, -1});
@@ -58,7 +59,7 @@ TEST(Trajectories, WritesPlacesInCentimetresToTheMicrometre) {
             "7,3,50.0000,-0.0004,-0.250000,-3.000000,standing,-1\n");
 }
 
-TEST(Trajectories, WritesNanForWhatIsNoNumber) {
+TEST(Trajectories, WritesNanForInvalidNumbers) {
   RunRecord record;
   record.tracks.frames.push_back({0, 1, 0});
   record.tracks.rows.push_back({1, std::numeric_limits<float>::quiet_NaN(),
@@ -76,7 +77,7 @@ TEST(Trajectories, QuotesProgramNamesThatNeedIt) {
   EXPECT_THAT(trajectoriesCsv(record), HasSubstr(",\"a,\"\"b\"\"\",2\n"));
 }
 
-TEST(Summary, HoldsWhatTheRunShows) {
+TEST(Summary, HasTheResultsOfTheRun) {
   const auto dut = nlohmann::json::parse(summaryJson(smallRun()));
 
   EXPECT_EQ(dut["experiment"], "synthetic");
@@ -96,13 +97,13 @@ TEST(Summary, HoldsWhatTheRunShows) {
   for (const auto& stream : dut["losses"]["log"]) EXPECT_EQ(stream["lost"], 0);
 }
 
-TEST(Summary, IsTheSameForTheSameRunElsewhere) {
+TEST(Summary, IsTheSameForTheSameRunInAnotherFolder) {
   const Experiment experiment = syntheticExperiment(1, 15, 20, {paperAbp()}, 15);
 
   EXPECT_EQ(summaryJson(recordOf(experiment)), summaryJson(recordOf(experiment)));
 }
 
-TEST(Summary, WritesNullForWhatWasNotDetermined) {
+TEST(Summary, WritesNullForUndeterminedValues) {
   const std::string dut = summaryJson(recordOf(syntheticExperiment(1, 1, 20, {paperAbp()}, 15)));
 
   EXPECT_THAT(dut, HasSubstr("null"));
@@ -110,7 +111,7 @@ TEST(Summary, WritesNullForWhatWasNotDetermined) {
   EXPECT_THAT(dut, Not(HasSubstr("inf")));
 }
 
-TEST(Summary, SurvivesTextThatIsNoUtf8) {
+TEST(Summary, ToleratesInvalidUtf8) {
   RunRecord record;
   record.faults.push_back({0, "\xff\xfe broken"});
 
@@ -144,7 +145,7 @@ TEST(Html, EscapesEverythingThatComesFromTheLog) {
   EXPECT_THAT(dut, HasSubstr("&lt;script&gt;alert(&#39;x&#39;)&lt;/script&gt;&amp;&quot;"));
 }
 
-TEST(Html, RefersToNothingOutsideItself) {
+TEST(Html, HasNoExternalReferences) {
   const std::string dut = reportHtml(smallRun(), {});
 
   for (const char* reference : {"http", "src=", "url(", "@import", "<link", "file:"}) {
@@ -152,7 +153,7 @@ TEST(Html, RefersToNothingOutsideItself) {
   }
 }
 
-TEST(Html, SaysFaultsBeforeAnythingElse) {
+TEST(Html, ShowsFaultsFirst) {
   RunRecord record = smallRun();
   record.faults.push_back({record.start_utime + 2'500'000, "robot 1 has two owners"});
 
@@ -163,7 +164,7 @@ TEST(Html, SaysFaultsBeforeAnythingElse) {
   EXPECT_LT(fault, dut.find("<h2>"));
 }
 
-TEST(Html, SaysThatAMessageWasLost) {
+TEST(Html, ReportsLostMessages) {
   RunRecord record = smallRun();
   EXPECT_THAT(reportHtml(record, {}), HasSubstr("Every message that was sent is in the log."));
 
@@ -174,7 +175,7 @@ TEST(Html, SaysThatAMessageWasLost) {
   EXPECT_THAT(reportHtml(record, {}), HasSubstr("<p>At least 3 of "));
 }
 
-TEST(Html, HasAPageForALogWithNothingInIt) {
+TEST(Html, MakesAPageForAnEmptyLog) {
   const std::string dut = reportHtml({}, {});
 
   EXPECT_THAT(dut, HasSubstr("No camera frame is in the log"));

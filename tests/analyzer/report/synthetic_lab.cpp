@@ -27,12 +27,16 @@ constexpr int kCopies = 3;
 
 }  // namespace
 
-ProgramSpec paperAbp() { return {"abp", Model::kAbp, 0.03, 0, 0, 0.5, 3, 0, 0, 0, 0}; }
-ProgramSpec paperBp() { return {"bp", Model::kBp, 0, 0, 0.07, 0.2, 0, 0, 0, 0, 0}; }
-ProgramSpec paperRtp() { return {"rtp", Model::kRtp, 0.05, 0, 0, 0, 0, 1, 0.5, 0, 0}; }
+NamedProgram paperAbp() {
+  return {"abp", {.kind = ProgramKind::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3}};
+}
+NamedProgram paperBp() { return {"bp", {.kind = ProgramKind::kBp, .V = 0.07, .epsilon = 0.2}}; }
+NamedProgram paperRtp() {
+  return {"rtp", {.kind = ProgramKind::kRtp, .v = 0.05, .gamma = 1, .tau_t = 0.5}};
+}
 
 Experiment syntheticExperiment(int robots, double duration, double fps,
-                               const std::vector<ProgramSpec>& programs, double step) {
+                               const std::vector<NamedProgram>& programs, double step) {
   Experiment experiment;
   experiment.name = "synthetic";
   experiment.seed = 7;
@@ -46,7 +50,7 @@ Experiment syntheticExperiment(int robots, double duration, double fps,
   const auto count = static_cast<double>(programs.size());
   for (std::size_t i = 0; i < programs.size(); ++i) {
     const double low = static_cast<double>(i) / count;
-    experiment.programs[programs[i].name] = programs[i];
+    experiment.programs[programs[i].name] = programs[i].program;
     experiment.light_table.bands.push_back(
         {low, i + 1 == programs.size() ? 1 : low + 1 / count, programs[i].name});
     LightStep one;
@@ -118,7 +122,7 @@ void SyntheticLab::runUntil(double seconds) {
 }
 
 void SyntheticLab::end() {
-  say(experiment_event_t::END, "the script is over");
+  publishEvent(experiment_event_t::END, "the script is over");
   for (Node* node : {simulation_.get(), projector_.get(), runner_.get()}) node->close();
   bus_.deliver();
 }
@@ -200,7 +204,7 @@ void SyntheticLab::restartSimulation() {
   frame_ = 0;
 }
 
-void SyntheticLab::say(std::int8_t kind, const std::string& text) {
+void SyntheticLab::publishEvent(std::int8_t kind, const std::string& text) {
   experiment_event_t event{};
   event.kind = kind;
   event.text = text;
@@ -208,7 +212,7 @@ void SyntheticLab::say(std::int8_t kind, const std::string& text) {
   for (int i = 0; i < kCopies; ++i) runner_->publish(channels::kExperimentEvent, event);
 }
 
-void SyntheticLab::fault(const std::string& text) { say(experiment_event_t::FAULT, text); }
+void SyntheticLab::fault(const std::string& text) { publishEvent(experiment_event_t::FAULT, text); }
 void SyntheticLab::markByHand(const std::string& text) {
   Node node(bus_, loop_, {"lab_mark", robot_state_t::UNKNOWN, loop_.now()});
   experiment_command_t wish{};
@@ -219,6 +223,6 @@ void SyntheticLab::markByHand(const std::string& text) {
   node.close();
 }
 
-void SyntheticLab::mark(const std::string& text) { say(experiment_event_t::MARK, text); }
+void SyntheticLab::mark(const std::string& text) { publishEvent(experiment_event_t::MARK, text); }
 
 }  // namespace lab::report

@@ -1,5 +1,5 @@
-/// A little lab in virtual time whose messages go into a log: robots that run the paper's programs
-/// under a light that is the same everywhere, reverse at the walls, and may be made to lose things.
+/// A small lab in virtual time that writes its messages to a log. Its robots run the paper's
+/// programs under uniform light and reverse at the walls. Tests can make it lose messages.
 #pragma once
 
 #include <cstdint>
@@ -21,20 +21,27 @@ namespace lab::report {
 
 using support::readFile;
 
+/// A program with its key in the experiment file.
+struct NamedProgram {
+  std::string name;
+  RobotProgram program;
+};
+
 /// An experiment whose light changes every `step` s from one program to the next.
 [[nodiscard]] Experiment syntheticExperiment(int robots, double duration, double fps,
-                                             const std::vector<ProgramSpec>& programs, double step);
+                                             const std::vector<NamedProgram>& programs,
+                                             double step);
 
 /// The paper's figure 2: ABP with v = 3 cm/s, epsilon = 0.5 s, eta = 3 rad/s.
-[[nodiscard]] ProgramSpec paperAbp();
-[[nodiscard]] ProgramSpec paperBp();   ///< V = 7 cm/s, epsilon = 0.2 s
-[[nodiscard]] ProgramSpec paperRtp();  ///< v = 5 cm/s, gamma = 1 /s, tau_t = 0.5 s
+[[nodiscard]] NamedProgram paperAbp();
+[[nodiscard]] NamedProgram paperBp();   ///< V = 7 cm/s, epsilon = 0.2 s
+[[nodiscard]] NamedProgram paperRtp();  ///< v = 5 cm/s, gamma = 1 /s, tau_t = 0.5 s
 
 class SyntheticRobot;
 
 class SyntheticLab {
  public:
-  /// @param keeps whether the logger hears a message; everything by default.
+  /// @param keeps whether the logger receives a message; all by default.
   using Keeps = std::function<bool(const Packet&)>;
 
   SyntheticLab(const std::filesystem::path& log, Experiment experiment, Keeps keeps = {});
@@ -43,31 +50,33 @@ class SyntheticLab {
   /// Runs the whole experiment and ends every service cleanly.
   void run();
 
-  /// The parts of run(), for tests that interfere.
+  /// The parts of run(), for tests that act during the run.
   void begin();
   void runUntil(double seconds);  ///< since the start
   void end();
 
-  /// Starts sim_svc anew, as after a crash: no closing messages, a new instance, robots afresh.
+  /// Restarts sim_svc as after a crash: without closing messages, with a new instance and new
+  /// robots.
   void restartSimulation();
 
   Node& runner() { return *runner_; }
   void fault(const std::string& text);
   void mark(const std::string& text);
-  /// As `lab mark` does: asks twice, and says its last counts.
+  /// Like `lab mark`: sends its request twice, then its final counts.
   void markByHand(const std::string& text);
 
  private:
   void tick();
   void showStep(std::size_t number);
   void publishLight(bool changed);
-  void say(std::int8_t kind, const std::string& text);
+  void publishEvent(std::int8_t kind, const std::string& text);
 
   Experiment experiment_;
   VirtualLoop loop_;
   MemoryBus bus_;
   LogWriter writer_;
-  std::vector<std::unique_ptr<Node>> killed_;  ///< kept since their timers are; unheard
+  std::vector<std::unique_ptr<Node>>
+      killed_;  ///< kept, because their timers still run; their messages are ignored
   std::unique_ptr<Node> runner_;
   std::unique_ptr<Node> projector_;
   std::unique_ptr<Node> simulation_;

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::report {
 namespace {
@@ -26,34 +27,34 @@ SyntheticRobot::SyntheticRobot(std::int32_t id, const Experiment& experiment, st
   theta_ = 2 * std::numbers::pi * random_.uniform();
 }
 
-void SyntheticRobot::setProgram(const ProgramSpec& program, std::int64_t utime) {
+void SyntheticRobot::setProgram(const RobotProgram& program, std::int64_t utime) {
   program_ = program;
   state_.program = toMessage(program);
   state_.band = 0;
   ++state_.program_epoch;
   state_.program_start_utime = utime;
-  tumbling_ = program.model == Model::kRtp;  // draw() toggles: a program begins with a run
+  tumbling_ = program.kind == ProgramKind::kRtp;  // draw() toggles: a program begins with a run
   draw();
   // The first hold is cut short, so that camera and robot are out of step.
-  if (program.model != Model::kRtp) hold_left_ *= random_.uniform();
+  if (program.kind != ProgramKind::kRtp) hold_left_ *= random_.uniform();
 }
 
 void SyntheticRobot::draw() {
   const double d = experiment_.hardware.diameter;
   hold_left_ = program_.epsilon;
-  switch (program_.model) {
-    case Model::kAbp: {
+  switch (program_.kind) {
+    case ProgramKind::kAbp: {
       const double half_turn = program_.eta * (2 * random_.uniform() - 1) * d / 2;
       left_ = program_.v - half_turn;
       right_ = program_.v + half_turn;
       break;
     }
-    case Model::kNoisyAbp:
-    case Model::kBp:
+    case ProgramKind::kNoisyAbp:
+    case ProgramKind::kBp:
       left_ = program_.va + program_.V * (2 * random_.uniform() - 1);
       right_ = program_.va + program_.V * (2 * random_.uniform() - 1);
       break;
-    case Model::kRtp:
+    case ProgramKind::kRtp:
       tumbling_ = !tumbling_;
       if (tumbling_) {
         ++state_.tumble_count;
@@ -103,7 +104,7 @@ void SyntheticRobot::advance(double dt, std::int64_t utime) {
   while (left > 1e-12) {
     const double step = std::min(left, hold_left_);
     drive(left_, right_, step);
-    if (program_.model == Model::kRtp && !tumbling_) state_.run_time += step;
+    if (program_.kind == ProgramKind::kRtp && !tumbling_) state_.run_time += step;
     hold_left_ -= step;
     left -= step;
     if (hold_left_ <= 1e-12) draw();

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <lab/robot_state_t.hpp>
 #include <lab/tracked_pose_t.hpp>
 
@@ -13,7 +14,7 @@ class SyntheticRobot {
  public:
   SyntheticRobot(std::int32_t id, const Experiment& experiment, std::int64_t boot);
 
-  void setProgram(const ProgramSpec& program, std::int64_t utime);
+  void setProgram(const RobotProgram& program, std::int64_t utime);
   void advance(double dt, std::int64_t utime);  ///< to utime
   [[nodiscard]] robot_state_t state(std::int64_t utime);
   [[nodiscard]] tracked_pose_t pose() const;
@@ -25,7 +26,7 @@ class SyntheticRobot {
 
   const Experiment& experiment_;
   Random random_;
-  ProgramSpec program_;
+  RobotProgram program_;
   robot_state_t state_{};
   double x_ = 0;
   double y_ = 0;

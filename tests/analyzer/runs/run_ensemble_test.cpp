@@ -1,7 +1,10 @@
-// One-hour films between walls, a thousand in all: bias, scatter and intervals of the tumble rate.
+// One-hour recordings between walls, a thousand in all: bias, scatter and intervals of the tumble
+// rate.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "analyzer/runs/run_statistics.hpp"
 #include "tests/analyzer/paper_programs.hpp"
@@ -16,13 +19,13 @@ struct Case {
   double fps;
 };
 
-constexpr int kFilms = 125;  // of each case
+constexpr int kRecordings = 125;  // of each case
 constexpr int kCases = 8;
 
-/// Rates of all films, of whatever program, beside the truth and its bound.
+/// Rates of the recordings of all programs, relative to the truth and its bound.
 struct Rates {
   Scatter relative;  ///< to the truth
-  Scatter z;         ///< deviation from the truth, in Fisher's bounds of its film
+  Scatter z;         ///< deviation from the truth, in Fisher's bounds of its recording
   int covered = 0;
 
   void add(double rate, double low, double high, double truth, double bound) {
@@ -33,7 +36,7 @@ struct Rates {
 
   /// As the project promises: bias, scatter, 95 % intervals.
   void judge(const char* what, double most_bias) const {
-    std::printf("%s, %g films: bias %+.3f +- %.3f %%, sd %.3f of the bound, covered %.1f %%\n",
+    std::printf("%s, %g recordings: bias %+.3f +- %.3f %%, sd %.3f of the bound, covered %.1f %%\n",
                 what, relative.n, 100 * (relative.mean() - 1),
                 100 * relative.deviation() / std::sqrt(relative.n), z.deviation(),
                 100 * covered / relative.n);
@@ -47,7 +50,7 @@ struct Rates {
 class RunEnsemble : public testing::TestWithParam<Case> {
  protected:
   static void TearDownTestSuite() {
-    if (telemetry_.relative.n < kFilms * kCases) return;  // some were left out
+    if (telemetry_.relative.n < kRecordings * kCases) return;  // not all cases were run
     telemetry_.judge("gamma from telemetry", 0.002);
     poses_.judge("gamma from poses", 0.006);
   }
@@ -68,20 +71,20 @@ TEST_P(RunEnsemble, RateFromTelemetryAndFromPoses) {
   int covered = 0;
   int covered_truncated = 0;
   int rejected = 0;
-  for (int i = 0; i < kFilms; ++i) {
-    WalkerRecording film;
-    film.law = rtpLaw(gamma, 0.5);
-    film.duration = 3600;
-    film.fps = GetParam().fps;
-    film.sigma = 0.0005;
-    film.sigma_theta = 0.025;
-    film.walls = true;
-    film.seed = 31000U + static_cast<unsigned>(i);
-    const std::vector<Sample> samples = stitch(film).samples;
-    RunFinder finder(film.law, 1 / film.fps);
+  for (int i = 0; i < kRecordings; ++i) {
+    WalkerRecording recording;
+    recording.law = rtpLaw(gamma, 0.5);
+    recording.duration = 3600;
+    recording.fps = GetParam().fps;
+    recording.sigma = 0.0005;
+    recording.sigma_theta = 0.025;
+    recording.walls = true;
+    recording.seed = 31000U + static_cast<unsigned>(i);
+    const std::vector<Sample> samples = stitch(recording).samples;
+    RunFinder finder(recording.law, 1 / recording.fps);
     for (const Sample& sample : samples) finder.add(sample);
     const FoundRuns found = finder.find();
-    const RunStatistics dut = runStatistics(film.law, {&found});
+    const RunStatistics dut = runStatistics(recording.law, {&found});
 
     // The estimate from telemetry, with its interval, as the live display has it.
     const auto tumbles =
@@ -112,19 +115,20 @@ TEST_P(RunEnsemble, RateFromTelemetryAndFromPoses) {
       poses.mean() / gamma, poses.deviation() / gamma, bound.mean() / gamma, ratio.mean(),
       ratio.deviation() / std::sqrt(ratio.n), truncated.mean() / gamma,
       truncated.deviation() / gamma, tumble.mean(), covered_telemetry, covered, covered_truncated,
-      rejected, kFilms);
-  // WalkerRecording by film against telemetry, which removes most of the chance: the bias itself.
+      rejected, kRecordings);
+  // The difference from telemetry per recording, which removes most of the scatter and shows the
+  // bias.
   EXPECT_NEAR(ratio.mean(), 1, 0.003);
   EXPECT_LT(std::abs(telemetry.z(gamma)), 4);
   EXPECT_NEAR(tumble.mean(), 0.5, 0.0005);
-  // 3 standard errors of the scatter of so many films.
-  const double slack = 3 / std::sqrt(2.0 * kFilms);
+  // 3 standard errors of the scatter of this number of recordings.
+  const double slack = 3 / std::sqrt(2.0 * kRecordings);
   EXPECT_LT(poses.deviation(), (1.02 + slack) * bound.mean());
   EXPECT_GT(poses.deviation(), (0.98 - slack) * bound.mean());
-  const double band = 4 * std::sqrt(0.95 * 0.05 * kFilms);
-  EXPECT_NEAR(covered, 0.95 * kFilms, band);
-  EXPECT_NEAR(covered_truncated, 0.95 * kFilms, band);
-  EXPECT_NEAR(rejected, 0.05 * kFilms, band);
+  const double band = 4 * std::sqrt(0.95 * 0.05 * kRecordings);
+  EXPECT_NEAR(covered, 0.95 * kRecordings, band);
+  EXPECT_NEAR(covered_truncated, 0.95 * kRecordings, band);
+  EXPECT_NEAR(rejected, 0.05 * kRecordings, band);
 }
 
 INSTANTIATE_TEST_SUITE_P(Walls, RunEnsemble,

@@ -13,13 +13,13 @@
 namespace lab::analysis {
 namespace {
 
-RunRecording film(double gamma, double fps, double duration, std::uint64_t seed) {
-  RunRecording film;
-  film.law = rtpLaw(gamma, 0.5);
-  film.fps = fps;
-  film.duration = duration;
-  film.seed = seed;
-  return film;
+RunRecording recording(double gamma, double fps, double duration, std::uint64_t seed) {
+  RunRecording recording;
+  recording.law = rtpLaw(gamma, 0.5);
+  recording.fps = fps;
+  recording.duration = duration;
+  recording.seed = seed;
+  return recording;
 }
 
 double totalOf(const FoundRuns& found) {
@@ -32,11 +32,12 @@ class FrameRates : public testing::TestWithParam<double> {};
 
 TEST_P(FrameRates, EveryTumbleIsCountedAndAllRunTimeIsFound) {
   for (const double gamma : {1.0, 3.0}) {
-    const RunRecording plan = film(gamma, GetParam(), 1200, 5);
+    const RunRecording plan = recording(gamma, GetParam(), 1200, 5);
     TrueRuns truth;
     const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
 
-    // The film's ends are a tumble or two's uncertainty; a thousandth of them may be misjudged.
+    // The recording's ends are a tumble or two's uncertainty; a thousandth of them may be
+    // misjudged.
     EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()),
                 1 + 0.001 * static_cast<double>(truth.turns.size()));
     EXPECT_NEAR(totalOf(dut) / truth.run_time, 1, 0.003);
@@ -48,10 +49,10 @@ TEST_P(FrameRates, EveryTumbleIsCountedAndAllRunTimeIsFound) {
 
 INSTANTIATE_TEST_SUITE_P(Fps, FrameRates, testing::Values(9.94, 24.9, 49.7, 99.4));
 
-TEST(RunFinder, FindsARunShorterThanAFrame) {
-  // 0.5 s of standing, 60 ms of running, 0.5 s of standing: at 10 frames a second no frame need see
-  // it move.
-  RunRecording plan = film(3, 9.94, 300, 3);
+TEST(RunFinder, DetectsARunShorterThanAFrame) {
+  // 0.5 s of standing, 60 ms of running, 0.5 s of standing: at 10 frames a second no frame may show
+  // the motion.
+  RunRecording plan = recording(3, 9.94, 300, 3);
   int drawn = 0;
   plan.run = [&drawn](std::mt19937_64&) { return ++drawn % 2 == 0 ? 0.09 : 1.0; };
   const FoundRuns dut = findRuns(plan, recordRuns(plan));
@@ -67,7 +68,7 @@ TEST(RunFinder, FindsARunShorterThanAFrame) {
 }
 
 TEST(RunFinder, CountsTwoTumblesInARowWithoutARun) {
-  RunRecording plan = film(3, 24.9, 300, 4);
+  RunRecording plan = recording(3, 24.9, 300, 4);
   int drawn = 0;
   plan.run = [&drawn](std::mt19937_64&) { return ++drawn % 3 == 0 ? 0.001 : 0.5; };
   TrueRuns truth;
@@ -77,8 +78,8 @@ TEST(RunFinder, CountsTwoTumblesInARowWithoutARun) {
   EXPECT_NEAR(static_cast<double>(dut.hidden), static_cast<double>(truth.turns.size()) / 3, 2);
 }
 
-TEST(RunFinder, SeesATumbleThatDoesNotTurn) {
-  RunRecording plan = film(3, 24.9, 300, 4);
+TEST(RunFinder, DetectsATumbleWithoutTurn) {
+  RunRecording plan = recording(3, 24.9, 300, 4);
   plan.turn = [](std::mt19937_64&) { return 0.0; };
   TrueRuns truth;
   const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
@@ -86,8 +87,8 @@ TEST(RunFinder, SeesATumbleThatDoesNotTurn) {
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 1);
 }
 
-TEST(RunFinder, TellsTheTurnOfEachTumble) {
-  RunRecording plan = film(1, 49.7, 300, 4);
+TEST(RunFinder, MeasuresTheTurnOfEachTumble) {
+  RunRecording plan = recording(1, 49.7, 300, 4);
   plan.turn = [](std::mt19937_64&) { return -2.0; };
   const FoundRuns dut = findRuns(plan, recordRuns(plan));
 
@@ -100,8 +101,8 @@ TEST(RunFinder, TellsTheTurnOfEachTumble) {
   EXPECT_GT(known, 120);
 }
 
-TEST(RunFinder, TakesDirectionsForHeadingsWhereThereAreNone) {
-  const RunRecording plan = film(1, 49.7, 300, 4);
+TEST(RunFinder, UsesDirectionsOfMotionWithoutHeadings) {
+  const RunRecording plan = recording(1, 49.7, 300, 4);
   TrueRuns truth;
   std::vector<Sample> samples = recordRuns(plan, &truth);
   for (Sample& sample : samples) sample.theta = std::nan("");
@@ -113,8 +114,8 @@ TEST(RunFinder, TakesDirectionsForHeadingsWhereThereAreNone) {
             100);
 }
 
-TEST(RunFinder, MeasuresWhatTheProgrammedScalesOnlyHintAt) {
-  RunRecording plan = film(2, 24.9, 900, 6);
+TEST(RunFinder, MeasuresScalesThatDifferFromTheProgram) {
+  RunRecording plan = recording(2, 24.9, 900, 6);
   plan.speed_factor = 0.9;
   plan.tumble_factor = 1.15;
   TrueRuns truth;
@@ -125,8 +126,8 @@ TEST(RunFinder, MeasuresWhatTheProgrammedScalesOnlyHintAt) {
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 3);
 }
 
-TEST(RunFinder, BearsLostFrames) {
-  RunRecording plan = film(3, 24.9, 900, 7);
+TEST(RunFinder, ToleratesLostFrames) {
+  RunRecording plan = recording(3, 24.9, 900, 7);
   plan.missing = 0.05;
   TrueRuns truth;
   const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
@@ -136,7 +137,7 @@ TEST(RunFinder, BearsLostFrames) {
 }
 
 TEST(RunFinder, CutsOffRunsAtTheEndsOfSegmentsAndAtGaps) {
-  const RunRecording plan = film(1, 24.9, 3600, 8);
+  const RunRecording plan = recording(1, 24.9, 3600, 8);
   std::vector<Sample> samples = recordRuns(plan);
   for (Sample& sample : samples) {
     sample.segment = static_cast<int>(sample.time / 7.3);
@@ -152,15 +153,15 @@ TEST(RunFinder, CutsOffRunsAtTheEndsOfSegmentsAndAtGaps) {
   EXPECT_GT(statistics.exponential.p, 1e-3);
 }
 
-TEST(RunFinder, RefusesTooFewFramesInATumble) {
-  RunRecording plan = film(1, 5, 60, 8);
+TEST(RunFinder, RejectsTooFewFramesPerTumble) {
+  RunRecording plan = recording(1, 5, 60, 8);
   const FoundRuns dut = findRuns(plan, recordRuns(plan));
 
   EXPECT_FALSE(dut.resolved);
   EXPECT_EQ(runStatistics(plan.law, {&dut}).problem, "fewer than three frames in a tumble");
 }
 
-TEST(RunFinder, FindsNothingInNothing) {
+TEST(RunFinder, FindsNothingWithoutData) {
   const ProgramLaw law = rtpLaw(1, 0.5);
   for (const std::size_t frames : {0U, 1U, 2U, 30U}) {
     RunFinder finder(law, 0.04);

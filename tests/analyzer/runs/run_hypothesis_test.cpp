@@ -37,7 +37,7 @@ TestResult angles(std::mt19937_64& random, int n, double kick,
 
 TestResult runs(std::mt19937_64& random, int n, double shape, double track) {
   std::gamma_distribution<double> draw(shape, 1 / shape);
-  std::vector<Waiting> all;
+  std::vector<WaitingTime> all;
   double left = track;
   int number = 0;
   while (static_cast<int>(all.size()) < n) {
@@ -53,12 +53,12 @@ TestResult runs(std::mt19937_64& random, int n, double shape, double track) {
   return exponentialTest(all, random(), 99);
 }
 
-TEST(Kuiper, HoldsItsLevelAndFindsAPreference) {
+TEST(Kuiper, HoldsItsLevelAndDetectsAPreferredAngle) {
   EXPECT_NEAR(rejected(kSets, [](auto& r) { return angles(r, 60, 0, kuiperTest); }), 0.05, kBand);
   EXPECT_GT(rejected(kSets, [](auto& r) { return angles(r, 300, 0.6, kuiperTest); }), 0.95);
 }
 
-TEST(Rayleigh, HoldsItsLevelAndFindsAPreference) {
+TEST(Rayleigh, HoldsItsLevelAndDetectsAPreferredAngle) {
   EXPECT_NEAR(rejected(kSets, [](auto& r) { return angles(r, 60, 0, rayleighTest); }), 0.05, kBand);
   EXPECT_GT(rejected(kSets, [](auto& r) { return angles(r, 300, 0.6, rayleighTest); }), 0.95);
 }
@@ -68,13 +68,13 @@ TEST(Exponential, HoldsItsLevelWithAndWithoutCuts) {
   EXPECT_NEAR(rejected(kSets, [](auto& r) { return runs(r, 100, 1, 3); }), 0.05, kBand);
 }
 
-TEST(Exponential, FindsRunsThatRememberTheirAge) {
+TEST(Exponential, DetectsAgeDependentRuns) {
   EXPECT_GT(rejected(kSets, [](auto& r) { return runs(r, 100, 2, 1e9); }), 0.9);
   EXPECT_GT(rejected(kSets, [](auto& r) { return runs(r, 100, 2, 10); }), 0.8);
   EXPECT_EQ(rejected(20, [](auto& r) { return runs(r, 50, 1e6, 1e9); }), 1);
 }
 
-TEST(Correlation, HoldsItsLevelAndFindsAMemory) {
+TEST(Correlation, HoldsItsLevelAndDetectsMemory) {
   const auto pairs = [](auto& random, double memory) {
     std::exponential_distribution<double> draw(1);
     std::vector<double> a;
@@ -89,7 +89,7 @@ TEST(Correlation, HoldsItsLevelAndFindsAMemory) {
   EXPECT_GT(rejected(kSets, [&](auto& r) { return pairs(r, 0.3); }), 0.99);
 }
 
-TEST(Tests, SayNothingOfAHandful) {
+TEST(Tests, GiveNanForTooFewData) {
   const std::vector<double> few{0.1, 0.2};
   EXPECT_TRUE(std::isnan(kuiperTest(few).p));
   EXPECT_TRUE(std::isnan(rayleighTest(few).p));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -11,7 +12,8 @@
 
 namespace lab::analysis {
 
-/// A film of a robot that runs and tumbles, with what it really did; laws other than RTP's too.
+/// A recording of a run-and-tumble robot with its true runs and tumbles; also with laws other than
+/// that of RTP.
 struct RunRecording {
   using Draw = std::function<double(std::mt19937_64&)>;
 
@@ -24,7 +26,7 @@ struct RunRecording {
   std::uint64_t seed = 1;
   Draw run{};               ///< s; none: exponential.
   Draw turn{};              ///< rad; none: uniform on (-pi, pi].
-  double speed_factor = 1;  ///< Of the real robot.
+  double speed_factor = 1;  ///< Speed of the robot over the programmed one.
   double tumble_factor = 1;
 };
 
@@ -34,31 +36,31 @@ struct TrueRuns {
   double run_time = 0;
 };
 
-/// The samples of a film in an endless plane.
-inline std::vector<Sample> recordRuns(const RunRecording& film, TrueRuns* truth = nullptr) {
-  std::mt19937_64 random(film.seed);
+/// The samples of a recording in an infinite plane.
+inline std::vector<Sample> recordRuns(const RunRecording& recording, TrueRuns* truth = nullptr) {
+  std::mt19937_64 random(recording.seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(0, 1);
-  const double v = film.law.v * film.speed_factor;
-  const double tau = film.law.tau_t * film.tumble_factor;
+  const double v = recording.law.v * recording.speed_factor;
+  const double tau = recording.law.tau_t * recording.tumble_factor;
   const auto draw_run = [&] {
-    return film.run ? film.run(random)
-                    : std::exponential_distribution<double>(film.law.gamma)(random);
+    return recording.run ? recording.run(random)
+                         : std::exponential_distribution<double>(recording.law.gamma)(random);
   };
   const auto draw_turn = [&] {
-    return film.turn ? film.turn(random) : (2 * uniform(random) - 1) * std::numbers::pi;
+    return recording.turn ? recording.turn(random) : (2 * uniform(random) - 1) * std::numbers::pi;
   };
   double x = 0;
   double y = 0;
   double theta = 0;
-  // Long enough before the film for the stationary state.
-  double time = -20 * (1 / film.law.gamma + tau) * uniform(random);
+  // Begins long before the recording, in order to be in the stationary state.
+  double time = -20 * (1 / recording.law.gamma + tau) * uniform(random);
   bool run = true;
   double left = draw_run();
   double turning = 0;
-  double next = uniform(random) / film.fps;
+  double next = uniform(random) / recording.fps;
   std::vector<Sample> samples;
-  while (time < film.duration) {
+  while (time < recording.duration) {
     const bool is_frame = next < time + left;
     const double dt = is_frame ? next - time : left;
     if (run) {
@@ -73,12 +75,12 @@ inline std::vector<Sample> recordRuns(const RunRecording& film, TrueRuns* truth 
     if (is_frame) {
       Sample sample;
       sample.time = sample.free_time = time;
-      sample.x = x + film.sigma * normal(random);
-      sample.y = y + film.sigma * normal(random);
-      sample.theta = theta + film.sigma_theta * normal(random);
+      sample.x = x + recording.sigma * normal(random);
+      sample.y = y + recording.sigma * normal(random);
+      sample.theta = theta + recording.sigma_theta * normal(random);
       sample.program = 0;
-      if (uniform(random) >= film.missing) samples.push_back(sample);
-      next += 1 / film.fps;
+      if (uniform(random) >= recording.missing) samples.push_back(sample);
+      next += 1 / recording.fps;
       continue;
     }
     run = !run;
@@ -91,8 +93,8 @@ inline std::vector<Sample> recordRuns(const RunRecording& film, TrueRuns* truth 
   return samples;
 }
 
-inline FoundRuns findRuns(const RunRecording& film, const std::vector<Sample>& samples) {
-  RunFinder finder(film.law, 1 / film.fps);
+inline FoundRuns findRuns(const RunRecording& recording, const std::vector<Sample>& samples) {
+  RunFinder finder(recording.law, 1 / recording.fps);
   for (const Sample& sample : samples) finder.add(sample);
   return finder.find();
 }

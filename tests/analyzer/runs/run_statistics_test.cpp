@@ -1,9 +1,10 @@
-// What is made of runs: estimates with calibrated errors, and the power to reject wrong programs.
+// Statistics of runs: estimates with calibrated errors, and the power to reject wrong programs.
 #include "analyzer/runs/run_statistics.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "tests/analyzer/paper_programs.hpp"
@@ -13,26 +14,26 @@
 namespace lab::analysis {
 namespace {
 
-RunStatistics statisticsOf(const RunRecording& film) {
-  const FoundRuns found = findRuns(film, recordRuns(film));
-  return runStatistics(film.law, {&found});
+RunStatistics statisticsOf(const RunRecording& recording) {
+  const FoundRuns found = findRuns(recording, recordRuns(recording));
+  return runStatistics(recording.law, {&found});
 }
 
 RunRecording twoMinutes(std::uint64_t seed) {
-  RunRecording film;
-  film.law = rtpLaw(3, 0.5);
-  film.fps = 24.9;
-  film.duration = 120;
-  film.seed = seed;
-  return film;
+  RunRecording recording;
+  recording.law = rtpLaw(3, 0.5);
+  recording.fps = 24.9;
+  recording.duration = 120;
+  recording.seed = seed;
+  return recording;
 }
 
-TEST(RunStatistics, IntervalsHoldTheTruthInShortFilms) {
-  constexpr int kFilms = 100;
+TEST(RunStatistics, IntervalsCoverTheTruthInShortRecordings) {
+  constexpr int kRecordings = 100;
   std::map<std::string, int> covered;
   int rejected = 0;
   Scatter gamma;
-  for (int i = 0; i < kFilms; ++i) {
+  for (int i = 0; i < kRecordings; ++i) {
     const RunStatistics dut = statisticsOf(twoMinutes(100U + static_cast<unsigned>(i)));
     ASSERT_TRUE(dut.problem.empty());
     for (const Estimate& one : dut.estimates) {
@@ -42,15 +43,15 @@ TEST(RunStatistics, IntervalsHoldTheTruthInShortFilms) {
     gamma.add(dut.find("gamma")->value);
   }
   // 4 binomial standard errors of 95 %.
-  for (const auto& [name, count] : covered) EXPECT_GT(count, 0.862 * kFilms) << name;
-  EXPECT_LT(rejected, 0.22 * kFilms);
+  for (const auto& [name, count] : covered) EXPECT_GT(count, 0.862 * kRecordings) << name;
+  EXPECT_LT(rejected, 0.22 * kRecordings);
   EXPECT_LT(std::abs(gamma.z(3)), 4);
 }
 
-TEST(RunStatistics, HistogramsHoldWhatTheyShould) {
-  RunRecording film = twoMinutes(3);
-  film.duration = 3600;
-  const RunStatistics dut = statisticsOf(film);
+TEST(RunStatistics, HistogramsFollowTheLaw) {
+  RunRecording recording = twoMinutes(3);
+  recording.duration = 3600;
+  const RunStatistics dut = statisticsOf(recording);
 
   double largest = 0;
   for (const DensityBar& bar : dut.run_times) {
@@ -66,12 +67,12 @@ TEST(RunStatistics, HistogramsHoldWhatTheyShould) {
   EXPECT_NEAR(dut.wheel_speed, 0.99 * dut.needed_wheel_speed, 0.02 * dut.needed_wheel_speed);
 }
 
-TEST(RunStatistics, RobotsAreOneSample) {
+TEST(RunStatistics, PoolsRobotsAsOneSample) {
   std::vector<FoundRuns> found;
   for (unsigned i = 0; i < 4; ++i) {
-    RunRecording film = twoMinutes(40 + i);
-    film.sigma = i < 2 ? 0.0003 : 0.0008;
-    found.push_back(findRuns(film, recordRuns(film)));
+    RunRecording recording = twoMinutes(40 + i);
+    recording.sigma = i < 2 ? 0.0003 : 0.0008;
+    found.push_back(findRuns(recording, recordRuns(recording)));
   }
   const RunStatistics dut =
       runStatistics(rtpLaw(3, 0.5), {&found[0], &found[1], &found[2], &found[3]});
@@ -86,27 +87,28 @@ TEST(RunStatistics, RobotsAreOneSample) {
       runStatistics(rtpLaw(3, 0.5), {&found[0], &found[1], &found[2], &found[3]}).exponential.p);
 }
 
-/// In how many of 20 films of two minutes (about 140 runs) a test rejects at 1 %.
+/// In how many of 20 recordings of two minutes (about 140 runs) a test rejects at 1 %.
 template <class Change, class Test>
 int rejections(Change change, Test test) {
   int count = 0;
   for (unsigned i = 0; i < 20; ++i) {
-    RunRecording film = twoMinutes(60 + i);
-    change(film);
-    count += test(statisticsOf(film)).p < 0.01 ? 1 : 0;
+    RunRecording recording = twoMinutes(60 + i);
+    change(recording);
+    count += test(statisticsOf(recording)).p < 0.01 ? 1 : 0;
   }
   return count;
 }
 
 TEST(WrongPrograms, RunsOfOneLengthAreRejectedAlways) {
-  EXPECT_EQ(rejections([](RunRecording& film) { film.run = [](auto&) { return 1.0 / 3; }; },
-                       [](const RunStatistics& dut) { return dut.exponential; }),
-            20);
+  EXPECT_EQ(
+      rejections([](RunRecording& recording) { recording.run = [](auto&) { return 1.0 / 3; }; },
+                 [](const RunStatistics& dut) { return dut.exponential; }),
+      20);
 }
 
-TEST(WrongPrograms, RunsOfTwoStagesAreRejectedInTwoFilmsOfThree) {
-  const auto two_stages = [](RunRecording& film) {
-    film.run = [](std::mt19937_64& random) {
+TEST(WrongPrograms, RunsOfTwoStagesAreRejectedInTwoRecordingsOfThree) {
+  const auto two_stages = [](RunRecording& recording) {
+    recording.run = [](std::mt19937_64& random) {
       return std::gamma_distribution<double>(2, 1.0 / 6)(random);
     };
   };
@@ -114,10 +116,10 @@ TEST(WrongPrograms, RunsOfTwoStagesAreRejectedInTwoFilmsOfThree) {
 }
 
 TEST(WrongPrograms, RunsRoundedUpToATickAreRejected) {
-  // 100 ms: the mean is then 16 % too long (notes on control ticks).
-  const auto ticks = [](RunRecording& film) {
-    film.duration = 300;
-    film.run = [](std::mt19937_64& random) {
+  // With ticks of 100 ms the mean is 16 % too long.
+  const auto ticks = [](RunRecording& recording) {
+    recording.duration = 300;
+    recording.run = [](std::mt19937_64& random) {
       return 0.1 * std::ceil(std::exponential_distribution<double>(3)(random) / 0.1);
     };
   };
@@ -125,8 +127,8 @@ TEST(WrongPrograms, RunsRoundedUpToATickAreRejected) {
 }
 
 TEST(WrongPrograms, PreferredAnglesAreRejected) {
-  const auto forward = [](RunRecording& film) {
-    film.turn = [](std::mt19937_64& random) {
+  const auto forward = [](RunRecording& recording) {
+    recording.turn = [](std::mt19937_64& random) {
       return std::normal_distribution<double>(0, 1.5)(random);
     };
   };
@@ -134,27 +136,27 @@ TEST(WrongPrograms, PreferredAnglesAreRejected) {
   EXPECT_GT(rejections(forward, [](const RunStatistics& dut) { return dut.preferred; }), 17);
 }
 
-TEST(WrongPrograms, AnotherRateIsSeen) {
+TEST(WrongPrograms, AnotherRateIsDetected) {
   int outside = 0;
   for (unsigned i = 0; i < 20; ++i) {
-    RunRecording film = twoMinutes(60 + i);
-    film.duration = 600;
-    film.run = [](std::mt19937_64& random) {
+    RunRecording recording = twoMinutes(60 + i);
+    recording.duration = 600;
+    recording.run = [](std::mt19937_64& random) {
       return std::exponential_distribution<double>(3.6)(random);
     };
-    const RunStatistics dut = statisticsOf(film);
+    const RunStatistics dut = statisticsOf(recording);
     outside += dut.find("gamma")->low95 > 3 ? 1 : 0;
   }
   EXPECT_GT(outside, 17);
 }
 
-TEST(Wheels, FullTurnsAndFastTumblesAreNamed) {
-  RunRecording film = twoMinutes(9);
-  film.law.tau_t = 0.4;
-  film.turn = [](std::mt19937_64& random) {
+TEST(Wheels, FullTurnsAndFastTumblesAreReported) {
+  RunRecording recording = twoMinutes(9);
+  recording.law.tau_t = 0.4;
+  recording.turn = [](std::mt19937_64& random) {
     return std::uniform_real_distribution<double>(0, 2 * std::numbers::pi)(random);
   };
-  const RunStatistics dut = statisticsOf(film);
+  const RunStatistics dut = statisticsOf(recording);
 
   EXPECT_NEAR(dut.beyond_half_turn, 0.45, 0.15);
   EXPECT_GT(dut.needed_wheel_speed, 0.27);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 #include "common/bus/bus.hpp"
@@ -39,7 +40,7 @@ FeedResult resultWith(int lags, std::size_t note_length) {
   return result;
 }
 
-TEST(AnalysisMessage, SaysWhatTheResultSays) {
+TEST(AnalysisMessage, HasTheContentOfTheResult) {
   const analysis_t dut = toMessage(resultWith(5, 10), "rtp_slow");
 
   EXPECT_EQ(dut.robot_id, 12);
@@ -57,7 +58,7 @@ TEST(AnalysisMessage, SaysWhatTheResultSays) {
   EXPECT_EQ(dut.num_estimates, 8);
 }
 
-TEST(AnalysisMessage, LeavesOutLagsThatWereNotObserved) {
+TEST(AnalysisMessage, OmitsLagsThatWereNotObserved) {
   FeedResult result = resultWith(5, 10);
   result.result.curves.msd[1].windows = 0;
   result.result.curves.msd[1].value = std::numeric_limits<double>::quiet_NaN();
@@ -77,7 +78,7 @@ TEST(AnalysisMessage, StaysBelowEightKilobytesWithBothEndsOfTheCurve) {
   EXPECT_FLOAT_EQ(dut.curves[0].lag.back(), 300);
 }
 
-TEST(AnalysisMessage, KeepsAnOrdinaryCurveWhole) {
+TEST(AnalysisMessage, KeepsAllLagsOfAnOrdinaryCurve) {
   const analysis_t dut = toMessage(resultWith(60, 80), "rtp");
 
   EXPECT_EQ(dut.curves[0].num_lags, 60);

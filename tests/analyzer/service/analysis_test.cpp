@@ -12,8 +12,8 @@
 namespace lab::analysis {
 namespace {
 
-/// The messages of a film in their order, to be fed to an Analysis.
-struct Recording {
+/// The messages of a recording in their order, to be fed to an Analysis.
+struct MessageSequence {
   struct Event {
     bool is_frame = false;
     TrackPoint point;
@@ -22,28 +22,28 @@ struct Recording {
   std::vector<Event> events;
 };
 
-Recording record(const ProgramLaw& law, double duration, std::uint64_t seed) {
-  WalkerRecording film;
-  film.law = law;
-  film.duration = duration;
-  film.walls = true;
-  film.seed = seed;
-  Recording recording;
-  Walker walker(film);
-  walker.on_frame = [&](const TrackPoint& point) { recording.events.push_back({true, point, {}}); };
+MessageSequence record(const ProgramLaw& law, double duration, std::uint64_t seed) {
+  WalkerRecording recording;
+  recording.law = law;
+  recording.duration = duration;
+  recording.walls = true;
+  recording.seed = seed;
+  MessageSequence messages;
+  Walker walker(recording);
+  walker.on_frame = [&](const TrackPoint& point) { messages.events.push_back({true, point, {}}); };
   walker.on_telemetry = [&](const RobotTelemetry& telemetry) {
-    recording.events.push_back({false, {}, telemetry});
+    messages.events.push_back({false, {}, telemetry});
   };
   walker.run();
-  return recording;
+  return messages;
 }
 
 Frame frameOf(int robot, const TrackPoint& point) {
   return {point.time, point.frame, {{robot, point.x, point.y, point.theta, 0, 0, true}}};
 }
 
-void feed(Analysis& dut, const Recording& recording, int robot, const ProgramLaw& law) {
-  for (const Recording::Event& event : recording.events) {
+void feed(Analysis& dut, const MessageSequence& messages, int robot, const ProgramLaw& law) {
+  for (const MessageSequence::Event& event : messages.events) {
     if (event.is_frame) {
       dut.addFrame(frameOf(robot, event.point));
     } else {
@@ -79,15 +79,15 @@ TEST(Analysis, GivesThePoolAndEveryRobotOfAProgram) {
   EXPECT_EQ(results[0].verdict.kind, VerdictKind::kAgrees);
 }
 
-TEST(Analysis, GivesTheSameNumbersHoweverOftenItIsAsked) {
+TEST(Analysis, GivesTheSameResultsForAnyNumberOfQueries) {
   const ProgramLaw law = rtpLaw(3, 0.5);
-  const Recording recording = record(law, 200, 3);
+  const MessageSequence messages = record(law, 200, 3);
   Analysis offline(config());
-  feed(offline, recording, 1, law);
+  feed(offline, messages, 1, law);
   offline.flush();
   Analysis online(config());
   int asked = 0;
-  for (const Recording::Event& event : recording.events) {
+  for (const MessageSequence::Event& event : messages.events) {
     if (event.is_frame) {
       online.addFrame(frameOf(1, event.point));
     } else {
@@ -111,13 +111,13 @@ TEST(Analysis, GivesTheSameNumbersHoweverOftenItIsAsked) {
   ASSERT_EQ(a.estimates.size(), b.estimates.size());
 }
 
-TEST(Analysis, FindsTheFramePeriodByItself) {
+TEST(Analysis, EstimatesTheFramePeriod) {
   const ProgramLaw law = abpLaw(3, 0.5);
-  const Recording recording = record(law, 100, 5);
+  const MessageSequence messages = record(law, 100, 5);
   Analysis given(config());
   Analysis found(config(0));
-  feed(given, recording, 1, law);
-  feed(found, recording, 1, law);
+  feed(given, messages, 1, law);
+  feed(found, messages, 1, law);
   given.flush();
   found.flush();
   ASSERT_EQ(found.results().size(), 2U);
@@ -129,7 +129,7 @@ TEST(Analysis, FindsTheFramePeriodByItself) {
 TEST(Analysis, DropsARobotSeenTwiceInAFrame) {
   const ProgramLaw law = abpLaw(3, 0.5);
   Analysis dut(config());
-  for (const Recording::Event& event : record(law, 20, 6).events) {
+  for (const MessageSequence::Event& event : record(law, 20, 6).events) {
     if (!event.is_frame) {
       dut.addTelemetry(1, law, event.telemetry);
       continue;
@@ -194,7 +194,7 @@ TEST(Analysis, GivesNoVerdictOnLagsThatTheLightSelects) {
   Analysis dut(config(0.02));
   dut.setSpatialLight(true);
   feedSwitches(dut);
-  dut.setSpatialLight(false);  // what was selected stays selected
+  dut.setSpatialLight(false);  // the selection persists
   const ProgramResult result = dut.results()[0];
   EXPECT_NEAR(result.unbiased_lag, 1, 0.001);
   int biased = 0;
@@ -206,7 +206,7 @@ TEST(Analysis, GivesNoVerdictOnLagsThatTheLightSelects) {
   EXPECT_GT(biased, 10);
 }
 
-TEST(Analysis, NeverGivesAZeroForALagThatWasNotObserved) {
+TEST(Analysis, GivesNanForLagsThatWereNotObserved) {
   Analysis dut(config(0.02));
   feedSwitches(dut);
   for (const ProgramResult& result : dut.results()) {
@@ -218,7 +218,7 @@ TEST(Analysis, NeverGivesAZeroForALagThatWasNotObserved) {
   }
 }
 
-TEST(Analysis, HandsEverySampleToTheTrajectoryFile) {
+TEST(Analysis, PassesEverySampleToTheSink) {
   const ProgramLaw law = abpLaw(3, 0.5);
   Analysis dut(config());
   std::int64_t samples = 0;
@@ -233,7 +233,7 @@ TEST(Analysis, HandsEverySampleToTheTrajectoryFile) {
   EXPECT_EQ(samples, dut.results()[0].samples);
 }
 
-TEST(Analysis, SurvivesBrokenInput) {
+TEST(Analysis, ToleratesInvalidInput) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const ProgramLaw law = abpLaw(3, 0.5);
   Analysis dut(config(0));

@@ -28,7 +28,7 @@ bool sameBits(double a, double b) {
   return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b);
 }
 
-TEST(FlipFilter, LeavesUnflippedHeadingsToTheBit) {
+TEST(FlipFilter, KeepsTheBitsOfUnflippedHeadings) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> turn(-0.3, 0.3);
   FlipFilter dut({});
@@ -36,59 +36,59 @@ TEST(FlipFilter, LeavesUnflippedHeadingsToTheBit) {
   for (int i = 0; i < 10000; ++i) {
     theta = std::remainder(theta + turn(random), 2 * kPi);
     TrackPoint point = heading(0.05 * i, theta);
-    EXPECT_FALSE(dut.mend(point));
+    EXPECT_FALSE(dut.correct(point));
     ASSERT_TRUE(sameBits(point.theta, theta));
   }
   EXPECT_EQ(dut.jumps(), 0);
 }
 
-TEST(FlipFilter, TurnsRoundOneFrameAndAStretch) {
+TEST(FlipFilter, CorrectsASingleFrameAndAStretch) {
   FlipFilter dut({});
   for (int i = 0; i < 200; ++i) {
     const double true_theta = 0.01 * i;
     const bool flipped = i == 20 || (i >= 50 && i < 150);
     TrackPoint point = heading(0.02 * i, true_theta + (flipped ? kPi : 0));
-    EXPECT_EQ(dut.mend(point), flipped) << i;
+    EXPECT_EQ(dut.correct(point), flipped) << i;
     EXPECT_NEAR(std::remainder(point.theta - true_theta, 2 * kPi), 0, 1e-12);
   }
   EXPECT_EQ(dut.jumps(), 4);
   EXPECT_EQ(dut.chain(), 0);
 }
 
-TEST(FlipFilter, IsNotLedAstrayByAHeadingOutOfPlace) {
+TEST(FlipFilter, ToleratesASingleWrongHeading) {
   FlipFilter dut({});
   for (int i = 0; i < 100; ++i) {
     TrackPoint point = heading(0.02 * i, i % 10 == 5 ? 1.6 : i >= 50 ? kPi : 0);
-    dut.mend(point);
+    dut.correct(point);
     if (i % 10 == 5) continue;
     EXPECT_NEAR(std::remainder(point.theta, 2 * kPi), 0, 1e-12) << i;
   }
 }
 
-TEST(FlipFilter, BelievesAJumpThatWheelsCouldHaveMade) {
+TEST(FlipFilter, AcceptsAJumpThatWheelsCouldHaveMade) {
   FlipFilter dut({});
   TrackPoint first = heading(0, 0);
   TrackPoint late = heading(0.5, kPi);  // 3.6 rad are within reach
-  dut.mend(first);
-  EXPECT_FALSE(dut.mend(late));
+  dut.correct(first);
+  EXPECT_FALSE(dut.correct(late));
   EXPECT_EQ(late.theta, kPi);
   EXPECT_EQ(dut.chain(), 1);
 }
 
-TEST(FlipFilter, LearnsFromTheMotionWhichEndIsTheHead) {
+TEST(FlipFilter, DeterminesTheHeadFromTheMotion) {
   FlipFilter dut({});
   const double enough = senseDistance(abpLaw(3, 0.5));
   TrackPoint point = heading(0, 1);
-  dut.mend(point);
-  EXPECT_FALSE(dut.drive(-0.9 * enough, enough));
-  EXPECT_FALSE(dut.drive(-1, 0));  // a program that tells nothing
-  EXPECT_TRUE(dut.drive(-0.2 * enough, enough));
+  dut.correct(point);
+  EXPECT_FALSE(dut.addMotion(-0.9 * enough, enough));
+  EXPECT_FALSE(dut.addMotion(-1, 0));  // a program that does not show its head
+  EXPECT_TRUE(dut.addMotion(-0.2 * enough, enough));
   TrackPoint next = heading(0.02, 1);
-  EXPECT_TRUE(dut.mend(next));
+  EXPECT_TRUE(dut.correct(next));
   EXPECT_NEAR(std::remainder(next.theta - 1 - kPi, 2 * kPi), 0, 1e-12);
 }
 
-TEST(SenseDistance, IsTheLikelihoodRatioOfTheNoisyDrive) {
+TEST(SenseDistance, FollowsFromTheLikelihoodRatio) {
   // B = 0.1 s (0.1 m/s)^2 / 6, 20.7 B / (2 * 0.01 m/s)
   EXPECT_NEAR(senseDistance(noisyLaw(0.01, 0.1, 0.1)), 20.7 * 0.1 * 0.01 / 6 / 0.02, 1e-12);
   EXPECT_EQ(senseDistance(noisyLaw(0, 0.1, 0.1)), 0);
@@ -98,12 +98,12 @@ TEST(SenseDistance, IsTheLikelihoodRatioOfTheNoisyDrive) {
 }
 
 /// Frames of a walker whose tracker confuses the ends: 1 % single frames, and every 40 s one
-/// stretch of 5 s; the film begins with the tail.
-StitchedRecording stitchFlipped(const WalkerRecording& film, bool flips) {
+/// stretch of 5 s; the recording begins with the tail.
+StitchedRecording stitchFlipped(const WalkerRecording& recording, bool flips) {
   StitchedRecording result;
   TrackStitcher stitcher{StitcherConfig{}};
-  Walker walker(film);
-  std::mt19937_64 random(film.seed + 77);
+  Walker walker(recording);
+  std::mt19937_64 random(recording.seed + 77);
   std::bernoulli_distribution single(0.01);
   walker.on_frame = [&](TrackPoint point) {
     const bool stretch = std::fmod(point.time, 40) < 5;
@@ -113,7 +113,7 @@ StitchedRecording stitchFlipped(const WalkerRecording& film, bool flips) {
     stitcher.addFrame(point, result.samples);
   };
   walker.on_telemetry = [&](RobotTelemetry telemetry) {
-    telemetry.sense_distance = senseDistance(film.law);
+    telemetry.sense_distance = senseDistance(recording.law);
     stitcher.addTelemetry(telemetry, result.samples);
   };
   walker.run();
@@ -123,45 +123,45 @@ StitchedRecording stitchFlipped(const WalkerRecording& film, bool flips) {
   return result;
 }
 
-class FlippedFilm : public testing::TestWithParam<ProgramLaw> {};
+class FlippedRecording : public testing::TestWithParam<ProgramLaw> {};
 
-TEST_P(FlippedFilm, HasTheRotationOfTheTrueOne) {
-  constexpr int kFilms = 16;
+TEST_P(FlippedRecording, HasTheTrueRotation) {
+  constexpr int kRecordings = 16;
   EnsembleCurves curves;
-  for (int i = 0; i < kFilms; ++i) {
-    WalkerRecording film;
-    film.law = GetParam();
-    film.duration = 300;
-    film.fps = 24.3;
-    film.walls = true;
-    film.seed = 300U + static_cast<unsigned>(i);
-    const StitchedRecording dut = stitchFlipped(film, true);
-    const StitchedRecording truth = stitchFlipped(film, false);
+  for (int i = 0; i < kRecordings; ++i) {
+    WalkerRecording recording;
+    recording.law = GetParam();
+    recording.duration = 300;
+    recording.fps = 24.3;
+    recording.walls = true;
+    recording.seed = 300U + static_cast<unsigned>(i);
+    const StitchedRecording dut = stitchFlipped(recording, true);
+    const StitchedRecording truth = stitchFlipped(recording, false);
     EXPECT_EQ(dut.tally.segments, truth.tally.segments);
     EXPECT_EQ(dut.samples.size(), truth.samples.size());
     EXPECT_GT(dut.counters.flips, 0.1 * static_cast<double>(dut.counters.frames));
     EXPECT_LE(dut.counters.sense_turns, 1);
     EXPECT_EQ(truth.counters.flips, 0);
-    curves.add(analyseRecording(film, dut, 20));
+    curves.add(analyseRecording(recording, dut, 20));
   }
-  expectUnbiased(curves.msd, kFilms, "MSD");
-  expectUnbiased(curves.angular, kFilms, "angular MSD");
+  expectUnbiased(curves.msd, kRecordings, "MSD");
+  expectUnbiased(curves.angular, kRecordings, "angular MSD");
 }
 
-TEST_P(FlippedFilm, DrivesForwardAgainOnceTheMotionHasTold) {
-  WalkerRecording film;
-  film.law = GetParam();
-  film.duration = 120;
-  const StitchedRecording dut = stitchFlipped(film, true);
-  const StitchedRecording truth = stitchFlipped(film, false);
+TEST_P(FlippedRecording, DrivesForwardAfterTheHeadIsDetermined) {
+  WalkerRecording recording;
+  recording.law = GetParam();
+  recording.duration = 120;
+  const StitchedRecording dut = stitchFlipped(recording, true);
+  const StitchedRecording truth = stitchFlipped(recording, false);
   ASSERT_EQ(dut.samples.size(), truth.samples.size());
   const double turned = dut.samples.back().theta - truth.samples.back().theta;
-  if (senseDistance(film.law) == 0) return;  // both ends are alike
+  if (senseDistance(recording.law) == 0) return;  // both ends are alike
   EXPECT_NEAR(std::remainder(turned, 2 * kPi), 0, 1e-9);
   EXPECT_EQ(dut.counters.sense_turns, 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Programs, FlippedFilm,
+INSTANTIATE_TEST_SUITE_P(Programs, FlippedRecording,
                          testing::Values(abpLaw(3, 0.5), noisyLaw(0.01, 0.1, 0.1),
                                          noisyLaw(0, 0.07, 0.2), rtpLaw(1, 0.5)));
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -11,18 +13,18 @@
 
 namespace lab::analysis {
 
-/// A film of which only the poses are known.
+/// A recording without telemetry.
 struct PoseRecording {
   std::vector<TrackPoint> track;
   std::vector<FoundReversal> truth;
 };
 
-inline PoseRecording posesOf(const WalkerRecording& film) {
+inline PoseRecording posesOf(const WalkerRecording& recording) {
   PoseRecording result;
-  Walker walker(film);
+  Walker walker(recording);
   walker.on_frame = [&](const TrackPoint& point) {
     result.track.push_back(point);
-    result.track.back().sigma = 0;  // a CSV file says nothing of it
+    result.track.back().sigma = 0;  // not in a CSV file
     result.track.back().sigma_theta = 0;
   };
   walker.on_telemetry = [&](const RobotTelemetry& told) {
@@ -37,22 +39,24 @@ inline PoseRecording posesOf(const WalkerRecording& film) {
   return result;
 }
 
-/// Stitched by what the poses tell alone.
-inline StitchedRecording stitchPoses(const WalkerRecording& film, std::vector<TrackPoint> track,
+/// The samples after stitching by poses alone.
+inline StitchedRecording stitchPoses(const WalkerRecording& recording,
+                                     std::vector<TrackPoint> track,
                                      TrackFindings* findings = nullptr) {
   StitchedRecording result;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  TrackFindings found = examineTrack(track, reversalSearch(film.law, film.walls ? nan : 0.1, 0.4));
+  TrackFindings found =
+      examineTrack(track, reversalSearch(recording.law, recording.walls ? nan : 0.1, 0.4));
   if (findings != nullptr) *findings = found;
   TrackStitcher stitcher{StitcherConfig{}};
-  ReversalReporter teller(found.reversals);
+  ReversalReporter reporter(found.reversals);
   for (const TrackPoint& point : track) {
     RobotTelemetry telemetry;
     telemetry.time = point.time;
     telemetry.program = 0;
-    telemetry.sense_distance = senseDistance(film.law);
-    teller.tell(telemetry);
-    telemetry.run_time = point.time - teller.removed();
+    telemetry.sense_distance = senseDistance(recording.law);
+    reporter.report(telemetry);
+    telemetry.run_time = point.time - reporter.removed();
     stitcher.addTelemetry(telemetry, result.samples);
     stitcher.addFrame(point, result.samples);
   }
@@ -62,17 +66,19 @@ inline StitchedRecording stitchPoses(const WalkerRecording& film, std::vector<Tr
   return result;
 }
 
-/// The exact law plus what the tracker's noise adds; the heading noise to the angular MSD.
-inline double withNoise(const WalkerRecording& film, double exact, bool angular) {
-  return exact + (angular ? 2 * film.sigma_theta * film.sigma_theta : 4 * film.sigma * film.sigma);
+/// The exact law plus the contribution of the tracker noise; for the angular MSD that of the
+/// heading noise.
+inline double withNoise(const WalkerRecording& recording, double exact, bool angular) {
+  return exact + (angular ? 2 * recording.sigma_theta * recording.sigma_theta
+                          : 4 * recording.sigma * recording.sigma);
 }
 
-inline void expectUnbiasedWithNoise(const WalkerRecording& film, const EnsembleCurves& curves,
-                                    double films) {
+inline void expectUnbiasedWithNoise(const WalkerRecording& recording, const EnsembleCurves& curves,
+                                    double recordings) {
   for (const bool angular : {false, true}) {
     for (const LagScatter& lag : angular ? curves.angular : curves.msd) {
-      if (lag.value.n != films) continue;
-      const double expected = withNoise(film, lag.exact, angular);
+      if (lag.value.n != recordings) continue;
+      const double expected = withNoise(recording, lag.exact, angular);
       EXPECT_LT(std::abs(lag.value.z(expected)), 4)
           << (angular ? "angular MSD" : "MSD") << " at " << lag.tau
           << " s: " << lag.value.mean() / expected;

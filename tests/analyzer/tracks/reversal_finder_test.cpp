@@ -1,4 +1,4 @@
-// Reversals found in poses alone, against what the walker did.
+// Reversals found in poses alone, compared with those of the walker.
 #include "analyzer/tracks/reversal_finder.hpp"
 
 #include <gtest/gtest.h>
@@ -23,33 +23,33 @@ struct Case {
 };
 
 WalkerRecording walled(const Case& one, double duration, unsigned seed) {
-  WalkerRecording film;
-  film.law = one.law;
-  film.fps = one.fps;
-  film.duration = duration;
-  film.sigma = 0.0005;
-  film.sigma_theta = 0.0175;
-  film.walls = true;
-  film.seed = seed;
-  return film;
+  WalkerRecording recording;
+  recording.law = one.law;
+  recording.fps = one.fps;
+  recording.duration = duration;
+  recording.sigma = 0.0005;
+  recording.sigma_theta = 0.0175;
+  recording.walls = true;
+  recording.seed = seed;
+  return recording;
 }
 
 class PosesAlone : public testing::TestWithParam<Case> {};
 
-TEST_P(PosesAlone, TellTheReversalsAndTheirTimes) {
+TEST_P(PosesAlone, ShowTheReversalsAndTheirTimes) {
   double truth = 0;
   double hits = 0;
   double wrong = 0;
   Scatter start;
   Scatter end;
   for (unsigned seed = 0; seed < 3; ++seed) {
-    const WalkerRecording film = walled(GetParam(), 900, 7000 + seed);
-    PoseRecording poses = posesOf(film);
-    const TrackFindings dut = examineTrack(poses.track, reversalSearch(film.law, 0.1, 0.4));
-    EXPECT_NEAR(dut.sigma, film.sigma, 0.1 * film.sigma);
+    const WalkerRecording recording = walled(GetParam(), 900, 7000 + seed);
+    PoseRecording poses = posesOf(recording);
+    const TrackFindings dut = examineTrack(poses.track, reversalSearch(recording.law, 0.1, 0.4));
+    EXPECT_NEAR(dut.sigma, recording.sigma, 0.1 * recording.sigma);
     std::size_t next = 0;
     for (const FoundReversal& real : poses.truth) {
-      // Shorter ones go a few millimetres, and the last one may outlast the film.
+      // Shorter ones go a few millimetres, and the last one may outlast the recording.
       if (real.end < real.start + 0.5) continue;
       truth += 1;
       while (next < dut.reversals.size() && dut.reversals[next].end < real.start) {
@@ -71,16 +71,16 @@ TEST_P(PosesAlone, TellTheReversalsAndTheirTimes) {
   EXPECT_LT(std::abs(end.mean()), 0.5 * frame);
 }
 
-TEST_P(PosesAlone, AreUnbiasedOnceStitched) {
-  constexpr int kFilms = 12;
+TEST_P(PosesAlone, AreUnbiasedAfterStitching) {
+  constexpr int kRecordings = 12;
   EnsembleCurves curves;
-  for (unsigned i = 0; i < kFilms; ++i) {
-    const WalkerRecording film = walled(GetParam(), 600, 8000 + i);
-    const StitchedRecording stitched = stitchPoses(film, posesOf(film).track);
+  for (unsigned i = 0; i < kRecordings; ++i) {
+    const WalkerRecording recording = walled(GetParam(), 600, 8000 + i);
+    const StitchedRecording stitched = stitchPoses(recording, posesOf(recording).track);
     EXPECT_EQ(stitched.counters.jumps, 0);
-    curves.add(analyseRecording(film, stitched));
+    curves.add(analyseRecording(recording, stitched));
   }
-  expectUnbiasedWithNoise(walled(GetParam(), 600, 0), curves, kFilms);
+  expectUnbiasedWithNoise(walled(GetParam(), 600, 0), curves, kRecordings);
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, PosesAlone,
@@ -93,29 +93,29 @@ INSTANTIATE_TEST_SUITE_P(Programs, PosesAlone,
                                          Case{"Rtp50", rtpLaw(1, 0.5), 49.7}),
                          [](const auto& parameter) { return parameter.param.name; });
 
-TEST(ReversalFinder, TakesTheSpeedFromTheTrack) {
-  const WalkerRecording film = walled({"", abpLaw(1, 0.25), 24.3}, 900, 5);
-  PoseRecording poses = posesOf(film);
+TEST(ReversalFinder, EstimatesTheSpeedFromTheTrack) {
+  const WalkerRecording recording = walled({"", abpLaw(1, 0.25), 24.3}, 900, 5);
+  PoseRecording poses = posesOf(recording);
   const double nan = std::numeric_limits<double>::quiet_NaN();
 
-  EXPECT_NEAR(examineTrack(poses.track, reversalSearch(film.law, nan, 0.4)).speed, 0.1, 0.002);
+  EXPECT_NEAR(examineTrack(poses.track, reversalSearch(recording.law, nan, 0.4)).speed, 0.1, 0.002);
 }
 
-TEST(ReversalFinder, FindsNoneInTheEndlessPlane) {
+TEST(ReversalFinder, FindsNoneWithoutWalls) {
   for (const ProgramLaw& law : {abpLaw(3, 0.5), noisyLaw(0.01, 0.1, 0.1), noisyLaw(0, 0.1, 0.4),
                                 noisyLaw(0, 0.07, 0.2), rtpLaw(1, 0.5)}) {
     for (const double fps : {9.97, 49.7}) {
-      WalkerRecording film = walled({"", law, fps}, 900, 9);
-      film.walls = false;
-      PoseRecording poses = posesOf(film);
+      WalkerRecording recording = walled({"", law, fps}, 900, 9);
+      recording.walls = false;
+      PoseRecording poses = posesOf(recording);
       EXPECT_TRUE(examineTrack(poses.track, reversalSearch(law, 0.1, 0.4)).reversals.empty());
     }
   }
 }
 
-TEST(ReversalFinder, SeesThroughFlippedHeadings) {
-  const WalkerRecording film = walled({"", abpLaw(3, 0.5), 24.3}, 900, 6);
-  PoseRecording poses = posesOf(film);
+TEST(ReversalFinder, WorksWithFlippedHeadings) {
+  const WalkerRecording recording = walled({"", abpLaw(3, 0.5), 24.3}, 900, 6);
+  PoseRecording poses = posesOf(recording);
   const std::vector<TrackPoint> whole = poses.track;
   for (std::size_t i = 0; i < poses.track.size(); ++i) {
     if (i % 100 == 7 || poses.track[i].time < 300) {
@@ -125,7 +125,7 @@ TEST(ReversalFinder, SeesThroughFlippedHeadings) {
   }
   std::vector<TrackPoint> reference = whole;
 
-  const ReversalSearch search = reversalSearch(film.law, 0.1, 0.4);
+  const ReversalSearch search = reversalSearch(recording.law, 0.1, 0.4);
   const TrackFindings expected = examineTrack(reference, search);
   const TrackFindings dut = examineTrack(poses.track, search);
 
@@ -139,10 +139,10 @@ TEST(ReversalFinder, SeesThroughFlippedHeadings) {
 }
 
 TEST(ReversalFinder, WorksWithoutHeadings) {
-  const WalkerRecording film = walled({"", abpLaw(3, 0.5), 24.3}, 900, 8);
-  PoseRecording poses = posesOf(film);
+  const WalkerRecording recording = walled({"", abpLaw(3, 0.5), 24.3}, 900, 8);
+  PoseRecording poses = posesOf(recording);
   for (TrackPoint& point : poses.track) point.theta = 0;
-  ReversalSearch search = reversalSearch(film.law, 0.1, 0.4);
+  ReversalSearch search = reversalSearch(recording.law, 0.1, 0.4);
   search.headings = false;
 
   const TrackFindings dut = examineTrack(poses.track, search);
@@ -154,23 +154,23 @@ TEST(ReversalFinder, WorksWithoutHeadings) {
   EXPECT_EQ(static_cast<std::ptrdiff_t>(dut.reversals.size()), longer);
 }
 
-TEST(ReversalReporter, SaysWhatTheRobotWouldHaveSaid) {
+TEST(ReversalReporter, SetsTelemetryLikeARobot) {
   ReversalReporter dut({{.start = 1, .end = 5, .dx = -0.4}, {.start = 8, .end = 9, .dx = 0.1}});
   RobotTelemetry state;
   state.time = 0.5;
-  dut.tell(state);
+  dut.report(state);
   EXPECT_EQ(state.reversal_count, 0);
   state.time = 3;
-  dut.tell(state);
+  dut.report(state);
   EXPECT_EQ(state.reversal_count, 1);
   EXPECT_TRUE(state.reversing);
   EXPECT_DOUBLE_EQ(dut.removed(), 2);
   state.time = 8.5;
-  dut.tell(state);
+  dut.report(state);
   EXPECT_EQ(state.reversal_count, 2);
   EXPECT_DOUBLE_EQ(dut.removed(), 4.5);
   state.time = 20;
-  dut.tell(state);
+  dut.report(state);
   EXPECT_FALSE(state.reversing);
   EXPECT_DOUBLE_EQ(dut.removed(), 5);
   EXPECT_DOUBLE_EQ(state.reversal_end, 9);

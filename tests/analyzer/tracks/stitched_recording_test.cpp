@@ -1,4 +1,4 @@
-// Reversals from walls, removed and joined, against the exact law of the endless plane.
+// Reversals at walls, removed and joined, compared with the exact law of the infinite plane.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -7,15 +7,15 @@
 #include "tests/analyzer/paper_programs.hpp"
 #include "tests/analyzer/recording_ensemble.hpp"
 
-namespace lab::analysis::stitched_film_test {
+namespace lab::analysis::stitched_recording_test {
 namespace {
 
 WalkerRecording walled(const ProgramLaw& law, double duration) {
-  WalkerRecording film;
-  film.law = law;
-  film.duration = duration;
-  film.walls = true;
-  return film;
+  WalkerRecording recording;
+  recording.law = law;
+  recording.duration = duration;
+  recording.walls = true;
+  return recording;
 }
 
 struct Case {
@@ -24,28 +24,28 @@ struct Case {
   double reversals_per_hour;  ///< At least.
 };
 
-class WalledFilm : public testing::TestWithParam<Case> {};
+class WalledRecording : public testing::TestWithParam<Case> {};
 
-TEST_P(WalledFilm, FollowsTheExactLawOfTheFreeMotion) {
-  constexpr int kFilms = 24;
+TEST_P(WalledRecording, FollowsTheExactLawOfTheFreeMotion) {
+  constexpr int kRecordings = 24;
   EnsembleCurves curves;
   double reversals = 0;
-  for (int i = 0; i < kFilms; ++i) {
-    WalkerRecording film = walled(GetParam().law, 600);
-    film.seed = 100U + static_cast<unsigned>(i);
-    const StitchedRecording stitched = stitch(film);
+  for (int i = 0; i < kRecordings; ++i) {
+    WalkerRecording recording = walled(GetParam().law, 600);
+    recording.seed = 100U + static_cast<unsigned>(i);
+    const StitchedRecording stitched = stitch(recording);
     EXPECT_EQ(stitched.counters.lost_reversals, 0);
     EXPECT_EQ(stitched.counters.jumps, 0);
     EXPECT_EQ(stitched.tally.segments, 1);
     reversals += static_cast<double>(stitched.tally.reversals);
-    curves.add(analyseRecording(film, stitched));
+    curves.add(analyseRecording(recording, stitched));
   }
-  EXPECT_GT(reversals / kFilms * 6, GetParam().reversals_per_hour);
-  expectUnbiased(curves.msd, kFilms, "MSD");
-  expectUnbiased(curves.angular, kFilms, "angular MSD");
+  EXPECT_GT(reversals / kRecordings * 6, GetParam().reversals_per_hour);
+  expectUnbiased(curves.msd, kRecordings, "MSD");
+  expectUnbiased(curves.angular, kRecordings, "angular MSD");
 }
 
-INSTANTIATE_TEST_SUITE_P(Programs, WalledFilm,
+INSTANTIATE_TEST_SUITE_P(Programs, WalledRecording,
                          testing::Values(Case{"AbpFig2b", abpLaw(3, 0.5), 30},
                                          Case{"AbpEta1", abpLaw(1, 0.25), 100},
                                          Case{"NoisyAbp", noisyLaw(0.01, 0.1, 0.1), 20},
@@ -54,21 +54,21 @@ INSTANTIATE_TEST_SUITE_P(Programs, WalledFilm,
                          [](const auto& parameter) { return parameter.param.name; });
 
 TEST(NaiveCutting, AtReversalsIsBiasedAgainstStraightMotion) {
-  constexpr int kFilms = 40;
+  constexpr int kRecordings = 40;
   EnsembleCurves curves;
-  for (int i = 0; i < kFilms; ++i) {
-    WalkerRecording film = walled(abpLaw(1, 0.25), 600);
-    film.seed = 500U + static_cast<unsigned>(i);
-    StitchedRecording stitched = stitch(film);
+  for (int i = 0; i < kRecordings; ++i) {
+    WalkerRecording recording = walled(abpLaw(1, 0.25), 600);
+    recording.seed = 500U + static_cast<unsigned>(i);
+    StitchedRecording stitched = stitch(recording);
     for (Sample& sample : stitched.samples) {
       sample.segment = sample.piece;  // a window may not cross a reversal
       sample.angular_segment = sample.piece;
     }
-    curves.add(analyseRecording(film, stitched));
+    curves.add(analyseRecording(recording, stitched));
   }
   double worst = 0;
   for (const LagScatter& lag : curves.msd) {
-    if (lag.value.n == kFilms) {
+    if (lag.value.n == kRecordings) {
       worst = std::min(worst, lag.value.z(lag.exact));
     }
   }
@@ -76,18 +76,18 @@ TEST(NaiveCutting, AtReversalsIsBiasedAgainstStraightMotion) {
 }
 
 TEST(LostMessages, LeaveTheStitchedMotionUnbiased) {
-  constexpr int kFilms = 24;
+  constexpr int kRecordings = 24;
   EnsembleCurves curves;
   double joined = 0;
   double cut = 0;
-  for (int i = 0; i < kFilms; ++i) {
-    WalkerRecording film = walled(abpLaw(1, 0.25), 600);
-    film.seed = 900U + static_cast<unsigned>(i);
-    std::mt19937_64 random(film.seed);
+  for (int i = 0; i < kRecordings; ++i) {
+    WalkerRecording recording = walled(abpLaw(1, 0.25), 600);
+    recording.seed = 900U + static_cast<unsigned>(i);
+    std::mt19937_64 random(recording.seed);
     std::bernoulli_distribution lost(0.1);
     StitchedRecording stitched;
     TrackStitcher stitcher{StitcherConfig{}};
-    Walker walker(film);
+    Walker walker(recording);
     walker.on_frame = [&](const TrackPoint& point) {
       if (!lost(random)) {
         stitcher.addFrame(point, stitched.samples);
@@ -103,13 +103,13 @@ TEST(LostMessages, LeaveTheStitchedMotionUnbiased) {
     stitched.tally = stitcher.tally(0);
     joined += static_cast<double>(stitcher.counters().reversals);
     cut += static_cast<double>(stitcher.counters().lost_reversals);
-    curves.add(analyseRecording(film, stitched));
+    curves.add(analyseRecording(recording, stitched));
   }
   EXPECT_GT(joined, 24 * 15);
   EXPECT_LT(cut, 0.01 * joined);
-  expectUnbiased(curves.msd, kFilms, "MSD");
-  expectUnbiased(curves.angular, kFilms, "angular MSD");
+  expectUnbiased(curves.msd, kRecordings, "MSD");
+  expectUnbiased(curves.angular, kRecordings, "angular MSD");
 }
 
 }  // namespace
-}  // namespace lab::analysis::stitched_film_test
+}  // namespace lab::analysis::stitched_recording_test

@@ -4,18 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <set>
 #include <vector>
 
+#include "common/math/units.hpp"
+
 namespace lab::analysis {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
 constexpr double kSpeed = 0.03;  // m/s
 
-/// A robot that drives straight along x at 3 cm/s, filmed at 50 frames/s, telemetry at 25 Hz.
+/// A robot that drives straight along x at 3 cm/s, recorded at 50 frames/s, telemetry at 25 Hz.
 class TrackStitcherTest : public testing::Test {
  protected:
   void frame(double t, double x) {
@@ -78,7 +79,7 @@ class TrackStitcherTest : public testing::Test {
   std::int64_t frame_ = 0;
 };
 
-TEST_F(TrackStitcherTest, PassesFreeMotionThrough) {
+TEST_F(TrackStitcherTest, PassesFreeMotionUnchanged) {
   drive(0, 4, 0);
   dut.flush(out);
   EXPECT_EQ(segments(), 1U);
@@ -87,7 +88,7 @@ TEST_F(TrackStitcherTest, PassesFreeMotionThrough) {
   expectUniformMotion();
 }
 
-TEST_F(TrackStitcherTest, RemovesAMarkedReversalAndKeepsTheFreeMotion) {
+TEST_F(TrackStitcherTest, RemovesAReportedReversalAndKeepsTheFreeMotion) {
   drive(0, 1, 0);
   // Reversing 0.4 m from 1.013 s to 5.007 s; the robot resumes at x = 0.03 * 1.013 - 0.4.
   state.reversal_count = 1;
@@ -112,7 +113,7 @@ TEST_F(TrackStitcherTest, RemovesAMarkedReversalAndKeepsTheFreeMotion) {
   expectUniformMotion();
 }
 
-TEST_F(TrackStitcherTest, JoinsAcrossAReversalWhoseBeginningWasNeverReported) {
+TEST_F(TrackStitcherTest, JoinsAcrossAReversalWhoseBeginningWasNotReported) {
   drive(0, 1, 0);
   // Telemetry is lost during the whole reversal; the next message still gives both times.
   for (double t = 1.02; t < 1.3; t += 0.02) {
@@ -128,7 +129,7 @@ TEST_F(TrackStitcherTest, JoinsAcrossAReversalWhoseBeginningWasNeverReported) {
   expectUniformMotion();
 }
 
-TEST_F(TrackStitcherTest, CutsWhereTheTimesOfAReversalAreLost) {
+TEST_F(TrackStitcherTest, CutsIfTheTimesOfAReversalAreLost) {
   drive(0, 1, 0);
   state.reversal_count = 2;  // two reversals since the last message: the first is unknown
   state.reversal_start = 1.5;
@@ -154,7 +155,7 @@ TEST_F(TrackStitcherTest, CutsAtANewProgramEpochAtItsExactTime) {
   EXPECT_EQ(dut.tally(3).segments, 1);
 }
 
-TEST_F(TrackStitcherTest, DropsFramesOfAnEpochThatTelemetryNeverNamed) {
+TEST_F(TrackStitcherTest, DropsFramesOfAnEpochWithoutTelemetry) {
   drive(0, 1, 0);
   state.program_epoch = 3;
   state.program_start = 1.5;
@@ -205,13 +206,13 @@ TEST_F(TrackStitcherTest, DropsStandingAndStoppedRobots) {
 
 TEST_F(TrackStitcherTest, CutsAtAJumpThatTheWheelsCannotMake) {
   drive(0, 1, 0);
-  drive(1, 2, 0.5);  // carried by hand: nobody marked it
+  drive(1, 2, 0.5);  // moved by hand, without a report
   dut.flush(out);
   EXPECT_EQ(segments(), 2U);
   EXPECT_EQ(dut.counters().jumps, 1);
 }
 
-TEST_F(TrackStitcherTest, DropsASingleWildFrameWithoutACut) {
+TEST_F(TrackStitcherTest, DropsASingleOutlierWithoutACut) {
   drive(0, 1, 0);
   telemetry(1);
   frame(1, 0.7);
@@ -281,7 +282,7 @@ TEST_F(TrackStitcherTest, GivesTheSameSamplesForLateAndReorderedTelemetry) {
   }
 }
 
-TEST_F(TrackStitcherTest, JudgesAFrameWithoutTelemetryAfterTheDelayAndLosesOnlyThatFrame) {
+TEST_F(TrackStitcherTest, DropsAFrameWithoutTelemetryAfterTheDelayAndOnlyThatFrame) {
   drive(0, 1, 0);
   for (double t = 1; t < 3; t += 0.02) {
     frame(t, 0.03 * t);
@@ -294,12 +295,12 @@ TEST_F(TrackStitcherTest, JudgesAFrameWithoutTelemetryAfterTheDelayAndLosesOnlyT
   expectUniformMotion();
 }
 
-TEST_F(TrackStitcherTest, CountsAndDropsBrokenAndRepeatedFrames) {
+TEST_F(TrackStitcherTest, CountsAndDropsInvalidAndRepeatedFrames) {
   drive(0, 1, 0);
   frame(0.98, 0.0294);  // repeated
-  frame(0.5, 0.015);    // gone back
+  frame(0.5, 0.015);    // earlier
   frame(kNan, 0);       // no time
-  frame(1.0, kNan);     // no place
+  frame(1.0, kNan);     // no position
   TrackPoint doubtful;
   doubtful.time = 1.01;
   doubtful.valid = false;
@@ -312,7 +313,7 @@ TEST_F(TrackStitcherTest, CountsAndDropsBrokenAndRepeatedFrames) {
   expectUniformMotion();
 }
 
-TEST_F(TrackStitcherTest, CountsAndDropsBrokenTelemetry) {
+TEST_F(TrackStitcherTest, CountsAndDropsInvalidTelemetry) {
   drive(0, 1, 0);
   telemetry(0.96);  // repeated
   RobotTelemetry broken = state;
@@ -325,7 +326,7 @@ TEST_F(TrackStitcherTest, CountsAndDropsBrokenTelemetry) {
   EXPECT_EQ(dut.counters().bad_telemetry, 3);
 }
 
-TEST_F(TrackStitcherTest, StartsAnewWhenTheCameraClockWasSetBack) {
+TEST_F(TrackStitcherTest, RestartsIfTheCameraClockWasSetBack) {
   drive(1000, 1001, 0);
   dut.flush(out);
   const std::size_t before = out.size();
@@ -347,7 +348,7 @@ TEST_F(TrackStitcherTest, CutsWhenTheRobotRebooted) {
   EXPECT_EQ(segments(), 2U);
 }
 
-TEST_F(TrackStitcherTest, KnowsTheRunTimeAtAFrameBetweenTwoMessages) {
+TEST_F(TrackStitcherTest, InterpolatesTheRunTimeBetweenTwoMessages) {
   // Straight runs from 1.01 s to 2.03 s, in a program of its own; telemetry every 40 ms.
   for (int i = 0; i < 150; ++i) {
     const double t = 0.02 * i;

@@ -1,13 +1,16 @@
-// Decoding and header: what arrives from outside is never trusted.
+// Decoding of messages and headers with arbitrary bytes.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <limits>
 #include <numeric>
+#include <optional>
+#include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/message_header.hpp"
@@ -29,7 +32,7 @@ robot_status_t statusOfTwo() {
 constexpr std::size_t kSenderLength = 16;
 constexpr std::size_t kCount = 20 + sizeof "sim_svc" + 16;  // num_robots on the wire
 
-/// `bytes` with a big-endian number put in at `offset`.
+/// Replaces the bytes at `offset` by a big-endian number.
 std::vector<std::uint8_t> with(std::vector<std::uint8_t> bytes, std::size_t offset,
                                std::int32_t number) {
   for (std::size_t i = 0; i < 4; ++i) {
@@ -39,7 +42,7 @@ std::vector<std::uint8_t> with(std::vector<std::uint8_t> bytes, std::size_t offs
   return bytes;
 }
 
-TEST(Codec, ReturnsWhatWasEncoded) {
+TEST(Codec, DecodesWhatItEncoded) {
   robot_status_t heard{};
   ASSERT_TRUE(decode(encode(statusOfTwo()), heard));
   EXPECT_EQ(heard.sender, "sim_svc");
@@ -47,7 +50,7 @@ TEST(Codec, ReturnsWhatWasEncoded) {
   EXPECT_EQ(heard.robots.size(), 2U);
 }
 
-TEST(Codec, RefusesBytesOfNoKind) {  // fact 9
+TEST(Codec, RefusesArbitraryBytes) {
   robot_status_t heard{};
   std::vector<std::uint8_t> bytes(300);
   std::iota(bytes.begin(), bytes.end(), std::uint8_t{0});
@@ -55,12 +58,12 @@ TEST(Codec, RefusesBytesOfNoKind) {  // fact 9
   EXPECT_FALSE(decode({}, heard));
 }
 
-TEST(Codec, RefusesAnotherType) {  // fact 9
+TEST(Codec, RefusesAnotherType) {
   robot_stop_t heard{};
   EXPECT_FALSE(decode(encode(statusOfTwo()), heard));
 }
 
-TEST(Codec, RefusesEveryTruncation) {  // fact 9
+TEST(Codec, RefusesEveryTruncation) {
   const std::vector<std::uint8_t> bytes = encode(statusOfTwo());
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     robot_status_t heard{};
@@ -68,14 +71,14 @@ TEST(Codec, RefusesEveryTruncation) {  // fact 9
   }
 }
 
-TEST(Codec, RefusesATail) {  // LCM itself ignores it
+TEST(Codec, RefusesSurplusBytes) {  // LCM itself ignores them
   std::vector<std::uint8_t> bytes = encode(statusOfTwo());
   bytes.push_back(0);
   robot_status_t heard{};
   EXPECT_FALSE(decode(bytes, heard));
 }
 
-TEST(Codec, RefusesImpossibleLengthsWithoutThrowing) {  // fact 8
+TEST(Codec, RefusesImpossibleLengthsWithoutThrowing) {
   const std::vector<std::uint8_t> bytes = encode(statusOfTwo());
   for (const std::int32_t length : {-1, -1'000'000, 1, 3}) {
     robot_status_t heard{};
@@ -87,7 +90,8 @@ TEST(Codec, RefusesImpossibleLengthsWithoutThrowing) {  // fact 8
   }
 }
 
-// A list of numbers of 8 bytes each: 8 times this is 0 in 32 bits, and 4 GB were asked for before.
+// A list of 8-byte numbers: 8 times this count is 0 in 32 bits, which once made decode() request 4
+// GB.
 TEST(Codec, RefusesCountsWhoseBytesOverflow) {
   light_status_t status{};
   status.tracked_frames = {1, 2, 3};
@@ -103,7 +107,7 @@ TEST(Codec, RefusesCountsWhoseBytesOverflow) {
   }
 }
 
-TEST(Codec, RefusesTextsThatItCouldNotSendAgain) {
+TEST(Codec, RefusesTextsThatCannotBeEncodedAgain) {
   std::vector<std::uint8_t> bytes = encode(statusOfTwo());
   bytes[kSenderLength + 4 + 3] = 0;  // "sim" and more
   robot_status_t heard{};
@@ -112,13 +116,13 @@ TEST(Codec, RefusesTextsThatItCouldNotSendAgain) {
   EXPECT_FALSE(decode(with(encode(statusOfTwo()), kSenderLength, least), heard));
 }
 
-TEST(Codec, LeavesTheMessageAloneWhenItRefuses) {
+TEST(Codec, LeavesTheMessageUnchangedWhenItRefuses) {
   robot_status_t heard = statusOfTwo();
   EXPECT_FALSE(decode(with(encode(heard), kCount, -1), heard));
   EXPECT_EQ(heard.robots.size(), 2U);
 }
 
-TEST(Codec, ForgetsWhatAReusedMessageHeld) {  // LCM keeps the old elements of an empty array
+TEST(Codec, ClearsAReusedMessage) {  // LCM keeps the old elements of an array
   tracked_frame_t heard{};
   heard.robots.resize(3);
   heard.num_robots = 3;
@@ -145,7 +149,7 @@ TEST(MessageHeader, IsNotReadBeyondTheBytes) {
   EXPECT_TRUE(peekHeader(Bytes(bytes).first(kCount)));
 }
 
-TEST(MessageHeader, IsNotReadWhenTheSendersLengthMakesNoSense) {
+TEST(MessageHeader, IsNotReadWithAnImpossibleSenderLength) {
   for (const std::int32_t length : {-1, 0, 65, 1'000'000}) {
     EXPECT_FALSE(peekHeader(with(encode(statusOfTwo()), kSenderLength, length))) << length;
   }

@@ -103,7 +103,7 @@ TEST(ContractUpgrade, ReadsOldCommandsAndEvents) {
   EXPECT_EQ(new_event.seen_utime, 0);
 }
 
-TEST(ContractUpgrade, LeavesTodaysMessagesAndRubbishAlone) {
+TEST(ContractUpgrade, IgnoresPresentMessagesAndArbitraryBytes) {
   EXPECT_FALSE(upgraded(encode(light_status_t{})));
   EXPECT_FALSE(upgraded({}));
   std::vector<std::uint8_t> cut = encode(lab_v3::light_status_t{});
@@ -111,7 +111,7 @@ TEST(ContractUpgrade, LeavesTodaysMessagesAndRubbishAlone) {
   EXPECT_FALSE(upgraded(cut));
 }
 
-TEST(ContractUpgrade, OldLogsAreReadAsTodays) {
+TEST(ContractUpgrade, ConvertsMessagesOfOldLogs) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "old.lcmlog";
   {

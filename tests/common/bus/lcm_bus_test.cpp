@@ -1,5 +1,4 @@
-// The live bus against the traps of LCM 1.3.1, in a network of its own. Facts are those of the LCM
-// notes: 3 ports, 4 queues, 8 exceptions, 10 start-up, 13 socket buffers.
+// The live bus and the limitations of LCM 1.3.1 that it works around, in a private network.
 #include "common/bus/lcm_bus.hpp"
 
 #include <gmock/gmock.h>
@@ -10,6 +9,7 @@
 
 #include <algorithm>
 #include <csignal>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <numeric>
@@ -36,13 +36,13 @@ PacketHandler into(std::vector<int>& heard) {
   return [&heard](const Packet& packet) { heard.push_back(packet.data[0] * 256 + packet.data[1]); };
 }
 
-/// Drains `bus` until `count` messages were heard, or no more come.
+/// Drains `bus` until `count` messages were received, or no more arrive.
 void drainUntil(LcmBus& bus, const std::vector<int>& heard, std::size_t count) {
   while (heard.size() < count && bus.drainFor(kPatience_ms)) {
   }
 }
 
-TEST(LcmBus, DeliversABurstOfAThousandToABusySubscriber) {  // fact 4: LCM alone keeps 31
+TEST(LcmBus, DeliversABurstOfAThousandToABusySubscriber) {  // LCM alone queues 31
   LcmBus sender(lcmUrl(kPort));
   LcmBus dut(lcmUrl(kPort));
   std::vector<int> heard;
@@ -54,13 +54,13 @@ TEST(LcmBus, DeliversABurstOfAThousandToABusySubscriber) {  // fact 4: LCM alone
   EXPECT_EQ(heard, sent);
 }
 
-TEST(LcmBus, GivesTheTimersTheirTurnInAFlood) {
+TEST(LcmBus, DoesNotStarveTimersInAFlood) {
   constexpr std::size_t kMostInOneDrain = 10'000;
   constexpr std::size_t kFlood = 3 * kMostInOneDrain;
   LcmBus dut(lcmUrl(kPort));
   std::size_t published = 1;
   std::size_t heard = 0;
-  dut.subscribe("ECHO", [&](const Packet& packet) {  // one message becomes two, so none waits long
+  dut.subscribe("ECHO", [&](const Packet& packet) {  // each message causes two more
     ++heard;
     for (int i = 0; i < 2 && published < kFlood; ++i, ++published) {
       dut.publish("ECHO", packet.data);
@@ -87,7 +87,7 @@ TEST(LcmBus, TakesChannelNamesLiterally) {  // LCM takes them for regular expres
   EXPECT_THAT(heard, ElementsAre(4));
 }
 
-TEST(LcmBus, LetsHandlersExceptionsOutOfDrainAndGoesOn) {  // fact 8: LCM alone aborts
+TEST(LcmBus, ThrowsHandlersExceptionsFromDrainAndContinues) {  // LCM alone aborts
   LcmBus dut(lcmUrl(kPort));
   std::vector<int> heard;
   dut.subscribe("A", [](const Packet& packet) {
@@ -121,7 +121,7 @@ TEST(LcmBus, RefusesToDrainInsideAHandler) {  // LCM alone aborts
   EXPECT_THROW(dut.drainFor(kPatience_ms), std::logic_error);
 }
 
-TEST(LcmBus, ReturnsFromItsWaitWhenASignalComes) {
+TEST(LcmBus, ReturnsFromItsWaitOnASignal) {
   LcmBus dut(lcmUrl(kPort));
   std::vector<int> heard;
   dut.subscribe("A", into(heard));
@@ -136,7 +136,7 @@ TEST(LcmBus, ReturnsFromItsWaitWhenASignalComes) {
   EXPECT_LT(clock.now() - start, kPatience_ms * 1000);
 }
 
-TEST(LcmBus, SeparatesLabsByTheirPort) {  // fact 3: the group does not
+TEST(LcmBus, SeparatesLabsByTheirPort) {  // the multicast group does not
   LcmBus ours(lcmUrl(kPort));
   LcmBus theirs(lcmUrl(kPort + 1));
   std::vector<int> heard;
@@ -147,7 +147,7 @@ TEST(LcmBus, SeparatesLabsByTheirPort) {  // fact 3: the group does not
   EXPECT_THAT(heard, ElementsAre(500));
 }
 
-TEST(LcmBus, HearsNothingOfLcmsOwnProbe) {
+TEST(LcmBus, IgnoresLcmsOwnProbe) {
   LcmBus dut(lcmUrl(kPort));
   std::vector<std::string> heard;
   dut.subscribeAll([&](const Packet& packet) { heard.emplace_back(packet.channel); });
@@ -164,7 +164,7 @@ TEST(LcmBus, RefusesAChannelNameThatLcmRefuses) {
   EXPECT_THROW(dut.publish(std::string(64, 'X'), number(1)), BusError);
 }
 
-TEST(LcmBus, SaysAtOnceHowToRepairANetworkWithoutMulticast) {  // fact 10: LCM alone says nothing
+TEST(LcmBus, ReportsHowToRepairANetworkWithoutMulticast) {  // LCM alone reports nothing
   const auto open_without_route = [] {
     if (unshare(CLONE_NEWNET) != 0) std::exit(99);
     try {
@@ -179,14 +179,14 @@ TEST(LcmBus, SaysAtOnceHowToRepairANetworkWithoutMulticast) {  // fact 10: LCM a
               "sudo ip link set lo up && sudo ip route add 224.0.0.0/4 dev lo");
 }
 
-TEST(LcmBus, RefusesAUrlThatIsNone) { EXPECT_THROW(LcmBus("carrier-pigeon://"), BusError); }
+TEST(LcmBus, RefusesAnInvalidUrl) { EXPECT_THROW(LcmBus("carrier-pigeon://"), BusError); }
 
-TEST(LcmUrl, StaysOnThisMachineAndAsksForABigSocketBuffer) {  // fact 13
+TEST(LcmUrl, StaysOnThisMachineAndRequestsALargeSocketBuffer) {
   EXPECT_EQ(lcmUrl(7700), "udpm://239.255.76.67:7700?ttl=0&recv_buf_size=4194304");
   EXPECT_EQ(lcmUrl(7700, 1), "udpm://239.255.76.67:7700?ttl=1&recv_buf_size=4194304");
 }
 
-TEST(LcmUrl, IsTheEnvironmentsWhereThatHasOne) {
+TEST(LcmUrl, IsTakenFromTheEnvironmentIfSet) {
   setenv("LCM_DEFAULT_URL", "memq://", 1);
   EXPECT_EQ(defaultLcmUrl(), "memq://");
   unsetenv("LCM_DEFAULT_URL");
@@ -209,7 +209,7 @@ int largestReceiveBuffer() {
   return largest;
 }
 
-TEST(LcmBus, GetsTheBigSocketBuffer) {  // fact 13
+TEST(LcmBus, GetsTheLargeSocketBuffer) {
   const LcmBus dut(lcmUrl(kPort));
   const int socket_of_default = socket(AF_INET, SOCK_DGRAM, 0);
   int size = 0;
@@ -219,7 +219,7 @@ TEST(LcmBus, GetsTheBigSocketBuffer) {  // fact 13
   EXPECT_GE(largestReceiveBuffer(), 4 * size);
 }
 
-TEST(LcmBus, LosesNothingOf60KilobytesAt30Hertz) {  // fact 13
+TEST(LcmBus, LosesNoMessagesOf60KilobytesAt30Hertz) {
   constexpr int kMessages = 30;
   constexpr std::size_t kSize = 60'000;
   LcmBus sender(lcmUrl(kPort));

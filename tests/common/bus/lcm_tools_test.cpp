@@ -1,5 +1,4 @@
-// Debian's own lcm-logger and lcm-logplayer beside our bus and our logs. Facts are those of the LCM
-// notes: 5 bursts, 6 the tail, 7 options.
+// Compatibility with Debian's lcm-logger and lcm-logplayer.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lcm/lcm.h>
@@ -7,13 +6,20 @@
 #include <sys/wait.h>
 
 #include <csignal>
-#include <fstream>
+#include <cstdint>
+#include <filesystem>
+#include <functional>
 #include <iterator>
 #include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/files/file_text.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/text_file.hpp"
@@ -27,7 +33,7 @@ constexpr int kPort = 7811;
 constexpr int kPatience_ms = 5'000;
 constexpr std::int64_t kMillisecond = 1'000;
 
-/// A program that runs beside the test.
+/// A program that runs during the test.
 class Process {
  public:
   explicit Process(std::vector<std::string> words) {
@@ -63,7 +69,7 @@ std::vector<std::uint8_t> number(int value) {
   return {static_cast<std::uint8_t>(value / 256), static_cast<std::uint8_t>(value % 256)};
 }
 
-/// The numbers on `channel` of a log, possibly one that is still written.
+/// The numbers on `channel` of a log, which may still be written.
 std::vector<int> numbersIn(const fs::path& path, std::string_view channel) {
   std::vector<int> numbers;
   if (!fs::exists(path)) return numbers;
@@ -75,9 +81,9 @@ std::vector<int> numbersIn(const fs::path& path, std::string_view channel) {
 
 class StockTools : public testing::Test {
  protected:
-  /// Records with stock lcm-logger what `publish(i)` sends at each of `ticks` ticks.
+  /// Records with lcm-logger what `publish(i)` sends at each of `ticks` ticks.
   void record(int ticks, std::int64_t period_us, const std::function<void(int)>& publish) {
-    // LCM's own probe tells when a program has joined the bus.
+    // LCM's own probe shows when a program has joined the bus.
     const std::unique_ptr<lcm_t, decltype(&lcm_destroy)> probe(lcm_create(lcmUrl(kPort).c_str()),
                                                                &lcm_destroy);
     bool joined = false;
@@ -97,7 +103,8 @@ class StockTools : public testing::Test {
     loop.every(period_us, loop.now(), [&] {
       ++tick;
       if (tick > run_in && tick <= run_in + ticks) return publish(tick - run_in - 1);
-      // Before, for a logger that is still starting; after, as it writes only when more comes.
+      // Sent before, because the logger may still be starting; and after, because the logger writes
+      // only when more messages arrive.
       bus_.publish("TICK", number(0));
       if (tick < run_in + ticks || tick % 10 != 0) return;
       const std::vector<int> numbers = numbersIn(log_, "LAST");
@@ -113,22 +120,22 @@ class StockTools : public testing::Test {
   LcmBus bus_{lcmUrl(kPort)};
 };
 
-TEST_F(StockTools, LoggerRecordsOurBusWithOurOptions) {  // facts 6 and 7
+TEST_F(StockTools, LoggerRecordsOurBusWithOurOptions) {
   record(100, 2 * kMillisecond, [this](int i) { bus_.publish("A", number(i)); });
   const std::vector<int> recorded = numbersIn(log_, "A");
   ASSERT_EQ(recorded.size(), 100U);
   for (int i = 0; i < 100; ++i) EXPECT_EQ(recorded[static_cast<std::size_t>(i)], i);
 }
 
-TEST_F(StockTools, LoggerKeepsBurstsBelowItsLimit) {  // fact 5: it holds 31 messages
-  constexpr int kBurst = 28;                          // lcmtypes/README.md, the worst of ours
+TEST_F(StockTools, LoggerKeepsBurstsBelowItsLimit) {  // it queues 31 messages
+  constexpr int kBurst = 28;                          // largest burst in lcmtypes/README.md
   record(20, 10 * kMillisecond, [this](int i) {
     for (int k = 0; k < kBurst; ++k) bus_.publish("A", number(kBurst * i + k));
   });
   EXPECT_EQ(numbersIn(log_, "A").size(), 20U * kBurst);
 }
 
-TEST_F(StockTools, OurWriterWritesWhatTheLoggerWrote) {
+TEST_F(StockTools, OurWriterWritesTheSameFileAsTheLogger) {
   record(50, 2 * kMillisecond, [this](int i) { bus_.publish(i % 2 != 0 ? "A" : "BB", number(i)); });
   const fs::path ours = folder_ / "ours.lcmlog";
   {
@@ -136,10 +143,10 @@ TEST_F(StockTools, OurWriterWritesWhatTheLoggerWrote) {
     readLog({log_}, [&writer](const Packet& packet) { writer.write(packet); });
   }
   EXPECT_GT(fs::file_size(log_), 50U * 28U);
-  EXPECT_EQ(support::readFile(ours), support::readFile(log_));
+  EXPECT_EQ(readWholeFile(ours).value_or(""), readWholeFile(log_).value_or(""));
 }
 
-TEST_F(StockTools, PlayerPlaysWhatOurWriterWrote) {
+TEST_F(StockTools, PlayerPlaysALogOfOurWriter) {
   {
     LogWriter writer(log_);
     for (int i = 0; i < 200; ++i) writer.write({"A", number(i), 946'684'800'000'000 + i * 500});

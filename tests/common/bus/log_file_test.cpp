@@ -1,15 +1,18 @@
-// Logs: facts 11 (exact times) and 12 (damage), and that nothing is overwritten or lost unsaid.
+// Log files: exact times, recovery from damage, no overwriting, reported losses.
 #include "common/bus/log_file.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include <algorithm>
 #include <csignal>
 #include <fstream>
 #include <iterator>
+#include <stdexcept>
 
 #include "common/bus/channels.hpp"
+#include "common/files/file_text.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/text_file.hpp"
 
@@ -58,12 +61,12 @@ class LogFile : public testing::Test {
     });
   }
 
-  /// Reads a log of a thousand events after `damage` was done to its bytes, and finds only events
-  /// as they were written.
+  /// Applies `damage` to the bytes of a log of a thousand events and reads it. Checks that all
+  /// events read are events that were written.
   template <class Damage>
   LogReadResult readDamaged(Damage damage) {
     fs::remove(folder_ / "whole.log");
-    std::string bytes = support::readFile(written("whole.log"));
+    std::string bytes = readWholeFile(written("whole.log")).value_or("");
     damage(bytes);
     std::ofstream(folder_ / "damaged.log", std::ios::binary) << bytes;
     const LogReadResult result = read({folder_ / "damaged.log"});
@@ -77,7 +80,7 @@ class LogFile : public testing::Test {
   std::vector<Heard> heard_;
 };
 
-TEST_F(LogFile, ReturnsWhatWasWrittenWithItsExactTimes) {  // fact 11
+TEST_F(LogFile, ReadsWhatWasWrittenWithExactTimes) {
   const LogReadResult result = read({written("log.lcmlog")});
   EXPECT_EQ(result.events, kEvents);
   EXPECT_EQ(result.resyncs, 0);
@@ -99,7 +102,7 @@ TEST_F(LogFile, HasLcmsFormat) {
            std::string("\x01\x02\x03\x04\x05\x06\x07\x08", 8) + std::string("\0\0\0\x02", 4) +
            std::string("\0\0\0\x03", 4) + "AB\x11\x22\x33";
   };
-  EXPECT_EQ(support::readFile(folder_ / "log.lcmlog"), event('\0') + event('\1'));
+  EXPECT_EQ(readWholeFile(folder_ / "log.lcmlog").value_or(""), event('\0') + event('\1'));
 }
 
 TEST_F(LogFile, OverwritesNothing) {
@@ -108,14 +111,14 @@ TEST_F(LogFile, OverwritesNothing) {
   EXPECT_EQ(fs::file_size(path), kEvents * kEventSize);
 }
 
-TEST_F(LogFile, NamesWhatItCannotWriteOrRead) {
+TEST_F(LogFile, NamesFilesThatItCannotWriteOrRead) {
   EXPECT_THROW(LogWriter{folder_ / "nowhere/log.lcmlog"}, std::runtime_error);
   EXPECT_THROW(read({folder_ / "absent.lcmlog"}), std::runtime_error);
   fs::create_directory(folder_ / "folder");
-  EXPECT_THROW(read({folder_ / "folder"}), std::runtime_error);  // a read error, not an end
+  EXPECT_THROW(read({folder_ / "folder"}), std::runtime_error);  // a read error, not the end
 }
 
-TEST_F(LogFile, SaysWhenTheDiskTakesNoMore) {
+TEST_F(LogFile, ReportsAFullDisk) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   rlimit little = before;
@@ -136,28 +139,28 @@ TEST_F(LogFile, SaysWhenTheDiskTakesNoMore) {
   std::signal(SIGXFSZ, old_handler);
 }
 
-TEST_F(LogFile, LosesOnlyTheEventThatWasCut) {  // fact 12: LCM alone stops there
+TEST_F(LogFile, LosesOnlyACutEvent) {  // LCM's own reader stops there
   const LogReadResult result =
       readDamaged([](std::string& bytes) { bytes.erase(500 * kEventSize + 60, 50); });
   EXPECT_EQ(result.events, kEvents - 1);
   EXPECT_EQ(result.resyncs, 1);
 }
 
-TEST_F(LogFile, LosesOnlyTheEventOfWhichAPieceIsLeft) {
+TEST_F(LogFile, LosesOnlyAnEventOfWhichAPieceIsLeft) {
   const LogReadResult result =
       readDamaged([](std::string& bytes) { bytes.erase(500 * kEventSize + 10, kEventSize - 10); });
   EXPECT_EQ(result.events, kEvents - 1);
   EXPECT_EQ(result.resyncs, 1);
 }
 
-TEST_F(LogFile, LosesBothEventsThatACutWentThrough) {
+TEST_F(LogFile, LosesBothEventsOfACutAcrossTwo) {
   const LogReadResult result =
       readDamaged([](std::string& bytes) { bytes.erase(500 * kEventSize - 20, 50); });
   EXPECT_EQ(result.events, kEvents - 2);
   EXPECT_EQ(result.resyncs, 1);
 }
 
-TEST_F(LogFile, IsNotLedAstrayByADamagedLength) {  // LCM alone would swallow the rest of the log
+TEST_F(LogFile, RecoversFromADamagedLength) {  // LCM's own reader would skip the rest of the log
   for (const std::size_t byte : {0U, 1U, 2U}) {
     const LogReadResult result =
         readDamaged([byte](std::string& bytes) { bytes[500 * kEventSize + 24 + byte] = '\x10'; });
@@ -166,17 +169,17 @@ TEST_F(LogFile, IsNotLedAstrayByADamagedLength) {  // LCM alone would swallow th
   }
 }
 
-TEST_F(LogFile, CountsOnePlaceForOneHole) {
+TEST_F(LogFile, CountsOneDamagedPlaceForOneGap) {
   const LogReadResult result = readDamaged([](std::string& bytes) {
     std::fill_n(bytes.begin() + 300 * kEventSize, 10 * kEventSize, '\0');
     std::fill_n(bytes.begin() + 700 * kEventSize + 3, 20, '\xED');
   });
-  EXPECT_LE(kEvents - result.events, 10 + 1 + 2);  // LCM also drops the event before a hole
+  EXPECT_LE(kEvents - result.events, 10 + 1 + 2);  // the event before the gap is lost, too
   EXPECT_GE(kEvents - result.events, 10 + 1);
   EXPECT_EQ(result.resyncs, 2);
 }
 
-TEST_F(LogFile, LosesTheLastEventOfATruncatedLogAndSaysSo) {  // fact 12
+TEST_F(LogFile, LosesTheLastEventOfATruncatedLogAndReportsIt) {
   for (const std::size_t missing : {std::size_t{1}, kDataLength, kEventSize - 1}) {
     const LogReadResult result =
         readDamaged([missing](std::string& bytes) { bytes.resize(bytes.size() - missing); });
@@ -185,7 +188,7 @@ TEST_F(LogFile, LosesTheLastEventOfATruncatedLogAndSaysSo) {  // fact 12
   }
 }
 
-TEST_F(LogFile, ReadsWhatIsLeftOfAnything) {
+TEST_F(LogFile, ReadsFilesThatAreNoLogs) {
   std::ofstream(folder_ / "empty.log");
   EXPECT_EQ(read({folder_ / "empty.log"}).resyncs, 0);
   std::ofstream(folder_ / "letter.txt") << "Dear lab, this is not a log.";
@@ -194,7 +197,7 @@ TEST_F(LogFile, ReadsWhatIsLeftOfAnything) {
   EXPECT_EQ(result.resyncs, 1);
 }
 
-TEST_F(LogFile, PassesOverLcmsOwnProbe) {
+TEST_F(LogFile, SkipsLcmsOwnProbe) {
   {
     LogWriter log(folder_ / "log.lcmlog");
     write(log, {std::string(channels::kLcmSelfTest), {1, 2, 3}, 5});
@@ -203,7 +206,7 @@ TEST_F(LogFile, PassesOverLcmsOwnProbe) {
   EXPECT_EQ(read({folder_ / "log.lcmlog"}).events, 1);
 }
 
-TEST_F(LogFile, ReadsASeriesAsOneLog) {  // a restarted logger goes on in .01, .02, ...
+TEST_F(LogFile, ReadsASeriesAsOneLog) {  // a restarted logger continues in .01, .02, ...
   const fs::path first = written("log.lcmlog", 0, 3);
   written("log.lcmlog.100", 9, 3);
   written("log.lcmlog.99", 6, 3);

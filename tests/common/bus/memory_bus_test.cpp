@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
 #include <stdexcept>
+#include <string_view>
 
 namespace lab {
 namespace {
@@ -68,7 +71,7 @@ TEST_F(MemoryBusTest, DoesNotRecurseIntoAHandlerThatPublishes) {
   EXPECT_EQ(second, heard);
 }
 
-TEST_F(MemoryBusTest, KeepsAHandlersExceptionForTheEndOfTheDelivery) {
+TEST_F(MemoryBusTest, ThrowsAHandlersExceptionAfterTheDelivery) {
   std::vector<int> other;
   dut_.subscribeAll([](const Packet& packet) {
     if (packet.data[0] < 3) throw std::runtime_error("message " + std::to_string(packet.data[0]));
@@ -98,7 +101,7 @@ TEST_F(MemoryBusTest, RefusesASubscriptionInsideAHandler) {
   EXPECT_THROW(dut_.deliver(), std::logic_error);
 }
 
-/// What two listeners hear of `count` messages at a loss rate.
+/// What two subscribers receive of `count` messages at a loss rate.
 std::array<std::vector<bool>, 2> heardByTwo(int count, double loss, std::uint64_t seed) {
   MemoryBus bus([] { return 0; });
   std::array<std::vector<bool>, 2> heard;
@@ -143,7 +146,7 @@ TEST(MemoryBusLoss, IsFixedByTheSeed) {
   EXPECT_NE(heardByTwo(1000, 0.3, 5), heardByTwo(1000, 0.3, 6));
 }
 
-TEST(MemoryBusLoss, OfNothingAndOfEverythingIsExact) {
+TEST(MemoryBusLoss, IsExactForRatesOfZeroAndOne) {
   EXPECT_THAT(heardByTwo(500, 0, 1)[0], ElementsAreArray(std::vector<bool>(500, true)));
   EXPECT_THAT(heardByTwo(500, 1, 1)[0], ElementsAreArray(std::vector<bool>(500, false)));
 }

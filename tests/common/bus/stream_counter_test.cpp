@@ -15,7 +15,7 @@ StreamCount heard(std::initializer_list<std::int64_t> seqs, std::string_view cha
   return dut.streams().begin()->second;
 }
 
-TEST(StreamCounter, CountsWhatCame) {
+TEST(StreamCounter, CountsReceivedMessages) {
   const StreamCount stream = heard({1, 2, 3});
   EXPECT_EQ(stream.received, 3);
   EXPECT_EQ(stream.lost, 0);
@@ -26,30 +26,30 @@ TEST(StreamCounter, CountsWhatCame) {
 
 TEST(StreamCounter, CountsGapsAsLost) { EXPECT_EQ(heard({1, 2, 5, 9}).lost, 2 + 3); }
 
-TEST(StreamCounter, DoesNotCountWhatWasSentBeforeTheFirstMessageHeard) {
+TEST(StreamCounter, DoesNotCountMessagesBeforeTheFirstReceivedOne) {
   EXPECT_EQ(heard({1000, 1001}).lost, 0);
   EXPECT_EQ(heard({1000, 999, 1001}).lost, 0);
 }
 
-TEST(StreamCounter, ClosesTheGapOfALateMessage) {
+TEST(StreamCounter, ReducesTheLostCountByALateMessage) {
   EXPECT_EQ(heard({1, 2, 4, 3}).lost, 0);
   EXPECT_EQ(heard({1, 5, 3}).lost, 2);
   EXPECT_EQ(heard({1, 64, 2}).lost, 61);
   EXPECT_EQ(heard({1, 5, 3, 6}).last_seq, 6);
 }
 
-TEST(StreamCounter, ClosesNoGapForAMessageThatComesTwice) {
+TEST(StreamCounter, IgnoresDuplicates) {
   EXPECT_EQ(heard({1, 2, 4, 2}).lost, 1);
   EXPECT_EQ(heard({1, 2, 4, 4}).lost, 1);
   EXPECT_EQ(heard({1, 4, 3, 3}).lost, 1);
 }
 
-TEST(StreamCounter, GivesUpOnWhatIsMoreThan63Behind) {
+TEST(StreamCounter, KeepsMessagesLostThatAreMoreThan63Behind) {
   EXPECT_EQ(heard({1, 66, 2}).lost, 64);
   EXPECT_EQ(heard({1, 1000, 2}).lost, 998);
 }
 
-TEST(StreamCounter, CountsNoGapsInTheNumbersOfCommands) {  // a repeated command keeps its seq
+TEST(StreamCounter, CountsNoGapsOfCommands) {  // a repeated command keeps its seq
   for (const std::string_view channel :
        {channels::kRobotCommand, channels::kRobotStop, channels::kLightCommand}) {
     const StreamCount stream = heard({1, 1, 5, 5}, channel);
@@ -59,7 +59,7 @@ TEST(StreamCounter, CountsNoGapsInTheNumbersOfCommands) {  // a repeated command
   }
 }
 
-TEST(StreamCounter, KeepsChannelsSendersAndTheirRunsApart) {
+TEST(StreamCounter, SeparatesChannelsSendersAndInstances) {
   StreamCounter dut;
   for (std::int64_t seq = 1; seq <= 3; ++seq) {
     dut.count(kChannel, "sim_svc", 1, seq, 0);

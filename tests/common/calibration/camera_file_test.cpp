@@ -16,7 +16,7 @@ using testing::AllOf;
 using testing::EndsWith;
 using testing::HasSubstr;
 
-/// As a user of OpenCV would write it: a camera above the arena that looks straight down.
+/// The OpenCV form for a camera above the arena that looks straight down.
 constexpr const char* kOpenCv = R"({
   "width": 1280, "height": 720,
   "K": [[1250.5, 0, 647.2], [0, 1251.5, 353.7], [0, 0, 1]],
@@ -84,7 +84,7 @@ TEST_F(CameraFile, OwnFormKeepsEveryNumberToTheLastBit) {
   EXPECT_EQ(after.imaging->gamma, 2.2);
 }
 
-TEST_F(CameraFile, WhatWasNotMeasuredStaysAway) {
+TEST_F(CameraFile, UnmeasuredValuesAreLeftOut) {
   CameraCalibration before = sample();
   before.imaging.reset();
   before.residual.reset();
@@ -140,8 +140,8 @@ TEST_F(CameraFile, OpenCvFormNeedsNoGeometryAndNoNoise) {
   EXPECT_FALSE(found.imaging);
 }
 
-TEST_F(CameraFile, IsKnownByItsBytes) {
-  // printf '{"form": ...}' | sha256sum is not at hand: two files differ, one file does not.
+TEST_F(CameraFile, HasAnIdOfItsContent) {
+  // Different files have different ids, equal files the same.
   const std::string first = read(kOpenCv).id;
   const std::string again = read(kOpenCv).id;
   const std::string other = read(std::string(kOpenCv) + "\n").id;
@@ -177,18 +177,18 @@ TEST_F(CameraFile, ErrorsNameFileAndKey) {
               HasSubstr("geometry.big_offset_cm: the big circle is in front"));
 }
 
-TEST_F(CameraFile, LensesThatNoCameraHasAreRefused) {
+TEST_F(CameraFile, ImpossibleLensesAreRefused) {
   EXPECT_THAT(refusal(with("[1250.5, 0,", "[1e12, 0,")),
               HasSubstr("K: of 1e+12 px makes the big circles"));
   EXPECT_THAT(refusal(with("[1250.5, 0,", "[1.5, 0,")), HasSubstr("allowed 0.5 to"));
 }
 
-TEST_F(CameraFile, WhatIsNoCalibrationAtAllIsSaidInOneLine) {
+TEST_F(CameraFile, AnotherKindOfFileGivesOneLine) {
   EXPECT_THAT(refusal(std::string(200'000, '[')), HasSubstr("brackets within each other"));
   EXPECT_THAT(refusal(with("1280", "1e999")), HasSubstr("a number beyond 1e308"));
 }
 
-TEST_F(CameraFile, KindsOfLensThatAreNotKnownAreRefused) {
+TEST_F(CameraFile, UnknownLensModelsAreRefused) {
   EXPECT_THAT(refusal(with("0.01]", "0.01, 0, 0, 0]")), HasSubstr("accepted"));
   EXPECT_THAT(refusal(with("0.01]", "0.01, 0.5, 0, 0]")),
               HasSubstr("dist: number 6 is 0.5, and only k1, k2, p1, p2, k3 are known"));
@@ -201,7 +201,7 @@ TEST_F(CameraFile, RotationsAreChecked) {
   EXPECT_THAT(refusal(with("[1, 0, 0]", "[-1, 0, 0]")), HasSubstr("R: is a mirror image"));
 }
 
-TEST_F(CameraFile, AnotherUnitOfLengthIsNoticed) {
+TEST_F(CameraFile, AWrongUnitOfLengthIsDetected) {
   EXPECT_THAT(refusal(with("-60, 45, 172", "-0.6, 0.45, 1.72")),
               HasSubstr("t: puts the camera 1.72 cm above the floor, allowed 10.5 to 1000 cm"));
   EXPECT_THAT(refusal(with("-60, 45, 172", "-600, 450, 1720")), HasSubstr("t: puts the camera"));
@@ -219,13 +219,13 @@ TEST_F(CameraFile, OwnFormIsCheckedToo) {
   EXPECT_THAT(refusal(with("\"arena\"", "\"areena\"", good)), HasSubstr("arena: is missing"));
 }
 
-TEST_F(CameraFile, WhatIsNoJsonNamesItsLine) {
+TEST_F(CameraFile, InvalidJsonNamesTheLine) {
   EXPECT_THAT(refusal("{\n  \"K\": [1,\n  oops\n}"), HasSubstr("camera.json:3: is no valid JSON"));
   EXPECT_THAT(refusal("[1, 2]"), HasSubstr("found array, expected"));
   EXPECT_THAT(refusal(""), HasSubstr("camera.json:1: is no valid JSON"));
 }
 
-TEST_F(CameraFile, ThatIsNotThereSaysSo) {
+TEST_F(CameraFile, AMissingFileIsReported) {
   try {
     static_cast<void>(readCameraFile(folder_ / "none.json"));
     FAIL();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <string>
 
 #include "common/experiment/experiment_file.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -68,12 +69,12 @@ TEST_F(MotorFile, IsRefusedWithRobotAndKey) {
               HasSubstr("gain_right: found nan"));
   EXPECT_THAT(refusal(with(kRobot, "wheel_base_cm = 7.6", "")),
               HasSubstr("wheel_base_cm: found no number"));
-  EXPECT_THAT(refusal(std::string(kRobot) + kRobot), HasSubstr("robot 3 stands in it twice"));
+  EXPECT_THAT(refusal(std::string(kRobot) + kRobot), HasSubstr("robot 3 occurs twice"));
   EXPECT_THAT(refusal("x = 1"), HasSubstr("found no [[robots]]"));
   EXPECT_THAT(refusal("x = = 1"), HasSubstr("line 1"));
 }
 
-TEST_F(MotorFile, SaysThatItIsNotThere) {
+TEST_F(MotorFile, ReportsAMissingFile) {
   EXPECT_THROW(static_cast<void>(readMotorFile("nowhere/motors.toml")), ExperimentError);
 }
 

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 ProjectorCalibration sample() {
-  // Four corners of a pinhole: what a calibration by hand gives.
+  // A pinhole from four corners, as from a calibration by hand.
   ProjectorCalibration calibration;
   optics::CameraParameters& lens = calibration.lens;
   lens.width = 1920;
@@ -47,7 +47,7 @@ class ProjectorFile : public testing::Test {
     return path;
   }
 
-  /// The message about a file in which `change` was made.
+  /// The error message of a file after `change`.
   std::string refusal(const std::function<void(nlohmann::json&)>& change) {
     nlohmann::json file = nlohmann::json::parse(projectorFileText(sample()));
     change(file);
@@ -108,7 +108,7 @@ TEST_F(ProjectorFile, AMirroredPictureIsAllowed) {
   EXPECT_EQ(refusalOf(projectorFileText(mirrored)), "accepted");
 }
 
-TEST_F(ProjectorFile, InForceOnlyForThePictureAndTheArenaThatItIsOf) {
+TEST_F(ProjectorFile, IsUsedOnlyForItsPictureAndArena) {
   Experiment experiment;
   EXPECT_TRUE(activeProjectorCalibration(experiment, (folder_ / ""), 640, 480).model.isNominal());
   EXPECT_EQ(activeProjectorCalibration(experiment, (folder_ / ""), 640, 480).id, "");
@@ -131,7 +131,7 @@ TEST_F(ProjectorFile, InForceOnlyForThePictureAndTheArenaThatItIsOf) {
   experiment.arena_width = 1.2;
   experiment.projector.width = 800;
   EXPECT_THROW(checkProjectorFile(experiment, (folder_ / "")), ExperimentError);
-  // The size of a display is not known before it is open.
+  // The size of a display is not known before it is opened.
   experiment.projector.display = "1";
   EXPECT_NO_THROW(checkProjectorFile(experiment, (folder_ / "")));
 }

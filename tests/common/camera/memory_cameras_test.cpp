@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "common/loop/virtual_loop.hpp"
@@ -50,12 +51,12 @@ class MemoryCamerasTest : public testing::Test {
   std::vector<std::string> troubles;
 };
 
-TEST_F(MemoryCamerasTest, HandsFramesOverAtTheSameInstant) {
+TEST_F(MemoryCamerasTest, PassesFramesAtTheSameTime) {
   const auto sink = dut.offer(format());
   const auto source = dut.open("sim", {}, handlers());
 
   show(*sink, 7);
-  EXPECT_THAT(numbers, IsEmpty()) << "not before the painter has returned";
+  EXPECT_THAT(numbers, IsEmpty()) << "only after the painter has returned";
   run();
 
   EXPECT_THAT(numbers, ElementsAre(7));
@@ -66,7 +67,7 @@ TEST_F(MemoryCamerasTest, HandsFramesOverAtTheSameInstant) {
   EXPECT_TRUE(source->format().locked);
 }
 
-TEST_F(MemoryCamerasTest, WaitsForItsPainter) {
+TEST_F(MemoryCamerasTest, WaitsForThePainter) {
   const auto source = dut.open("sim", {}, handlers());
   EXPECT_EQ(source->format().width, 0);
   const auto sink = dut.offer(format());
@@ -94,23 +95,23 @@ TEST_F(MemoryCamerasTest, EveryReaderGetsEveryFrame) {
   EXPECT_THAT(numbers, ElementsAre(1, 1, 2));
 }
 
-TEST_F(MemoryCamerasTest, CountsWhatIsMissing) {
+TEST_F(MemoryCamerasTest, CountsMissingFrames) {
   const auto sink = dut.offer(format());
   const auto source = dut.open("sim", {}, handlers());
 
   show(*sink, 0);
   run();
-  show(*sink, 3);  // 1 and 2 were lost by the camera
+  show(*sink, 3);  // the camera lost 1 and 2
   run();
-  for (int number = 4; number < 10; ++number) show(*sink, number);  // nobody had time to read
+  for (int number = 4; number < 10; ++number) show(*sink, number);  // before the reader runs
   run();
 
-  EXPECT_THAT(numbers, ElementsAre(0, 3, 6, 7, 8, 9)) << "the ring holds four";
+  EXPECT_THAT(numbers, ElementsAre(0, 3, 6, 7, 8, 9)) << "four frames can wait";
   EXPECT_THAT(values, ElementsAre(0, 3, 6, 7, 8, 9));
   EXPECT_EQ(source->dropped(), 4);
 }
 
-TEST_F(MemoryCamerasTest, SaysThatThePainterIsGoneAndBack) {
+TEST_F(MemoryCamerasTest, ReportsThatThePainterIsGoneAndBack) {
   auto sink = dut.offer(format());
   const auto source = dut.open("sim", {}, handlers());
   show(*sink, 9);
@@ -129,7 +130,7 @@ TEST_F(MemoryCamerasTest, SaysThatThePainterIsGoneAndBack) {
   EXPECT_EQ(source->format().width, 8);
 }
 
-TEST_F(MemoryCamerasTest, AnotherSizeThanWantedIsTrouble) {
+TEST_F(MemoryCamerasTest, AnotherSizeThanRequestedIsTrouble) {
   const auto sink = dut.offer(format());
   const auto source = dut.open("sim", format(8, 3), handlers());
 
@@ -160,7 +161,7 @@ TEST_F(MemoryCamerasTest, AHandlerMayCloseItsCamera) {
   EXPECT_FALSE(sink->isWatched());
 }
 
-TEST_F(MemoryCamerasTest, ThereIsOneCameraAndNoOther) {
+TEST_F(MemoryCamerasTest, HasOnlyTheSimulatedCamera) {
   const auto sink = dut.offer(format());
 
   EXPECT_THROW(static_cast<void>(dut.offer(format())), CameraError);
@@ -169,7 +170,7 @@ TEST_F(MemoryCamerasTest, ThereIsOneCameraAndNoOther) {
   EXPECT_THROW(static_cast<void>(other.offer(format(0, 3))), CameraError);
 }
 
-TEST(NoCameras, SayThatThereAreNone) {
+TEST(NoCameras, ThrowThatThereAreNone) {
   EXPECT_THROW(static_cast<void>(noCameras().open("sim", {}, {})), CameraError);
   EXPECT_THROW(static_cast<void>(noCameras().offer({})), CameraError);
 }

@@ -1,4 +1,5 @@
-// The simulated camera between processes: started in any order, killed, slow, several readers.
+// The simulated camera between processes: any order of starting, killed processes, slow and several
+// readers.
 #include "common/camera/shared_camera.hpp"
 
 #include <gmock/gmock.h>
@@ -10,13 +11,16 @@
 #include <algorithm>
 #include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <functional>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include "common/camera/frame_ring.hpp"
+#include "common/camera/shared_cameras.hpp"
 #include "tests/support/loop_until.hpp"
 #include "tests/support/temporary_folder.hpp"
-#include "tracker_svc/camera_devices.hpp"
 
 namespace lab {
 namespace {
@@ -33,7 +37,7 @@ CameraFormat sized(int width, int height) {
   return format;
 }
 
-/// All pixels have the same value: a frame that mixes two is seen at once.
+/// Checks that all pixels have the same value, which detects a mixture of two frames.
 void show(FrameSink& sink, std::int64_t number) {
   std::ranges::fill(sink.canvas(), static_cast<std::uint8_t>(number));
   sink.show(number, 10 * number);
@@ -50,14 +54,14 @@ bool isWhole(const CameraFrame& frame) {
   return true;
 }
 
-/// A process that paints a frame each millisecond while anybody looks.
+/// A process that paints a frame every millisecond while there is a reader.
 class PainterProcess {
  public:
   PainterProcess(const std::filesystem::path& folder, const CameraFormat& format) {
     pid_ = fork();
     if (pid_ != 0) return;
     AsioLoop loop;
-    CameraDevices cameras(loop, folder);
+    SharedCameras cameras(loop, folder);
     const auto sink = cameras.offer(format);
     std::int64_t number = 0;
     loop.every(1000, loop.now(), [&] {
@@ -103,14 +107,14 @@ class SharedCamera : public testing::Test {
 
   TemporaryFolder folder;
   AsioLoop loop;
-  CameraDevices dut{loop, folder / "lab"};
+  SharedCameras dut{loop, folder / "lab"};
   std::vector<std::int64_t> numbers;
   std::vector<std::int64_t> times;
   std::vector<std::string> troubles;
   int torn = 0;
 };
 
-TEST_F(SharedCamera, HandsFramesOver) {
+TEST_F(SharedCamera, PassesFrames) {
   const auto sink = dut.offer(sized(64, 48));
   const auto source = dut.open("sim", sized(64, 48), handlers());
   ASSERT_TRUE(loopUntil(loop, [&] { return sink->isWatched(); }));
@@ -127,7 +131,7 @@ TEST_F(SharedCamera, HandsFramesOver) {
   EXPECT_EQ(source->format().height, 48);
   EXPECT_EQ(source->format().fps, 100);
   EXPECT_TRUE(source->format().locked);
-  EXPECT_FALSE(std::filesystem::exists(folder / "lab")) << "nothing is left in the file system";
+  EXPECT_FALSE(std::filesystem::exists(folder / "lab")) << "the camera uses no file";
 }
 
 TEST_F(SharedCamera, IsFoundInAnotherProcessThatStartsLater) {
@@ -140,7 +144,7 @@ TEST_F(SharedCamera, IsFoundInAnotherProcessThatStartsLater) {
   EXPECT_TRUE(std::is_sorted(numbers.begin(), numbers.end()));
 }
 
-TEST_F(SharedCamera, IsFoundAgainAfterItWasKilled) {
+TEST_F(SharedCamera, IsFoundAgainAfterItsProcessWasKilled) {
   const auto source = dut.open("sim", {}, handlers());
   auto painter = std::make_unique<PainterProcess>(folder / "lab", sized(320, 200));
   ASSERT_TRUE(loopUntil(loop, frames(20)));
@@ -155,7 +159,7 @@ TEST_F(SharedCamera, IsFoundAgainAfterItWasKilled) {
   EXPECT_EQ(torn, 0);
 }
 
-TEST_F(SharedCamera, ItsPainterSeesReadersComeAndGo) {
+TEST_F(SharedCamera, ThePainterKnowsWhetherThereAreReaders) {
   const auto sink = dut.offer(sized(8, 8));
   EXPECT_FALSE(sink->isWatched());
   for (int round = 0; round < 3; ++round) {
@@ -169,16 +173,16 @@ TEST_F(SharedCamera, ItsPainterSeesReadersComeAndGo) {
   EXPECT_THAT(numbers, ElementsAre(0, 1, 2));
 }
 
-TEST_F(SharedCamera, ASlowReaderLosesFramesAndSeesNoneTorn) {
+TEST_F(SharedCamera, ASlowReaderLosesFramesButGetsNoMixedOnes) {
   std::atomic<bool> reading = false;
   std::atomic<bool> go_on = true;
   std::thread painter([&] {
     AsioLoop painters;
-    CameraDevices cameras(painters, folder / "lab");
+    SharedCameras cameras(painters, folder / "lab");
     const auto sink = cameras.offer(sized(320, 200));
     std::int64_t number = 0;
     painters.every(1000, painters.now(), [&] {
-      // Many frames at once, while the reader sits in its handler too.
+      // Paints many frames, also while the reader is in its handler.
       for (int i = 0; i < 30 && sink->isWatched(); ++i) show(*sink, number++);
       if (!go_on) painters.stop();
     });
@@ -218,13 +222,13 @@ TEST_F(SharedCamera, HasRoomForSixReaders) {
   EXPECT_THAT(troubles, ElementsAre(HasSubstr("6 programs read it already")));
   sources.pop_back();
   ASSERT_TRUE(loopUntil(loop, complaints(2)));
-  EXPECT_EQ(troubles.back(), "") << "there is room again";
+  EXPECT_EQ(troubles.back(), "") << "a reader has left";
 }
 
 TEST_F(SharedCamera, OneLabHasOneCamera) {
   const auto sink = dut.offer(sized(8, 8));
-  CameraDevices same(loop, folder / "lab");
-  CameraDevices other(loop, folder / "other");
+  SharedCameras same(loop, folder / "lab");
+  SharedCameras other(loop, folder / "other");
 
   EXPECT_NO_THROW(static_cast<void>(other.offer(sized(8, 8))));
   try {
@@ -235,7 +239,7 @@ TEST_F(SharedCamera, OneLabHasOneCamera) {
   }
 }
 
-TEST_F(SharedCamera, AnotherSizeThanWantedIsTrouble) {
+TEST_F(SharedCamera, AnotherSizeThanRequestedIsTrouble) {
   const auto sink = dut.offer(sized(8, 8));
   const auto source = dut.open("sim", sized(16, 8), handlers());
 
@@ -263,7 +267,7 @@ TEST_F(SharedCamera, AHandlerMayCloseItsCamera) {
   EXPECT_THAT(numbers, ElementsAre(0));
 }
 
-TEST(FrameRing, AHeldFrameIsNotPaintedOver) {
+TEST(FrameRing, AHeldFrameIsNotOverwritten) {
   using namespace cameras;
   RingWriter writer(sized(16, 16));
   RingReader reader(FileDescriptor(dup(writer.descriptor())), 0);
@@ -283,10 +287,10 @@ TEST(FrameRing, AHeldFrameIsNotPaintedOver) {
     std::ranges::fill(writer.canvas(), std::uint8_t{7});
     static_cast<void>(writer.publish(0, 0));
   }
-  EXPECT_EQ(reader.hold(first), nullptr) << "and when it is no longer held, it is known to be gone";
+  EXPECT_EQ(reader.hold(first), nullptr) << "after its release it is overwritten";
 }
 
-TEST(FrameRing, RefusesMemoryThatIsNoCamera) {
+TEST(FrameRing, RefusesOtherMemory) {
   FileDescriptor other(memfd_create("other", 0));
   ASSERT_EQ(ftruncate(other.get(), 1 << 16), 0);
 

@@ -1,4 +1,8 @@
+#include "common/experiment/experiment_describe.hpp"
+
 #include <gmock/gmock.h>
+
+#include <filesystem>
 
 #include "common/experiment/experiment_log_size.hpp"
 #include "tests/support/experiment_samples.hpp"
@@ -12,21 +16,22 @@ Experiment shipped(const std::string& name) {
   return loadExperiment(std::filesystem::path(LAB_ROOT) / "experiments" / (name + ".toml"));
 }
 
-TEST(Description, SaysWhatWouldStart) {
+TEST(Description, ListsWhatWouldStart) {
   const std::string dut = describeExperiment(shipped("light_switching"));
 
   EXPECT_THAT(dut, HasSubstr("run           90 s, seed 1\n"));
-  EXPECT_THAT(dut, HasSubstr("robots        1 simulated (1), 1 at given and 0 at random places\n"));
+  EXPECT_THAT(dut,
+              HasSubstr("robots        6 simulated (1 to 6), 6 at given and 0 at random places\n"));
   EXPECT_THAT(dut, HasSubstr("bp: Brownian, V = 7 cm/s, epsilon = 0.2 s\n"));
   EXPECT_THAT(dut, HasSubstr("light         3 steps, again every 90 s\n"));
   EXPECT_THAT(dut, HasSubstr("30 s half: ABP: light 0.5, abp\n"));
 }
 
-TEST(Description, DerivesTheNumbersOfThePaper) {
+TEST(Description, DerivesTheCoefficientsOfThePaper) {
   // D_r = epsilon eta^2 / 6, |v| + eta d / 2
   EXPECT_THAT(describeExperiment(shipped("abp")),
               HasSubstr("D_r = 0.75 rad^2/s; fastest wheel 14.25 of 27 cm/s"));
-  EXPECT_THAT(describeExperiment(shipped("abp"), [](const ProgramSpec& p) { return p.v * 2; }),
+  EXPECT_THAT(describeExperiment(shipped("abp"), [](const RobotProgram& p) { return p.v * 2; }),
               HasSubstr("D_r = 0.75 rad^2/s, L_s = 6 cm; fastest wheel"));
   // D_r = epsilon V^2 / (3 d^2), D_t = epsilon V^2 / 24, V + va
   EXPECT_THAT(describeExperiment(shipped("noisy_abp")),
@@ -37,14 +42,14 @@ TEST(Description, DerivesTheNumbersOfThePaper) {
               HasSubstr("mean run = 1.667 cm, D = 1.667 cm^2/s; fastest wheel 23.56 of"));
 }
 
-TEST(Description, SaysThatARunIsTooShortForItsProgram) {
+TEST(Description, WarnsOfARunTooShortForItsProgram) {
   const auto with = [](const std::string& set) { return describeExperiment(small({}, {set})); };
   EXPECT_THAT(with("programs.abp.epsilon_s=20"), ::testing::Not(HasSubstr("a third of the run")));
   EXPECT_THAT(with("programs.abp.epsilon_s=20.001"),
               HasSubstr("epsilon = 20 s is more than a third of the run"));
   Experiment tumbling = small();
-  ProgramSpec& program = tumbling.programs.begin()->second;
-  program.model = Model::kRtp;
+  RobotProgram& program = tumbling.programs.begin()->second;
+  program.kind = ProgramKind::kRtp;
   program.gamma = 0.01;
   program.tau_t = 0.5;
   EXPECT_THAT(describeExperiment(tumbling), HasSubstr("1/gamma = 100 s is more than a third"));
@@ -52,27 +57,27 @@ TEST(Description, SaysThatARunIsTooShortForItsProgram) {
   EXPECT_THAT(describeExperiment(tumbling), HasSubstr("tau_t = 500 s is more than a third"));
 }
 
-TEST(Description, SaysWhichServiceStartsOnWhichHost) {
+TEST(Description, ListsTheHostsOfServices) {
   EXPECT_THAT(describeExperiment(shipped("two_hosts")),
               HasSubstr("hosts         bench: sim_svc (ssh pi@robot-bench)\n"
                         "              joined by DDS, domain 77, unsecured\n"));
   EXPECT_THAT(describeExperiment(shipped("abp")), ::testing::Not(HasSubstr("hosts")));
 }
 
-TEST(Description, SaysWhoGetsWhichPartOfTheArena) {
+TEST(Description, GivesThePartOfTheArenaOfEachProgram) {
   EXPECT_THAT(describeExperiment(shipped("half_dark_arena")),
               HasSubstr("light 0.1 to 0.8, abp 50 %, rtp 50 %\n"));
 }
 
-TEST(Description, SaysThatALightChanges) {
+TEST(Description, TellsThatALightChanges) {
   EXPECT_THAT(describeExperiment(shipped("travelling_wave")),
-              HasSubstr("abp 50 %, bp 50 % as it begins, then it changes\n"));
+              HasSubstr("abp 50 %, bp 50 % at its start; it changes with time\n"));
   EXPECT_THAT(describeExperiment(small("[[light.steps]]\nat_s = 0\nlayers = [{kind = \"disk\", "
                                        "radius_cm = 4, intensity = 1, follow = \"robots\"}]\n")),
-              HasSubstr("light 0, abp; without what robots bring about\n"));
+              HasSubstr("light 0, abp; without layers that depend on robots\n"));
 }
 
-TEST(Description, WarnsOfLightThatSelectsNothing) {
+TEST(Description, WarnsOfLightThatSelectsNoProgram) {
   const Experiment dut = small(
       "[[light.steps]]\nat_s = 0\nlayers = [{kind = \"uniform\", "
       "intensity = 0.9}]\n[[light.steps]]\nat_s = 5\nramp_s = 2\nlayers = "
@@ -87,18 +92,18 @@ TEST(Description, WarnsOfLightThatSelectsNothing) {
   EXPECT_THAT(describeExperiment(dut), HasSubstr("front sensor"));
 }
 
-TEST(Description, SaysWhoMayLookAndWhoMayDrive) {
+TEST(Description, TellsWhatRos2MayDo) {
   Experiment experiment = small();
   EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("ROS 2")));
   experiment.gateway.ros = true;
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("on this machine only"));
-  EXPECT_THAT(describeExperiment(experiment), HasSubstr("may look, not drive"));
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("may observe, but not drive"));
   experiment.gateway.commands = true;
   experiment.gateway.command_robots = {1};
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("drive robots: 1"));
 }
 
-TEST(Description, SaysWhoElseSeesThePage) {
+TEST(Description, TellsWhoCanOpenThePage) {
   Experiment experiment = small();
   EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("dashboard")));
   experiment.dashboard.address = "127.0.0.2";
@@ -107,10 +112,10 @@ TEST(Description, SaysWhoElseSeesThePage) {
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("listens on 0.0.0.0, unencrypted"));
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("buttons work on this machine only"));
   experiment.dashboard.control_from_elsewhere = true;
-  EXPECT_THAT(describeExperiment(experiment), HasSubstr("drives robots and light"));
+  EXPECT_THAT(describeExperiment(experiment), HasSubstr("may drive robots and light"));
 }
 
-TEST(Description, NamesRunsOfIds) {
+TEST(Description, ListsRangesOfIds) {
   EXPECT_THAT(describeExperiment(small("[[robots]]\nid = 5\ncount = 3\n[[robots]]\nid = 9\n")),
               HasSubstr("5 simulated (1, 5 to 7, 9)"));
 }

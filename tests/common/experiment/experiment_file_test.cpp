@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
+#include <fstream>
 #include <numbers>
 
 #include "common/math/random.hpp"
@@ -42,13 +44,13 @@ heading_noise_deg = 90
   EXPECT_EQ(dut.duration, 60);
   EXPECT_EQ(dut.programs.at("abp").v, 0.03);
   EXPECT_EQ(dut.programs.at("abp").eta, 3);
-  EXPECT_EQ(dut.programs.at("rtp").model, Model::kRtp);
+  EXPECT_EQ(dut.programs.at("rtp").kind, ProgramKind::kRtp);
   EXPECT_EQ(dut.programs.at("rtp").name, "rtp");
   EXPECT_EQ(dut.camera.delay, 0.015);
   EXPECT_EQ(dut.camera.heading_noise, std::numbers::pi / 2);
 }
 
-TEST(ExperimentFile, KeepsTheDefaultsOfWhatItDoesNotName) {
+TEST(ExperimentFile, KeepsTheDefaultsOfMissingKeys) {
   const Experiment dut = small();
 
   const Experiment defaults;
@@ -113,7 +115,7 @@ layers = [{kind = "uniform", intensity = 1}]
   EXPECT_EQ(dut.light.steps[2].label, "last");
 }
 
-TEST(ExperimentFile, LetsARepeatingPassOutlastTheRun) {
+TEST(ExperimentFile, AllowsARepeatedPassLongerThanTheRun) {
   const Experiment dut = small(R"([light]
 repeat = true
 length_s = 200
@@ -128,7 +130,7 @@ layers = [{kind = "uniform", intensity = 1}]
   EXPECT_EQ(dut.light.length, 200);
 }
 
-TEST(ExperimentFile, PutsEveryKindOfLayerWhereTheLightLooksForIt) {
+TEST(ExperimentFile, SetsTheFieldsOfEveryKindOfLayer) {
   const Experiment dut = small(R"([[light.steps]]
 at_s = 0
 layers = [
@@ -165,7 +167,7 @@ layers = [
   EXPECT_EQ(parseExperiment(writeExperiment(dut), "written"), dut);
 }
 
-TEST(ExperimentFile, WrittenAndReadBackIsEqualToTheLastBit) {
+TEST(ExperimentFile, IsReadBackExactlyAsWritten) {
   Random random(3);
   for (int i = 0; i < 200; ++i) {
     const auto set = [&](const char* key, double low, double high) {
@@ -192,13 +194,13 @@ TEST(ExperimentFile, KeepsTextThatNeedsEscaping) {
   EXPECT_EQ(parseExperiment(writeExperiment(dut), "written").description, dut.description);
 }
 
-TEST(ExperimentFile, CountsRobotsThatOnlyDifferInTheirIdsTogether) {
+TEST(ExperimentFile, WritesRobotsThatDifferOnlyInTheirIdsAsOneEntry) {
   const std::string written = writeExperiment(small({}, {"robots[0].count=100"}));
 
   EXPECT_THAT(written, HasSubstr("[[robots]]\nid = 1\ncount = 100\n"));
 }
 
-TEST(ExperimentFile, LetsARobotTouchTheWall) {
+TEST(ExperimentFile, AllowsARobotToTouchTheWall) {
   const Experiment dut =
       small({}, {"robots[0].x_cm=116.25", "robots[0].y_cm=3.75", "robots[0].theta_deg=0"});
 
@@ -209,12 +211,12 @@ TEST(ExperimentFile, LetsARobotTouchTheWall) {
   EXPECT_GE(dut.robots[0].start->y, radius);
 }
 
-TEST(ExperimentFile, TakesTheWholeRangeOfSeeds) {
+TEST(ExperimentFile, AcceptsTheWholeRangeOfSeeds) {
   EXPECT_EQ(small({}, {"seed=0"}).seed, 0U);
   EXPECT_EQ(small({}, {"seed=9223372036854775807"}).seed, 9223372036854775807U);
 }
 
-TEST(ExperimentFile, ThatIsMissingOrADirectoryOrEmptyOrHugeOrNoTextSaysSo) {
+TEST(ExperimentFile, ThatIsMissingOrADirectoryOrEmptyOrHugeOrNoTextIsRefused) {
   const TemporaryFolder folder;
   EXPECT_THAT(problemsOfFile(folder / "none.toml"), HasSubstr("none.toml: found no such file"));
   EXPECT_THAT(problemsOfFile(folder / "."), HasSubstr("found a directory"));
@@ -231,7 +233,7 @@ TEST(ExperimentFile, ThatIsMissingOrADirectoryOrEmptyOrHugeOrNoTextSaysSo) {
   EXPECT_THAT(problemsOfFile(folder / "deep.toml"), HasSubstr("deep.toml:1:"));
 }
 
-TEST(ExperimentFile, FindsImagesBesideItself) {
+TEST(ExperimentFile, FindsImagesInItsFolder) {
   const TemporaryFolder folder;
   const std::string light =
       "[[light.steps]]\nat_s = 0\nlayers = [{kind = \"image\", file = \"dot.pgm\", width_cm = 30, "
@@ -243,7 +245,7 @@ TEST(ExperimentFile, FindsImagesBesideItself) {
   support::writeFile(folder / "dot.pgm", "P5 1 1 255\nx");
   EXPECT_EQ(problemsOfFile(folder / "x.toml"), "none");
   support::writeFile(folder / "dot.pgm", "no image");
-  EXPECT_THAT(problemsOfFile(folder / "x.toml"), HasSubstr("found \"dot.pgm\" (is no image"));
+  EXPECT_THAT(problemsOfFile(folder / "x.toml"), HasSubstr("found \"dot.pgm\" (is not an image"));
 }
 
 }  // namespace

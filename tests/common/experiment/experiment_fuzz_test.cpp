@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <filesystem>
+#include <string>
 
 #include "tests/support/experiment_samples.hpp"
 #include "tests/support/text_file.hpp"
@@ -8,8 +10,8 @@
 namespace lab {
 namespace {
 
-/// What a damaged file comes to: 1 for one that is an experiment all the same, 0 for one that is
-/// refused with a reason. Anything else ends the test.
+/// Loads a damaged file.
+/// @return 1 if it is still a valid experiment, 0 if it is refused with a reason; fails otherwise
 int outcome(const std::string& text) {
   try {
     const Experiment experiment = parseExperiment(text, "damaged.toml");
@@ -23,7 +25,7 @@ int outcome(const std::string& text) {
 
 class DamagedExperiment : public ::testing::TestWithParam<std::filesystem::path> {};
 
-TEST_P(DamagedExperiment, CutAnywhereIsRefusedOrAnExperiment) {
+TEST_P(DamagedExperiment, TruncatedIsRefusedOrValid) {
   const std::string text = support::readFile(GetParam());
   int accepted = 0;
   for (std::size_t length = 0; length < text.size(); ++length) {
@@ -33,7 +35,7 @@ TEST_P(DamagedExperiment, CutAnywhereIsRefusedOrAnExperiment) {
   EXPECT_EQ(outcome(text), 1);
 }
 
-TEST_P(DamagedExperiment, WithAByteReplacedIsRefusedOrAnExperiment) {
+TEST_P(DamagedExperiment, WithAReplacedByteIsRefusedOrValid) {
   constexpr std::array<char, 6> kBytes = {'\0', '"', '[', '9', '\xff', '\n'};
   const std::string text = support::readFile(GetParam());
   int accepted = 0;
@@ -47,7 +49,7 @@ TEST_P(DamagedExperiment, WithAByteReplacedIsRefusedOrAnExperiment) {
   EXPECT_GT(accepted, 0);
 }
 
-TEST_P(DamagedExperiment, WithALineLostIsRefusedOrAnExperiment) {
+TEST_P(DamagedExperiment, WithAMissingLineIsRefusedOrValid) {
   const std::string text = support::readFile(GetParam());
   int accepted = 0;
   for (std::size_t begin = 0; begin < text.size();) {

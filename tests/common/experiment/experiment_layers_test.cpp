@@ -1,9 +1,10 @@
-// Layers that change with time and with robots, from the file to what is shown and back.
+// Layers that change with time and with robots: reading, evaluating and writing.
 #include <gmock/gmock.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
 
 #include "common/math/random.hpp"
 #include "tests/support/experiment_samples.hpp"
@@ -16,7 +17,7 @@ using light::LayerKind;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// @param layers whose lines may end anywhere
+/// @param layers may contain line ends
 std::string withLayers(std::string layers) {
   std::ranges::replace(layers, '\n', ' ');
   return "[[light.steps]]\nat_s = 0\nlayers = [" + layers + "]\n";
@@ -32,7 +33,7 @@ void expectRoundTrip(const Experiment& experiment) {
   EXPECT_EQ(writeExperiment(parseExperiment(written, "written")), written);
 }
 
-TEST(ExperimentLayers, NoiseHasPatchesASeedAndAChange) {
+TEST(ExperimentLayers, NoiseHasPatchesASeedAndARateOfChange) {
   const LayerSpec dut =
       layerOf(R"({kind = "noise", patch_cm = 8, seed = 7, change_per_s = 0.25, intensity = 0.9})");
   EXPECT_EQ(dut.kind, static_cast<int>(LayerKind::kNoise));
@@ -41,7 +42,7 @@ TEST(ExperimentLayers, NoiseHasPatchesASeedAndAChange) {
   EXPECT_EQ(dut.drive, (Drive{.phase_rate = 0.25}));
 }
 
-// A crest of a wave that travels at 6 cm/s is 6 cm further after a second.
+// A crest of a wave with 6 cm/s has moved by 6 cm after a second.
 TEST(ExperimentLayers, WaveTravelsAtItsSpeed) {
   const LayerSpec dut =
       layerOf(R"({kind = "wave", period_cm = 30, speed_cm_s = 6, intensity = 1})");
@@ -49,7 +50,7 @@ TEST(ExperimentLayers, WaveTravelsAtItsSpeed) {
   EXPECT_NEAR(dut.drive.phase_rate * dut.size / (2 * std::numbers::pi), 0.06, 1e-15);
 }
 
-TEST(ExperimentLayers, MoveTurnAndDim) {
+TEST(ExperimentLayers, MoveRotateAndDim) {
   const LayerSpec dut = layerOf(R"({kind = "disk", radius_cm = 5, intensity = 1, vx_cm_s = 2,
 vy_cm_s = -1, spin_deg_s = 90, waveform = "telegraph", period_s = 4, low = 0.3, start = 0.5,
 seed = 3})");
@@ -63,7 +64,7 @@ seed = 3})");
   EXPECT_EQ(dut.seed, 0U);
 }
 
-TEST(ExperimentLayers, ShowImagesOneAfterTheOther) {
+TEST(ExperimentLayers, ShowImagesInSequence) {
   const LayerSpec dut = layerOf(R"({kind = "image", files = ["a.png", "b.png"], images_per_s = 4,
 loop = false, width_cm = 30, height_cm = 20, intensity = 1})");
   EXPECT_EQ(dut.image, "a.png");
@@ -91,7 +92,7 @@ follow = "trail", rate_per_s = 2, decay_per_s = 0.5, diffusion_cm2_s = 4})");
   EXPECT_EQ(dut.drive.diffusion, 4e-4);
 }
 
-TEST(ExperimentLayers, WaitForRobots) {
+TEST(ExperimentLayers, AreGatedByRobots) {
   const LayerSpec by_program =
       layerOf(R"({kind = "uniform", intensity = 1, gate = "program", gate_program = "abp"})");
   EXPECT_EQ(by_program.drive.gate, light::Gate::kProgram);
@@ -105,7 +106,7 @@ gate_robot = 1, gate_x_cm = 60, gate_y_cm = 45, gate_radius_cm = 20})");
   EXPECT_EQ(by_place.drive.gate_radius, 0.2);
 }
 
-TEST(ExperimentLayers, TakeTheLightOfAProgram) {
+TEST(ExperimentLayers, UseTheLightOfAProgram) {
   const Experiment dut = parseExperiment(R"(fileversion = 1
 name = "bands"
 duration_s = 60
@@ -129,14 +130,14 @@ layers = [{kind = "uniform", program = "high"}, {kind = "disk", radius_cm = 9, p
   expectRoundTrip(dut);
 }
 
-TEST(ExperimentLayers, ThatNothingChangesAreWrittenWithoutAWordAboutIt) {
+TEST(ExperimentLayers, ThatDoNotChangeAreWrittenWithoutDriveKeys) {
   const std::string written =
       writeExperiment(small(withLayers(R"({kind = "disk", radius_cm = 5, intensity = 1})")));
   EXPECT_THAT(written, HasSubstr("  {kind = \"disk\", blend = \"over\", x_cm = 60, y_cm = 45, "
                                  "radius_cm = 5, softness_cm = 0, intensity = 1},\n"));
 }
 
-TEST(ExperimentLayers, AreWrittenAndReadBackTheSame) {
+TEST(ExperimentLayers, AreReadBackAsWritten) {
   expectRoundTrip(small(withLayers(R"(
 {kind = "noise", patch_cm = 8, seed = 7, change_per_s = 0.25, intensity = 0.9, waveform = "sine",
  period_s = 3},
@@ -149,7 +150,7 @@ TEST(ExperimentLayers, AreWrittenAndReadBackTheSame) {
 {kind = "uniform", intensity = 1, gate = "program", gate_program = "abp"}
 )")));
   Random random(8);
-  for (int i = 0; i < 300; ++i) {  // a wave's speed is written, its phase's rate is what is kept
+  for (int i = 0; i < 300; ++i) {  // the file has a wave's speed, the layer the rate of its phase
     const std::string layer =
         "{kind = \"wave\", period_cm = " + std::to_string(1 + 99 * random.uniform()) +
         ", speed_cm_s = " + std::to_string(20 * random.uniform() - 10) +
@@ -158,8 +159,8 @@ TEST(ExperimentLayers, AreWrittenAndReadBackTheSame) {
   }
 }
 
-// However wrong: one line that says where, and nothing that is started.
-TEST(ExperimentLayers, InAbsurdNumbersAreRefused) {
+// They must give one line with the location, whatever the numbers are.
+TEST(ExperimentLayers, WithAbsurdNumbersAreRefused) {
   std::string million;
   for (int i = 0; i < 25'000; ++i) million += "{kind = \"uniform\", intensity = 1},";
   EXPECT_THAT(problemsOf(withLayers(million)),

@@ -9,7 +9,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-TEST(Overrides, ReplaceWhatTheFileSays) {
+TEST(Overrides, ReplaceValuesOfTheFile) {
   const Experiment dut = small({}, {"duration_s=5", "programs.abp.v_cm_s = 4.5", "robots[0].id=7"});
 
   EXPECT_EQ(dut.duration, 5);
@@ -17,7 +17,7 @@ TEST(Overrides, ReplaceWhatTheFileSays) {
   EXPECT_EQ(dut.robots[0].id, 7);
 }
 
-TEST(Overrides, MakeTheTablesTheyNeed) {
+TEST(Overrides, CreateMissingTables) {
   const Experiment dut = small({}, {"camera.fps=25", "programs.slow.model=bp",
                                     "programs.slow.V_cm_s=1", "programs.slow.epsilon_s=0.2"});
 
@@ -33,7 +33,7 @@ TEST(Overrides, TakeABareWordAsText) {
   EXPECT_EQ(small({}, {"description="}).description, "");
 }
 
-TEST(Overrides, ReachIntoListsAndReplaceThem) {
+TEST(Overrides, ReplaceListsAndTheirElements) {
   const Experiment dut = small("[light_table]\nhysteresis = 0\n",
                                {"light.steps=[{at_s = 0, layers = [{kind = \"uniform\", intensity "
                                 "= 0.25}]}]",
@@ -42,7 +42,7 @@ TEST(Overrides, ReachIntoListsAndReplaceThem) {
   EXPECT_EQ(dut.light.steps[0].layers[0].intensity, 0.75);
 }
 
-TEST(Overrides, ApplyInTheirOrder) {
+TEST(Overrides, AreAppliedInOrder) {
   EXPECT_EQ(small({}, {"duration_s=1", "duration_s=2"}).duration, 2);
 }
 
@@ -57,7 +57,7 @@ TEST(Overrides, AreNamedInProblemsInsteadOfALine) {
               ElementsAre(HasSubstr("robots[0].x_cm: found 130, allowed 3.75 to 116.25")));
 }
 
-TEST(Overrides, ThatFitNowhereSaySo) {
+TEST(Overrides, WithoutAPlaceInTheFileAreRefused) {
   EXPECT_THAT(problemsOf("", {"robots[3].id=4"}),
               ElementsAre("--set robots[3].id=4: found no such place in the file, allowed a path "
                           "to a key"));
@@ -66,7 +66,7 @@ TEST(Overrides, ThatFitNowhereSaySo) {
   EXPECT_THAT(problemsOf("", {"robots[1]=4"}), ElementsAre(HasSubstr("found no such place")));
 }
 
-TEST(Overrides, WithoutAPathOrAValueSaySo) {
+TEST(Overrides, WithoutPathOrValueAreRefused) {
   EXPECT_THAT(problemsOf("", {"duration_s"}),
               ElementsAre(StartsWith("--set duration_s: found no value")));
   for (const char* key : {"=1", ".=1", "a..b=1", "a[=1", "a[]=1", "a[-1]=1", "a[x]=1", "a[0]b=1",
@@ -75,16 +75,16 @@ TEST(Overrides, WithoutAPathOrAValueSaySo) {
   }
 }
 
-TEST(Overrides, CannotSmuggleInASecondKey) {
+TEST(Overrides, CannotSetASecondKey) {
   EXPECT_THAT(problemsOf("", {"duration_s=5\nseed=3"}),
               ElementsAre(HasSubstr("duration_s: found \"5 seed=3\"")));
 }
 
-TEST(Overrides, ThatAreNoUtf8SaySo) {
+TEST(Overrides, WithInvalidUtf8AreRefused) {
   EXPECT_THAT(problemsOf("", {"name=\xff\xfe"}), ElementsAre(HasSubstr("allowed UTF-8")));
 }
 
-TEST(Overrides, ReportAllThatFitNowhere) {
+TEST(Overrides, ReportAllProblems) {
   EXPECT_THAT(problemsOf("", {"a", "b"}),
               ElementsAre(StartsWith("--set a"), StartsWith("--set b")));
 }

@@ -1,5 +1,9 @@
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <string>
+#include <vector>
+
 #include "tests/support/experiment_samples.hpp"
 
 namespace lab::experiment_shipped_test {
@@ -20,16 +24,16 @@ Experiment shipped(const std::string& name) {
   return loadExperiment(std::filesystem::path(LAB_ROOT) / "experiments" / (name + ".toml"));
 }
 
-TEST(ShippedExperiments, AreThere) {
+TEST(ShippedExperiments, AreFound) {
   EXPECT_THAT(names(), IsSupersetOf({"abp", "bp", "half_dark_arena", "light_switching", "noisy_abp",
                                      "rtp", "swarm"}));
 }
 
-TEST(ShippedExperiments, BearTheNamesOfTheirFiles) {
+TEST(ShippedExperiments, HaveTheNamesOfTheirFiles) {
   for (const std::string& name : names()) EXPECT_EQ(shipped(name).name, name);
 }
 
-TEST(ShippedExperiments, WrittenAndReadBackAreEqual) {
+TEST(ShippedExperiments, AreReadBackAsWritten) {
   for (const std::string& name : names()) {
     const Experiment dut = shipped(name);
     const std::string written = writeExperiment(dut);
@@ -39,19 +43,15 @@ TEST(ShippedExperiments, WrittenAndReadBackAreEqual) {
   }
 }
 
-TEST(ShippedExperiments, HaveThePaperParameters) {
-  EXPECT_EQ(
-      shipped("abp").programs.at("abp"),
-      (ProgramSpec{.name = "abp", .model = Model::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3}));
-  EXPECT_EQ(
-      shipped("noisy_abp").programs.at("noisy_abp"),
-      (ProgramSpec{
-          .name = "noisy_abp", .model = Model::kNoisyAbp, .va = 0.01, .V = 0.1, .epsilon = 0.1}));
+TEST(ShippedExperiments, HaveTheParametersOfThePaper) {
+  EXPECT_EQ(shipped("abp").programs.at("abp"),
+            (RobotProgram{.kind = ProgramKind::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3}));
+  EXPECT_EQ(shipped("noisy_abp").programs.at("noisy_abp"),
+            (RobotProgram{.kind = ProgramKind::kNoisyAbp, .va = 0.01, .V = 0.1, .epsilon = 0.1}));
   EXPECT_EQ(shipped("bp").programs.at("bp"),
-            (ProgramSpec{.name = "bp", .model = Model::kBp, .V = 0.07, .epsilon = 0.2}));
-  EXPECT_EQ(
-      shipped("rtp").programs.at("rtp"),
-      (ProgramSpec{.name = "rtp", .model = Model::kRtp, .v = 0.05, .gamma = 3, .tau_t = 0.5}));
+            (RobotProgram{.kind = ProgramKind::kBp, .V = 0.07, .epsilon = 0.2}));
+  EXPECT_EQ(shipped("rtp").programs.at("rtp"),
+            (RobotProgram{.kind = ProgramKind::kRtp, .v = 0.05, .gamma = 3, .tau_t = 0.5}));
 }
 
 TEST(ShippedExperiments, SwitchTheLightThroughThreeBands) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
 #include <stdexcept>
 
 #include "common/bus/bus.hpp"
@@ -12,7 +13,7 @@
 namespace lab {
 namespace {
 
-TEST(LightMessages, CarryLayersOfEveryKindThereAndBack) {
+TEST(LightMessages, ConvertLayersOfEveryKindThereAndBack) {
   const std::vector<light::Layer> layers = light::oneOfEachKind();
   light::ImageStore images;
   for (const light::Layer& layer : layers) {
@@ -21,7 +22,7 @@ TEST(LightMessages, CarryLayersOfEveryKindThereAndBack) {
   std::vector<light::Layer> out = toLayers(toMessages(layers), images);
   for (std::size_t i = 0; i < layers.size(); ++i) {
     if (layers[i].kind != light::LayerKind::kGrid) continue;
-    // A grid travels with the layer: equal, but not the same.
+    // The pixels of a grid are part of the message, so they are equal but another object.
     ASSERT_NE(out[i].pixels, nullptr);
     EXPECT_EQ(out[i].pixels->columns, layers[i].pixels->columns);
     EXPECT_EQ(out[i].pixels->rows, layers[i].pixels->rows);
@@ -31,7 +32,7 @@ TEST(LightMessages, CarryLayersOfEveryKindThereAndBack) {
   EXPECT_EQ(out, layers);
 }
 
-TEST(LightMessages, LeaveAnImageThatIsNotAtHandWithoutPixels) {
+TEST(LightMessages, LeaveAnUnknownImageWithoutPixels) {
   light::Layer layer;
   layer.kind = light::LayerKind::kImage;
   layer.image = std::string(64, 'a');
@@ -40,7 +41,7 @@ TEST(LightMessages, LeaveAnImageThatIsNotAtHandWithoutPixels) {
   EXPECT_EQ(out.back().pixels, nullptr);
 }
 
-TEST(LightMessages, StatusSaysTheFieldInTheMiddleOfARamp) {
+TEST(LightMessages, GiveTheFieldDuringARamp) {
   const light::Field field{
       {light::Layer{.intensity = 0.9}}, {light::Layer{.intensity = 0.1}}, 0.25};
   light_status_t status{};
@@ -53,7 +54,7 @@ TEST(LightMessages, StatusSaysTheFieldInTheMiddleOfARamp) {
   EXPECT_EQ(toField(received), field);
 }
 
-TEST(LightMessages, FullestStatusStaysBelowTheLimitOfAMessage) {
+TEST(LightMessages, KeepTheLargestStatusBelowTheSizeLimit) {
   light_status_t status{};
   light::Layer layer;
   layer.image.assign(64, 'a');
@@ -62,13 +63,13 @@ TEST(LightMessages, FullestStatusStaysBelowTheLimitOfAMessage) {
   EXPECT_LT(encode(status).size(), 60'000U);
 }
 
-TEST(LightMessages, WithAnUnknownKindAreRefusedByTheFieldsOwnCheck) {
+TEST(LightMessages, WithAnUnknownKindAreRefusedByValidate) {
   light_layer_t message{};
   message.kind = 42;
   EXPECT_EQ(light::validate(toLayers({message})), "layers[0].kind = 42, allowed: 1 to 13");
 }
 
-TEST(ExperimentImages, AreLoadedOnceAndKnownByPathAndDigest) {
+TEST(ExperimentImages, AreLoadedOnceAndFoundByPathAndDigest) {
   const TemporaryFolder directory;
   const std::string name = "light_messages_test.png";
   const std::vector<std::uint8_t> png = light::encodePng(1, 1, std::vector<std::uint8_t>{9});
@@ -96,7 +97,7 @@ TEST(ExperimentImages, ThatAreMissingAreNamed) {
   EXPECT_THROW((void)loadImages(experiment, testing::TempDir()), std::runtime_error);
 }
 
-TEST(LightMessages, ARefusalIsOfOneCommand) {
+TEST(LightMessages, ParseTheRefusalOfOneCommandOnly) {
   const std::string said = formatRefusal("lab_light", 7, "layers[0].stale = nan s");
   EXPECT_EQ(said, "LIGHT_COMMAND 7 of lab_light: layers[0].stale = nan s");
   EXPECT_EQ(lab::parseRefusal("lab_light", 7, said), "layers[0].stale = nan s");

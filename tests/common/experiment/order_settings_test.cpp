@@ -4,10 +4,12 @@
 
 #include <limits>
 
+#include "common/math/units.hpp"
+
 namespace lab {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
 
 /// ABP below half light, RTP from there to full light.
 robot_order_t table() {
@@ -40,7 +42,7 @@ std::string refusalOf(const robot_order_t& order) {
   return settingsFrom(order, dynamics::WheelLimits(), 0.02).refusal;
 }
 
-TEST(OrderSettings, TurnsTheOrderIntoTheRobotsIntegers) {
+TEST(OrderSettings, ConvertsAnOrderToTheRobotsIntegers) {
   const OrderSettings dut = settingsFrom(table(), dynamics::WheelLimits(), 0.02);
   ASSERT_EQ(dut.refusal, "");
   EXPECT_EQ(dut.core.programs[0].speed_um_s, 30'000);
@@ -68,7 +70,7 @@ TEST(OrderSettings, RefusesWhatTheWheelsCannotDo) {
   EXPECT_NE(refusalOf(order).find("27"), std::string::npos) << refusalOf(order);
 }
 
-TEST(OrderSettings, RefusesWhatIsNoNumberOrNoSensorOrNoProgram) {
+TEST(OrderSettings, RefusesInvalidNumbersSensorsAndPrograms) {
   robot_order_t order = table();
   order.hysteresis = kNan;
   EXPECT_NE(refusalOf(order), "");
@@ -89,7 +91,7 @@ TEST(OrderSettings, RefusesWhatIsNoNumberOrNoSensorOrNoProgram) {
   EXPECT_NE(refusalOf(order).find("at most 4"), std::string::npos);
 }
 
-TEST(OrderSettings, RefusesToDriveFasterThanTheWheelsOrAtNoNumber) {
+TEST(OrderSettings, RefusesToDriveTooFastOrAtNan) {
   robot_order_t order{};
   order.mode = robot_order_t::DRIVE;
   order.wheel_left = 0.27;

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "common/experiment/experiment_describe.hpp"
 #include "tests/support/experiment_samples.hpp"
 
 namespace lab {
@@ -34,12 +35,12 @@ times = 3
 layers = [{kind = "uniform", intensity = 0.5}]
 )";
 
-TEST(ScriptPlan, WaitsAtMostAsLongAsAllLimitsOfAllShowings) {
+TEST(ScriptPlan, AddsUpTheLimitsOfAllRepetitions) {
   EXPECT_THAT(latestStartTimes({1, 2, 3, 4}, {{1, 2, 2}, {0, 3, 3}}), ElementsAre(0, 1, 3, 11, 45));
   EXPECT_THAT(latestStartTimes({0.1, 0.2, 0.3}, {}), ElementsAre(0, 0.1, 0.3, 0.6));
 }
 
-TEST(ScriptPlan, OfAFileIsWrittenAndReadBack) {
+TEST(ScriptPlan, IsReadBackAsWritten) {
   const Experiment dut = small(kWaiting);
   EXPECT_EQ(dut.light.steps[3].at, 11);
   EXPECT_EQ(dut.light.steps[1].until.relative_error, 0.05);
@@ -49,7 +50,7 @@ TEST(ScriptPlan, OfAFileIsWrittenAndReadBack) {
   EXPECT_EQ(parseExperiment(writeExperiment(dut), "written"), dut);
 }
 
-TEST(ScriptPlan, OfFixedTimesIsWrittenAsBefore) {
+TEST(ScriptPlan, WithFixedTimesIsWrittenWithoutHoldTimes) {
   const Experiment dut = small(
       "[[light.steps]]\nhold_s = 3\nlayers = [{kind = \"uniform\", intensity = 0.5}]\n"
       "[[light.steps]]\nhold_s = 3\nlayers = [{kind = \"uniform\", intensity = 0.5}]\n");
@@ -71,7 +72,7 @@ TEST(ScriptPlan, IsDescribedWithItsConditions) {
   EXPECT_THAT(dut, HasSubstr("log           at most about"));
 }
 
-TEST(ScriptPlan, SaysWhetherARunMayEndEarly) {
+TEST(ScriptPlan, TellsWhetherARunMayEndEarly) {
   EXPECT_TRUE(mayEndEarly(small(kWaiting).light));
   EXPECT_TRUE(mayEndEarly(small(kWaiting, {"light.repeat=true"}).light));
   EXPECT_FALSE(
@@ -79,7 +80,7 @@ TEST(ScriptPlan, SaysWhetherARunMayEndEarly) {
   EXPECT_FALSE(mayEndEarly(small().light));
 }
 
-TEST(ScriptCursor, GoesThroughGroupsWithinGroupsInEveryPass) {
+TEST(ScriptCursor, IteratesOverNestedGroupsInEveryPass) {
   ScriptCursor dut(small(kWaiting, {"light.repeat=true"}).light);
   std::vector<std::size_t> shown;
   while (dut.pass() < 2) {

@@ -1,8 +1,12 @@
-// Each file of wrong_experiments/ begins with what must be said about it, line by line:
-// "# expect 12: key: found ..., allowed ...", and nothing else must be said.
+// Each file of wrong_experiments/ begins with its expected problems, one per line:
+// "# expect 12: key: found ..., allowed ...". No other problem may be reported.
 #include <gmock/gmock.h>
 
+#include <filesystem>
 #include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "tests/support/experiment_samples.hpp"
 #include "tests/support/text_file.hpp"
@@ -25,7 +29,7 @@ std::vector<std::string> expectedProblems(const std::filesystem::path& file) {
 
 class WrongExperiment : public ::testing::TestWithParam<std::filesystem::path> {};
 
-TEST_P(WrongExperiment, IsRefusedWithFileLineKeyAndWayOut) {
+TEST_P(WrongExperiment, IsRefusedWithFileLineKeyAndAdvice) {
   const std::vector<std::string> expected = expectedProblems(GetParam());
   ASSERT_FALSE(expected.empty());
   try {
@@ -36,9 +40,10 @@ TEST_P(WrongExperiment, IsRefusedWithFileLineKeyAndWayOut) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, WrongExperiment,
-                         ::testing::ValuesIn(tomlFiles("tests/common/experiment/wrong_experiments")),
-                         [](const auto& parameter) { return parameter.param.stem().string(); });
+INSTANTIATE_TEST_SUITE_P(
+    Files, WrongExperiment,
+    ::testing::ValuesIn(tomlFiles("tests/common/experiment/wrong_experiments")),
+    [](const auto& parameter) { return parameter.param.stem().string(); });
 
 }  // namespace
 }  // namespace lab

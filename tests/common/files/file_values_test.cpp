@@ -14,7 +14,7 @@ double readBack(const std::string& text, const FileUnit& unit) {
   return toSi(std::stod(text), unit);
 }
 
-TEST(FileValues, KnowTheUnitFromTheEndOfTheKey) {
+TEST(FileValues, HaveTheUnitOfTheKeysSuffix) {
   EXPECT_EQ(unitOf("v_cm_s").text, "cm/s");
   EXPECT_EQ(unitOf("x_cm").text, "cm");
   EXPECT_EQ(unitOf("speed_noise_cm_sqrt_s").text, "cm/sqrt(s)");
@@ -33,7 +33,7 @@ TEST(FileValues, ConvertToTheNearestSiNumber) {
   EXPECT_EQ(toSi(180, unitOf("theta_deg")), std::numbers::pi);
 }
 
-TEST(FileValues, AreAsShortAsAPersonWouldWriteThem) {
+TEST(FileValues, AreAsShortAsPossible) {
   EXPECT_EQ(fileText(0.03, unitOf("v_cm_s")), "3");
   EXPECT_EQ(fileText(0.07, unitOf("v_cm_s")), "7");
   EXPECT_EQ(fileText(1.1625, unitOf("x_cm")), "116.25");
@@ -43,7 +43,7 @@ TEST(FileValues, AreAsShortAsAPersonWouldWriteThem) {
   EXPECT_EQ(fileText(-0.0, unitOf("x_cm")), "0");
 }
 
-TEST(FileValues, OfEveryWholeNumberAndTenthComeBackAsWritten) {
+TEST(FileValues, OfAllWholeNumbersAndTenthsAreWrittenAsRead) {
   for (const char* key : {"x_cm", "theta_deg", "delay_ms", "noise_percent", "duration_s"}) {
     const FileUnit& unit = unitOf(key);
     for (int tenths = -3600; tenths <= 36000; ++tenths) {
@@ -53,7 +53,7 @@ TEST(FileValues, OfEveryWholeNumberAndTenthComeBackAsWritten) {
   }
 }
 
-TEST(FileValues, ComeBackToTheLastBitFromEveryNumberThatAFileCanHold) {
+TEST(FileValues, AreReadBackExactlyIfTheFileCanExpressThem) {
   Random random(1);
   for (const char* key : {"x_cm", "theta_deg", "delay_ms", "noise_percent", "duration_s"}) {
     const FileUnit& unit = unitOf(key);
@@ -64,7 +64,7 @@ TEST(FileValues, ComeBackToTheLastBitFromEveryNumberThatAFileCanHold) {
   }
 }
 
-TEST(FileValues, ThatNoFileCanHoldComeBackAsANeighbourAndThenStay) {
+TEST(FileValues, ThatTheFileCannotExpressAreReadBackAsANeighbour) {
   Random random(2);
   const FileUnit& unit = unitOf("theta_deg");
   for (int i = 0; i < 20'000; ++i) {
@@ -76,7 +76,7 @@ TEST(FileValues, ThatNoFileCanHoldComeBackAsANeighbourAndThenStay) {
   }
 }
 
-TEST(TomlString, EscapesWhatWouldEndTheLine) {
+TEST(TomlString, EscapesLineEndsAndQuotes) {
   EXPECT_EQ(tomlString("a \"b\"\\\n\t\x7f \xc3\xbc"),
             "\"a \\\"b\\\"\\\\\\n\\u0009\\u007F \xc3\xbc\"");
 }

@@ -1,4 +1,4 @@
-// The live loop: real time is its subject, so these few tests wait a little.
+// The live loop. These tests need real time and wait briefly.
 #include "common/loop/asio_loop.hpp"
 
 #include <fcntl.h>
@@ -7,11 +7,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <vector>
+
+#include "common/loop/wall_clock.hpp"
 
 namespace lab {
 namespace {
@@ -19,12 +23,6 @@ namespace {
 using testing::ElementsAre;
 
 constexpr std::int64_t kMillisecond = 1'000;
-
-std::int64_t wallClock() {
-  return std::chrono::duration_cast<std::chrono::microseconds>(
-             std::chrono::system_clock::now().time_since_epoch())
-      .count();
-}
 
 TEST(AsioLoop, StampsWithTheWallClock) {
   const std::int64_t before = wallClock();
@@ -53,7 +51,7 @@ TEST(AsioLoop, FiresTimersInOrderAndNeverEarly) {
   EXPECT_EQ(order, "abc");
 }
 
-TEST(AsioLoop, RunsWhatIsDueInTheOrderOfAsking) {
+TEST(AsioLoop, RunsSimultaneousTimersInTheOrderOfScheduling) {
   AsioLoop dut;
   std::vector<int> order;
   for (int i = 0; i < 100; ++i) dut.soon([&order, i] { order.push_back(i); });
@@ -78,7 +76,7 @@ TEST(AsioLoop, RunsSoonOnlyAfterTheRunningCallback) {
   EXPECT_EQ(order, "ab");
 }
 
-TEST(AsioLoop, SkipsMissedCallsAndKeepsItsGrid) {
+TEST(AsioLoop, SkipsMissedCallsAndKeepsTheGrid) {
   constexpr std::int64_t kPeriod = 40 * kMillisecond;
   AsioLoop dut;
   const std::int64_t first = dut.now() + 5 * kMillisecond;
@@ -94,9 +92,9 @@ TEST(AsioLoop, SkipsMissedCallsAndKeepsItsGrid) {
     if (steps.size() == 6) dut.stop();
   });
   dut.run();
-  EXPECT_GE(steps[1], 3);  // 1 and 2 were missed and are not made up for
+  EXPECT_GE(steps[1], 3);  // calls 1 and 2 were missed and are skipped
   EXPECT_EQ(std::adjacent_find(steps.begin(), steps.end(), std::greater_equal<>()), steps.end());
-  // From the blocked call on, a timer without a grid would be half a period late for ever.
+  // A timer without grid would be half a period late after the blocked call.
   EXPECT_LT(*std::min_element(late.begin() + 1, late.end()), kPeriod / 4);
 }
 
@@ -118,13 +116,13 @@ TEST(AsioLoop, CallsBackForSignals) {
   EXPECT_THAT(signals, ElementsAre(SIGUSR1, SIGUSR2));
 }
 
-TEST(AsioLoop, CallsBackAsLongAsADescriptorHasSomethingToRead) {
+TEST(AsioLoop, CallsBackAsLongAsADescriptorIsReadable) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe(ends.data()), 0);
   std::string read_letters;
   {
     AsioLoop dut;
-    dut.onReadable(ends[0], [&] {  // takes one letter of several at a time
+    dut.onReadable(ends[0], [&] {  // reads one letter of several at a time
       char letter = 0;
       ASSERT_EQ(read(ends[0], &letter, 1), 1);
       read_letters += letter;
@@ -134,19 +132,19 @@ TEST(AsioLoop, CallsBackAsLongAsADescriptorHasSomethingToRead) {
     dut.run();
   }
   EXPECT_EQ(read_letters, "abc.");
-  EXPECT_NE(fcntl(ends[0], F_GETFD), -1) << "the loop closed a descriptor that is not its own";
+  EXPECT_NE(fcntl(ends[0], F_GETFD), -1) << "the loop closed a descriptor that it does not own";
   close(ends[0]);
   close(ends[1]);
 }
 
-TEST(AsioLoop, AWatchEndsWithItsHandleAlsoFromItsOwnCallback) {
+TEST(AsioLoop, AWatchCanBeEndedFromItsOwnCallback) {
   std::array<int, 2> ends{};
   ASSERT_EQ(pipe(ends.data()), 0);
   ASSERT_EQ(write(ends[1], "ab", 2), 2);
   AsioLoop dut;
   int calls = 0;
   std::unique_ptr<AsioLoop::Watch> watch;
-  watch = dut.watch(ends[0], [&] {  // "a" and "b" stay: it would be called for ever
+  watch = dut.watch(ends[0], [&] {  // "a" and "b" remain unread: it would be called repeatedly
     ++calls;
     watch.reset();
   });
@@ -154,12 +152,12 @@ TEST(AsioLoop, AWatchEndsWithItsHandleAlsoFromItsOwnCallback) {
   dut.run();
   EXPECT_EQ(calls, 1);
   close(ends[0]);
-  // The number may come back for another file: nothing of the old watch may be left.
+  // Another file may get the same number, so the old watch must be gone completely.
   std::array<int, 2> others{};
   ASSERT_EQ(pipe(others.data()), 0);
   ASSERT_EQ(write(others[1], "c", 1), 1);
   watch = dut.watch(others[0], [&] { calls += 100; });
-  watch.reset();  // before it could call
+  watch.reset();  // before the first call
   watch = dut.watch(others[0], [&] {
     calls += 10;
     dut.stop();
@@ -170,13 +168,13 @@ TEST(AsioLoop, AWatchEndsWithItsHandleAlsoFromItsOwnCallback) {
   for (const int end : {ends[1], others[0], others[1]}) close(end);
 }
 
-TEST(AsioLoop, LetsACallbacksExceptionOut) {
+TEST(AsioLoop, PassesOnACallbacksException) {
   AsioLoop dut;
   dut.soon([] { throw std::runtime_error("robot on fire"); });
   EXPECT_THROW(dut.run(), std::runtime_error);
 }
 
-TEST(AsioLoop, GoesOnWhenRunAgainAfterAStop) {
+TEST(AsioLoop, ContinuesWhenRunAgainAfterAStop) {
   AsioLoop dut;
   int runs = 0;
   dut.every(kMillisecond, dut.now(), [&] {

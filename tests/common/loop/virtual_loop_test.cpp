@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <stdexcept>
 #include <string>
 
 namespace lab::virtual_loop_test {
@@ -62,7 +64,7 @@ TEST_F(VirtualLoopTest, KeepsPeriodicTimersOnTheirGrid) {
   EXPECT_EQ(dut_.now(), kStart + 65);
 }
 
-TEST_F(VirtualLoopTest, RunsWhatIsOverdueNow) {
+TEST_F(VirtualLoopTest, RunsOverdueEventsAtOnce) {
   dut_.runUntil(kStart + 100);
   dut_.at(kStart, note("overdue"));
   dut_.soon(note("soon"));
@@ -70,14 +72,14 @@ TEST_F(VirtualLoopTest, RunsWhatIsOverdueNow) {
   EXPECT_THAT(notes_, ElementsAre("overdue@100", "soon@100"));
 }
 
-TEST_F(VirtualLoopTest, MovesTheClockThroughSilence) {
+TEST_F(VirtualLoopTest, AdvancesTheClockWithoutEvents) {
   dut_.runUntil(kStart + 7);
   EXPECT_EQ(dut_.now(), kStart + 7);
   dut_.runUntil(kStart + 3);
   EXPECT_EQ(dut_.now(), kStart + 7);
 }
 
-TEST_F(VirtualLoopTest, StopsAfterTheEventThatSaysSoAndGoesOnWhenRunAgain) {
+TEST_F(VirtualLoopTest, StopsAfterTheEventThatCallsStopAndContinuesWhenRunAgain) {
   dut_.every(10, kStart + 10, note("tick"));
   dut_.at(kStart + 20, [this] { dut_.stop(); });
   dut_.run();
@@ -96,7 +98,7 @@ TEST_F(VirtualLoopTest, NeverRunsBackwardAfterAStop) {
   EXPECT_THAT(notes_, ElementsAre("later@20"));
 }
 
-TEST_F(VirtualLoopTest, LetsCallbacksScheduleManyMore) {
+TEST_F(VirtualLoopTest, AllowsCallbacksToScheduleManyEvents) {
   int calls = 0;
   dut_.every(10, kStart, [&] {
     for (int i = 0; i < 50; ++i) dut_.soon([&calls] { ++calls; });

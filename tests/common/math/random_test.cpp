@@ -13,8 +13,8 @@ namespace {
 
 constexpr int kDraws = 1'000'000;
 
-/// Deviation of the mean of `values` from its expectation, in standard errors of variance
-/// `variance`.
+/// Deviation of the mean of `values` from its expectation in standard errors, for values of
+/// variance `variance`.
 template <class Draw>
 double zOfMean(Draw draw, double expected, double variance, int count = kDraws) {
   double sum = 0;
@@ -44,7 +44,7 @@ TEST(Random, IsTheSameOnEveryMachine) {
   EXPECT_NEAR(Random(1).normal(), 0.89867742549064622, 1e-14);
 }
 
-TEST(Random, HasTheMomentsOfTheUniformLaw) {
+TEST(Random, HasTheMomentsOfTheUniformDistribution) {
   Random dut(11);
   const auto power = [&dut](int n) { return [&dut, n] { return std::pow(dut.uniform(), n); }; };
   for (int n = 1; n <= 4; ++n) {
@@ -53,7 +53,7 @@ TEST(Random, HasTheMomentsOfTheUniformLaw) {
   }
 }
 
-TEST(Random, HasTheMomentsOfTheNormalLaw) {
+TEST(Random, HasTheMomentsOfTheNormalDistribution) {
   Random dut(12);
   const auto power = [&dut](int n) { return [&dut, n] { return std::pow(dut.normal(), n); }; };
   EXPECT_LT(std::abs(zOfMean(power(1), 0, 1)), 4);
@@ -72,7 +72,7 @@ TEST(Random, FillsTheUnitIntervalEvenly) {
   EXPECT_LT(std::abs((chi2 - (kBins - 1)) / std::sqrt(2.0 * (kBins - 1))), 4);
 }
 
-TEST(Random, DrawsIndependentlyOfTheDrawBefore) {
+TEST(Random, HasIndependentSuccessiveDraws) {
   Random dut(14);
   double last = dut.uniform() - 0.5;
   const auto product = [&] {
@@ -96,7 +96,7 @@ TEST(Random, StreamsOfNeighbouringSeedsAreUncorrelated) {
   }
 }
 
-TEST(DeriveSeed, GivesEverySeedOwnerAndPurposeItsOwn) {
+TEST(DeriveSeed, DiffersBySeedOwnerAndPurpose) {
   std::set<std::uint64_t> seeds;
   int derived = 0;
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
@@ -110,7 +110,7 @@ TEST(DeriveSeed, GivesEverySeedOwnerAndPurposeItsOwn) {
   EXPECT_EQ(seeds.size(), static_cast<std::size_t>(derived));
 }
 
-TEST(DeriveSeed, GivesUncorrelatedFirstDrawsToARowOfRobots) {  // house rule 8
+TEST(DeriveSeed, GivesUncorrelatedFirstDrawsToConsecutiveRobots) {
   constexpr int kRobots = 100'000;
   std::int64_t robot = 0;
   const auto first = [&robot](const char* purpose, std::int64_t of) {

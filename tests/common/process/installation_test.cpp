@@ -13,7 +13,7 @@ using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-TEST(Installation, OfAPackageIsKnownByItsFolder) {
+TEST(Installation, OfAPackageIsRecognisedByItsFolder) {
   const Installation found = installationOf("/usr/lib/active-lab/bin/lab");
 
   EXPECT_TRUE(found.packaged);
@@ -23,7 +23,7 @@ TEST(Installation, OfAPackageIsKnownByItsFolder) {
   EXPECT_TRUE(installationOf("/home/me/x/lib/active-lab/bin/sim_svc").packaged);
 }
 
-TEST(Installation, OfEverythingElseIsABuild) {
+TEST(Installation, AnywhereElseIsABuild) {
   const Installation found = installationOf("/home/me/active-lab/build/release/bin/lab");
 
   EXPECT_FALSE(found.packaged);
@@ -34,7 +34,7 @@ TEST(Installation, OfEverythingElseIsABuild) {
   }
 }
 
-TEST(Installation, NamesThePackageOfWhatIsMissing) {
+TEST(Installation, NamesThePackageOfAMissingFile) {
   const Installation package = installationOf("/usr/lib/active-lab/bin/lab");
   const auto way = [&](const char* name) { return package.installHint(name, "build it"); };
 
@@ -47,7 +47,7 @@ TEST(Installation, NamesThePackageOfWhatIsMissing) {
             "build it");
 }
 
-TEST(Installation, OfThisTestIsTheBuild) {
+TEST(Installation, OfThisTestIsABuild) {
   EXPECT_FALSE(installation().packaged);
   EXPECT_TRUE(std::filesystem::exists(installation().programs));
 }

@@ -1,4 +1,4 @@
-// What only devices and pseudo terminals have: other processes, permissions, speeds, descriptors.
+// Properties of devices and pseudo terminals: other processes, permissions, speeds, descriptors.
 #include "common/serial/serial_devices.hpp"
 
 #include <fcntl.h>
@@ -10,6 +10,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include <array>
+#include <cstdint>
 #include <fstream>
 #include <functional>
 #include <string>
@@ -26,7 +28,7 @@ using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// Another process at work, until this is destroyed.
+/// Another process, which runs until this object is destroyed.
 class OtherProcess {
  public:
   explicit OtherProcess(const std::function<void()>& work) {
@@ -68,7 +70,7 @@ class SerialDevicesTest : public testing::Test {
     return "opened";
   }
 
-  /// What the complaint is for a user without privileges.
+  /// The error message for a user without privileges.
   std::string complaintOfNobody(const std::string& path) {
     std::array<int, 2> result{};
     EXPECT_EQ(pipe(result.data()), 0);
@@ -97,13 +99,13 @@ class SerialDevicesTest : public testing::Test {
   SerialDevices dut{loop, folder / "ports"};
 };
 
-TEST_F(SerialDevicesTest, MakesTheFolderOnlyWhenItOffers) {
+TEST_F(SerialDevicesTest, CreatesTheFolderWhenALineIsOffered) {
   EXPECT_FALSE(fs::exists(folder / "ports"));
   const auto port = dut.offer("robot_1");
   EXPECT_TRUE(fs::is_symlink(folder / "ports" / "robot_1"));
 }
 
-TEST_F(SerialDevicesTest, NamesTheProcessThatHasALine) {
+TEST_F(SerialDevicesTest, NamesTheProcessThatHasOpenedALine) {
   const auto robot = dut.offer("robot_1");
   const std::string path = dut.offered().at(0);
   OtherProcess other([&path] { openSerialLine(path, 38400).release(); });
@@ -111,14 +113,14 @@ TEST_F(SerialDevicesTest, NamesTheProcessThatHasALine) {
   EXPECT_THAT(lineHolder(path), HasSubstr(other.pid()));
 }
 
-TEST_F(SerialDevicesTest, RespectsAProgramThatOnlyAskedForExclusiveUse) {
+TEST_F(SerialDevicesTest, RespectsExclusiveModeWithoutLock) {
   const auto robot = dut.offer("robot_1");
   const std::string path = dut.offered().at(0);
   OtherProcess other([&path] { ioctl(open(path.c_str(), O_RDWR | O_NOCTTY), TIOCEXCL); });
   EXPECT_THAT(complaint(path), HasSubstr("in use by test_common (pid " + other.pid() + ")"));
 }
 
-TEST_F(SerialDevicesTest, LeavesTheSettingsOfALineInUseAlone) {
+TEST_F(SerialDevicesTest, DoesNotChangeTheSettingsOfALineInUse) {
   const auto robot = dut.offer("robot_1");
   const std::string path = dut.offered().at(0);
   const FileDescriptor other = openSerialLine(path, 500000);
@@ -135,13 +137,13 @@ TEST_F(SerialDevicesTest, ALineIsFreeAfterItsHolderWasKilled) {
     OtherProcess other([&path] { openSerialLine(path, 38400).release(); });
   }
   EXPECT_EQ(complaint(path), "opened");
-  // Also for those whom exclusive use would bind.
+  // Also for processes that exclusive mode would refuse.
   fs::permissions(folder / ".", fs::perms::all);
   fs::permissions(path, fs::perms::all);
   EXPECT_EQ(complaintOfNobody(path), "opened");
 }
 
-TEST_F(SerialDevicesTest, SaysHowToGetPermission) {
+TEST_F(SerialDevicesTest, TellsHowToGetPermission) {
   const std::string path = folder / "device";
   std::ofstream(path) << "";
   fs::permissions(path, fs::perms::none);
@@ -151,7 +153,7 @@ TEST_F(SerialDevicesTest, SaysHowToGetPermission) {
   EXPECT_THAT(text, HasSubstr("sudo usermod -aG "));
 }
 
-TEST_F(SerialDevicesTest, RefusesWhatIsNoSerialDevice) {
+TEST_F(SerialDevicesTest, RefusesOtherFiles) {
   const std::string file = folder / "file";
   std::ofstream(file) << "text";
   EXPECT_EQ(complaint(file), file + ": not a serial device");
@@ -159,7 +161,7 @@ TEST_F(SerialDevicesTest, RefusesWhatIsNoSerialDevice) {
   EXPECT_EQ(complaint("/dev/null"), "/dev/null: not a serial device");
 }
 
-TEST_F(SerialDevicesTest, RefusesASpeedThatDoesNotExist) {
+TEST_F(SerialDevicesTest, RefusesAnUnknownSpeed) {
   const auto robot = dut.offer("robot_1");
   const std::string path = dut.offered().at(0);
   EXPECT_THAT(complaint(path, 12345), HasSubstr("no speed of 12345 baud"));
@@ -178,7 +180,7 @@ TEST_F(SerialDevicesTest, ALineIsRawAndKeepsItsModemLines) {
   EXPECT_EQ(settings.c_cc[VMIN], 1);
 }
 
-TEST_F(SerialDevicesTest, OffersOfAKilledProcessAreNotFollowedAndAreReplaced) {
+TEST_F(SerialDevicesTest, IgnoresAndReplacesLinksOfAKilledProcess) {
   std::string terminal;
   {
     OtherProcess other([this] {
@@ -196,7 +198,7 @@ TEST_F(SerialDevicesTest, OffersOfAKilledProcessAreNotFollowedAndAreReplaced) {
     }
   }
   ASSERT_TRUE(fs::is_symlink(folder / "ports" / "robot_1"));
-  // The old links may lead to new terminals of anybody, here to robot_2's.
+  // An old link may lead to a new terminal of another program, here that of robot_2.
   const auto second = dut.offer("robot_2");
   fs::remove(folder / "ports" / "robot_1");
   fs::create_symlink(fs::read_symlink(folder / "ports" / "robot_2"), folder / "ports" / "robot_1");
@@ -205,7 +207,7 @@ TEST_F(SerialDevicesTest, OffersOfAKilledProcessAreNotFollowedAndAreReplaced) {
   EXPECT_THAT(dut.offered(), ElementsAre(EndsWith("robot_1"), EndsWith("robot_2")));
 }
 
-TEST_F(SerialDevicesTest, FollowsLinksThatOthersMade) {
+TEST_F(SerialDevicesTest, FindsLinksOfOtherProcesses) {
   fs::create_directories(folder / "ports");
   const int master = posix_openpt(O_RDWR | O_NOCTTY);
   ASSERT_EQ(unlockpt(master), 0);
@@ -216,7 +218,7 @@ TEST_F(SerialDevicesTest, FollowsLinksThatOthersMade) {
   EXPECT_THAT(dut.offered(), IsEmpty());
 }
 
-TEST_F(SerialDevicesTest, ARobotWithoutHostIsNotCalled) {
+TEST_F(SerialDevicesTest, ARobotWithoutHostGetsNoCallbacks) {
   const auto robot = dut.offer("robot_1");
   int calls = 0;
   robot->onReadable([&] {
@@ -230,7 +232,7 @@ TEST_F(SerialDevicesTest, ARobotWithoutHostIsNotCalled) {
   EXPECT_LE(calls, 2);
 }
 
-TEST_F(SerialDevicesTest, LeaksNoDescriptor) {
+TEST_F(SerialDevicesTest, LeaksNoDescriptors) {
   const auto cycle = [this](const std::string& name) {
     auto robot = dut.offer(name);
     robot->onReadable([] {});

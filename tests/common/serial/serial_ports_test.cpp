@@ -1,7 +1,9 @@
-// What both kinds of lines have in common: in memory and as pseudo terminals.
+// Common properties of both kinds of lines: in memory and as pseudo terminals.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <string>
@@ -21,12 +23,13 @@ using testing::EndsWith;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// One kind of lines and the loop that carries them.
+/// One kind of lines, with its loop.
 class Lines {
  public:
   virtual ~Lines() = default;
   virtual SerialPorts& ports() = 0;
-  /// Lets the loop run until `done`, at most a while. @return whether it was.
+  /// Runs the loop until `done`, with a time limit.
+  /// @return whether `done` became true
   virtual bool until(const std::function<bool()>& done) = 0;
 };
 
@@ -80,7 +83,7 @@ class SerialPortsTest : public testing::TestWithParam<bool> {
   SerialPorts& dut() { return lines_->ports(); }
   bool until(const std::function<bool()>& done) { return lines_->until(done); }
 
-  /// The robot's end of a line, whose bytes arrive in `at_robot`.
+  /// The robot's end of a line; received bytes go to `at_robot`.
   std::unique_ptr<SerialPort> robot(const std::string& name) {
     auto port = dut().offer(name);
     port->onReadable([this, &port = *port] { at_robot += readAll(port); });
@@ -97,7 +100,7 @@ class SerialPortsTest : public testing::TestWithParam<bool> {
   std::string at_host;
 };
 
-TEST_P(SerialPortsTest, OffersALineAsLongAsItsPortLives) {
+TEST_P(SerialPortsTest, OffersALineUntilItsPortIsDestroyed) {
   EXPECT_THAT(dut().offered(), IsEmpty());
   auto b = dut().offer("robot_2");
   auto a = dut().offer("robot_1");
@@ -106,7 +109,7 @@ TEST_P(SerialPortsTest, OffersALineAsLongAsItsPortLives) {
   EXPECT_THAT(dut().offered(), ElementsAre(EndsWith("robot_2")));
 }
 
-TEST_P(SerialPortsTest, CarriesEveryByteBothWays) {
+TEST_P(SerialPortsTest, TransfersAllBytesInBothDirections) {
   std::string every;
   for (int i = 0; i < 256; ++i) every += static_cast<char>(i);  // also ^C, ^S, newline, 0
   const auto robot_end = robot("robot_1");
@@ -120,7 +123,7 @@ TEST_P(SerialPortsTest, CarriesEveryByteBothWays) {
   EXPECT_EQ(at_robot, every) << "the line echoes";
 }
 
-TEST_P(SerialPortsTest, LosesWhatARobotSaysToNobody) {
+TEST_P(SerialPortsTest, LosesBytesWithoutHost) {
   const auto robot_end = robot("robot_1");
   EXPECT_EQ(write(*robot_end, "before"), 6U);
   auto host_end = host();
@@ -134,7 +137,7 @@ TEST_P(SerialPortsTest, LosesWhatARobotSaysToNobody) {
   EXPECT_EQ(at_host, "12");
 }
 
-TEST_P(SerialPortsTest, ARobotNeverWaitsForAHostThatDoesNotRead) {
+TEST_P(SerialPortsTest, ARobotDoesNotWaitForAHostThatDoesNotRead) {
   const auto robot_end = robot("robot_1");
   const auto host_end = dut().open(dut().offered().at(0), 38400);
   const std::string much(1000, 'x');
@@ -142,7 +145,7 @@ TEST_P(SerialPortsTest, ARobotNeverWaitsForAHostThatDoesNotRead) {
   EXPECT_LT(readAll(*host_end).size(), 100 * much.size());
 }
 
-TEST_P(SerialPortsTest, AHostIsToldWhenARobotDoesNotTakeMore) {
+TEST_P(SerialPortsTest, AHostWritesOnlyWhatTheRobotsQueueTakes) {
   const auto robot_end = dut().offer("robot_1");
   const auto host_end = dut().open(dut().offered().at(0), 38400);
   const std::string much(1000, 'x');
@@ -152,7 +155,7 @@ TEST_P(SerialPortsTest, AHostIsToldWhenARobotDoesNotTakeMore) {
   EXPECT_LT(taken, 100 * much.size());
 }
 
-TEST_P(SerialPortsTest, ForgetsWhatWasWaitingWhenItIsOpened) {
+TEST_P(SerialPortsTest, DiscardsWaitingBytesWhenOpened) {
   const auto robot_end = robot("robot_1");
   auto host_end = dut().open(dut().offered().at(0), 38400);
   EXPECT_EQ(write(*robot_end, "unread"), 6U);
@@ -178,7 +181,7 @@ TEST_P(SerialPortsTest, OpensALineOnlyOnce) {
   EXPECT_NO_THROW(first = dut().open(path, 38400));
 }
 
-TEST_P(SerialPortsTest, SaysThatALineIsNotThere) {
+TEST_P(SerialPortsTest, ReportsAMissingLine) {
   try {
     static_cast<void>(dut().open("/nowhere/robot_9", 38400));
     FAIL() << "opened";
@@ -205,14 +208,14 @@ TEST_P(SerialPortsTest, TellsAHostThatItsLineIsGone) {
   EXPECT_FALSE(host_end);
 }
 
-TEST_P(SerialPortsTest, WritingToALineThatIsGoneSaysSo) {
+TEST_P(SerialPortsTest, WritingToAVanishedLineThrows) {
   auto robot_end = robot("robot_1");
   const auto host_end = dut().open(dut().offered().at(0), 38400);
   robot_end.reset();
   EXPECT_THROW(static_cast<void>(write(*host_end, "x")), SerialError);
 }
 
-TEST_P(SerialPortsTest, SurvivesManyPlugs) {
+TEST_P(SerialPortsTest, SurvivesRepeatedReconnection) {
   const auto robot_end = robot("robot_1");
   for (int i = 0; i < 20; ++i) {
     at_robot.clear();
@@ -221,11 +224,11 @@ TEST_P(SerialPortsTest, SurvivesManyPlugs) {
     EXPECT_TRUE(until([&] { return at_robot.size() >= 5; })) << "plug " << i;
     EXPECT_EQ(at_robot, "hello");
     host_end.reset();
-    if (i % 2 == 0) until([] { return true; });  // sometimes the robot sees it, sometimes not
+    if (i % 2 == 0) until([] { return true; });  // the robot notices it only sometimes
   }
 }
 
-TEST_P(SerialPortsTest, RefusesTwoLinesOfOneName) {
+TEST_P(SerialPortsTest, RefusesTwoLinesWithOneName) {
   auto first = dut().offer("robot_1");
   EXPECT_THROW(static_cast<void>(dut().offer("robot_1")), SerialError);
   first.reset();

@@ -21,7 +21,7 @@ experiment_status_t echoOf(const ExperimentRequest& request) {
   return status;
 }
 
-TEST(ExperimentRequest, SaysWhoWantsWhat) {
+TEST(ExperimentRequest, HasItsSenderAndContent) {
   experiment_command_t wish{};
   wish.action = experiment_command_t::SEEK;
   wish.value = 12.5;
@@ -36,27 +36,27 @@ TEST(ExperimentRequest, SaysWhoWantsWhat) {
   EXPECT_EQ(request.message().utime, kStart_us);
 }
 
-TEST(ExperimentRequest, IsAnsweredByItsEchoAlone) {
+TEST(ExperimentRequest, IsAnsweredOnlyByItsEcho) {
   ExperimentRequest request = pauseRequest();
   EXPECT_FALSE(request.take(experiment_status_t{}));
   experiment_status_t other = echoOf(request);
   other.command_seq = 41;
-  EXPECT_FALSE(request.take(other)) << "an earlier wish";
+  EXPECT_FALSE(request.take(other)) << "an earlier request";
   other = echoOf(request);
   other.command_instance = 6;
   EXPECT_FALSE(request.take(other)) << "another process";
   other = echoOf(request);
   other.commander = "dashboard";
-  EXPECT_FALSE(request.take(other)) << "somebody else";
+  EXPECT_FALSE(request.take(other)) << "another sender";
   EXPECT_FALSE(request.answered());
 
   EXPECT_TRUE(request.take(echoOf(request)));
   EXPECT_TRUE(request.answered());
   EXPECT_EQ(request.refusal(), "");
-  EXPECT_TRUE(request.take(other)) << "answered for good";
+  EXPECT_TRUE(request.take(other)) << "it remains answered";
 }
 
-TEST(ExperimentRequest, KeepsTheFirstAnswersRefusal) {
+TEST(ExperimentRequest, KeepsTheRefusalOfTheFirstAnswer) {
   ExperimentRequest request = pauseRequest();
   experiment_status_t echo = echoOf(request);
   echo.refusal = "the script is over";
@@ -84,8 +84,9 @@ TEST(Remark, IsOneLineOfText) {
   EXPECT_NE(remarkProblem("\xC2\x9B"
                           "2J"),
             "")
-      << "what a terminal takes for an escape";
-  EXPECT_EQ(remarkProblem("\xC2\xA0"), "") << "the first character behind Latin-1's controls";
+      << "an escape sequence of a terminal";
+  EXPECT_EQ(remarkProblem("\xC2\xA0"), "")
+      << "the first character after the control characters of Latin-1";
   EXPECT_NE(remarkProblem("caf\xE9"), "") << "Latin-1";
 }
 

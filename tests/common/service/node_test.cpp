@@ -1,10 +1,11 @@
-// The service shell in virtual time: what it stamps, counts and says. House rule 4.
+// Node in virtual time: headers, counts and heartbeats.
 #include "common/service/node.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdint>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
@@ -39,7 +40,7 @@ class NodeTest : public testing::Test {
     });
   }
 
-  /// A status message as somebody else's bytes.
+  /// A status message from another sender, as bytes.
   void sendStatus(std::int64_t seq, const std::string& sender = "robot_bridge",
                   std::int64_t instance = 5) {
     robot_status_t status{};
@@ -121,7 +122,7 @@ TEST_F(NodeTest, KeepsTheNumberOfARepeatedCommand) {
   EXPECT_EQ(sentOf(nextBeat()).at("ROBOT_COMMAND"), 2);
 }
 
-TEST_F(NodeTest, SaysOncePerSecondThatItLives) {
+TEST_F(NodeTest, SendsAHeartbeatEverySecond) {
   dut_.start();
   bus_.deliver();
   ASSERT_EQ(beats_.size(), 1U);
@@ -138,7 +139,7 @@ TEST_F(NodeTest, SaysOncePerSecondThatItLives) {
   }
 }
 
-TEST_F(NodeTest, SaysAtOnceThatItIsReadyAndThatItIsNot) {
+TEST_F(NodeTest, ReportsReadinessAndFaultsAtOnce) {
   dut_.start();
   dut_.ready();
   bus_.deliver();
@@ -168,7 +169,7 @@ TEST_F(NodeTest, CountsGapsAndLateMessagesOfEveryStream) {
   int handled = 0;
   dut_.subscribe<robot_status_t>(channels::kRobotStatus, [&](const auto&) { ++handled; });
   dut_.start();
-  for (const std::int64_t seq : {1, 2, 6, 4}) sendStatus(seq);  // 3 and 5 lost, 4 late
+  for (const std::int64_t seq : {1, 2, 6, 4}) sendStatus(seq);  // 3 and 5 are lost, 4 is late
   for (const std::int64_t seq : {10, 11}) sendStatus(seq, "sim_svc", 6);
   const service_status_t& status = nextBeat();
   EXPECT_EQ(handled, 6);
@@ -182,12 +183,12 @@ TEST_F(NodeTest, CountsGapsAndLateMessagesOfEveryStream) {
   EXPECT_EQ(status.received[1].lost, 0);
 }
 
-TEST_F(NodeTest, CountsWhatItCannotDecodeAndHandlesOnlyTheRest) {  // facts 8 and 9
+TEST_F(NodeTest, CountsUndecodableMessagesAndDoesNotHandleThem) {
   int handled = 0;
   dut_.subscribe<robot_status_t>(channels::kRobotStatus, [&](const auto&) { ++handled; });
   dut_.start();
   sendStatus(1);
-  bus_.publish(channels::kRobotStatus, std::vector<std::uint8_t>{1, 2, 3});  // of no kind
+  bus_.publish(channels::kRobotStatus, std::vector<std::uint8_t>{1, 2, 3});  // no message
   std::vector<std::uint8_t> tail = encode(robot_status_t{});
   tail.push_back(0);
   bus_.publish(channels::kRobotStatus, tail);
@@ -203,7 +204,7 @@ TEST_F(NodeTest, CountsWhatItCannotDecodeAndHandlesOnlyTheRest) {  // facts 8 an
   EXPECT_EQ(status.received[1].decode_errors, 4);
 }
 
-TEST_F(NodeTest, SaysInEachClosingMessageWhatWasReallySent) {
+TEST_F(NodeTest, HasTheFinalCountsInEachClosingMessage) {
   dut_.start();
   loop_.every(kSecond / 50, kStart, [this] { publish<robot_status_t>(channels::kRobotStatus); });
   loop_.every(kSecond / 20, kStart, [this] { publish<sim_truth_t>(channels::kSimTruth); });
@@ -213,7 +214,7 @@ TEST_F(NodeTest, SaysInEachClosingMessageWhatWasReallySent) {
   bus_.deliver();
   ASSERT_EQ(beats_.size(), before + 5);
   EXPECT_EQ(on_bus_.at("ROBOT_STATUS"), 151);
-  for (std::size_t i = before; i < beats_.size(); ++i) {  // any one of them is enough
+  for (std::size_t i = before; i < beats_.size(); ++i) {  // each of them is complete
     EXPECT_EQ(beats_[i].state, service_status_t::ENDED);
     EXPECT_EQ(sentOf(beats_[i]), on_bus_);
   }
@@ -258,7 +259,7 @@ TEST(NodeLive, ShowsHostAndProcess) {
   EXPECT_EQ(heard.pid, getpid());
 }
 
-/// A transport that refuses every second message.
+/// A bus that refuses every second message.
 class MoodyBus final : public Bus {
  public:
   void publish(std::string_view /*channel*/, Bytes /*data*/) override {
@@ -271,7 +272,7 @@ class MoodyBus final : public Bus {
   int tried_ = 0;
 };
 
-TEST(NodeOnAFailingBus, CountsOnlyWhatTheTransportTook) {
+TEST(NodeOnAFailingBus, CountsOnlyMessagesThatWereSent) {
   VirtualLoop loop;
   MoodyBus bus;
   Node dut(bus, loop, {"sim_svc"});

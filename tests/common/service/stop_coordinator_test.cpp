@@ -23,7 +23,7 @@ robot_status_t status(std::vector<std::int32_t> ids, std::int64_t stop_seq, bool
   return message;
 }
 
-TEST(StopCoordinator, GoesOutAtOnceAndAtTenHertzUntilTheLastRobotEchoes) {
+TEST(StopCoordinator, RepeatsAStopAtTenHertzUntilTheLastRobotEchoes) {
   StopCoordinator dut;
   dut.take(status({1, 2}, 0, false), kNow);
   EXPECT_FALSE(dut.due(kNow));
@@ -39,15 +39,15 @@ TEST(StopCoordinator, GoesOutAtOnceAndAtTenHertzUntilTheLastRobotEchoes) {
   dut.take(status({1}, 77, true), kNow + 120 * kMs);
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{2});
-  EXPECT_FALSE(dut.took());
-  EXPECT_TRUE(dut.due(kNow + 60'000 * kMs)) << "a stop never tires while a robot is known";
+  EXPECT_FALSE(dut.responseTime());
+  EXPECT_TRUE(dut.due(kNow + 60'000 * kMs)) << "a stop is repeated as long as a robot is known";
   dut.take(status({2}, 77, true), kNow + 150 * kMs);
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopped);
-  EXPECT_EQ(dut.took(), 150 * kMs);
+  EXPECT_EQ(dut.responseTime(), 150 * kMs);
   EXPECT_FALSE(dut.due(kNow + 61'000 * kMs));
 }
 
-TEST(StopCoordinator, AnEchoOfAnotherStopOrWithoutTheLatchIsNone) {
+TEST(StopCoordinator, IgnoresEchoesOfOtherStopsOrWithoutTheLatch) {
   StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 76, true), kNow);
@@ -58,7 +58,7 @@ TEST(StopCoordinator, AnEchoOfAnotherStopOrWithoutTheLatchIsNone) {
   EXPECT_TRUE(dut.confirmed());
 }
 
-TEST(StopCoordinator, ARobotThatLosesItsLatchIsToldAgain) {
+TEST(StopCoordinator, RepeatsAStopForARobotThatLosesItsLatch) {
   StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 77, true), kNow + 50 * kMs);
@@ -66,10 +66,10 @@ TEST(StopCoordinator, ARobotThatLosesItsLatchIsToldAgain) {
   dut.take(status({1}, 0, false), kNow + 1000 * kMs);
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_TRUE(dut.due(kNow + 1000 * kMs));
-  EXPECT_EQ(dut.took(), 50 * kMs);
+  EXPECT_EQ(dut.responseTime(), 50 * kMs);
 }
 
-TEST(StopCoordinator, ForRobotsNotHeardYetItIsRepeatedForAWhile) {
+TEST(StopCoordinator, RepeatsAStopForRobotsThatHaveNotReportedYet) {
   StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 77, true), kNow);
@@ -78,7 +78,7 @@ TEST(StopCoordinator, ForRobotsNotHeardYetItIsRepeatedForAWhile) {
   EXPECT_FALSE(dut.due(kNow + StopCoordinator::kDiscovery_us));
 }
 
-TEST(StopCoordinator, WithoutAnyRobotItTiresAndConfirmsNothing) {
+TEST(StopCoordinator, GivesUpWithoutAnyRobotAndConfirmsNothing) {
   StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   EXPECT_TRUE(dut.due(kNow + StopCoordinator::kTimeout_us));
@@ -86,7 +86,7 @@ TEST(StopCoordinator, WithoutAnyRobotItTiresAndConfirmsNothing) {
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
 }
 
-TEST(StopCoordinator, AnExpectedRobotThatIsSilentIsUnconfirmed) {
+TEST(StopCoordinator, ASilentExpectedRobotIsUnconfirmed) {
   StopCoordinator dut;
   dut.expect(9);
   dut.stop("me", "", 77, kNow);
@@ -94,7 +94,7 @@ TEST(StopCoordinator, AnExpectedRobotThatIsSilentIsUnconfirmed) {
   EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{9});
 }
 
-TEST(StopCoordinator, RobotsOfAReplayAreNotCounted) {
+TEST(StopCoordinator, DoesNotCountReplayedRobots) {
   StopCoordinator dut;
   dut.expect(1);
   dut.take(status({1}, 0, false, robot_state_t::REPLAY), kNow);
@@ -102,7 +102,7 @@ TEST(StopCoordinator, RobotsOfAReplayAreNotCounted) {
   EXPECT_EQ(dut.total(), 0U);
 }
 
-TEST(StopCoordinator, FollowsTheStopsOfOthersAndTheirRepetitionByTheLab) {
+TEST(StopCoordinator, TracksTheStopsOfOthersAndTheirRepetitionByTheLab) {
   StopCoordinator dut;
   dut.take(status({1, 2}, 0, false), kNow);
   robot_stop_t stop{};
@@ -113,7 +113,7 @@ TEST(StopCoordinator, FollowsTheStopsOfOthersAndTheirRepetitionByTheLab) {
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopping);
   EXPECT_EQ(dut.by(), "lab_stop");
   EXPECT_EQ(dut.total(), 1U);
-  EXPECT_FALSE(dut.due(kNow)) << "it is not ours to repeat";
+  EXPECT_FALSE(dut.due(kNow)) << "requests of others are not repeated";
   dut.take(status({2}, 5, true), kNow + 30 * kMs);
   stop.sender = "lab";
   dut.take(stop, kNow + 40 * kMs);
@@ -139,7 +139,7 @@ TEST(StopCoordinator, ALateRepetitionDoesNotUndoTheRelease) {
   EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
 }
 
-TEST(StopCoordinator, CountsRobotsBeforeAnythingIsAsked) {
+TEST(StopCoordinator, CountsRobotsBeforeAnyRequest) {
   StopCoordinator dut;
   dut.take(status({1, 2}, 0, false), kNow);
   EXPECT_EQ(dut.total(), 2U);
@@ -159,7 +159,7 @@ TEST(StopCoordinator, ARobotThatAppearsAfterTheReleaseIsFree) {
   EXPECT_EQ(dut.total(), 2U);
 }
 
-TEST(StopCoordinator, RobotsThatStandWithoutAKnownRequestAreAStopOfAll) {
+TEST(StopCoordinator, InfersAStopFromRobotsThatAreStopped) {
   StopCoordinator dut;
   dut.expect(3);
   dut.take(status({1, 2}, 77, true), kNow);
@@ -167,8 +167,8 @@ TEST(StopCoordinator, RobotsThatStandWithoutAKnownRequestAreAStopOfAll) {
   EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{3});
   dut.take(status({3}, 76, true), kNow + 20 * kMs);
   EXPECT_EQ(dut.state(), StopCoordinator::State::kStopped);
-  EXPECT_FALSE(dut.took()) << "nobody knows when it was asked for";
-  EXPECT_FALSE(dut.due(kNow + 30 * kMs)) << "it is not ours to repeat";
+  EXPECT_FALSE(dut.responseTime()) << "the time of the request is not known";
+  EXPECT_FALSE(dut.due(kNow + 30 * kMs)) << "requests of others are not repeated";
   robot_stop_t late{};
   late.sender = "lab";
   late.seq = 77;
@@ -179,7 +179,7 @@ TEST(StopCoordinator, RobotsThatStandWithoutAKnownRequestAreAStopOfAll) {
   EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
 }
 
-TEST(StopCoordinator, AnAdoptedStopEndsWithItsLastStandingRobot) {
+TEST(StopCoordinator, AnInferredStopEndsWithItsLastStoppedRobot) {
   StopCoordinator dut;
   dut.take(status({1, 2}, 77, true), kNow);
   dut.take(status({1}, 78, false), kNow);
@@ -187,10 +187,10 @@ TEST(StopCoordinator, AnAdoptedStopEndsWithItsLastStandingRobot) {
   dut.take(status({2}, 78, false), kNow);
   EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
   dut.take(status({4}, 77, true, robot_state_t::REPLAY), kNow);
-  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree) << "robots of a replay are nobody's";
+  EXPECT_EQ(dut.state(), StopCoordinator::State::kFree) << "replayed robots are ignored";
 }
 
-TEST(StopCoordinator, AnotherRunKeepsAnOwnStopAndNoOther) {
+TEST(StopCoordinator, ANewRunKeepsOnlyItsOwnStop) {
   StopCoordinator dut;
   dut.stop("me", "", 77, kNow);
   dut.take(status({1}, 77, true), kNow);

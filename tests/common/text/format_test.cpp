@@ -4,12 +4,14 @@
 
 #include <limits>
 
+#include "common/math/units.hpp"
+
 namespace lab::report {
 namespace {
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+using units::kNan;
 
-TEST(People, GivesAsManyDigitsAsTheErrorAllows) {
+TEST(Format, RoundsToTheError) {
   EXPECT_EQ(valueText(0.748123, 0.0123), "0.748");
   EXPECT_EQ(valueText(12.3456, 1.7), "12.3");
   EXPECT_EQ(valueText(1234.5, 210), "1234");
@@ -19,7 +21,7 @@ TEST(People, GivesAsManyDigitsAsTheErrorAllows) {
   EXPECT_EQ(valueText(0.75, kNan), "0.75");
 }
 
-TEST(People, WritesPlainNumbersShort) {
+TEST(Format, ShortensNumbersWithoutError) {
   EXPECT_EQ(shortText(3), "3");
   EXPECT_EQ(shortText(0.40831), "0.4083");
   EXPECT_EQ(shortText(-20.50001), "-20.5");
@@ -28,7 +30,7 @@ TEST(People, WritesPlainNumbersShort) {
   EXPECT_EQ(shortText(std::numeric_limits<double>::infinity()), "–");
 }
 
-TEST(People, SaysDurationsInWords) {
+TEST(Format, FormatsDurations) {
   EXPECT_EQ(durationText(3.25), "3.2 s");
   EXPECT_EQ(durationText(60), "60 s");
   EXPECT_EQ(durationText(99.96), "1 min 40 s");
@@ -36,7 +38,7 @@ TEST(People, SaysDurationsInWords) {
   EXPECT_EQ(durationText(-2), "-2 s");
 }
 
-TEST(People, TurnsUnitsOfTheAnalysisIntoCentimetres) {
+TEST(Format, ConvertsUnitsToCentimetres) {
   EXPECT_EQ(displayUnit("m^2/s").text, "cm²/s");
   EXPECT_EQ(displayUnit("m^2/s").key, "cm2_s");
   EXPECT_DOUBLE_EQ(displayUnit("m^2/s").factor, 1e4);
@@ -44,20 +46,20 @@ TEST(People, TurnsUnitsOfTheAnalysisIntoCentimetres) {
   EXPECT_EQ(displayUnit("furlong").text, "furlong");
 }
 
-TEST(People, EscapesWhatHtmlWouldTakeForMarkup) {
+TEST(Format, EscapesHtml) {
   EXPECT_EQ(escapeHtml("<b a=\"1\" c='2'>&\x01"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;");
   EXPECT_EQ(symbolHtml("D_r"), "<i>D</i><sub>r</sub>");
   EXPECT_EQ(symbolHtml("gamma"), "<i>γ</i>");
   EXPECT_EQ(symbolHtml("<x>_<y>"), "<i>&lt;x&gt;</i><sub>&lt;y&gt;</sub>");
 }
 
-TEST(People, MakesWordsForFiles) {
+TEST(Format, MakesFileNames) {
   EXPECT_EQ(sanitizedFileName("noisy ABP"), "noisy_ABP");
   EXPECT_EQ(sanitizedFileName("../../etc"), "etc");
   EXPECT_EQ(sanitizedFileName("///"), "program");
 }
 
-TEST(People, GroupsLargeCounts) {
+TEST(Format, GroupsLargeCounts) {
   EXPECT_EQ(groupedText(999), "999");
   EXPECT_EQ(groupedText(1234567), "1\u202f234\u202f567");
   EXPECT_EQ(countText(1, "robot"), "1 robot");

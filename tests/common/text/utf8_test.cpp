@@ -10,7 +10,7 @@ std::string repaired(std::string text) {
   return text;
 }
 
-TEST(Utf8, LeavesWhatIsValid) {
+TEST(Utf8, LeavesValidTextUnchanged) {
   // The first and the last character of each length, and the neighbours of the surrogates.
   for (const char* text :
        {"", "abp", "\x7F", "\xC2\x80", "\xDF\xBF", "\xE0\xA0\x80", "\xED\x9F\xBF", "\xEE\x80\x80",
@@ -19,19 +19,19 @@ TEST(Utf8, LeavesWhatIsValid) {
   }
 }
 
-TEST(Utf8, ReplacesWhatIsNone) {
+TEST(Utf8, ReplacesInvalidBytes) {
   EXPECT_EQ(repaired("a\xFFz"), "a\uFFFDz");
-  EXPECT_EQ(repaired("a\x80"), "a\uFFFD") << "a byte that only goes on";
-  EXPECT_EQ(repaired("\xC0\xAF"), "\uFFFD\uFFFD") << "a slash in two bytes";
-  EXPECT_EQ(repaired("\xE0\x80\x80"), "\uFFFD\uFFFD\uFFFD") << "NUL in three bytes";
+  EXPECT_EQ(repaired("a\x80"), "a\uFFFD") << "a continuation byte alone";
+  EXPECT_EQ(repaired("\xC0\xAF"), "\uFFFD\uFFFD") << "an overlong slash";
+  EXPECT_EQ(repaired("\xE0\x80\x80"), "\uFFFD\uFFFD\uFFFD") << "an overlong NUL";
   EXPECT_EQ(repaired("\xED\xA0\x80"), "\uFFFD\uFFFD\uFFFD") << "a surrogate";
   EXPECT_EQ(repaired("\xF4\x90\x80\x80"), "\uFFFD\uFFFD\uFFFD\uFFFD") << "above U+10FFFF";
   EXPECT_EQ(repaired("caf\xE9 au lait"), "caf\uFFFD au lait") << "Latin-1";
-  EXPECT_EQ(repaired("\xE2\x82"), "\uFFFD") << "cut within a character";
+  EXPECT_EQ(repaired("\xE2\x82"), "\uFFFD") << "a truncated character";
   EXPECT_EQ(repaired("\xF0\x9F\x98z"), "\uFFFDz");
 }
 
-TEST(Utf8, TheStandardsExample) {
+TEST(Utf8, GivesTheResultOfTheStandardsExample) {
   // Unicode 15, table 3-8.
   EXPECT_EQ(repaired("\x61\xF1\x80\x80\xE1\x80\xC2\x62\x80\x63\x80\xBF\x64"),
             "a\uFFFD\uFFFD\uFFFDb\uFFFDc\uFFFD\uFFFDd");

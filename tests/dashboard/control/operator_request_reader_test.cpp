@@ -1,13 +1,15 @@
 #include "dashboard/control/operator_request_reader.hpp"
 
+#include <gtest/gtest.h>
+
 namespace lab::dashboard {
 namespace {
 
 template <class T>
 T read(const std::string& json) {
   const auto found = readOperatorRequest(json);
-  if (const auto* bad = std::get_if<InvalidRequest>(&found)) {
-    ADD_FAILURE() << json << ": " << bad->why;
+  if (const auto* invalid = std::get_if<InvalidRequest>(&found)) {
+    ADD_FAILURE() << json << ": " << invalid->why;
     return {};
   }
   EXPECT_TRUE(std::holds_alternative<T>(std::get<OperatorRequest>(found))) << json;
@@ -16,11 +18,11 @@ T read(const std::string& json) {
 
 std::string why(const std::string& json) {
   const auto found = readOperatorRequest(json);
-  const auto* bad = std::get_if<InvalidRequest>(&found);
-  return bad ? bad->why : "taken";
+  const auto* invalid = std::get_if<InvalidRequest>(&found);
+  return invalid ? invalid->why : "accepted";
 }
 
-TEST(WishReader, ReadsEveryWish) {
+TEST(OperatorRequestReader, ReadsEveryRequest) {
   EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":"hand in the arena, \u00e4"})").reason,
             "hand in the arena, \xc3\xa4");
   read<ReleaseStop>(R"({"wish":"release_stop"})");
@@ -36,7 +38,7 @@ TEST(WishReader, ReadsEveryWish) {
   EXPECT_EQ(read<SpeedLog>(R"({"wish":"speed","speed":10})").speed, 10);
 }
 
-TEST(WishReader, SaysWhatIsWrongAndWhatWasExpected) {
+TEST(OperatorRequestReader, SaysWhatWasFoundAndWhatWasExpected) {
   EXPECT_EQ(why(R"({"wish":"mark"})"), "text: missing, expected a text");
   EXPECT_EQ(why(R"({"wish":"mark","text":3})"), "text: found number, expected a text");
   EXPECT_EQ(why(R"({"wish":"pause","x":1})"), "found the key \"x\", expected only wish");
@@ -46,7 +48,7 @@ TEST(WishReader, SaysWhatIsWrongAndWhatWasExpected) {
   EXPECT_EQ(why("[]"), "found array, expected a JSON object");
 }
 
-TEST(WishReader, WrongWordsDoNotKeepAStopBack) {
+TEST(OperatorRequestReader, AnInvalidReasonDoesNotPreventAStop) {
   EXPECT_EQ(read<StopRobots>(R"({"wish":"stop"})").reason, "");
   EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":3})").reason, "");
   EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":"two\nlines"})").reason, "");
@@ -54,7 +56,7 @@ TEST(WishReader, WrongWordsDoNotKeepAStopBack) {
   EXPECT_EQ(read<StopRobots>(R"({"wish":"stop","reason":")" + huge + "\"}").reason, "");
 }
 
-TEST(WishReader, CountsCharactersAndNotBytes) {
+TEST(OperatorRequestReader, CountsCharactersAndNotBytes) {
   std::string text;
   for (int i = 0; i < 500; ++i) text += "\xc3\xa4";
   EXPECT_EQ(read<MarkRun>(R"({"wish":"mark","text":")" + text + "\"}").text, text);
@@ -62,7 +64,7 @@ TEST(WishReader, CountsCharactersAndNotBytes) {
             "text: found 501 characters, expected at most 500");
 }
 
-TEST(WishReader, RefusesWhatIsNoWish) {
+TEST(OperatorRequestReader, RefusesInvalidRequests) {
   const std::string deep = std::string(60000, '[');
   const std::string huge = R"({"wish":"mark","text":")" + std::string(501, 'a') + "\"}";
   for (const std::string& json : {std::string(),
@@ -87,7 +89,7 @@ TEST(WishReader, RefusesWhatIsNoWish) {
                                   std::string("{\"wish\":\"mark\",\"text\":\"\xff\"}"),
                                   std::string(R"({"wish":"mark","text":"two\nlines"})"),
                                   std::string(R"({"wish":"mark","text":{"a":[[[1]]]}})")}) {
-    EXPECT_NE(why(json), "taken") << json.substr(0, 80);
+    EXPECT_NE(why(json), "accepted") << json.substr(0, 80);
   }
 }
 

@@ -1,6 +1,10 @@
 #include "dashboard/library/library_routes.hpp"
 
+#include <gtest/gtest.h>
+
+#include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include "tests/dashboard/web/web_fixture.hpp"
 #include "tests/support/text_file.hpp"
@@ -34,14 +38,15 @@ constexpr const char* kSummary = R"({"format": 1, "experiment": "abp", "duration
 void makeRun(const fs::path& folder) {
   support::writeFile(folder / "experiment.toml", "name = \"abp\"\n");
   support::writeFile(folder / "summary.json", kSummary);
-  support::writeFile(folder / "provenance.json", R"({"started": "2026-01-31T12:00:00Z", "faults": []})");
+  support::writeFile(folder / "provenance.json",
+                     R"({"started": "2026-01-31T12:00:00Z", "faults": []})");
   support::writeFile(folder / "report.html", "<html>report</html>");
   support::writeFile(folder / "trajectory_program.svg", "<svg/>");
   support::writeFile(folder / "figures" / "msd_abp.csv", "lag_s\n");
   support::writeFile(folder / "log.lcmlog", "secret");
 }
 
-TEST(RunList, ListsWhatARunSaysOfItself) {
+TEST(RunList, ListsRunsWithTheirFacts) {
   const TemporaryFolder folder;
   makeRun(folder / "abp-20260131T120000Z");
   RunList list(folder / "");
@@ -62,15 +67,17 @@ TEST(RunList, ListsWhatARunSaysOfItself) {
   EXPECT_EQ(run.problem, "");
 }
 
-TEST(RunList, ListsBrokenAndHalfWrittenRunsAsSuch) {
+TEST(RunList, ListsDamagedAndIncompleteRunsWithAProblem) {
   const TemporaryFolder folder;
   support::writeFile(folder / "running-20260301T000000Z/experiment.toml", "");
   const std::string whole = kSummary;
-  support::writeFile(folder / "broken-20260201T000000Z/summary.json", whole.substr(0, whole.size() / 2));
+  support::writeFile(folder / "broken-20260201T000000Z/summary.json",
+                     whole.substr(0, whole.size() / 2));
   support::writeFile(folder / "other-20260101T000000Z/summary.json", R"({"some": "thing"})");
   support::writeFile(folder / "odd-20251201T000000Z/summary.json",
-        R"({"format": 1, "programs": 3, "losses": [1]})");
-  support::writeFile(folder / "odd-20251201T000000Z/provenance.json", R"({"started": 5, "faults": "x"})");
+                     R"({"format": 1, "programs": 3, "losses": [1]})");
+  support::writeFile(folder / "odd-20251201T000000Z/provenance.json",
+                     R"({"started": 5, "faults": "x"})");
   support::writeFile(folder / "nothing/readme.txt", "");
   support::writeFile(folder / "file", "");
   RunList list(folder / "");
@@ -84,7 +91,7 @@ TEST(RunList, ListsBrokenAndHalfWrittenRunsAsSuch) {
   EXPECT_EQ(RunList(folder / "none").json(), "[]");
 }
 
-TEST(RunList, SeesARunThatChangedOrWentAway) {
+TEST(RunList, NoticesChangedAndRemovedRuns) {
   const TemporaryFolder folder;
   support::writeFile(folder / "a/experiment.toml", "");
   RunList list(folder / "");
@@ -95,7 +102,7 @@ TEST(RunList, SeesARunThatChangedOrWentAway) {
   EXPECT_THAT(list.runs(), IsEmpty());
 }
 
-TEST(RunList, GivesOnlyFilesOfTheReport) {
+TEST(RunList, ServesOnlyFilesOfTheReport) {
   const TemporaryFolder folder;
   makeRun(folder / "runs/a");
   support::writeFile(folder / "secret.json", "{}");
@@ -124,30 +131,30 @@ class LibraryTest : public WebTest {
   const std::string kRun = "/api/runs/abp-20260131T120000Z/";
 };
 
-TEST_F(LibraryTest, ServesRunsWithoutTrustingThem) {
-  EXPECT_THAT(ask("GET", "/api/runs"), HasSubstr(R"("verdict":"agrees","max_z":1.5)"));
-  EXPECT_THAT(ask("GET", kRun + "report.html"),
+TEST_F(LibraryTest, RestrictsFilesOfRunsInTheBrowser) {
+  EXPECT_THAT(send("GET", "/api/runs"), HasSubstr(R"("verdict":"agrees","max_z":1.5)"));
+  EXPECT_THAT(send("GET", kRun + "report.html"),
               AllOf(StartsWith("HTTP/1.1 200"),
                     HasSubstr("Content-Security-Policy: sandbox allow-scripts;"),
                     EndsWith("<html>report</html>")));
-  EXPECT_THAT(ask("GET", kRun + "trajectory_program.svg"),
+  EXPECT_THAT(send("GET", kRun + "trajectory_program.svg"),
               AllOf(HasSubstr("Content-Type: image/svg+xml"),
                     HasSubstr("Content-Security-Policy: sandbox;"), EndsWith("<svg/>")));
-  EXPECT_THAT(ask("GET", kRun + "figures/msd_abp.csv"), HasSubstr("Content-Type: text/csv"));
+  EXPECT_THAT(send("GET", kRun + "figures/msd_abp.csv"), HasSubstr("Content-Type: text/csv"));
   for (const char* name : {"log.lcmlog", "none.svg", "figures%2fmsd_abp.csv", ""}) {
-    EXPECT_EQ(statusOf(ask("GET", kRun + name)), "404") << name;
+    EXPECT_EQ(statusOf(send("GET", kRun + name)), "404") << name;
   }
 }
 
-TEST_F(LibraryTest, SendsLargeFilesWhole) {
+TEST_F(LibraryTest, SendsLargeFilesCompletely) {
   std::string text;
   for (int i = 0; i < 400'000; ++i) text += std::to_string(i) + "\n";
   support::writeFile(folder_ / "runs/abp-20260131T120000Z/trajectories.csv", text);
-  EXPECT_THAT(ask("GET", kRun + "trajectories.csv"), EndsWith("\r\n\r\n" + text));
+  EXPECT_THAT(send("GET", kRun + "trajectories.csv"), EndsWith("\r\n\r\n" + text));
 }
 
 TEST_F(LibraryTest, ComparesRuns) {
-  const std::string answer = ask("GET", "/api/compare?runs=abp-20260131T120000Z");
+  const std::string answer = send("GET", "/api/compare?runs=abp-20260131T120000Z");
   EXPECT_THAT(answer,
               HasSubstr(R"("curves":[{"name":"msd","unit":"cm²","lag":[0.1,0.2],"value":[1,2],)"
                         R"("sigma":[0.1,0.2],"exact":[1,2.1],"paper":[1,2.2],"windows":[9,8],)"
@@ -156,13 +163,13 @@ TEST_F(LibraryTest, ComparesRuns) {
               HasSubstr(R"({"name":"D_r","unit":"rad²/s","value":0.7,"sigma":0.1,"low":0.5,)"
                         R"("high":0.9,"theory":0.75,"note":"x"})"));
   EXPECT_THAT(answer, HasSubstr(R"({"name":"L_s","unit":"cm",)"));
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=abp-20260131T120000Z,none")), "404");
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=..%2f..")), "404");
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=a,b,c,d,e,f,g,h,i")), "404");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=abp-20260131T120000Z,none")), "404");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=..%2f..")), "404");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=a,b,c,d,e,f,g,h,i")), "404");
   support::writeFile(folder_ / "runs/half/experiment.toml", "");
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=half")), "409");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
   support::writeFile(folder_ / "runs/half/summary.json", "{");
-  EXPECT_EQ(statusOf(ask("GET", "/api/compare?runs=half")), "409");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
 }
 
 }  // namespace

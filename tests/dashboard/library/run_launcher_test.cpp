@@ -1,14 +1,17 @@
 #include "dashboard/library/run_launcher.hpp"
 
+#include <gtest/gtest.h>
+
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 #include <thread>
 
 #include "dashboard/control/json_object_reader.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/text_file.hpp"
 
-namespace lab::dashboard::lab_starter_test {
+namespace lab::dashboard::run_launcher_test {
 namespace {
 
 namespace fs = std::filesystem;
@@ -17,13 +20,14 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-const std::atomic<bool> kGoOn = false;
+const std::atomic<bool> kNoStop = false;
 
-/// With a `lab` that is a script.
-class LabStarterTest : public testing::Test {
+/// Uses a shell script in place of `lab`.
+class RunLauncherTest : public testing::Test {
  protected:
-  LabStarterTest() {
-    support::writeFile(folder_ / "shipped/abp.toml", "name = \"abp\"\ndescription = \"ABP\"\n[programs.abp]\n");
+  RunLauncherTest() {
+    support::writeFile(folder_ / "shipped/abp.toml",
+                       "name = \"abp\"\ndescription = \"ABP\"\n[programs.abp]\n");
     support::writeFile(folder_ / "own/mine.toml", "name = \"mine\"\n[[robots]]\nid = 1\n");
     support::writeFile(folder_ / "own/camera.toml", "width_px = 3\n");
     support::writeFile(folder_ / "own/broken.toml", "name = \n");
@@ -35,8 +39,8 @@ class LabStarterTest : public testing::Test {
   }
   json whenEnded() {
     while (true) {
-      json told = json::parse(launcher_.started(true));
-      if (told["state"] != "running") return told;
+      json started = json::parse(launcher_.started(true));
+      if (started["state"] != "running") return started;
       std::this_thread::sleep_for(2ms);
     }
   }
@@ -45,15 +49,15 @@ class LabStarterTest : public testing::Test {
   RunLauncher launcher_{{folder_ / "bin", folder_ / "shipped", folder_ / "runs", folder_ / "own"}};
 };
 
-TEST_F(LabStarterTest, ListsShippedAndOwnExperiments) {
+TEST_F(RunLauncherTest, ListsShippedExperimentsAndThoseOfTheUser) {
   EXPECT_EQ(json::parse(launcher_.experiments()), json::parse(R"([
     {"file": "shipped/abp.toml", "name": "abp", "description": "ABP", "shipped": true},
-    {"file": "broken.toml", "name": "broken", "description": "no TOML from line 1 on", "shipped": false},
+    {"file": "broken.toml", "name": "broken", "description": "syntax error in line 1", "shipped": false},
     {"file": "mine.toml", "name": "mine", "description": "", "shipped": false},
     {"file": "experiments/deep.toml", "name": "deep", "description": "", "shipped": false}])"));
 }
 
-TEST_F(LabStarterTest, SaysWhatLabCheckSays) {
+TEST_F(RunLauncherTest, PassesOnTheOutputOfLabCheck) {
   lab("for a in \"$@\"; do echo \"<$a>\"; done; echo bad key >&2; exit 2\n");
   const auto answer = launcher_.check(R"({"file":"mine.toml","set":["duration_s=5","a='$(id)'"]})");
   EXPECT_EQ(answer.status, 200);
@@ -66,7 +70,7 @@ TEST_F(LabStarterTest, SaysWhatLabCheckSays) {
             true);
 }
 
-TEST_F(LabStarterTest, TakesOnlyListedFilesAndWholeOrders) {
+TEST_F(RunLauncherTest, AcceptsOnlyListedFilesAndCompleteRequests) {
   lab("exit 0\n");
   for (const char* file :
        {"/etc/passwd", "../own/mine.toml", "camera.toml", "abp.toml", "", "--help"}) {
@@ -84,7 +88,7 @@ TEST_F(LabStarterTest, TakesOnlyListedFilesAndWholeOrders) {
   EXPECT_EQ(json::parse(launcher_.started(true))["state"], "none");
 }
 
-TEST_F(LabStarterTest, StartsOneRunAndFollowsIt) {
+TEST_F(RunLauncherTest, StartsOneRunAndReportsItsProgress) {
   lab("echo \"run      /x/runs/mine-1\"; echo \"page http://127.0.0.1:1/#token=secret now\"\n"
       "for a in \"$@\"; do case $a in --web-address-file=*) f=${a#*=};; esac; done\n"
       "echo http://127.0.0.1:1/#token=secret > $f\n"
@@ -112,7 +116,7 @@ TEST_F(LabStarterTest, StartsOneRunAndFollowsIt) {
   EXPECT_THAT(output, Not(HasSubstr("--web")));
 }
 
-TEST_F(LabStarterTest, SaysThatTheProgramIsNotThere) {
+TEST_F(RunLauncherTest, SaysThatTheProgramIsMissing) {
   EXPECT_THROW(
       static_cast<void>(launcher_.start(R"({"file":"mine.toml","set":[],"virtual_time":true})")),
       std::runtime_error);
@@ -121,30 +125,31 @@ TEST_F(LabStarterTest, SaysThatTheProgramIsNotThere) {
 TEST(LabCommand, KeepsTheEndOfLongOutput) {
   const CommandResult result = runCommand(
       {"/bin/sh", "-c", "i=0; while [ $i -lt 20000 ]; do echo line $i; i=$((i+1)); done"}, 60s,
-      kGoOn);
+      kNoStop);
   EXPECT_EQ(result.code, 0);
   EXPECT_LE(result.output.size(), 16384U);
   EXPECT_THAT(result.output, testing::StartsWith("line "));
   EXPECT_THAT(result.output, testing::EndsWith("line 19999\n"));
 }
 
-TEST(LabCommand, EndsWhatTakesTooLongWithItsChildren) {
+TEST(LabCommand, KillsACommandAndItsChildrenAfterTheTimeout) {
   const CommandResult result =
-      runCommand({"/bin/sh", "-c", "echo a; sleep 1000 & wait"}, 200ms, kGoOn);
-  EXPECT_TRUE(result.late);
+      runCommand({"/bin/sh", "-c", "echo a; sleep 1000 & wait"}, 200ms, kNoStop);
+  EXPECT_TRUE(result.was_killed);
   EXPECT_EQ(result.output, "a\n");
   EXPECT_EQ(result.code, 128 + 9);
 }
 
-TEST(LabCommand, EndsWhenItIsToldTo) {
-  EXPECT_TRUE(runCommand({"/bin/sh", "-c", "sleep 1000"}, 1000s, std::atomic<bool>(true)).late);
+TEST(LabCommand, KillsTheCommandWhenStopIsSet) {
+  EXPECT_TRUE(
+      runCommand({"/bin/sh", "-c", "sleep 1000"}, 1000s, std::atomic<bool>(true)).was_killed);
 }
 
-TEST(LabCommand, CutsAtLinesAndCharacters) {
+TEST(LabCommand, CutsAtTheBeginOfALineOrCharacter) {
   EXPECT_EQ(tailOf("short", 100), "short");
   EXPECT_EQ(tailOf("one\ntwo\nthree", 8), "three");
   EXPECT_EQ(tailOf("\xc3\xa4\xc3\xa4\xc3\xa4", 3), "\xc3\xa4");
 }
 
 }  // namespace
-}  // namespace lab::dashboard::lab_starter_test
+}  // namespace lab::dashboard::run_launcher_test

@@ -1,8 +1,8 @@
-"""The page in a browser beside a real lab: twenty simulated robots, every process as users start it.
+"""Tests the page in a browser with a real lab: twenty simulated robots, all services as processes.
 
   tests/in_private_network.sh /usr/bin/python3 tests/dashboard/page/lab_page_test.py FOLDER_OF_PROGRAMS EXPERIMENTS
 
-77: no chromium or no selenium here. With LAB_LONG=1 the bus is silent for 30 s, else for 6 s.
+Exit status 77: chromium or selenium is missing. With LAB_LONG=1 the bus is silent for 30 s, else 6 s.
 """
 
 import json
@@ -24,14 +24,14 @@ from page_case import LOST_SERVER, Keys, PageTest, browser
 
 PORT = 28490
 SILENCE_S = 30 if os.environ.get("LAB_LONG") else 6
-REACHED_MS = 200  # a stop, by every robot
-# Two poses of a robot that stands differ by the tracker's noise, 0.04 cm in each direction; one that
-# drives goes ten times as far in a second and a half.
+MAX_STOP_MS = 200  # until every robot has confirmed a stop
+# Two poses of a resting robot differ by the tracker's noise, 0.04 cm in each direction. A moving robot
+# covers ten times as much in 1.5 s.
 MOVED_CM = 0.3
 
 
 class Lab:
-    """`lab run --web` and all it starts."""
+    """The process `lab run --web` and its children."""
 
     def __init__(self, programs, experiments, folder, name="swarm", *more):
         self.folder = pathlib.Path(folder)
@@ -42,20 +42,20 @@ class Lab:
              "--out", self.folder / "runs", "--set", f"dashboard.port={PORT}", *more],
             stdout=self.output, stderr=subprocess.STDOUT, env=environment)
 
-    def said(self):
+    def printed(self):
         return (self.folder / "output").read_text(encoding="utf-8")
 
     def address(self):
         end = time.monotonic() + 20
         while time.monotonic() < end and self.process.poll() is None:
-            found = re.search(r"web\s+(http://\S+#token=\S+)", self.said())
+            found = re.search(r"web\s+(http://\S+#token=\S+)", self.printed())
             if found:
                 return found[1]
             time.sleep(0.05)
-        raise AssertionError("no address in: " + self.said())
+        raise AssertionError("no address in: " + self.printed())
 
     def children(self):
-        """pid by name of program."""
+        """Process ids by name of the executable."""
         found = {}
         for entry in pathlib.Path("/proc").glob("[0-9]*"):
             try:
@@ -78,7 +78,7 @@ class Lab:
             self.output.close()
 
 
-class BesideALab(PageTest):
+class WithALab(PageTest):
     server_goes = True
     token = True
 
@@ -89,12 +89,12 @@ class BesideALab(PageTest):
         self.addCleanup(self.lab.end)
         self.address = self.lab.address()
         self.addCleanup(browser.get, "about:blank")
-        # So high that curves are in sight: what is not is not drawn.
+        # High enough for the curves to be visible, because invisible ones are not drawn.
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
             "width": 1280, "height": 2200, "deviceScaleFactor": 1, "mobile": False})
         browser.get_log("browser")
         browser.get(self.address)
-        # Looked at from the first moment on, in the page itself.
+        # Measures in the page when the first analysis arrives and when the first curve is drawn.
         browser.execute_script("""
             window.seen = {};
             const note = (name, is) => { if (is && !seen[name]) seen[name] = performance.now(); };
@@ -116,20 +116,20 @@ class BesideALab(PageTest):
                 if i in before and math.hypot(after[i]["x"] - before[i]["x"],
                                               after[i]["y"] - before[i]["y"]) > MOVED_CM]
 
-    def test_a_lab_is_seen_stopped_and_seen_again(self):
+    def test_shows_and_stops_a_lab_also_after_a_reload(self):
         self.until("labPage.robots().length === 20")
         self.assertGreater(len(self.moved()), 10)
 
         self.until("seen.curve", 20)
         after = self.js("seen.curve - seen.analysis")
-        print(f"the MSD stands {after:.0f} ms after the first ANALYSIS")
+        print(f"the MSD is drawn {after:.0f} ms after the first ANALYSIS")
         self.assertLess(after, 2000)
 
         self.press(Keys.SPACE)
         self.until("labPage.controls.stopText.startsWith('stopped: all 20 robots')")
         took = self.js("labPage.stream.topics.get('stop').took_ms")
         print(f"STOP reached all 20 robots in {took:.0f} ms; the page: {self.text('stop-state')}")
-        self.assertLess(took, REACHED_MS)
+        self.assertLess(took, MAX_STOP_MS)
         self.until("labPage.stream.topics.get('robots').every(robot => robot.stopped)")
         time.sleep(0.5)
         self.assertEqual([], self.moved())
@@ -139,34 +139,34 @@ class BesideALab(PageTest):
         self.until("labPage.controls.stopText.startsWith('stopped: all 20 robots')")
         self.assertTrue(self.js("labPage.controls.control"))
 
-        self.wish("release_stop")
+        self.send_request("release_stop")
         self.until("labPage.stream.topics.get('stop').state === 'free'")
         self.assertGreater(len(self.moved()), 10)
         self.assertEqual([], self.console())
 
-    def test_a_server_that_is_killed_comes_back(self):
+    def test_continues_after_the_server_is_killed_and_restarted(self):
         browser.execute_script("window.notReloaded = true")
         server = self.lab.children()["dashboard"]
         os.kill(server, signal.SIGSTOP)
-        self.says("banner", "no word from the server since")
+        self.says("banner", "no message from the server since")
         os.kill(server, signal.SIGKILL)
         self.until("document.getElementById('banner').hidden", 20)
         self.until("labPage.robots().length === 20")
         self.assertTrue(self.js("window.notReloaded"))
-        self.press(Keys.SPACE)  # the token is still the one
+        self.press(Keys.SPACE)  # the token is still valid
         self.until("labPage.controls.stopText.startsWith('stopped: all 20 robots')")
         self.assertEqual([], self.console())
 
-    def test_a_lab_that_is_silent_is_waited_for(self):
+    def test_waits_for_a_silent_lab(self):
         self.until("labPage.robots().length === 20")
         quiet = [pid for name, pid in self.lab.children().items() if name != "dashboard"]
         quiet.append(self.lab.process.pid)
         for pid in quiet:
             os.kill(pid, signal.SIGSTOP)
         try:
-            self.says("banner", "the lab is silent for")
+            self.says("banner", "no message from the lab for")
             time.sleep(SILENCE_S)
-            self.assertIn("the lab is silent for", self.text("banner"))
+            self.assertIn("no message from the lab for", self.text("banner"))
         finally:
             for pid in quiet:
                 os.kill(pid, signal.SIGCONT)
@@ -174,7 +174,7 @@ class BesideALab(PageTest):
         self.until("labPage.robots().length === 20")
         self.assertEqual([], self.console())
 
-    def test_a_client_that_does_not_read_is_nobody_elses_trouble(self):
+    def test_clients_that_do_not_read_do_not_slow_down_others(self):
         slow = [socket.create_connection(("127.0.0.1", PORT)) for _ in range(5)]
         for client in slow:
             self.addCleanup(client.close)
@@ -184,25 +184,25 @@ class BesideALab(PageTest):
         frames = self.js("labPage.view.arena.frames")
         time.sleep(2)
         came = self.js("labPage.view.arena.frames") - frames
-        print(f"beside five clients that do not read: {came / 2:.0f} frames a second")
+        print(f"beside five clients that do not read: {came / 2:.0f} frames per second")
         self.assertGreater(came, 20)
         self.until("labPage.stream.topics.get('health').server.viewers >= 1")
 
-    def test_a_script_is_paused_marked_and_ended_from_the_page(self):
+    def test_pauses_marks_and_ends_a_script(self):
         self.until("labPage.stream.topics.get('script')?.phase === 'script'", 20)
-        self.wish("pause")
+        self.send_request("pause")
         self.until("labPage.stream.topics.get('script').phase === 'paused'")
-        self.wish("resume")
+        self.send_request("resume")
         self.until("labPage.stream.topics.get('script').phase === 'script'")
-        self.wish("mark", text="seen <b>by</b> the page")
+        self.send_request("mark", text="seen <b>by</b> the page")
         self.until("labPage.stream.topics.get('timeline').marks"
                    ".some(mark => mark.text === 'dashboard: seen <b>by</b> the page')")
-        self.wish("light", intensity=0.75, hold_s=0)
+        self.send_request("light", intensity=0.75, hold_s=0)
         self.until("labPage.stream.topics.get('light').manual"
                    " && Math.abs(labPage.stream.topics.get('light').mean - 0.75) < 0.01")
-        self.wish("release_light")
+        self.send_request("release_light")
         self.until("!labPage.stream.topics.get('light').manual")
-        self.wish("end", why="seen enough")
+        self.send_request("end", why="seen enough")
         self.says("banner", "the run has ended")
         self.assertEqual(0, self.lab.process.wait(30))
         self.assertEqual([], self.console())
@@ -211,7 +211,7 @@ class BesideALab(PageTest):
         return [entry for entry in browser.get_log("browser")
                 if not any(word in entry["message"] for word in LOST_SERVER)]
 
-    def wish(self, name, **fields):
+    def send_request(self, name, **fields):
         token = self.address.split("#token=")[1]
         request = urllib.request.Request(
             f"http://127.0.0.1:{PORT}/api/wish", json.dumps({"wish": name, **fields}).encode(),

@@ -1,6 +1,5 @@
-"""A lab that is none, behind the dashboard's page: it serves the page and speaks docs/dashboard.md,
-so that the page can be looked at and tested without a bus, a robot or a build.
-Standard library only.
+"""A mock of the dashboard server: serves the page and the interface of docs/dashboard.md, so that the
+page can be used and tested without a bus, robots or a build. Needs only the standard library.
 
   mock_lab.py [--port 8480] [--robots 20] [--read-only] [--replay] [--no-lab]
 """
@@ -21,7 +20,7 @@ import mock_topics
 
 HERE = pathlib.Path(__file__).resolve().parent
 PAGE = HERE.parents[2] / "dashboard" / "page"
-ELSEWHERE = {"d3.min.js": pathlib.Path("/usr/share/javascript/d3/d3.min.js"),
+OTHER_FILES = {"d3.min.js": pathlib.Path("/usr/share/javascript/d3/d3.min.js"),
              "d3_licence.txt": pathlib.Path("/usr/share/doc/libjs-d3/copyright")}
 TYPES = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8",
          ".css": "text/css; charset=utf-8", ".svg": "image/svg+xml", ".txt": "text/plain"}
@@ -31,7 +30,7 @@ TOKEN = "0123456789abcdef0123456789abcdef"
 
 
 def png(columns, rows, shade):
-    """A grey picture: shade(column, row) -> 0..255."""
+    """A grey PNG picture. shade(column, row) returns 0..255."""
     def chunk(kind, data):
         body = kind + data
         return struct.pack(">I", len(data)) + body + struct.pack(">I", zlib.crc32(body))
@@ -43,19 +42,19 @@ def png(columns, rows, shade):
 
 
 class MockLab:
-    """Plays a lab on 127.0.0.1. `silent`: no robot, no service is heard. world.deaf: who never
-    confirms a stop. stop_serving() and serve() on the same port are a restart of the server."""
+    """Serves a simulated lab on 127.0.0.1. `silent`: no message arrives from the lab. world.deaf: robots
+    that never confirm a stop. stop_serving() and then serve() restart the server on the same port."""
 
     def __init__(self, robots=20, port=0, read_only=False, replay=False, lab=True, pools=math.inf):
         self.world = mock_topics.World(robots, replay)
         self.read_only = read_only
         self.has_lab = lab
         self.silent = False
-        self.mute = False  # the server itself says nothing although the connection stands
-        self.broken = set()  # paths that are answered with 503
-        self.pools = pools  # how often yet the analyzer speaks
+        self.mute = False  # the server sends nothing although the connection is open
+        self.broken = set()  # paths that respond with 503
+        self.pools = pools  # number of further results of the analyzer
         self.port = port
-        self.wishes = []  # (time, body)
+        self.operator_requests = []  # (time, body)
         self.requests = []  # (method, path)
         self.started = {"state": "none", "code": None, "output": "", "address": None, "run": None}
         self.topics = {}
@@ -98,12 +97,12 @@ class MockLab:
                                        "bus_silent_s": round(now - heard, 1)})
             time.sleep(max(0.0, 0.05 - (time.monotonic() - now)))
 
-    def wish(self, body):
+    def take_request(self, body):
         """@return (code, answer)"""
         if not isinstance(body, dict) or not isinstance(body.get("wish"), str):
             return 400, {"error": "expected {\"wish\": NAME, ...}"}
-        self.wishes.append((time.monotonic(), body))
-        note = self.world.wish(body)
+        self.operator_requests.append((time.monotonic(), body))
+        note = self.world.take_request(body)
         if self.has_lab:
             self.publish("stop", self.world.stop())
         if note.startswith("refused"):
@@ -199,7 +198,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.answer(200, png(160, 120, lambda c, r: (c + r + world.ticks) % 256),
                                "image/png")
         if path.startswith("/api/ask/"):
-            found = world.ask(path[9:], which.get("which", [""])[0])
+            found = world.query(path[9:], which.get("which", [""])[0])
             return self.answer(404,
                                {"error": "no such thing"}) if found is None else self.answer(200,
                                                                                              found)
@@ -219,7 +218,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
 
     def file(self, path):
         name = "index.html" if path == "/" else path[6:]
-        file = ELSEWHERE.get(name, PAGE / name)
+        file = OTHER_FILES.get(name, PAGE / name)
         if "/" in name or not file.is_file():
             return self.answer(404, {"error": "no such file"})
         return self.answer(200, file.read_bytes(), TYPES.get(file.suffix, "text/plain"))
@@ -251,7 +250,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
         except ValueError:
             return self.answer(400, {"error": "not JSON"})
         if self.path == "/api/wish":
-            return self.answer(*self.lab.wish(order))
+            return self.answer(*self.lab.take_request(order))
         if self.path == "/api/check":
             bad = [s for s in order.get("set", []) if "=" not in s]
             return self.answer(200,

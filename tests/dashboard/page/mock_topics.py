@@ -1,4 +1,4 @@
-"""What the mock lab tells: plausible numbers in the form of docs/dashboard.md."""
+"""The data of the mock lab: plausible numbers in the form of docs/dashboard.md."""
 
 import math
 import random
@@ -312,9 +312,9 @@ class World:
                                                                                  i + 1)["curves"],
                  "estimates": self.pool(0, i + 1)["estimates"]} for i, run in enumerate(runs)]
 
-    # --- asked and wished
+    # --- queries and requests
 
-    def ask(self, what, which):
+    def query(self, what, which):
         if what == "trails":
             return {"step_s": 0.25, "robots": {str(r["id"]): r["trail"] for r in self.robots}}
         robot = next((r for r in self.robots if str(r["id"]) == which), None)
@@ -343,7 +343,7 @@ class World:
             return [self.pool(robot["program"], robot["id"])]
         return None
 
-    def wish(self, body):
+    def take_request(self, body):
         kind = body["wish"]
         if self.replay and kind not in ("seek", "speed", "pause", "resume"):
             return "refused: a recorded run: nobody obeys"
@@ -372,5 +372,5 @@ class World:
         elif kind == "speed":
             self.speed = float(body["speed"])
         else:
-            return "refused: no such wish"
+            return "refused: no such request"
         return "done"

@@ -1,6 +1,6 @@
-"""The dashboard's page in a browser, against mock_lab.py: what is the page's own doing.
+"""Base of the tests of the dashboard's page in a browser, with mock_lab.py as its server.
 
-  python3 tests/dashboard/page/page_live_test.py      (77: no chromium or no selenium here)
+  python3 tests/dashboard/page/page_live_test.py      (exit status 77: chromium or selenium is missing)
 """
 
 import atexit
@@ -43,12 +43,12 @@ def new_browser():
 if not CHROMEDRIVER.exists():
     print("page_case: no chromedriver (Debian: chromium, chromium-driver)")
     sys.exit(77)
-browser = new_browser()  # one for all tests of a process
+browser = new_browser()  # shared by all tests of a process
 atexit.register(browser.quit)
 
 
 def processor_time():
-    """[s] of the browser and all its processes."""
+    """Processor time of the browser and all its child processes [s]."""
     parents, spent = {}, {}
     for entry in pathlib.Path("/proc").glob("[0-9]*"):
         try:
@@ -58,32 +58,32 @@ def processor_time():
         parents[int(entry.name)] = int(fields[1])
         spent[int(entry.name)] = (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
-    def ours(process):
+    def is_of_browser(process):
         while process in parents and process != browser.service.process.pid:
             process = parents[process]
         return process in parents
 
-    return sum(time for process, time in spent.items() if ours(process))
+    return sum(time for process, time in spent.items() if is_of_browser(process))
 
 
 class PageTest(unittest.TestCase):
-    """Each test has a lab of its own and ends with a look at the console."""
+    """Each test has its own mock lab. At the end the browser's console must be empty."""
 
-    server_goes = False  # then the browser itself writes that it is not there
-    server_refuses = False  # then it writes that too
+    server_goes = False  # whether the test ends the server, which the browser reports in the console
+    server_refuses = False  # whether the server refuses requests, which the browser reports too
 
     def open(self, token=True, size=(1280, 1000), **lab):
         self.lab = MockLab(**lab).serve()
         self.token = token
         self.addCleanup(self.lab.close)
         self.addCleanup(browser.get, "about:blank")
-        self.addCleanup(self.look_at_console)
+        self.addCleanup(self.check_console)
         browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
             "width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": size[0] < 600})
         browser.get_log("browser")
         browser.get(self.lab.address_with_token if token else self.lab.address)
 
-    def look_at_console(self):
+    def check_console(self):
         log = browser.get_log("browser")
         if self.server_goes:
             log = [entry for entry in log
@@ -95,9 +95,9 @@ class PageTest(unittest.TestCase):
     def js(self, text, *arguments):
         return browser.execute_script("return " + text, *arguments)
 
-    def until(self, text, patience=10.0):
+    def until(self, text, timeout=10.0):
         """Waits until the JavaScript expression is true; returns its value."""
-        end = time.monotonic() + patience
+        end = time.monotonic() + timeout
         while True:
             try:
                 value = self.js(text)
@@ -105,7 +105,7 @@ class PageTest(unittest.TestCase):
                 value = None  # the page is still loading
             if value:
                 return value
-            self.assertLess(time.monotonic(), end, f"not in {patience} s: {text}")
+            self.assertLess(time.monotonic(), end, f"not within {timeout} s: {text}")
             time.sleep(0.05)
 
     def live(self):
@@ -117,21 +117,21 @@ class PageTest(unittest.TestCase):
         return self.js("document.getElementById(arguments[0]).textContent", identity)
 
     def says(self, identity, words):
-        """Waits until the element's text holds the words."""
+        """Waits until the element's text contains the words."""
         self.until(f"document.getElementById('{identity}').textContent"
                    f".includes({json.dumps(words)})")
 
     def press(self, *keys):
         browser.switch_to.active_element.send_keys(*keys)
 
-    def wishes(self, name):
-        return [body for _, body in self.lab.wishes if body["wish"] == name]
+    def sent_requests(self, name):
+        return [body for _, body in self.lab.operator_requests if body["wish"] == name]
 
     def comes(self, count, found):
-        """Waits until there are so many."""
+        """Waits until found() has at least `count` elements."""
         end = time.monotonic() + 8
         while len(found()) < count:
-            self.assertLess(time.monotonic(), end, "it did not come")
+            self.assertLess(time.monotonic(), end, "too few elements")
             time.sleep(0.02)
 
     def asked(self, path):

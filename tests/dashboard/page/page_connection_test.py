@@ -1,4 +1,4 @@
-"""The page in a browser, against mock_lab.py: what comes and goes, recorded and past runs."""
+"""The page in a browser, against mock_lab.py: lost connections, recorded and past runs."""
 
 import time
 
@@ -8,12 +8,12 @@ from page_case import Keys, PageTest, browser, main
 class Connection(PageTest):
     server_goes = True
 
-    def test_the_server_goes_and_comes_back(self):
+    def test_connects_again_after_a_restart_of_the_server(self):
         self.open(robots=5)
         self.live()
         browser.execute_script("window.notReloaded = true")
         self.lab.stop_serving()
-        self.says("banner", "no word from the server since")
+        self.says("banner", "no message from the server since")
         self.press(Keys.SPACE)
         self.says("stop-missing", "STOP NOT SENT")
         frames = self.js("labPage.view.arena.frames")
@@ -24,7 +24,7 @@ class Connection(PageTest):
         self.until("labPage.controls.stopText.startsWith('stopped: all 5')")
         self.assertEqual("", self.text("stop-missing"))
 
-    def test_a_stop_that_was_never_sent_is_still_told_after_a_reconnect(self):
+    def test_still_shows_after_a_reconnect_that_a_stop_was_not_sent(self):
         self.open(robots=5)
         self.live()
         self.lab.stop_serving()
@@ -35,31 +35,31 @@ class Connection(PageTest):
         self.lab.serve()
         self.comes(before + 1, lambda: self.asked("/api/me"))
         time.sleep(1)
-        self.assertEqual([], self.wishes("stop"), "nobody presses so late")
+        self.assertEqual([], self.sent_requests("stop"), "an old stop is not sent later")
         self.assertIn("STOP NOT SENT", self.text("stop-missing"))
 
-    def test_a_connection_that_only_stands_is_given_up(self):
+    def test_closes_a_connection_without_data(self):
         self.open(robots=5)
         self.live()
         self.lab.mute = True
         self.until("labPage.stream.attempts > 0", 12)
-        self.assertIn("no word from the server", self.text("banner"))
+        self.assertIn("no message from the server", self.text("banner"))
         self.lab.mute = False
         self.until("document.getElementById('banner').hidden")
 
-    def test_a_silent_bus_is_said_and_survived(self):
+    def test_shows_that_the_bus_is_silent(self):
         self.open(robots=5)
         self.live()
         self.lab.silent = True
-        self.says("banner", "the lab is silent for")
+        self.says("banner", "no message from the lab for")
         self.lab.silent = False
         self.until("document.getElementById('banner').hidden")
         self.assertEqual(0, self.js("labPage.stream.attempts"))
 
-    def test_a_page_that_nobody_sees_gives_its_connection_back(self):
+    def test_a_hidden_page_closes_its_connection(self):
         self.open(robots=5)
         self.live()
-        browser.execute_script("""labPage.stream.hiddenPatience = 100;
+        browser.execute_script("""labPage.stream.hiddenTimeout = 100;
             Object.defineProperty(document, 'hidden', {configurable: true, get: () => true});
             document.dispatchEvent(new Event('visibilitychange'));""")
         self.until("labPage.stream.attempts === 1 && !labPage.stream.connected")
@@ -69,7 +69,7 @@ class Connection(PageTest):
                                "document.dispatchEvent(new Event('visibilitychange'))")
         self.until("labPage.stream.connected")
 
-    def test_a_page_that_was_too_slow_skips_to_the_newest_state(self):
+    def test_a_slow_page_skips_to_the_newest_state(self):
         self.open(robots=20)
         self.live()
         before, ticks = self.js("labPage.view.arena.frames"), self.lab.world.ticks
@@ -78,12 +78,12 @@ class Connection(PageTest):
         missed, newest = self.lab.world.ticks - ticks, self.lab.world.frame()["t_us"]
         self.until(f"labPage.stream.topics.get('frame').t_us >= {newest}")
         shown = self.js("labPage.view.arena.frames") - before
-        print(f"{missed} frames came while the page stood, it took {shown} of them")
+        print(f"{missed} frames arrived while the page was blocked, it used {shown} of them")
         self.assertLess(shown, missed / 2)
 
 
 class Replay(PageTest):
-    def test_a_recorded_run_is_played_and_no_robot_can_be_commanded(self):
+    def test_plays_a_recorded_run_without_commands_to_robots(self):
         self.open(robots=3, replay=True)
         self.live()
         self.until("!document.getElementById('player').hidden && labPage.controls.control")
@@ -92,14 +92,14 @@ class Replay(PageTest):
         browser.execute_script("const s = document.getElementById('player-at'); s.value = 100;"
                                "s.dispatchEvent(new Event('change'))")
         self.says("player-text", "1:4")
-        self.assertEqual([{"wish": "seek", "to_s": 100}], self.wishes("seek"))
+        self.assertEqual([{"wish": "seek", "to_s": 100}], self.sent_requests("seek"))
         browser.execute_script("document.getElementById('player-go').click()")
         self.says("player-go", "play")
         self.press(Keys.SPACE)
-        self.says("stop-missing", "A recorded run")
-        self.assertEqual([], self.wishes("stop"))
+        self.says("stop-missing", "recorded run")
+        self.assertEqual([], self.sent_requests("stop"))
 
-    def test_what_was_measured_elsewhere_in_the_run_is_forgotten(self):
+    def test_a_jump_in_a_recorded_run_removes_the_curves(self):
         self.server_refuses = True
         self.open(robots=3, replay=True, size=(1280, 2200))
         self.live()
@@ -107,11 +107,11 @@ class Replay(PageTest):
                    " && labPage.charts.runtimes.pointsDrawn() > 0")
         self.lab.pools = 0
         time.sleep(1.2)
-        self.lab.wish({"wish": "seek", "to_s": 100})
+        self.lab.take_request({"wish": "seek", "to_s": 100})
         self.until("labPage.charts.msd.pointsDrawn() === 0"
                    " && labPage.charts.runtimes.pointsDrawn() === 0"
                    " && labPage.stream.all('history/').length === 0")
-        self.lab.world.wish = lambda _: "refused: not now"
+        self.lab.world.take_request = lambda _: "refused: not now"
         browser.execute_script("document.getElementById('player-go').click()")
         self.says("player-say", "pause: refused: not now")
         self.lab.world.replay = False
@@ -121,7 +121,7 @@ class Replay(PageTest):
 
 
 class PastRuns(PageTest):
-    def test_runs_are_listed_and_two_are_compared(self):
+    def test_lists_runs_and_compares_two(self):
         self.open(robots=2, size=(1280, 4000))
         self.until("document.querySelectorAll('#runs tbody tr').length === 3")
         link = self.js("document.querySelector('#runs a').outerHTML")
@@ -135,7 +135,7 @@ class PastRuns(PageTest):
         browser.execute_script("document.getElementById('runs-compare').click()")
         self.until("labPage.charts.compare.pointsDrawn() === 48")
 
-    def test_an_experiment_is_checked_and_started(self):
+    def test_checks_and_starts_an_experiment(self):
         self.open(robots=2, size=(1280, 4000))
         self.live()
         self.until("document.querySelectorAll('#start-file option').length === 2"

@@ -1,4 +1,4 @@
-"""The page in a browser, against mock_lab.py: stops, keys, and who may press what."""
+"""The page in a browser, against mock_lab.py: stops, keyboard and permissions."""
 
 import time
 
@@ -6,19 +6,19 @@ from page_case import By, Keys, PageTest, TOKEN, browser, main
 
 
 class Keyboard(PageTest):
-    def test_space_stops_all_robots_and_the_page_says_so(self):
+    def test_space_stops_all_robots_and_shows_the_confirmation(self):
         self.open(robots=20)
         self.live()
         browser.find_element(By.TAG_NAME, "body").send_keys(Keys.SPACE)
         self.until("labPage.controls.stopText === 'stopped: all 20 robots, 84 ms, by dashboard'")
-        self.assertEqual(1, len(self.wishes("stop")))
+        self.assertEqual(1, len(self.sent_requests("stop")))
         flags = {r[5] for r in self.js("labPage.stream.topics.get('frame').robots")}
         self.assertEqual({2}, flags)
-        browser.find_element(By.TAG_NAME, "body").send_keys(Keys.SPACE)  # again: it is still so
+        browser.find_element(By.TAG_NAME, "body").send_keys(Keys.SPACE)  # a second stop changes nothing
         self.until("labPage.controls.stopText === 'stopped: all 20 robots, 84 ms, by dashboard'")
         self.assertEqual("", self.text("stop-missing"))
 
-    def test_a_stop_is_sent_before_the_server_says_who_may_do_what(self):
+    def test_sends_a_stop_before_the_permissions_are_known(self):
         self.server_refuses = True
         self.open(robots=3)
         self.lab.broken.add("/api/me")
@@ -34,44 +34,44 @@ class Keyboard(PageTest):
         before = len(self.asked("/api/me"))
         self.js("labPage.stream.makeRoom()")
         self.comes(before + 2, lambda: self.asked("/api/me"))
-        self.assertTrue(self.js("labPage.controls.control"), "it was once so and nobody denied it")
+        self.assertTrue(self.js("labPage.controls.control"), "the last known permission stays")
 
-    def test_a_stop_needs_no_free_connection(self):
+    def test_sends_a_stop_when_all_connections_are_in_use(self):
         self.open(robots=3)
         self.live()
         browser.execute_script("for (let i = 0; i < 5; ++i) fetch(`/api/stream?${i}`)"
                                ".then((stream) => stream.text()).catch(() => {})")
         time.sleep(1)
         self.press(Keys.SPACE)
-        self.comes(1, lambda: self.wishes("stop"))
+        self.comes(1, lambda: self.sent_requests("stop"))
 
-    def test_a_stop_is_sent_until_it_is_taken_or_released(self):
+    def test_sends_a_stop_until_it_is_accepted_or_released(self):
         self.server_refuses = True
         self.open(robots=3)
         self.live()
-        take, self.lab.world.wish = self.lab.world.wish, lambda _: "refused: not yet"
+        take, self.lab.world.take_request = self.lab.world.take_request, lambda _: "refused: not yet"
         self.press(Keys.SPACE)
         self.says("stop-missing", "STOP NOT SENT: refused: not yet")
-        self.comes(3, lambda: self.wishes("stop"))
-        self.lab.world.wish = take
+        self.comes(3, lambda: self.sent_requests("stop"))
+        self.lab.world.take_request = take
         self.until("labPage.controls.stopText.startsWith('stopped: all 3')")
         self.assertEqual("", self.text("stop-missing"))
-        sent = len(self.wishes("stop"))
+        sent = len(self.sent_requests("stop"))
         time.sleep(1)
-        self.assertEqual(sent, len(self.wishes("stop")))
+        self.assertEqual(sent, len(self.sent_requests("stop")))
 
-        self.lab.world.wish = lambda _: "refused: not yet"
+        self.lab.world.take_request = lambda _: "refused: not yet"
         self.press(Keys.SPACE)
         self.says("stop-missing", "STOP NOT SENT")
         browser.execute_script("document.querySelector('#release-place > button').click();"
                                "document.querySelector('#release-place span button').click()")
-        self.comes(1, lambda: self.wishes("release_stop"))
+        self.comes(1, lambda: self.sent_requests("release_stop"))
         time.sleep(0.5)
-        sent = len(self.wishes("stop"))
+        sent = len(self.sent_requests("stop"))
         time.sleep(1.5)
-        self.assertEqual(sent, len(self.wishes("stop")))
+        self.assertEqual(sent, len(self.sent_requests("stop")))
 
-    def test_who_does_not_stop_is_named(self):
+    def test_names_robots_that_do_not_confirm_a_stop(self):
         self.open(robots=20)
         self.lab.world.deaf = [3, 7]
         self.live()
@@ -79,21 +79,21 @@ class Keyboard(PageTest):
         self.says("stop-missing", "NOT confirmed: 3, 7")
         self.assertIn("18 of 20 confirmed", self.text("stop-state"))
 
-    def test_space_on_a_button_stops_and_does_not_press_it(self):
+    def test_space_on_a_focused_button_stops_and_does_not_press_it(self):
         self.open(robots=2)
         self.live()
         for identity in ["pause", "follow", "show-trails", "light-hold", "light-level"]:
-            before = len(self.wishes("stop"))
+            before = len(self.sent_requests("stop"))
             browser.execute_script("document.getElementById(arguments[0]).focus()", identity)
             self.press(Keys.SPACE)
             end = time.monotonic() + 5
-            while len(self.wishes("stop")) == before and time.monotonic() < end:
+            while len(self.sent_requests("stop")) == before and time.monotonic() < end:
                 time.sleep(0.02)
-            self.assertEqual(before + 1, len(self.wishes("stop")), identity)
-        self.assertEqual([], self.wishes("pause"))
+            self.assertEqual(before + 1, len(self.sent_requests("stop")), identity)
+        self.assertEqual([], self.sent_requests("pause"))
         self.assertTrue(self.js("document.getElementById('show-trails').checked"))
 
-    def test_space_in_a_text_field_is_a_space_and_escape_leaves_it(self):
+    def test_space_in_a_text_field_is_text_and_escape_leaves_the_field(self):
         self.open(robots=2)
         self.live()
         browser.execute_script("document.getElementById('mark-text').focus()")
@@ -101,11 +101,11 @@ class Keyboard(PageTest):
         self.assertEqual("a b", self.js("document.getElementById('mark-text').value"))
         self.press(Keys.ENTER)
         self.says("events", "dashboard: a b")
-        self.assertEqual([], self.wishes("stop"))
+        self.assertEqual([], self.sent_requests("stop"))
         self.press(Keys.ESCAPE)
         self.assertEqual("BODY", self.js("document.activeElement.tagName"))
 
-    def test_stop_comes_first_and_everything_has_a_name(self):
+    def test_stop_is_the_first_control_and_all_controls_have_labels(self):
         self.open(robots=2)
         self.live()
         self.press(Keys.TAB)
@@ -124,25 +124,25 @@ class Keyboard(PageTest):
             .map(e => e.outerHTML)""")
         self.assertEqual([], nameless)
 
-    def test_release_and_end_ask_again(self):
+    def test_release_and_end_need_a_confirmation(self):
         self.open(robots=2)
         self.live()
         self.press(Keys.SPACE)
         self.until("labPage.controls.stopText.startsWith('stopped')")
-        for place, wish in [("release-place", "release_stop"), ("end-place", "end")]:
+        for place, name in [("release-place", "release_stop"), ("end-place", "end")]:
             browser.execute_script("document.querySelector('#' + arguments[0] + ' button').focus()",
                                    place)
             self.press(Keys.ENTER)
             self.assertEqual("no", self.js("document.activeElement.textContent"))
-            self.assertEqual([], self.wishes(wish))
+            self.assertEqual([], self.sent_requests(name))
             browser.execute_script(f"document.querySelector('#{place} span button').focus()")
             self.press(Keys.ENTER)
             end = time.monotonic() + 5
-            while not self.wishes(wish) and time.monotonic() < end:
+            while not self.sent_requests(name) and time.monotonic() < end:
                 time.sleep(0.02)
-            self.assertEqual(1, len(self.wishes(wish)))
+            self.assertEqual(1, len(self.sent_requests(name)))
 
-    def test_robots_are_chosen_followed_and_looked_at_closely(self):
+    def test_selects_follows_and_zooms_by_keyboard(self):
         self.open(robots=5)
         self.live()
         self.until("labPage.stream.topics.has('robots')")
@@ -169,7 +169,7 @@ class Keyboard(PageTest):
         browser.execute_script("document.querySelector('#help button').click()")
         self.assertFalse(self.js("document.getElementById('help').open"))
 
-    def test_a_click_chooses_a_robot(self):
+    def test_a_click_selects_a_robot(self):
         self.open(robots=5)
         self.live()
         self.press(Keys.SPACE)
@@ -185,8 +185,8 @@ class Keyboard(PageTest):
         self.assertEqual(3, self.js("labPage.view.chosen"))
 
 
-class Rights(PageTest):
-    def test_without_the_token_nothing_can_be_pressed_and_the_page_says_why(self):
+class Permissions(PageTest):
+    def test_without_the_token_all_buttons_are_disabled_with_a_reason(self):
         self.open(robots=2, token=False)
         browser.execute_script("sessionStorage.clear()")
         browser.refresh()
@@ -199,7 +199,7 @@ class Rights(PageTest):
         self.says("stop-missing", "cannot stop the robots")
         self.assertEqual([], [path for kind, path in self.lab.requests if kind == "POST"])
 
-    def test_the_token_is_in_no_request_line_and_survives_a_reload(self):
+    def test_the_token_is_never_part_of_a_requested_address_and_survives_a_reload(self):
         self.open(robots=2)
         self.live()
         browser.refresh()
@@ -208,7 +208,7 @@ class Rights(PageTest):
         self.assertEqual([], [path for _, path in self.lab.requests if TOKEN in path])
         self.assertIn(TOKEN, browser.current_url)
 
-    def test_a_refused_wish_is_told(self):
+    def test_shows_why_a_request_is_refused(self):
         self.server_goes = True
         self.open(robots=2)
         self.live()
@@ -216,7 +216,7 @@ class Rights(PageTest):
         self.lab.read_only = True
         browser.execute_script("document.getElementById('pause').click()")
         self.says("note", "pause: this page is read-only")
-        browser.get_log("browser")  # the browser itself notes the 403
+        browser.get_log("browser")  # the browser reports the 403 there
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""The page in a browser, against mock_lab.py: what is seen of a running lab."""
+"""The page in a browser, against mock_lab.py: the display of a running lab."""
 
 import time
 
@@ -6,7 +6,7 @@ from page_case import PageTest, browser, main, processor_time
 
 
 class Live(PageTest):
-    def test_twenty_robots_are_shown_and_move(self):
+    def test_shows_twenty_moving_robots(self):
         self.open(robots=20)
         self.live()
         before = {r["id"]: r for r in self.js("labPage.robots()")}
@@ -17,7 +17,7 @@ class Live(PageTest):
                  if (after[i]["x"], after[i]["y"]) == (before[i]["x"], before[i]["y"])]
         self.assertEqual([], still)
 
-    def test_a_picture_shows_robots_where_they_are(self):
+    def test_draws_robots_at_their_positions(self):
         self.open(robots=3)
         self.live()
         browser.execute_script("document.getElementById('show-trails').click()")
@@ -36,9 +36,9 @@ class Live(PageTest):
         })(document.getElementById('arena-over'))""")
         self.assertEqual([[213, 94, 0, 255], [0, 158, 115, 255], [0, 114, 178, 255]], painted)
 
-    def test_a_hundred_robots_leave_room_for_30_pictures_a_second(self):
-        # In processor time of all the browser's processes, which does not ask what else the machine
-        # does: what a second costs without the arena, and a picture of the arena.
+    def test_a_hundred_robots_leave_enough_time_for_30_frames_per_second(self):
+        # Measures the processor time of the browser's processes, which does not depend on the other load
+        # of the host: that of a second without the arena, and that of one frame of the arena.
         self.open(robots=100)
         self.live()
         time.sleep(3)
@@ -48,18 +48,18 @@ class Live(PageTest):
         without_arena, none = self.three_seconds()
         self.assertEqual(0, none)
         picture = max(0, with_arena - without_arena) / pictures
-        print(f"100 robots: {1e3 * picture:.1f} ms of processor time a picture, "
-              f"{1e3 * without_arena / 3:.0f} ms a "
-              f"second without the arena; {pictures / 3:.0f} pictures a second")
+        print(f"100 robots: {1e3 * picture:.1f} ms of processor time per frame, "
+              f"{1e3 * without_arena / 3:.0f} ms per "
+              f"second without the arena; {pictures / 3:.0f} frames per second")
         self.assertLess(30 * picture + without_arena / 3, 1)
 
     def three_seconds(self):
-        """@return (processor time, pictures)"""
+        """@return (processor time [s], number of frames)"""
         spent, pictures = processor_time(), self.js("labPage.view.pictures")
         time.sleep(3)
         return processor_time() - spent, self.js("labPage.view.pictures") - pictures
 
-    def test_the_first_analysis_is_enough_for_curves(self):
+    def test_draws_curves_after_the_first_analysis(self):
         self.open(robots=20, size=(1280, 2200), pools=0)
         self.live()
         self.assertEqual(0, self.js("labPage.charts.msd.pointsDrawn()"))
@@ -68,11 +68,11 @@ class Live(PageTest):
         begin = time.monotonic()
         for chart in ["msd", "angular_msd", "C_l", "runtimes"]:
             self.until(f"labPage.charts.{chart}.pointsDrawn() > 10")
-        print(f"curves stand {time.monotonic() - begin:.2f} s after the first analysis")
+        print(f"curves are drawn {time.monotonic() - begin:.2f} s after the first analysis")
         self.until("document.querySelectorAll('#estimates tbody tr').length === 9")
         self.assertEqual(9, self.js("document.querySelectorAll('#chart-msd > svg .hollow').length"))
 
-    def test_one_robot_alone_and_fewer_programs(self):
+    def test_shows_one_robot_or_fewer_programs(self):
         self.open(robots=6, size=(1280, 2200))
         self.live()
         self.until("labPage.charts.msd.pointsDrawn() === 72")
@@ -82,14 +82,14 @@ class Live(PageTest):
                                "s.dispatchEvent(new Event('change'))")
         self.until("labPage.charts.msd.pointsDrawn() === 24")
 
-    def test_foreign_text_stays_text(self):
+    def test_text_from_the_lab_is_never_html(self):
         self.open(robots=2)
         self.lab.world.life = 61.0
         self.live()
         self.says("script-now", "half <b>light</b>")
         self.assertEqual(0, self.js("document.querySelectorAll('main b, main i').length"))
 
-    def test_missing_topics_and_nulls_break_nothing(self):
+    def test_accepts_missing_topics_and_nulls(self):
         self.open(robots=2, lab=False)
         self.until("window.labPage && document.body.classList.contains('no-lab')")
         for topic, value in [("pool/x", {"program": "x", "curves": None, "estimates": None}),
@@ -106,24 +106,24 @@ class Live(PageTest):
                              ("stop", {"state": "free", "total": 0, "confirmed": 0,
                                        "unconfirmed": []}),
                              ("camera", {"state": "waiting", "picture": False}),
-                             ("nobody knows this", None),
+                             ("unknown topic", None),
                              ("runtimes/x", {"program": "x", "gamma_per_s": None, "edges_s": [],
                                              "counts": []})]:
             self.lab.publish(topic, value)
         self.until("labPage.stream.topics.has('runtimes/x')")
         time.sleep(0.5)
 
-    def test_past_the_end(self):
+    def test_shows_the_end_of_a_run(self):
         self.open(robots=2)
         self.live()
-        self.lab.wish({"wish": "end"})
+        self.lab.take_request({"wish": "end"})
         self.says("banner", "the run has ended: ended by dashboard")
-        self.server_goes = True  # as it does after a run: that is no fault to be told
+        self.server_goes = True  # the server ends after a run, which is not a problem
         self.lab.stop_serving()
         time.sleep(4)
         self.assertIn("the run has ended", self.text("banner"))
 
-    def test_another_run_leaves_nothing_of_the_one_before(self):
+    def test_another_run_removes_the_curves_of_the_previous_one(self):
         self.open(robots=4, size=(1280, 2200))
         self.live()
         self.until("labPage.charts.msd.pointsDrawn() > 10")
@@ -133,7 +133,7 @@ class Live(PageTest):
         self.until("labPage.charts.msd.pointsDrawn() === 0")
         self.says("run-name", "another")
 
-    def test_what_is_gone_is_forgotten(self):
+    def test_removed_topics_are_removed_from_the_page(self):
         self.open(robots=4, size=(1280, 2200))
         self.live()
         self.until("labPage.charts.msd.pointsDrawn() === 72")
@@ -144,29 +144,29 @@ class Live(PageTest):
         self.lab.publish("history/abp", None)
         self.until("!labPage.stream.topics.has('history/abp')")
         for topic in ["stop", "light", "timeline", "delivery", "camera", "robots", "health"]:
-            self.lab.publish(topic, None)  # and told anew within a second: nothing breaks
+            self.lab.publish(topic, None)  # published again within a second
         time.sleep(1.5)
         self.until("labPage.stream.topics.has('robots')")
 
-    def test_light_that_was_not_told_is_asked_for_again(self):
+    def test_requests_the_light_again_after_a_failure(self):
         self.server_refuses = True
         self.open(robots=2)
         self.lab.broken.add("/api/light")
         each = self.lab.world.each_second
         self.lab.world.each_second = lambda pools: [one for one in each(pools) if one[0] != "light"]
         time.sleep(1)
-        self.lab.publish("light", dict(self.lab.world.light(), version=7))  # and no more of it
+        self.lab.publish("light", dict(self.lab.world.light(), version=7))  # without another change
         self.lab.requests.clear()
         self.comes(2, lambda: self.asked("/api/light"))
         self.lab.broken.clear()
         before = len(self.asked("/api/light"))
         time.sleep(3)
-        self.assertEqual(before + 1, len(self.asked("/api/light")), "it was told: no more of it")
+        self.assertEqual(before + 1, len(self.asked("/api/light")), "requested once after success")
         shade = self.js("((c) => c.getContext('2d').getImageData(c.width / 2, c.height / 2, 1, 1)"
                         ".data[0])(document.getElementById('arena-under'))")
-        self.assertGreater(shade, 150, "the lit middle")
+        self.assertGreater(shade, 150, "the centre is lit")
 
-    def test_what_is_left_out_is_counted(self):
+    def test_shows_numbers_of_omitted_entries(self):
         self.open(robots=2, size=(1280, 6000))
         world = self.lab.world
         timeline, health = world.timeline, world.health

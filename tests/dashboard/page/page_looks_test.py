@@ -1,4 +1,4 @@
-"""The page in a browser, against mock_lab.py: widths, light and dark, files."""
+"""The page in a browser, against mock_lab.py: screen sizes, themes, exported files."""
 
 import csv
 import io
@@ -14,7 +14,7 @@ class Looks(PageTest):
     def ground(self):
         return self.js("getComputedStyle(document.body).backgroundColor")
 
-    def test_light_and_dark_by_the_system_and_by_the_switch(self):
+    def test_theme_follows_the_system_and_the_button(self):
         self.open(robots=2)
         grounds = {}
         for scheme in ["light", "dark"]:
@@ -32,7 +32,7 @@ class Looks(PageTest):
         browser.execute_script("localStorage.clear()")
         browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})
 
-    def test_no_width_needs_sideways_scrolling_and_stop_is_always_there(self):
+    def test_needs_no_horizontal_scrolling_and_stop_is_always_visible(self):
         for size in [(390, 844), (800, 900), (1280, 800)]:
             self.open(robots=20, size=size)
             self.live()
@@ -44,11 +44,11 @@ class Looks(PageTest):
                 top = self.js("""((stop, b = stop.getBoundingClientRect()) => stop.contains(
                     document.elementFromPoint(b.left + b.width / 2, b.top + b.height / 2)))(
                     document.getElementById('stop'))""")
-                self.assertTrue(top, f"stop is not to be seen at {size}, {share}")
+                self.assertTrue(top, f"stop is not visible at {size}, {share}")
 
 
 class Files(PageTest):
-    def test_a_chart_as_svg_and_csv(self):
+    def test_exports_a_chart_as_svg_and_csv(self):
         self.open(robots=2, size=(1280, 2200))
         self.live()
         self.until("labPage.charts.msd.pointsDrawn() > 10")
@@ -65,14 +65,14 @@ class Files(PageTest):
         self.assertEqual({"rgb(26, 29, 33)"}, inks)
         self.assertFalse([e for e in root.iter() if e.get("class") or e.get("style")])
         rows = list(csv.reader(io.StringIO(self.js("labPage.charts.msd.csvText()"))))
-        self.assertEqual(["of", "lag (s)", "value (cm^2)", "sigma (cm^2)", "exact (cm^2)",
+        self.assertEqual(["program", "lag (s)", "value (cm^2)", "sigma (cm^2)", "exact (cm^2)",
                           "paper (cm^2)", "windows",
                           "biased"], rows[0])
         self.assertEqual(3 * 24, len(rows) - 1)
         curve = next(p for p in [self.js("labPage.stream.topics.get('pool/abp')")])["curves"][0]
         self.assertEqual(curve["lag"], [float(row[1]) for row in rows[1:25]])
 
-    def test_a_click_makes_a_file(self):
+    def test_a_click_downloads_a_file(self):
         self.open(robots=2, size=(1280, 2200))
         self.live()
         self.until("labPage.charts.msd.pointsDrawn() > 10")

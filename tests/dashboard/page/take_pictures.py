@@ -1,4 +1,4 @@
-"""The pictures of the page in the manual, from a real lab.
+"""Takes the screenshots of the page for the manual, from a real lab.
 
   tests/in_private_network.sh /usr/bin/python3 tests/dashboard/page/take_pictures.py FOLDER_OF_PROGRAMS [SECONDS]
 """
@@ -13,7 +13,7 @@ import lab_page_test
 from page_case import browser
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
-FACES = [("light", (1280, 1560), False), ("dark", (1280, 860), True), ("phone", (390, 844), False)]
+VARIANTS = [("light", (1280, 1560), False), ("dark", (1280, 860), True), ("phone", (390, 844), False)]
 
 
 def main():
@@ -26,7 +26,7 @@ def main():
             browser.get(lab.address())
             time.sleep(float(sys.argv[2]) if len(sys.argv) > 2 else 100)
             browser.execute_script("labPage.view.choose?.(3)")
-            for name, (width, height), dark in FACES:
+            for name, (width, height), dark in VARIANTS:
                 browser.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", {
                     "width": width, "height": height, "deviceScaleFactor": 1,
                     "mobile": width < 600})

@@ -4,7 +4,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
+#include <cstdint>
 #include <lab/light_status_t.hpp>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/process/version.hpp"
@@ -81,7 +86,7 @@ TEST(HealthView, CountsStreamsWithTheirRatesAndGaps) {
   EXPECT_EQ(dut.streams().begin()->second.new_losses, 1);
 }
 
-TEST(HealthView, KeepsAsManyStreamsAsItSays) {
+TEST(HealthView, LimitsTheNumberOfStreams) {
   HealthView dut;
   MessageHeader header;
   header.sender = "x";
@@ -89,12 +94,12 @@ TEST(HealthView, KeepsAsManyStreamsAsItSays) {
     header.instance = i;
     dut.count(channels::kRobotStatus, header, kNow);
   }
-  EXPECT_EQ(dut.streams().size(), HealthView::kMostStreams);
-  EXPECT_EQ(dut.counter().streams().size(), HealthView::kMostStreams);
+  EXPECT_EQ(dut.streams().size(), HealthView::kMaxStreams);
+  EXPECT_EQ(dut.counter().streams().size(), HealthView::kMaxStreams);
   EXPECT_EQ(dut.streamsLeftOut(), 600);
 }
 
-TEST(HealthView, TellsServicesWithWhatTheirProcessesUse) {
+TEST(HealthView, ReportsServicesWithTheResourcesOfTheirProcesses) {
   HealthView dut;
   dut.take(serviceOf("tracker_svc"), kNow);
   dut.take(serviceOf("tracker_svc", 2), kNow + kSecond);
@@ -110,7 +115,7 @@ TEST(HealthView, TellsServicesWithWhatTheirProcessesUse) {
   EXPECT_EQ(row["memory_MB"], 30);
 }
 
-TEST(HealthView, TakesACommandByHandForNoService) {
+TEST(HealthView, DoesNotListCommandsOfTheTerminalAsServices) {
   HealthView dut;
   service_status_t last_counts = serviceOf("lab_mark");
   last_counts.state = service_status_t::ENDED;
@@ -118,33 +123,33 @@ TEST(HealthView, TakesACommandByHandForNoService) {
   EXPECT_TRUE(dut.services().empty());
 }
 
-TEST(Advice, ALabThatIsWellGetsNone) {
+TEST(Advice, IsEmptyForAHealthyLab) {
   Lab lab;
   lab.everyRobot(kNow);
   lab.health.take(serviceOf("sim_svc"), kNow);
   EXPECT_EQ(lab.text(kNow), "");
 }
 
-TEST(Advice, WithoutALabItSaysSo) {
+TEST(Advice, SaysThatNoLabIsActive) {
   Lab lab;
   lab.bus_utime = 0;
-  EXPECT_THAT(lab.text(kNow), HasSubstr("no lab is heard"));
+  EXPECT_THAT(lab.text(kNow), HasSubstr("no lab is active"));
 }
 
-TEST(Advice, NamesWhatIsSilent) {
+TEST(Advice, NamesSilentServicesAndRobots) {
   Lab lab;
   lab.health.take(serviceOf("projector_ctl"), kNow);
   lab.robots.take(statusOf({stateOf(3)}), kNow);
-  EXPECT_THAT(lab.text(kNow), HasSubstr("robot 7: nothing has been heard"));
+  EXPECT_THAT(lab.text(kNow), HasSubstr("robot 7: no status received"));
   lab.bus_utime = kNow + 4 * kSecond;
-  EXPECT_THAT(lab.text(kNow + 4 * kSecond), HasSubstr("projector_ctl on here has said nothing"));
-  EXPECT_THAT(lab.text(kNow + 4 * kSecond), HasSubstr("robot 3: has fallen silent"));
+  EXPECT_THAT(lab.text(kNow + 4 * kSecond), HasSubstr("no message from projector_ctl on here"));
+  EXPECT_THAT(lab.text(kNow + 4 * kSecond), HasSubstr("robot 3: does not respond"));
   EXPECT_THAT(lab.text(kNow + 30 * kSecond), HasSubstr("on the bus for 26 s"));
   lab.ended = true;
-  EXPECT_EQ(lab.text(kNow + 30 * kSecond), "") << "after its end nobody is blamed for silence";
+  EXPECT_EQ(lab.text(kNow + 30 * kSecond), "") << "silence is normal after the end of a run";
 }
 
-TEST(Advice, NamesRobotsInTrouble) {
+TEST(Advice, NamesRobotsWithProblems) {
   Lab lab;
   robot_state_t low = stateOf(3);
   low.battery = 3.3F;
@@ -153,16 +158,16 @@ TEST(Advice, NamesRobotsInTrouble) {
   pack.battery = 6.7F;
   lab.robots.take(statusOf({low, pack}), kNow);
   EXPECT_THAT(lab.text(kNow), HasSubstr("robot 3, 7: battery is low"));
-  EXPECT_THAT(lab.text(kNow), HasSubstr("robot 3: refused its last order"));
-  EXPECT_THAT(lab.text(kNow), HasSubstr("robot 3: stands because the host was silent"));
+  EXPECT_THAT(lab.text(kNow), HasSubstr("robot 3: rejected its last command"));
+  EXPECT_THAT(lab.text(kNow), HasSubstr("robot 3: stopped because its lease expired"));
   lab.robots.take(statusOf({stateOf(7)}, "robot_bridge"), kNow + kSecond / 10);
   const auto advice = lab.advice(kNow + kSecond / 10);
   ASSERT_FALSE(advice.empty());
-  EXPECT_THAT(advice.front().what, HasSubstr("robot 7: two processes"));
+  EXPECT_THAT(advice.front().what, HasSubstr("robot 7: two services"));
   EXPECT_EQ(advice.front().level, Advice::Level::kError);
 }
 
-TEST(Advice, NamesBrokenServicesAndMessages) {
+TEST(Advice, NamesFaultyServicesAndDamagedMessages) {
   Lab lab;
   lab.everyRobot(kNow);
   service_status_t fault = serviceOf("tracker_svc");
@@ -173,8 +178,8 @@ TEST(Advice, NamesBrokenServicesAndMessages) {
   old.contract_version = kContractVersion - 1;
   lab.health.take(old, kNow);
   lab.health.countNotUnderstood("LIGHT_STATUS");
-  EXPECT_THAT(lab.text(kNow), HasSubstr("tracker_svc on here is in fault: no camera"));
-  EXPECT_THAT(lab.text(kNow), HasSubstr("analyzer on here speaks contract"));
+  EXPECT_THAT(lab.text(kNow), HasSubstr("tracker_svc on here has a fault: no camera"));
+  EXPECT_THAT(lab.text(kNow), HasSubstr("analyzer on here uses message contract"));
   EXPECT_THAT(lab.text(kNow), HasSubstr("1 messages on LIGHT_STATUS"));
 }
 
@@ -191,7 +196,7 @@ TEST(Advice, NamesAClockThatIsAhead) {
   EXPECT_EQ(lab.text(kNow), "");
 }
 
-TEST(ProcessMeter, GivesTheShareOfACoreSinceTheCallBefore) {
+TEST(ProcessMeter, GivesTheShareOfACoreSinceThePreviousCall) {
   ProcessTimes times{1.0, 5e6, 100};
   ProcessMeter dut(
       [&times](std::int32_t pid) { return pid == 42 ? std::optional(times) : std::nullopt; });
@@ -201,7 +206,7 @@ TEST(ProcessMeter, GivesTheShareOfACoreSinceTheCallBefore) {
   EXPECT_EQ(uses.size(), 1U);
   EXPECT_DOUBLE_EQ(uses.at(42).cpu_percent, 25);
   EXPECT_DOUBLE_EQ(uses.at(42).memory_MB, 5);
-  times.begun = 101;  // another process of the same number
+  times.begun = 101;  // another process with the same id
   EXPECT_TRUE(std::isnan(dut.measure({42}, kNow + 3 * kSecond).at(42).cpu_percent));
 }
 

@@ -1,11 +1,13 @@
-/// From packets to topics: whole runs, replays, a day.
+/// Tests the topics that follow from packets: runs, replays, bounded memory.
 #include "dashboard/views/lab_view.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <lab/service_status_t.hpp>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/math/random.hpp"
@@ -49,17 +51,17 @@ struct Bench {
   std::map<std::string, std::int64_t> seq;
 };
 
-TEST(LabView, WithoutALabItSaysSo) {
+TEST(LabView, SaysThatNoLabIsActive) {
   Bench bench;
   bench.dut.publishMoving(kNow, true);
   bench.dut.publishTotals(kNow, {});
   EXPECT_EQ(bench.topic("pulse")["bus_silent_s"], nullptr);
-  EXPECT_THAT(bench.topic("health")["advice"][0]["what"], HasSubstr("no lab is heard"));
+  EXPECT_THAT(bench.topic("health")["advice"][0]["what"], HasSubstr("no lab is active"));
   EXPECT_TRUE(bench.topic("robots").empty());
   EXPECT_EQ(bench.topic("stop")["state"], "free");
 }
 
-TEST(LabView, ARunReachesItsTopics) {
+TEST(LabView, PublishesTheTopicsOfARun) {
   Bench bench;
   bench.start(1, kNow);
   bench.send(channels::kRobotStatus, statusOf({stateOf(3), stateOf(7)}), kNow);
@@ -74,13 +76,13 @@ TEST(LabView, ARunReachesItsTopics) {
   EXPECT_EQ(bench.topic("history/swim")["t_s"].size(), 1U);
   EXPECT_EQ(bench.topic("timeline")["start_us"], kNow);
   EXPECT_EQ(bench.topic("pulse")["bus_silent_s"], 2);
-  EXPECT_EQ(Json::parse(*bench.dut.ask("robot", "7", kNow))["id"], 7);
-  EXPECT_FALSE(bench.dut.ask("robot", "7; rm", kNow));
-  EXPECT_FALSE(bench.dut.ask("robot", "", kNow));
-  EXPECT_FALSE(bench.dut.ask("secrets", "7", kNow));
+  EXPECT_EQ(Json::parse(*bench.dut.query("robot", "7", kNow))["id"], 7);
+  EXPECT_FALSE(bench.dut.query("robot", "7; rm", kNow));
+  EXPECT_FALSE(bench.dut.query("robot", "", kNow));
+  EXPECT_FALSE(bench.dut.query("secrets", "7", kNow));
 }
 
-TEST(LabView, AnotherRunBeginsEmpty) {
+TEST(LabView, AnotherRunRemovesTheDataOfThePreviousOne) {
   Bench bench;
   bench.start(1, kNow);
   bench.send(channels::kAnalysis, poolOf("swim", kNow), kNow);
@@ -96,9 +98,9 @@ TEST(LabView, AnotherRunBeginsEmpty) {
   EXPECT_EQ(bench.topic("timeline")["start_us"], kNow + kSecond);
 }
 
-TEST(LabView, AStopOutlivesTheRepetitionOfStartAndAnotherRun) {
+TEST(LabView, KeepsAStopWhenStartIsRepeatedAndWhenAnotherRunBegins) {
   Bench bench;
-  ASSERT_EQ(bench.dut.controls().wish(StopRobots{}, kNow), "");
+  ASSERT_EQ(bench.dut.controls().request(StopRobots{}, kNow), "");
   bench.start(1, kNow);
   bench.start(1, kNow + 60 * kSecond);
   bench.dut.publishMoving(kNow + 60 * kSecond, true);
@@ -109,7 +111,7 @@ TEST(LabView, AStopOutlivesTheRepetitionOfStartAndAnotherRun) {
   EXPECT_EQ(bench.topic("stop")["state"], "stopping");
 }
 
-TEST(LabView, AJumpOfAPlayedLogVoidsWhatWasHeard) {
+TEST(LabView, AJumpInAReplayedLogRemovesEarlierData) {
   Bench bench;
   bench.start(1, kNow);
   experiment_status_t status{};
@@ -131,7 +133,7 @@ TEST(LabView, AJumpOfAPlayedLogVoidsWhatWasHeard) {
   EXPECT_EQ(bench.topic("lab")["name"], "two_programs");
 }
 
-TEST(LabView, CountsRobotsBeforeTheFirstStopAndShowsOneThatIsInForce) {
+TEST(LabView, CountsRobotsBeforeTheFirstStopAndShowsAnActiveStop) {
   Bench bench;
   bench.start(1, kNow);
   bench.send(channels::kRobotStatus, statusOf({stateOf(3), stateOf(7)}), kNow);
@@ -145,10 +147,10 @@ TEST(LabView, CountsRobotsBeforeTheFirstStopAndShowsOneThatIsInForce) {
   bench.dut.publishMoving(kNow, true);
   EXPECT_EQ(bench.topic("stop")["state"], "stopping");
   EXPECT_EQ(bench.topic("stop")["unconfirmed"], Json({7}));
-  EXPECT_EQ(bench.dut.controls().wish(ReleaseStop{}, kNow), "");
+  EXPECT_EQ(bench.dut.controls().request(ReleaseStop{}, kNow), "");
 }
 
-TEST(LabView, WhoCameLateKnowsWhenTheScriptBegan) {
+TEST(LabView, KnowsTheStartOfTheScriptWhenStartedLater) {
   Bench bench;
   bench.start(1, kNow + 60 * kSecond);
   experiment_status_t status{};
@@ -165,10 +167,10 @@ TEST(LabView, WhoCameLateKnowsWhenTheScriptBegan) {
   EXPECT_EQ(begun(), kNow);
   status.phase = experiment_status_t::PAUSED;
   bench.send(channels::kExperimentStatus, status, kNow + 71 * kSecond);
-  EXPECT_EQ(begun(), kNow) << "a pause does not move it";
+  EXPECT_EQ(begun(), kNow) << "a pause does not change the start";
 }
 
-TEST(LabView, NobodyIsBlamedForTheSilenceOfAPlayedLog) {
+TEST(LabView, GivesNoAdviceForSilenceInAReplayedLog) {
   for (const bool replay : {false, true}) {
     Bench bench;
     bench.start(1, kNow);
@@ -186,20 +188,21 @@ TEST(LabView, NobodyIsBlamedForTheSilenceOfAPlayedLog) {
     bench.send(channels::kExperimentStatus, status, kNow + 60 * kSecond);
     bench.dut.publishTotals(kNow + 60 * kSecond, {});
     EXPECT_EQ(bench.topic("health")["advice"].empty(), replay) << bench.topic("health")["advice"];
-    EXPECT_TRUE(bench.dut.health().pids("here").empty()) << "it ran once, with that number";
+    EXPECT_TRUE(bench.dut.health().pids("here").empty())
+        << "process ids of a replayed log mean nothing now";
   }
 }
 
-TEST(LabView, OneAnswerServesAllWhoAskForTrailsWithinHalfASecond) {
+TEST(LabView, SharesTheTrailsBetweenQueriesWithinHalfASecond) {
   Bench bench;
   bench.send(channels::kTrackedFrame, frameOf(kNow, {poseOf(3, 0.1, 0.2)}), kNow);
-  const auto first = bench.dut.ask("trails", "", kNow);
+  const auto first = bench.dut.query("trails", "", kNow);
   bench.send(channels::kTrackedFrame, frameOf(kNow + kSecond / 4, {poseOf(3, 0.2, 0.2)}), kNow);
-  EXPECT_EQ(bench.dut.ask("trails", "", kNow + kSecond / 4), first);
-  EXPECT_NE(bench.dut.ask("trails", "", kNow + kSecond / 2), first);
+  EXPECT_EQ(bench.dut.query("trails", "", kNow + kSecond / 4), first);
+  EXPECT_NE(bench.dut.query("trails", "", kNow + kSecond / 2), first);
 }
 
-TEST(LabView, TakesAtMostTwentyFramesASecond) {
+TEST(LabView, UsesAtMostTwentyFramesPerSecond) {
   Bench bench;
   int frames = 0;
   std::string last;
@@ -217,7 +220,7 @@ TEST(LabView, TakesAtMostTwentyFramesASecond) {
   EXPECT_EQ(bench.topic("health")["streams"][0]["received"], 300) << "all are counted";
 }
 
-TEST(LabView, WhatIsOfAnotherContractIsCounted) {
+TEST(LabView, CountsMessagesOfAnotherContract) {
   Bench bench;
   service_status_t wrong{};
   wrong.sender = "old";
@@ -230,7 +233,7 @@ TEST(LabView, WhatIsOfAnotherContractIsCounted) {
   EXPECT_EQ(bench.topic("health")["not_understood"][0]["messages"], 2);
 }
 
-TEST(LabView, ItsOwnWordsDoNotMakeALab) {
+TEST(LabView, IgnoresItsOwnMessages) {
   Bench bench;
   service_status_t own{};
   own.sender = "dashboard";
@@ -242,8 +245,8 @@ TEST(LabView, ItsOwnWordsDoNotMakeALab) {
   EXPECT_EQ(bench.topic("health")["services"].size(), 1U);
 }
 
-/// <cos(theta(t) - theta(0))> of the paper's ABP, drawn here independently.
-TEST(LabView, MeasuresHowTheHeadingIsForgotten) {
+/// Compares with <cos(theta(t) - theta(0))> of an ABP as in the paper, simulated independently.
+TEST(LabView, MeasuresTheHeadingCorrelation) {
   Bench bench;
   bench.start(1, kNow);
   const Experiment experiment = experimentForTests();
@@ -252,7 +255,7 @@ TEST(LabView, MeasuresHowTheHeadingIsForgotten) {
   constexpr int kRobots = 10;
   std::vector<double> theta(kRobots);
   std::vector<double> rate(kRobots);
-  for (int i = 0; i < 20 * 400; ++i) {  // 400 s at 20 Hz, a draw each 0.2 s
+  for (int i = 0; i < 20 * 400; ++i) {  // 400 s at 20 Hz, a new turning rate every 0.2 s
     const std::int64_t now = kNow + i * 50'000;
     std::vector<tracked_pose_t> poses;
     std::vector<robot_state_t> states;
@@ -287,13 +290,13 @@ TEST(LabView, MeasuresHowTheHeadingIsForgotten) {
     sum += z * z;
   }
   EXPECT_LT(most, 4);
-  EXPECT_GT(sum / HeadingCorrelation::kLags, 0.02) << "errors are not made up";
+  EXPECT_GT(sum / HeadingCorrelation::kLags, 0.02) << "the standard errors are not too small";
   // v 4 cm/s, D_r = eta^2 epsilon / 6 = 0.3 /s: l at the last lag is 4 cm/s x 4 / 0.3 s.
   EXPECT_NEAR(curve["lag_cm"].back().get<double>(), 4 * 4 / 0.3, 1);
 }
 
-/// 24 h of a lab of 100 robots, at a reduced rate: nothing grows.
-TEST(LabView, ADayFitsIntoBoundedMemory) {
+/// 24 h of a lab with 100 robots, at a reduced rate.
+TEST(LabView, UsesBoundedMemoryDuringADay) {
   Bench bench;
   bench.start(1, kNow);
   const Experiment experiment = experimentForTests();
@@ -305,9 +308,9 @@ TEST(LabView, ADayFitsIntoBoundedMemory) {
     for (const auto& change : bench.hub.changesSince(seen, std::chrono::milliseconds(0))) {
       sum += change.text->size();
     }
-    return sum + bench.dut.ask("trails", "", now)->size();
+    return sum + bench.dut.query("trails", "", now)->size();
   };
-  for (int i = 0; i < 24 * 120; ++i) {  // each 30 s
+  for (int i = 0; i < 24 * 120; ++i) {  // every 30 s
     const std::int64_t now = kNow + std::int64_t{i} * 30 * kSecond;
     std::vector<tracked_pose_t> poses;
     std::vector<robot_state_t> states;
@@ -335,9 +338,9 @@ TEST(LabView, ADayFitsIntoBoundedMemory) {
   const std::size_t in_the_end = size(kNow + 24 * 3600 * kSecond);
   EXPECT_LT(in_the_end, at_noon + at_noon / 10);
   EXPECT_LT(in_the_end, 3'000'000U);
-  EXPECT_EQ(bench.topic("timeline")["steps"].size(), TimelineView::kMostSteps);
+  EXPECT_EQ(bench.topic("timeline")["steps"].size(), TimelineView::kMaxSteps);
   EXPECT_GT(bench.topic("timeline")["marks_before"].get<int>(), 400);
-  EXPECT_LE(bench.topic("history/tumble")["t_s"].size(), HistoryView::kMostPoints);
+  EXPECT_LE(bench.topic("history/tumble")["t_s"].size(), HistoryView::kMaxPoints);
 }
 
 }  // namespace

@@ -1,4 +1,8 @@
+#include <gtest/gtest.h>
+
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "dashboard/views/curves_view.hpp"
 #include "dashboard/views/history_view.hpp"
@@ -22,7 +26,7 @@ program_t programNamed(const char* name) {
   return toMessage(experimentForTests().programs.at(name));
 }
 
-TEST(RunInfo, TellsTheExperimentInCentimetres) {
+TEST(RunInfo, DescribesTheExperimentInCentimetres) {
   const Sheet s;
   const Json json = Json::parse(s.run_info.json());
   EXPECT_EQ(json["run"], "run-1");
@@ -35,7 +39,7 @@ TEST(RunInfo, TellsTheExperimentInCentimetres) {
   EXPECT_NE(json["file"].get<std::string>().find("two_programs"), std::string::npos);
 }
 
-TEST(RunInfo, KnowsAnotherRunByItsConductor) {
+TEST(RunInfo, DetectsAnotherRunByTheSenderOfStart) {
   RunInfo dut;
   experiment_event_t start{};
   start.kind = experiment_event_t::START;
@@ -44,7 +48,7 @@ TEST(RunInfo, KnowsAnotherRunByItsConductor) {
   start.text = writeExperiment(experimentForTests());
   EXPECT_EQ(dut.take(start), RunInfo::RunChange::kFirst);
   EXPECT_TRUE(dut.known()) << dut.trouble();
-  EXPECT_EQ(dut.take(start), RunInfo::RunChange::kNone) << "said again each minute";
+  EXPECT_EQ(dut.take(start), RunInfo::RunChange::kNone) << "START is repeated every minute";
   start.instance = 2;
   EXPECT_EQ(dut.take(start), RunInfo::RunChange::kOtherRun);
   start.instance = 3;
@@ -54,7 +58,7 @@ TEST(RunInfo, KnowsAnotherRunByItsConductor) {
   EXPECT_NE(dut.trouble(), "");
 }
 
-TEST(RobotsView, AFrameHoldsThoseSeenWithinASecond) {
+TEST(RobotsView, FrameHasRobotsDetectedWithinASecond) {
   const Sheet s;
   RobotsView dut(s.run_info);
   robot_state_t state = stateOf(3, programNamed("tumble"));
@@ -78,14 +82,14 @@ TEST(RobotsView, AFrameHoldsThoseSeenWithinASecond) {
   EXPECT_EQ(json["unidentified"], Json::parse("[[11.0,22.0,-90.0]]"));
 }
 
-TEST(RobotsView, APoseThatIsNoPlaceIsNotShown) {
+TEST(RobotsView, DropsImplausiblePoses) {
   const Sheet s;
   RobotsView dut(s.run_info);
   dut.take(frameOf(kNow, {poseOf(3, std::nan(""), 0.3)}), kNow);
   EXPECT_TRUE(Json::parse(dut.frameJson(kNow))["robots"].empty());
 }
 
-TEST(RobotsView, TellsWhatRobotsSay) {
+TEST(RobotsView, ReportsTheStatesOfRobots) {
   const Sheet s;
   RobotsView dut(s.run_info);
   robot_state_t state = stateOf(7, programNamed("swim"));
@@ -116,7 +120,7 @@ TEST(RobotsView, TellsWhatRobotsSay) {
   EXPECT_FALSE(dut.robotJson(8, kNow));
 }
 
-TEST(TracksView, KeepsAPlaceEachFifthOfASecondForAMinute) {
+TEST(TracksView, KeepsOnePositionPer200msForAMinute) {
   TracksView dut;
   for (int i = 0; i < 50 * 70; ++i) {  // 70 s at 50 Hz, 4 cm/s along x
     const double t = i * 0.02;
@@ -136,7 +140,7 @@ TEST(TracksView, KeepsAPlaceEachFifthOfASecondForAMinute) {
   EXPECT_NEAR(speeds["t_s"].back().get<double>(), -0.1, 1e-9);
 }
 
-TEST(TracksView, WhereARobotWasNotSeenThereIsNothing) {
+TEST(TracksView, HasGapsWhereARobotWasNotDetected) {
   TracksView dut;
   dut.take(frameOf(kNow, {poseOf(3, 0.1, 0.1)}));
   dut.take(frameOf(kNow + 200'000, {}));
@@ -147,7 +151,7 @@ TEST(TracksView, WhereARobotWasNotSeenThereIsNothing) {
   EXPECT_TRUE(Json::parse(dut.speedsJson(3))["t_s"].empty());
 }
 
-TEST(CurvesView, TellsAPoolInCentimetres) {
+TEST(CurvesView, ConvertsAPoolToCentimetres) {
   CurvesView dut;
   dut.take(poolOf("swim", kNow));
   EXPECT_EQ(dut.takeChanged(), std::vector<std::string>{"swim"});
@@ -163,7 +167,7 @@ TEST(CurvesView, TellsAPoolInCentimetres) {
   EXPECT_EQ(json["estimates"][0]["note"], "by \"speed\"");
 }
 
-TEST(CurvesView, TellsOneRobot) {
+TEST(CurvesView, SelectsTheAnalysisOfOneRobot) {
   CurvesView dut;
   analysis_t analysis = poolOf("swim", kNow);
   analysis.robot_id = 7;
@@ -173,12 +177,12 @@ TEST(CurvesView, TellsOneRobot) {
   EXPECT_TRUE(dut.takeChanged().empty());
 }
 
-TEST(HistoryView, ThinsWhenFull) {
+TEST(HistoryView, DropsEverySecondPointWhenFull) {
   HistoryView dut;
   const int points = 1000;
   for (int i = 0; i < points * 5; ++i) dut.take(poolOf("swim", kNow + i * kSecond), kNow);
-  EXPECT_LE(dut.points("swim"), HistoryView::kMostPoints);
-  EXPECT_GE(dut.points("swim"), HistoryView::kMostPoints / 2);
+  EXPECT_LE(dut.points("swim"), HistoryView::kMaxPoints);
+  EXPECT_GE(dut.points("swim"), HistoryView::kMaxPoints / 2);
   const Json json = Json::parse(dut.json("swim"));
   EXPECT_EQ(json["t_s"].front(), 0);
   EXPECT_GE(json["t_s"].back().get<double>(), points * 5 - 11);
@@ -189,10 +193,10 @@ TEST(HistoryView, ThinsWhenFull) {
   }
 }
 
-TEST(RunTimes, MeasuresRunsBetweenTumblesThatFollowEachOther) {
+TEST(RunTimes, MeasuresRunsBetweenConsecutiveTumbles) {
   const Sheet s;
   RunTimes dut(s.run_info);
-  // A robot that runs 1.5 s and tumbles 0.3 s, told at 20 Hz; its counts begin mid-run.
+  // A robot runs 1.5 s and tumbles 0.3 s, reported at 20 Hz; the reports begin during a run.
   const double cycle = 1.8;
   for (int i = 0; i < 20 * 19; ++i) {
     const double t = 0.71 + i * 0.05;
@@ -211,7 +215,7 @@ TEST(RunTimes, MeasuresRunsBetweenTumblesThatFollowEachOther) {
   EXPECT_EQ(json["counts"][3].get<int>() + json["counts"][2].get<int>(), 10);
 }
 
-TEST(RunTimes, AMissedTumbleGivesNoRun) {
+TEST(RunTimes, SkipsRunsWithAMissedTumble) {
   const Sheet s;
   RunTimes dut(s.run_info);
   robot_state_t state = stateOf(3, programNamed("tumble"));
@@ -220,11 +224,11 @@ TEST(RunTimes, AMissedTumbleGivesNoRun) {
     state.run_time = 1.0 * count;
     dut.take(statusOf({state}));
   }
-  // 0 -> 1 began before it was seen; 1 -> 3 lost one; 3 began unseen.
+  // The begin of 0 was not observed, 1 -> 3 misses a tumble, and so the begin of 3 is unknown.
   EXPECT_TRUE(dut.takeChanged().empty());
 }
 
-TEST(TimelineView, KeepsTheNewestStepsAndSaysWhatItLeftOut) {
+TEST(TimelineView, KeepsTheNewestStepsAndCountsOmittedOnes) {
   TimelineView dut;
   experiment_event_t event{};
   event.kind = experiment_event_t::STEP;
@@ -232,7 +236,7 @@ TEST(TimelineView, KeepsTheNewestStepsAndSaysWhatItLeftOut) {
     event.step = i;
     event.commanded_utime = kNow + i;
     dut.take(event);
-    dut.take(event);  // said several times
+    dut.take(event);  // events are repeated
   }
   event.kind = experiment_event_t::MARK;
   event.utime = kNow;
@@ -240,7 +244,7 @@ TEST(TimelineView, KeepsTheNewestStepsAndSaysWhatItLeftOut) {
   dut.take(event);
   dut.take(event);
   const Json json = Json::parse(dut.json());
-  EXPECT_EQ(json["steps"].size(), TimelineView::kMostSteps);
+  EXPECT_EQ(json["steps"].size(), TimelineView::kMaxSteps);
   EXPECT_EQ(json["steps_before"], 1600);
   EXPECT_EQ(json["steps"][0]["number"], 1600);
   EXPECT_EQ(json["steps"][0]["presented_us"], nullptr);
@@ -249,7 +253,7 @@ TEST(TimelineView, KeepsTheNewestStepsAndSaysWhatItLeftOut) {
   EXPECT_EQ(json["end"], nullptr);
 }
 
-TEST(TimelineView, SaysHowTheScriptAndThePlayerStand) {
+TEST(TimelineView, ReportsTheStatesOfScriptAndPlayer) {
   experiment_status_t status{};
   status.phase = experiment_status_t::SCRIPT;
   status.elapsed = 10;
@@ -284,7 +288,7 @@ light_status_t halfWhite() {
   return status;
 }
 
-TEST(LightPicture, PaintsWhatTheStatusSays) {
+TEST(LightPicture, PaintsTheLightOfTheStatus) {
   LightPicture dut;
   EXPECT_FALSE(dut.paint(kNow));
   dut.take(halfWhite());
@@ -296,12 +300,12 @@ TEST(LightPicture, PaintsWhatTheStatusSays) {
   EXPECT_EQ(json["manual"], false);
   ASSERT_EQ(dut.pixels().size(), 120U * 90U);
   EXPECT_NE(dut.pixels()[0], dut.pixels()[119]);
-  EXPECT_FALSE(dut.paint(kNow + kSecond)) << "nothing is new";
+  EXPECT_FALSE(dut.paint(kNow + kSecond)) << "nothing has changed";
   dut.take(halfWhite());
-  EXPECT_FALSE(dut.paint(kNow + kSecond)) << "the same, said again";
+  EXPECT_FALSE(dut.paint(kNow + kSecond)) << "the same status again";
 }
 
-TEST(LightPicture, PaintsWhatMovesAtFiveHertz) {
+TEST(LightPicture, PaintsMovingLightAtFiveHertz) {
   LightPicture dut;
   light_status_t status = halfWhite();
   status.moving = 1;
@@ -314,7 +318,7 @@ TEST(LightPicture, PaintsWhatMovesAtFiveHertz) {
   EXPECT_EQ(painted, 5);
 }
 
-TEST(LightPicture, SaysWhatItCannotPaint) {
+TEST(LightPicture, SaysWhyALightCannotBePainted) {
   LightPicture dut;
   light_status_t status = halfWhite();
   status.layers[0].kind = 99;

@@ -1,56 +1,56 @@
 #include "dashboard/web/camera_picture.hpp"
 
-#include <httplib.h>
+#include <gtest/gtest.h>
 
 #include <atomic>
 #include <thread>
+
+#include "common/http/http_server.hpp"
 
 namespace lab::dashboard {
 namespace {
 
 using namespace std::chrono_literals;
 
-/// As the tracker's debug view.
+/// Stands in for the tracker's debug view.
 class PictureServer {
  public:
   PictureServer() {
-    server_.Get("/frame.jpg", [this](const httplib::Request&, httplib::Response& response) {
-      response.set_content(good ? "\xff\xd8picture" : "no picture", "image/jpeg");
-    });
-    port = server_.bind_to_any_port("127.0.0.1");
-    thread_ = std::thread([this] { server_.listen_after_bind(); });
-    while (!server_.is_running()) std::this_thread::sleep_for(1ms);
-  }
-  ~PictureServer() {
-    server_.stop();
-    thread_.join();
+    server_.open(
+        [this](HttpExchange& exchange) {
+          HttpResponse response;
+          if (exchange.request().path() != "/frame.jpg") response.status = 404;
+          response.setBody("image/jpeg", good ? "\xff\xd8picture" : "no picture");
+          exchange.respond(response);
+        },
+        [](RequestFault) { return HttpResponse(); });
   }
 
-  int port = 0;
+  [[nodiscard]] int port() const { return server_.port(); }
+
   std::atomic<bool> good = true;
 
  private:
-  httplib::Server server_;
-  std::thread thread_;
+  HttpServer server_{{.owner = "test", .address = "127.0.0.1"}};
 };
 
-TEST(CameraPicture, IsThePictureThatTheTrackerShows) {
+TEST(CameraPicture, FetchesTheTrackersPicture) {
   PictureServer tracker;
-  CameraPicture picture(tracker.port);
+  CameraPicture picture(tracker.port());
   const CameraPicture::Text first = picture.newest();
   ASSERT_NE(first, nullptr);
   EXPECT_EQ(*first, "\xff\xd8picture");
-  tracker.good = false;  // what is no JPEG is not passed on
+  tracker.good = false;  // then the body is not a JPEG
   while (picture.newest() != nullptr) std::this_thread::sleep_for(5ms);
   tracker.good = true;
   while (picture.newest() == nullptr) std::this_thread::sleep_for(5ms);
 }
 
-TEST(CameraPicture, IsNoneWhereNobodyListens) {
+TEST(CameraPicture, IsNullWithoutATracker) {
   int port = 0;
   {
     const PictureServer gone;
-    port = gone.port;
+    port = gone.port();
   }
   EXPECT_EQ(CameraPicture(port).newest(), nullptr);
 }

@@ -1,5 +1,9 @@
 #include "dashboard/web/http_guard.hpp"
 
+#include <gtest/gtest.h>
+
+#include "common/http/ip_address.hpp"
+
 namespace lab::dashboard {
 namespace {
 
@@ -15,7 +19,7 @@ RequestFacts plain() {
   return facts;
 }
 
-RequestFacts wish() {
+RequestFacts controlRequest() {
   RequestFacts facts = plain();
   facts.method = "POST";
   facts.target = "/api/wish";
@@ -25,7 +29,7 @@ RequestFacts wish() {
   return facts;
 }
 
-TEST(HttpGuard, TakesOwnHostsWithAndWithoutPort) {
+TEST(HttpGuard, AcceptsItsOwnHostNamesWithAndWithoutPort) {
   for (const char* host : {"127.0.0.1:8480", "127.0.0.1", "localhost:8480", "localhost",
                            "LocalHost", "[::1]:8480", "[::1]"}) {
     RequestFacts facts = plain();
@@ -46,7 +50,7 @@ TEST(HttpGuard, RefusesEveryOtherHost) {
   }
 }
 
-TEST(HttpGuard, TakesTheAddressThatWasReachedWhereItListensWidely) {
+TEST(HttpGuard, AcceptsTheReachedAddressWhenListeningOnAllAddresses) {
   GuardRules wide = kRules;
   wide.address = "0.0.0.0";
   RequestFacts facts = plain();
@@ -58,17 +62,17 @@ TEST(HttpGuard, TakesTheAddressThatWasReachedWhereItListensWidely) {
   EXPECT_EQ(mayRead(wide, facts).refusal, Refusal::kHost);
   facts.local = "::ffff:192.168.1.7";
   facts.host = "192.168.1.7:8480";
-  EXPECT_TRUE(mayRead(wide, facts).yes()) << "on a socket of IPv6";
+  EXPECT_TRUE(mayRead(wide, facts).yes()) << "an IPv4 address on an IPv6 socket";
   facts.local = "fd00::7";
   facts.host = "[fd00::7]:8480";
   EXPECT_TRUE(mayRead(wide, facts).yes());
 }
 
-TEST(HttpGuard, RefusesOtherSitesPages) {
+TEST(HttpGuard, RefusesPagesOfOtherSites) {
   for (const char* origin :
        {"http://evil.example", "null", "https://127.0.0.1:8480", "http://127.0.0.1:8481",
         "http://localhost:8480", "http://127.0.0.1"}) {
-    RequestFacts facts = wish();
+    RequestFacts facts = controlRequest();
     facts.origin = origin;
     EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOrigin) << origin;
   }
@@ -76,12 +80,12 @@ TEST(HttpGuard, RefusesOtherSitesPages) {
     RequestFacts facts = plain();
     facts.fetch_site = site;
     EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOrigin) << site;
-    facts.fetch_mode = "navigate";  // to what is no page for people
+    facts.fetch_mode = "navigate";  // a link to something else than the page
     EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOrigin) << site;
   }
 }
 
-TEST(HttpGuard, TakesALinkToThePageButNoOtherRequestForIt) {
+TEST(HttpGuard, AcceptsLinksFromOtherSitesToThePageOnly) {
   RequestFacts facts = plain();
   facts.target = "/";
   facts.fetch_site = "cross-site";
@@ -94,7 +98,7 @@ TEST(HttpGuard, TakesALinkToThePageButNoOtherRequestForIt) {
   EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOrigin);
 }
 
-TEST(HttpGuard, RefusesTricksInThePath) {
+TEST(HttpGuard, RefusesTraversalAndEncodedSeparators) {
   const std::string nul("/page/a\0b", 9);
   for (const std::string& target : {std::string("/page/../x"),
                                     std::string("/.."),
@@ -124,17 +128,17 @@ TEST(HttpGuard, RefusesTricksInThePath) {
   const std::string long_one = "/" + std::string(2048, 'a');
   facts.target = long_one;
   EXPECT_EQ(mayRead(kRules, facts).refusal, Refusal::kOversized);
-  facts.target = "/api/compare?runs=a,b%2c..%2f";  // the query is no path
+  facts.target = "/api/compare?runs=a,b%2c..%2f";  // the query may contain encoded separators
   EXPECT_TRUE(mayRead(kRules, facts).yes());
   facts.target = "/api/runs/abp..old/a..svg";
   EXPECT_TRUE(mayRead(kRules, facts).yes());
 }
 
-TEST(HttpGuard, ControlsByPostAloneAndReadsByGetAndHead) {
+TEST(HttpGuard, ControlNeedsPostAndReadingNeedsGetOrHead) {
   for (const char* method :
        {"GET", "HEAD", "PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "PATCH"}) {
     for (const char* target : {"/api/wish", "/api/check", "/api/start"}) {
-      RequestFacts facts = wish();
+      RequestFacts facts = controlRequest();
       facts.method = method;
       facts.target = target;
       EXPECT_EQ(mayRead(kRules, facts).status, 405) << method << target;
@@ -145,7 +149,7 @@ TEST(HttpGuard, ControlsByPostAloneAndReadsByGetAndHead) {
     facts.method = method;
     EXPECT_EQ(mayRead(kRules, facts).status, 405) << method;
   }
-  RequestFacts facts = wish();
+  RequestFacts facts = controlRequest();
   EXPECT_TRUE(mayRead(kRules, facts).yes());
   facts.target = "/api/wish?x";
   EXPECT_FALSE(mayRead(kRules, facts).yes());
@@ -154,14 +158,14 @@ TEST(HttpGuard, ControlsByPostAloneAndReadsByGetAndHead) {
   EXPECT_TRUE(mayRead(kRules, facts).yes());
 }
 
-TEST(HttpGuard, ControlNeedsTheTokenAndThisMachine) {
-  EXPECT_TRUE(mayControl(kRules, wish()).yes());
+TEST(HttpGuard, ControlNeedsTheTokenAndThisHost) {
+  EXPECT_TRUE(mayControl(kRules, controlRequest()).yes());
   for (const char* token : {"", "0", "0123456789abcdeg", "0123456789abcdef0", "0123456789ABCDEF"}) {
-    RequestFacts facts = wish();
+    RequestFacts facts = controlRequest();
     facts.token = token;
     EXPECT_EQ(mayControl(kRules, facts).refusal, Refusal::kToken) << token;
   }
-  RequestFacts elsewhere = wish();
+  RequestFacts elsewhere = controlRequest();
   elsewhere.peer = "192.168.1.9";
   EXPECT_EQ(mayControl(kRules, elsewhere).refusal, Refusal::kToken);
   GuardRules open = kRules;
@@ -171,12 +175,12 @@ TEST(HttpGuard, ControlNeedsTheTokenAndThisMachine) {
   EXPECT_FALSE(mayControl(open, elsewhere).yes());
   GuardRules without = kRules;
   without.token.clear();
-  RequestFacts empty = wish();
+  RequestFacts empty = controlRequest();
   empty.token = "";
   EXPECT_EQ(mayControl(without, empty).refusal, Refusal::kToken);
 }
 
-TEST(HttpGuard, KnowsLoopback) {
+TEST(HttpGuard, RecognizesLoopbackAddresses) {
   for (const char* address : {"127.0.0.1", "127.9.9.9", "::1", "::ffff:127.0.0.1"}) {
     EXPECT_TRUE(isLoopback(address)) << address;
   }

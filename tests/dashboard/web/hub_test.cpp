@@ -1,5 +1,7 @@
 #include "dashboard/web/hub.hpp"
 
+#include <gtest/gtest.h>
+
 #include <atomic>
 #include <thread>
 
@@ -18,7 +20,7 @@ std::vector<std::string> textsOf(const std::vector<Hub::Change>& changes) {
   return texts;
 }
 
-TEST(Hub, GivesEverythingFirstThenWhatChangedInTheOrderOfTheChanges) {
+TEST(Hub, ReturnsAllTopicsFirstAndThenChangesInTheirOrder) {
   Hub hub;
   hub.publish("b", "1");
   hub.publish("a", "1");
@@ -29,7 +31,7 @@ TEST(Hub, GivesEverythingFirstThenWhatChangedInTheOrderOfTheChanges) {
   EXPECT_THAT(textsOf(hub.changesSince(seen, 0ms)), ElementsAre("b=2"));
 }
 
-TEST(Hub, GivesWhatChangedTwiceOnceAndNewest) {
+TEST(Hub, ReturnsOnlyTheNewestTextOfATopic) {
   Hub hub;
   std::uint64_t seen = 0;
   for (int i = 0; i < 1000; ++i) hub.publish("frame", std::to_string(i));
@@ -37,7 +39,7 @@ TEST(Hub, GivesWhatChangedTwiceOnceAndNewest) {
   EXPECT_THAT(textsOf(hub.changesSince(seen, 0ms)), ElementsAre("frame=999", "pulse=x"));
 }
 
-TEST(Hub, KeepsNoTextForAReaderWhoIsSlow) {
+TEST(Hub, KeepsNoOldTextsForSlowReaders) {
   Hub hub;
   std::uint64_t seen = 0;
   hub.publish("frame", "old");
@@ -47,7 +49,7 @@ TEST(Hub, KeepsNoTextForAReaderWhoIsSlow) {
   EXPECT_TRUE(old.expired());
 }
 
-TEST(Hub, ForgetsWhatIsRemoved) {
+TEST(Hub, RemovesTopics) {
   Hub hub;
   hub.publish("pool/abp", "1");
   hub.remove("pool/abp");
@@ -57,7 +59,7 @@ TEST(Hub, ForgetsWhatIsRemoved) {
   EXPECT_EQ(hub.newest("pool/abp"), nullptr);
 }
 
-TEST(Hub, TellsWhoHasSeenItThatATopicIsGone) {
+TEST(Hub, SendsNullOnceForARemovedTopic) {
   Hub hub;
   hub.publish("pool/abp", "1");
   std::uint64_t seen = 0;
@@ -71,13 +73,13 @@ TEST(Hub, TellsWhoHasSeenItThatATopicIsGone) {
   EXPECT_EQ(*hub.newest("pool/abp"), "2");
 }
 
-TEST(EventStream, ANameFromTheBusMakesNoEventOfItsOwn) {
+TEST(EventStream, ALineBreakInATopicDoesNotBeginAnotherEvent) {
   std::string text;
   appendEvent(text, "pool/a\n\nevent: stop\r", "1\n2");
   EXPECT_EQ(text, "event: pool/a??event: stop?\ndata: 1\ndata: 2\n\n");
 }
 
-TEST(Hub, RemembersFewTopicsThatAreGone) {
+TEST(Hub, LimitsTheNumberOfRemovedTopics) {
   Hub hub;
   hub.publish("pulse", "0");
   std::uint64_t seen = 0;
@@ -89,7 +91,7 @@ TEST(Hub, RemembersFewTopicsThatAreGone) {
   EXPECT_EQ(hub.changesSince(seen, 0ms).size(), 200U);
 }
 
-TEST(Hub, WakesAReaderForAChangeButNotForAQuietOne) {
+TEST(Hub, WakesReadersForAChangeButNotForAQuietOne) {
   Hub hub;
   hub.publish("pulse", "0");
   std::uint64_t seen = 0;
@@ -99,12 +101,12 @@ TEST(Hub, WakesAReaderForAChangeButNotForAQuietOne) {
   hub.publishQuietly(".light", "raster");
   hub.publish("pulse", "1");
   reader.join();
-  // The reader may have begun to wait only after the quiet one: then it has both at once anyway.
+  // If the reader begins to wait after the quiet change, it receives both at once.
   EXPECT_THAT(found, testing::Contains("pulse=1"));
   EXPECT_EQ(*hub.newest(".light"), "raster");
 }
 
-TEST(Hub, WakesItsReadersForGoodWhenItCloses) {
+TEST(Hub, WakesAllReadersWhenItCloses) {
   Hub hub;
   std::uint64_t seen = 0;
   std::thread reader([&] { EXPECT_THAT(hub.changesSince(seen, 60s), IsEmpty()); });
@@ -115,7 +117,7 @@ TEST(Hub, WakesItsReadersForGoodWhenItCloses) {
   EXPECT_THAT(hub.changesSince(seen, 60s), IsEmpty());
 }
 
-TEST(Hub, ManyPublishersAndReadersAgreeInTheEnd) {
+TEST(Hub, AllReadersEndWithTheNewestTexts) {
   constexpr int kPublishers = 3;
   constexpr int kReaders = 4;
   constexpr int kTexts = 3000;

@@ -1,11 +1,13 @@
-/// A server of the page, with a lab behind it that remembers what reached it.
+/// A web server of the page, with a lab that records the requests that reach it.
 #pragma once
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -18,16 +20,16 @@ namespace lab::dashboard {
 
 class RecordingLab final : public LabRequestHandler {
  public:
-  std::string wish(const OperatorRequest& wish) override {
+  std::string request(const OperatorRequest& request) override {
     const std::lock_guard lock(mutex_);
-    requests_.push_back(wish);
+    requests_.push_back(request);
     return refusal_;
   }
-  std::optional<std::string> ask(std::string_view what, std::string_view which) override {
+  std::optional<std::string> query(std::string_view what, std::string_view which) override {
     if (what == "nothing") return std::nullopt;
     return "[\"" + std::string(what) + "\",\"" + std::string(which) + "\"]";
   }
-  [[nodiscard]] std::vector<OperatorRequest> wishes() {
+  [[nodiscard]] std::vector<OperatorRequest> requests() {
     const std::lock_guard lock(mutex_);
     return requests_;
   }
@@ -55,7 +57,7 @@ class WebTest : public testing::Test {
 
   void start() { server_.emplace(options_, hub_, lab_); }
 
-  /// A request as a browser's page sends it. @param extra header lines, each with its end
+  /// A request as the page sends it in a browser. @param extra header lines, each with its line end
   [[nodiscard]] std::string request(const std::string& method, const std::string& target,
                                     const std::string& extra = "",
                                     const std::string& body = "") const {
@@ -71,13 +73,14 @@ class WebTest : public testing::Test {
     return std::string("X-Lab-Token: ") + kToken + "\r\n";
   }
 
-  [[nodiscard]] std::string ask(const std::string& method, const std::string& target,
-                                const std::string& extra = "", const std::string& body = "") const {
+  [[nodiscard]] std::string send(const std::string& method, const std::string& target,
+                                 const std::string& extra = "",
+                                 const std::string& body = "") const {
     return exchange(server_->port(), request(method, target, extra, body));
   }
-  /// With the token.
-  [[nodiscard]] std::string wish(const std::string& body) const {
-    return ask("POST", "/api/wish", token(), body);
+  /// Sends an operator request with the token. @return the response
+  [[nodiscard]] std::string control(const std::string& body) const {
+    return send("POST", "/api/wish", token(), body);
   }
   void waitForViewers(int count) const {
     ASSERT_TRUE(waitUntil([&] { return server_->viewers() == count; }, std::chrono::seconds(30)))

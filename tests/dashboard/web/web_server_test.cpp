@@ -1,7 +1,12 @@
 #include "dashboard/web/web_server.hpp"
 
+#include <gtest/gtest.h>
 #include <ifaddrs.h>
 #include <net/if.h>
+
+#include <cstdint>
+#include <stdexcept>
+#include <vector>
 
 #include "tests/dashboard/web/web_fixture.hpp"
 
@@ -17,9 +22,9 @@ using testing::Not;
 using testing::SizeIs;
 using testing::StartsWith;
 
-TEST_F(WebTest, ServesThePageWithNothingFromElsewhere) {
+TEST_F(WebTest, ServesThePageWithSecurityHeaders) {
   start();
-  const std::string page = ask("GET", "/");
+  const std::string page = send("GET", "/");
   EXPECT_THAT(page, AllOf(StartsWith("HTTP/1.1 200"), HasSubstr("<html")));
   for (const char* header :
        {"Content-Security-Policy: default-src 'self';", "X-Content-Type-Options: nosniff",
@@ -28,24 +33,24 @@ TEST_F(WebTest, ServesThePageWithNothingFromElsewhere) {
     EXPECT_THAT(page, HasSubstr(header));
   }
   EXPECT_THAT(page, Not(HasSubstr("Access-Control-")));
-  EXPECT_THAT(ask("GET", "/page/d3.min.js"), HasSubstr("Content-Type: text/javascript"));
-  EXPECT_THAT(ask("GET", "/page/d3_licence.txt"), HasSubstr("Michael Bostock"));
-  EXPECT_EQ(statusOf(ask("GET", "/page/none.js")), "404");
-  const std::string head = ask("HEAD", "/");
+  EXPECT_THAT(send("GET", "/page/d3.min.js"), HasSubstr("Content-Type: text/javascript"));
+  EXPECT_THAT(send("GET", "/page/d3_licence.txt"), HasSubstr("Michael Bostock"));
+  EXPECT_EQ(statusOf(send("GET", "/page/none.js")), "404");
+  const std::string head = send("HEAD", "/");
   EXPECT_THAT(head, AllOf(StartsWith("HTTP/1.1 200"), EndsWith("\r\n\r\n")));
 }
 
-TEST_F(WebTest, SendsAFileOfThePageOnce) {
+TEST_F(WebTest, SendsAnUnchangedFileOnlyOnce) {
   start();
-  const std::string first = ask("GET", "/page/d3.min.js");
+  const std::string first = send("GET", "/page/d3.min.js");
   const std::size_t at = first.find("ETag: ");
   ASSERT_NE(at, std::string::npos);
   const std::string tag = first.substr(at + 6, first.find('\r', at) - at - 6);
-  EXPECT_EQ(statusOf(ask("GET", "/page/d3.min.js", "If-None-Match: " + tag + "\r\n")), "304");
-  EXPECT_EQ(statusOf(ask("GET", "/page/d3.min.js", "If-None-Match: \"0\"\r\n")), "200");
+  EXPECT_EQ(statusOf(send("GET", "/page/d3.min.js", "If-None-Match: " + tag + "\r\n")), "304");
+  EXPECT_EQ(statusOf(send("GET", "/page/d3.min.js", "If-None-Match: \"0\"\r\n")), "200");
 }
 
-TEST_F(WebTest, StreamsAllTopicsFirstAndThenWhatChanges) {
+TEST_F(WebTest, StreamsAllTopicsFirstAndThenChanges) {
   hub_.publish("lab", "{\"name\":\"abp\"}");
   hub_.publish(".light", "raster");
   start();
@@ -57,7 +62,7 @@ TEST_F(WebTest, StreamsAllTopicsFirstAndThenWhatChanges) {
   hub_.publish("frame", "two\nlines");
   EXPECT_THAT(viewer.receive("lines\n\n"), HasSubstr("event: frame\ndata: two\ndata: lines\n\n"));
   EXPECT_THAT(viewer.receive("lines\n\n"), Not(HasSubstr("raster")));
-  EXPECT_THAT(ask("GET", "/api/light"), EndsWith("\r\n\r\nraster"));
+  EXPECT_THAT(send("GET", "/api/light"), EndsWith("\r\n\r\nraster"));
 }
 
 TEST_F(WebTest, NoticesThatAViewerHasGone) {
@@ -70,33 +75,35 @@ TEST_F(WebTest, NoticesThatAViewerHasGone) {
   waitForViewers(0);
 }
 
-TEST_F(WebTest, HandsWishesOnAndSaysWhatBecameOfThem) {
+TEST_F(WebTest, PassesRequestsOnAndReturnsRefusals) {
   start();
-  EXPECT_EQ(statusOf(wish(R"({"wish":"stop","reason":"by hand"})")), "202");
-  ASSERT_THAT(lab_.wishes(), SizeIs(1));
-  EXPECT_EQ(std::get<StopRobots>(lab_.wishes().front()).reason, "by hand");
+  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":"smoke"})")), "202");
+  ASSERT_THAT(lab_.requests(), SizeIs(1));
+  EXPECT_EQ(std::get<StopRobots>(lab_.requests().front()).reason, "smoke");
   lab_.refuse("no script runs");
-  EXPECT_THAT(wish(R"({"wish":"pause"})"),
+  EXPECT_THAT(control(R"({"wish":"pause"})"),
               AllOf(StartsWith("HTTP/1.1 409"), EndsWith(R"({"error":"no script runs"})")));
 }
 
-TEST_F(WebTest, TellsAClientWhetherItsButtonsWork) {
+TEST_F(WebTest, ReportsTheClientsPermissions) {
   start();
-  EXPECT_THAT(ask("GET", "/api/me", token()), HasSubstr(R"({"control":true,"why":""})"));
-  EXPECT_THAT(ask("GET", "/api/me"), HasSubstr(R"({"control":false,"why":"the token is missing)"));
+  EXPECT_THAT(send("GET", "/api/me", token()), HasSubstr(R"({"control":true,"why":""})"));
+  EXPECT_THAT(send("GET", "/api/me"), HasSubstr(R"({"control":false,"why":"the token is missing)"));
   EXPECT_EQ(server_->refusals().token, 0);
 }
 
-TEST_F(WebTest, AsksTheLab) {
+TEST_F(WebTest, PassesQueriesOn) {
   start();
-  EXPECT_THAT(ask("GET", "/api/ask/robot?which=a%20b"), EndsWith(R"(["robot","a b"])"));
-  EXPECT_EQ(statusOf(ask("GET", "/api/ask/nothing")), "404");
+  EXPECT_THAT(send("GET", "/api/ask/robot?which=a%20b"), EndsWith(R"(["robot","a b"])"));
+  EXPECT_EQ(statusOf(send("GET", "/api/ask/nothing")), "404");
 }
 
-TEST_F(WebTest, NothingThatIsRefusedReachesTheLab) {
+TEST_F(WebTest, RefusedRequestsDoNotReachTheLab) {
   start();
   const std::string body = R"({"wish":"release_stop"})";
-  const auto post = [&](const std::string& extra) { return ask("POST", "/api/wish", extra, body); };
+  const auto post = [&](const std::string& extra) {
+    return send("POST", "/api/wish", extra, body);
+  };
   EXPECT_EQ(statusOf(post("")), "403");
   EXPECT_EQ(statusOf(post("X-Lab-Token: 0123456789abcdef0123456789abcdee\r\n")), "403");
   EXPECT_EQ(server_->refusals().token, 2);
@@ -105,9 +112,9 @@ TEST_F(WebTest, NothingThatIsRefusedReachesTheLab) {
   EXPECT_EQ(statusOf(post(token() + "Sec-Fetch-Site: cross-site\r\n")), "403");
   EXPECT_EQ(server_->refusals().origin, 3);
   for (const char* method : {"GET", "HEAD", "OPTIONS", "PUT", "DELETE", "TRACE"}) {
-    EXPECT_EQ(statusOf(ask(method, "/api/wish?wish=stop", token())),
+    EXPECT_EQ(statusOf(send(method, "/api/wish?wish=stop", token())),
               std::string(method) == "GET" || std::string(method) == "HEAD" ? "404" : "405");
-    EXPECT_EQ(statusOf(ask(method, "/api/wish", token())), "405") << method;
+    EXPECT_EQ(statusOf(send(method, "/api/wish", token())), "405") << method;
   }
   const std::string rebound =
       "POST /api/wish HTTP/1.1\r\nHost: evil.example:" + std::to_string(server_->port()) + "\r\n" +
@@ -115,10 +122,10 @@ TEST_F(WebTest, NothingThatIsRefusedReachesTheLab) {
   EXPECT_EQ(statusOf(exchange(server_->port(), rebound)), "403");
   EXPECT_EQ(statusOf(exchange(server_->port(), "GET / HTTP/1.1\r\n\r\n")), "403");
   EXPECT_EQ(server_->refusals().host, 2);
-  EXPECT_THAT(lab_.wishes(), IsEmpty());
+  EXPECT_THAT(lab_.requests(), IsEmpty());
 }
 
-TEST_F(WebTest, RefusesTraversalInEveryDress) {
+TEST_F(WebTest, RefusesEveryFormOfPathTraversal) {
   start();
   const std::vector<std::string> targets{"/page/../../etc/passwd",
                                          "/page/%2e%2e/%2e%2e/etc/passwd",
@@ -132,30 +139,32 @@ TEST_F(WebTest, RefusesTraversalInEveryDress) {
                                          "/api/runs/a/%00.svg",
                                          "/page//x"};
   for (const std::string& target : targets) {
-    EXPECT_EQ(statusOf(ask("GET", target)), "404") << target;
+    EXPECT_EQ(statusOf(send("GET", target)), "404") << target;
   }
   EXPECT_EQ(server_->refusals().path, static_cast<std::int64_t>(targets.size()));
 }
 
-TEST_F(WebTest, RefusesWhatIsTooLarge) {
+TEST_F(WebTest, RefusesLargeRequests) {
   start();
   const auto raw = [&](const std::string& text) {
     return statusOf(exchange(server_->port(), text));
   };
-  EXPECT_EQ(statusOf(ask("GET", "/" + std::string(5000, 'a'))), "414");
+  EXPECT_EQ(statusOf(send("GET", "/" + std::string(5000, 'a'))), "414");
   EXPECT_EQ(raw("GET /" + std::string(100'000, 'a')), "431");
-  EXPECT_EQ(statusOf(ask("GET", "/", "X: " + std::string(20'000, 'a') + "\r\n")), "431");
+  EXPECT_EQ(statusOf(send("GET", "/", "X: " + std::string(20'000, 'a') + "\r\n")), "431");
   std::string many;
   for (int i = 0; i < 2000; ++i) many += "X-" + std::to_string(i) + ": 1\r\n";
-  EXPECT_EQ(statusOf(ask("GET", "/", many)), "431");
-  EXPECT_EQ(statusOf(wish(R"({"wish":"mark","text":")" + std::string(70'000, 'a') + "\"}")), "413");
-  EXPECT_EQ(statusOf(ask("GET", "/", "Content-Length: 1\r\n")), "413");
+  EXPECT_EQ(statusOf(send("GET", "/", many)), "431");
+  EXPECT_EQ(statusOf(control(R"({"wish":"mark","text":")" + std::string(70'000, 'a') + "\"}")),
+            "413");
+  EXPECT_EQ(statusOf(send("GET", "/", "Content-Length: 1\r\n")), "413");
   EXPECT_EQ(server_->refusals().oversized, 6);
-  EXPECT_EQ(statusOf(wish(R"({"wish":"mark","text":")" + std::string(60'000, 'a') + "\"}")), "400");
-  EXPECT_THAT(lab_.wishes(), IsEmpty());
+  EXPECT_EQ(statusOf(control(R"({"wish":"mark","text":")" + std::string(60'000, 'a') + "\"}")),
+            "400");
+  EXPECT_THAT(lab_.requests(), IsEmpty());
 }
 
-TEST_F(WebTest, RefusesWhatIsNoRequest) {
+TEST_F(WebTest, RefusesMalformedRequests) {
   start();
   const std::string host = "Host: 127.0.0.1\r\n";
   const std::string json = "Content-Type: application/json\r\n";
@@ -168,13 +177,14 @@ TEST_F(WebTest, RefusesWhatIsNoRequest) {
       "GET / HTTP/9.9\r\n" + host + "\r\n",
       "\x16\x03\x01\x02\r\n\r\n",
       std::string("\0\0\0\r\n\r\n", 7),
-      post + json + "\r\n" + body,  // no length
+      post + json + "\r\n" + body,  // no Content-Length
       post + json + "Content-Length: 23\r\nContent-Length: 23\r\n\r\n" + body,
       post + json + "Content-Length: -1\r\n\r\n" + body,
       post + json + "Content-Length: 0x17\r\n\r\n",
       post + json + "Transfer-Encoding: chunked\r\n\r\n17\r\n" + body + "\r\n0\r\n\r\n",
       post + json + "Content-Encoding: gzip\r\nContent-Length: 23\r\n\r\n" + body,
-      post + "Content-Length: 23\r\n\r\n" + body,  // no type: a form can do it
+      post + "Content-Length: 23\r\n\r\n" +
+          body,  // no type: an HTML form of another site could send it
       post + "Content-Type: text/plain\r\nContent-Length: 23\r\n\r\n" + body,
       post + json + "Content-Length: 5\r\n\r\n{\"wi\"",
       post + json + "Content-Length: 2\r\n\r\n{}"};
@@ -183,21 +193,21 @@ TEST_F(WebTest, RefusesWhatIsNoRequest) {
     EXPECT_EQ(statusOf(exchange(server_->port(), text)).front(), '4') << text;
     EXPECT_EQ(server_->refusals().malformed, before + 1) << text;
   }
-  EXPECT_THAT(lab_.wishes(), IsEmpty());
+  EXPECT_THAT(lab_.requests(), IsEmpty());
 }
 
-TEST_F(WebTest, ASecondRequestOnTheConnectionOfARefusedOneIsNotRead) {
+TEST_F(WebTest, IgnoresASecondRequestOnAConnection) {
   start();
   const std::string hidden = request("POST", "/api/wish", token(), R"({"wish":"release_stop"})");
-  const std::string answer = ask("POST", "/api/wish", "", hidden);
+  const std::string answer = send("POST", "/api/wish", "", hidden);
   EXPECT_EQ(statusOf(answer), "403");
   EXPECT_EQ(answer.find("HTTP/1.1", 1), std::string::npos);
   const std::string pair = request("GET", "/api/me") + hidden;
   EXPECT_EQ(exchange(server_->port(), pair).find("HTTP/1.1", 1), std::string::npos);
-  EXPECT_THAT(lab_.wishes(), IsEmpty());
+  EXPECT_THAT(lab_.requests(), IsEmpty());
 }
 
-TEST_F(WebTest, OutlivesRequestsThatWereTornAndBent) {
+TEST_F(WebTest, SurvivesTruncatedAndCorruptedRequests) {
   start();
   std::uint64_t state = 7;
   const auto random = [&state](std::uint64_t below) {
@@ -209,7 +219,7 @@ TEST_F(WebTest, OutlivesRequestsThatWereTornAndBent) {
               R"({"wish":"release_stop"})");  // without the token
   for (int i = 0; i < 400; ++i) {
     std::string text = whole.substr(0, i % 3 == 0 ? random(whole.size()) : whole.size());
-    for (std::uint64_t bends = random(6); bends > 0 && !text.empty(); --bends) {
+    for (std::uint64_t changes = random(6); changes > 0 && !text.empty(); --changes) {
       text[random(text.size())] = static_cast<char>(random(256));
     }
     RawClient client(server_->port());
@@ -217,24 +227,24 @@ TEST_F(WebTest, OutlivesRequestsThatWereTornAndBent) {
     client.endSending();
     client.receiveAll();
   }
-  EXPECT_EQ(statusOf(ask("GET", "/")), "200");
-  EXPECT_THAT(lab_.wishes(), IsEmpty());
+  EXPECT_EQ(statusOf(send("GET", "/")), "200");
+  EXPECT_THAT(lab_.requests(), IsEmpty());
 }
 
-TEST_F(WebTest, SilentClientsKeepNobodyOut) {
+TEST_F(WebTest, SilentClientsDoNotBlockOthers) {
   start();
   std::vector<RawClient> silent;
   for (int i = 0; i < 150; ++i) {
     silent.emplace_back(server_->port());
     silent.back().send(i % 2 == 0 ? "" : "POST /api/wish HTTP/1.1\r\nHost: ");
   }
-  EXPECT_EQ(statusOf(wish(R"({"wish":"stop","reason":""})")), "202");
-  EXPECT_THAT(lab_.wishes(), SizeIs(1));
+  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":""})")), "202");
+  EXPECT_THAT(lab_.requests(), SizeIs(1));
   EXPECT_EQ(server_->refusals().crowded, 0);
 }
 
-/// An address of this machine that is none of its loopback, 0: there is none.
-in_addr_t farAddress() {
+/// A non-loopback address of this host, 0 if there is none.
+in_addr_t externalAddress() {
   ifaddrs* all = nullptr;
   if (getifaddrs(&all) != 0) return 0;
   in_addr_t found = 0;
@@ -247,26 +257,26 @@ in_addr_t farAddress() {
   return found;
 }
 
-TEST_F(WebTest, OtherMachinesLeavePlacesToThisOne) {
-  const in_addr_t far = farAddress();
-  if (far == 0) GTEST_SKIP() << "this machine has no address but its loopback's";
+TEST_F(WebTest, OtherHostsLeavePlacesToThisOne) {
+  const in_addr_t external = externalAddress();
+  if (external == 0) GTEST_SKIP() << "this host has only loopback addresses";
   options_.address = "0.0.0.0";
   start();
-  RawClient near(server_->port());
+  RawClient local(server_->port());
   std::vector<RawClient> others;
   for (int i = 0; i < 32; ++i) {
-    others.emplace_back(server_->port(), 0, far);
+    others.emplace_back(server_->port(), 0, external);
     others.back().send(request("GET", "/api/stream"));
   }
   waitForViewers(32);
-  for (int i = 0; i < 60; ++i) others.emplace_back(server_->port(), 0, far);
-  // The door lets in one after the other: when the last one is in, nobody stands outside.
-  EXPECT_EQ(statusOf(wish(R"({"wish":"stop","reason":""})")), "202");
-  near.send(request("GET", "/api/me"));
-  EXPECT_EQ(statusOf(near.receiveAll()), "200");
+  for (int i = 0; i < 60; ++i) others.emplace_back(server_->port(), 0, external);
+  // Connections are accepted in order: when this one is served, all others have been accepted.
+  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":""})")), "202");
+  local.send(request("GET", "/api/me"));
+  EXPECT_EQ(statusOf(local.receiveAll()), "200");
 }
 
-TEST_F(WebTest, ManyStreamsLeaveRoomForAStop) {
+TEST_F(WebTest, ManyStreamsLeaveAPlaceForAStop) {
   start();
   std::vector<RawClient> viewers;
   for (int i = 0; i < 32; ++i) {
@@ -274,9 +284,9 @@ TEST_F(WebTest, ManyStreamsLeaveRoomForAStop) {
     viewers.back().send(request("GET", "/api/stream"));
   }
   waitForViewers(32);
-  for (int i = 0; i < 8; ++i) EXPECT_EQ(statusOf(ask("GET", "/api/stream")), "503");
+  for (int i = 0; i < 8; ++i) EXPECT_EQ(statusOf(send("GET", "/api/stream")), "503");
   EXPECT_EQ(server_->refusals().crowded, 8);
-  EXPECT_EQ(statusOf(wish(R"({"wish":"stop","reason":""})")), "202");
+  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":""})")), "202");
   hub_.publish("stop", "stopping");
   for (RawClient& viewer : viewers) EXPECT_THAT(viewer.receive("stopping"), HasSubstr("stopping"));
   viewers.pop_back();
@@ -286,7 +296,7 @@ TEST_F(WebTest, ManyStreamsLeaveRoomForAStop) {
   EXPECT_THAT(next.receive("stopping"), HasSubstr("stopping"));
 }
 
-TEST_F(WebTest, ASlowReaderSkipsStatesAndDelaysNobody) {
+TEST_F(WebTest, ASlowReaderSkipsStatesAndDelaysNoOther) {
   start();
   RawClient slow(server_->port(), 4096);
   slow.send(request("GET", "/api/stream"));
@@ -336,23 +346,23 @@ TEST_F(WebTest, TakesTheNextFreePort) {
             "http://127.0.0.1:" + std::to_string(second.port()) + "/#token=" + kToken);
 }
 
-TEST_F(WebTest, TheSamePortIsFreeAgainAtOnce) {
+TEST_F(WebTest, CanUseTheSamePortAgainAtOnce) {
   start();
-  EXPECT_EQ(statusOf(ask("GET", "/")), "200");
+  EXPECT_EQ(statusOf(send("GET", "/")), "200");
   options_.port = server_->port();
   server_.reset();
   start();
   EXPECT_EQ(server_->port(), options_.port);
 }
 
-TEST_F(WebTest, SaysWhyItCannotListen) {
+TEST_F(WebTest, ThrowsIfItCannotListen) {
   for (const char* address : {"localhost", "", "192.0.2.1", "300.1.1.1"}) {
     options_.address = address;
     EXPECT_THROW(start(), std::runtime_error) << address;
   }
 }
 
-TEST(NewToken, Has128BitsAndIsAnotherEachTime) {
+TEST(NewToken, Has128BitsAndDiffersEachTime) {
   const std::string token = newToken();
   EXPECT_EQ(token.size(), 32U);
   EXPECT_EQ(token.find_first_not_of("0123456789abcdef"), std::string::npos);

@@ -1,7 +1,10 @@
 // A computer with a network card (on A of tests/two_hosts.sh): who is elsewhere is not heard.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <string>
+#include <vector>
 
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/domain.hpp"
@@ -43,8 +46,7 @@ bool met(const std::string& configuration, std::chrono::milliseconds patience) {
   const std::string type = kType.descriptor->m_typename;
   elsewhere.say("reader rt/a " + type);
   elsewhere.say("writer rt/b " + type);
-  return waitUntil([&] { return writer.matching().peers + reader.matching().peers > 0; },
-                   patience);
+  return waitUntil([&] { return writer.matching().peers + reader.matching().peers > 0; }, patience);
 }
 
 TEST(NetworkCard, WhoIsElsewhereIsNotHeard) {

@@ -4,6 +4,7 @@
 /// $LINK_END_SECURITY its certificates are in that folder.
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

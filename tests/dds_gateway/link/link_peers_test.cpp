@@ -1,5 +1,7 @@
 #include "dds_gateway/link/link_peers.hpp"
 
+#include <gtest/gtest.h>
+
 namespace lab::gateway::link_peers_test {
 namespace {
 

@@ -15,9 +15,7 @@
 
 namespace lab::dds {
 
-bool eventually(const std::function<bool()>& done) {
-  return waitUntil(done, kPatience);
-}
+bool eventually(const std::function<bool()>& done) { return waitUntil(done, kPatience); }
 
 Peer::Peer(const std::vector<std::string>& command) {
   std::array<int, 2> in{};

@@ -2,6 +2,11 @@
 // they are: of Cyclone as rmw_cyclonedds makes them, and of Fast DDS where it is installed.
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "dds_gateway/dds/configuration.hpp"
 #include "tests/dds_gateway/peers/peer.hpp"
 #include "tests/dds_gateway/peers/peer_loop.hpp"

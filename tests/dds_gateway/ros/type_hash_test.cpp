@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <map>
+#include <string>
+#include <string_view>
 
 #include "dds_gateway/ros/ros_type.hpp"
 #include "tests/dds_gateway/ros/type_description.hpp"

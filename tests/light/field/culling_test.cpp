@@ -1,8 +1,10 @@
-// Fewer layers in a small disc must show the same light, and many places at once the same as one.
+// A culled field must show the same light in the disc, and batch evaluation must equal single
+// evaluation.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -19,7 +21,7 @@ std::shared_ptr<const Image> picture(Random& random) {
   auto image = std::make_shared<Image>();
   image->columns = 24;
   image->rows = 18;
-  // Patches of one grey, so that some discs see one value only.
+  // Uniform patches, so that some discs contain a single value.
   for (int i = 0; i < image->columns * image->rows; ++i) {
     const bool patch = i % image->columns < 12;
     image->grey.push_back(patch ? 200 : static_cast<std::uint8_t>(random.next() % 256));
@@ -84,10 +86,10 @@ TEST(Culling, FewerLayersShowTheSameLightInsideTheDisc) {
       ASSERT_NEAR(here.evaluate(x, y), all.evaluate(x, y), kLastBits) << "field " << i;
     }
   }
-  EXPECT_GT(uniform, 400);  // else nothing was taken away
+  EXPECT_GT(uniform, 400);  // otherwise nothing was culled
 }
 
-TEST(Culling, ManyPlacesAtOnceAreTheSameNumbers) {
+TEST(Culling, BatchEvaluationGivesTheSameNumbers) {
   Random random(8);
   std::vector<double> x(200);
   std::vector<double> y(200);
@@ -105,7 +107,7 @@ TEST(Culling, ManyPlacesAtOnceAreTheSameNumbers) {
   }
 }
 
-TEST(Culling, TellsWhatIsTheSame) {
+TEST(Culling, ComparesCulledFields) {
   Layer spot{.kind = LayerKind::kDisk, .x = 0.3, .y = 0.3, .size = 0.05, .intensity = 1};
   const Layer ground{.intensity = 0.2};
   const CompiledField before(Field{{ground, spot}, {}, 1});
@@ -118,7 +120,7 @@ TEST(Culling, TellsWhatIsTheSame) {
   EXPECT_EQ(after.within({0.305, 0.3, 0.02}).evaluate(0.3, 0.3), 1);
 }
 
-TEST(Culling, AHardEdgeStaysWhereItIs) {
+TEST(Culling, KeepsAHardEdgeInPlace) {
   const CompiledField all(
       Field{{Layer{.kind = LayerKind::kHalfPlane, .x = 0.5, .y = 0.5, .intensity = 1}}, {}, 1});
   for (const double away : {-1e-3, -1e-8, 0.0, 1e-8, 1e-3}) {

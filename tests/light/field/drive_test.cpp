@@ -25,7 +25,7 @@ Drive telegraphOf(std::uint64_t seed) {
 
 bool brightAt(const Drive& drive, double time) { return modulation(drive, time) == 1; }
 
-/// How far `hits` of `trials` is from the chance p, in standard deviations.
+/// Deviation of `hits` of `trials` from the probability p, in standard deviations.
 double score(std::size_t hits, std::size_t trials, double p) {
   const double n = static_cast<double>(trials);
   return (static_cast<double>(hits) - n * p) / std::sqrt(n * p * (1 - p));
@@ -33,7 +33,7 @@ double score(std::size_t hits, std::size_t trials, double p) {
 
 TEST(Modulation, OfASteadyLightIsOne) { EXPECT_EQ(modulation(Drive{}, 12.5), 1); }
 
-TEST(Modulation, OfASineBeginsAtItsCrest) {
+TEST(Modulation, OfASineStartsAtItsCrest) {
   Drive dut{.waveform = Waveform::kSine, .period = 4};
   EXPECT_NEAR(modulation(dut, 0), 1, kExact);
   EXPECT_NEAR(modulation(dut, 1), 0.5, kExact);
@@ -54,7 +54,7 @@ TEST(Modulation, OfASquareIsBrightInTheFirstHalf) {
   EXPECT_EQ(modulation(dut, 0.5), 1);
 }
 
-TEST(Telegraph, BeginsBrightAndIsAFunctionOfSeedAndTime) {
+TEST(Telegraph, StartsBrightAndIsAFunctionOfSeedAndTime) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) EXPECT_TRUE(brightAt(telegraphOf(seed), 0));
   const Drive dut = telegraphOf(3);
   const double first = modulation(dut, 123.25);
@@ -67,15 +67,15 @@ TEST(Telegraph, BeginsBrightAndIsAFunctionOfSeedAndTime) {
   }
 }
 
-// A telegraph with changes at the rate k = 2 / period is found unchanged (an even number of
-// changes) after the time t with the chance (1 + exp(-2 k t)) / 2, and what it does after that does
-// not depend on what it did before. Times 10 periods apart are independent to exp(-40).
-TEST(Telegraph, KeepsItsValueAsARandomTelegraphDoes) {
+// With changes at rate k = 2 / period, a telegraph signal is unchanged after time t (an even number
+// of changes) with probability (1 + exp(-2 k t)) / 2, independent of its past. Times 10 periods
+// apart are independent to exp(-40).
+TEST(Telegraph, HasTheCorrelationOfARandomTelegraph) {
   constexpr std::size_t kTrials = 8000;
   const auto unchanged = [](double time) { return 0.5 + 0.5 * std::exp(-4 * time); };
   const Drive dut = telegraphOf(17);
   double largest = 0;
-  for (const double offset : {0.0, 4.4, 9.7}) {  // the last one runs across the ends of blocks
+  for (const double offset : {0.0, 4.4, 9.7}) {  // the last one crosses block boundaries
     for (const double wait : {0.02, 0.1, 0.4, 1.0, 3.0}) {
       std::size_t bright = 0;
       std::size_t same = 0;
@@ -99,9 +99,9 @@ TEST(Telegraph, KeepsItsValueAsARandomTelegraphDoes) {
   RecordProperty("largest_z", std::to_string(largest));
 }
 
-// Looked at 200 times on the way, so that only pairs of changes within a thousandth of a period
-// are overlooked: a chance of 4e-4, against a standard deviation of 1e-2.
-TEST(Telegraph, StaysForExponentialTimes) {
+// Sampled 200 times, so that only pairs of changes within a thousandth of a period are missed:
+// probability 4e-4, compared with a standard deviation of 1e-2.
+TEST(Telegraph, HasExponentialDwellTimes) {
   constexpr std::size_t kTrials = 2000;
   constexpr int kLooks = 200;
   double largest = 0;
@@ -143,8 +143,8 @@ TEST(Driven, WaveTravelsWithItsPhase) {
   EXPECT_NEAR(driven(dut, 3).phase, 6.5, kExact);
 }
 
-// Ten days of it: whatever moves within the limits is still a layer that may be shown.
-TEST(Driven, StaysValidForAsLongAsARunMayLast) {
+// Over ten days every drive within the limits still gives a valid layer.
+TEST(Driven, StaysValidForTheLongestRun) {
   for (const Layer& layer : oneOfEachKind()) {
     DrivenLayer dut{layer, {}};
     const bool placed = layer.kind != LayerKind::kUniform;
@@ -160,7 +160,7 @@ TEST(Driven, StaysValidForAsLongAsARunMayLast) {
   }
 }
 
-TEST(Driven, ImageSequenceGoesRoundOrStops) {
+TEST(Driven, ImageSequenceRepeatsOrStops) {
   const auto image = makeImage(1, 1, {9});
   DrivenLayer dut;
   dut.layer = {.kind = LayerKind::kImage, .size = 1, .inner = 1};
@@ -179,12 +179,12 @@ TEST(Driven, ImageSequenceGoesRoundOrStops) {
   EXPECT_EQ(driven(dut, -1).image, image->sha256);
 }
 
-TEST(DriveValidate, TakesADriveThatDoesNothingForEveryKind) {
+TEST(DriveValidate, AcceptsTheDefaultDriveForEveryKind) {
   for (const Layer& layer : oneOfEachKind()) EXPECT_EQ(validate(Drive{}, layer.kind), std::nullopt);
   EXPECT_EQ(validate(Drive{}, LayerKind::kFade), std::nullopt);
 }
 
-TEST(DriveValidate, RefusesEveryNumberThatIsNone) {
+TEST(DriveValidate, RejectsEveryValueThatIsNotFinite) {
   const std::pair<const char*, double Drive::*> fields[] = {{"vx", &Drive::vx},
                                                             {"vy", &Drive::vy},
                                                             {"spin", &Drive::spin},
@@ -210,7 +210,7 @@ TEST(DriveValidate, RefusesEveryNumberThatIsNone) {
   }
 }
 
-TEST(DriveValidate, SaysWhatWasFoundAndWhatIsAllowed) {
+TEST(DriveValidate, ReportsFoundAndAllowedValues) {
   const auto problem = [](const Drive& drive, LayerKind kind = LayerKind::kDisk) {
     return validate(drive, kind).value_or("none");
   };

@@ -39,7 +39,7 @@ TEST(LightField, UniformHasItsIntensityEverywhere) {
   EXPECT_EQ(evaluate(dut, 1.2, 0.9), 0.37);
 }
 
-TEST(LightField, HalfPlaneLightsTheSideItsAnglePointsTo) {
+TEST(LightField, HalfPlaneLightsTheSideOfItsAngle) {
   const Field to_the_right = bright({.kind = LayerKind::kHalfPlane, .x = 0.6, .y = 0.45});
   EXPECT_EQ(evaluate(to_the_right, 0.61, 0.1), 1);
   EXPECT_EQ(evaluate(to_the_right, 0.6, 0.8), 1);
@@ -142,7 +142,7 @@ TEST(LightField, ImageWithoutItsPixelsIsBlack) {
   EXPECT_EQ(evaluate(fieldOf({uniform(0.5), layer}), 0.5, 0.5), 0);
 }
 
-TEST(LightField, BlendsAreWhatTheySay) {
+TEST(LightField, BlendsFollowTheirFormulas) {
   const auto blended = [](Blend blend) {
     return evaluate(fieldOf({uniform(0.4), uniform(0.5, blend)}), 0, 0);
   };
@@ -153,7 +153,7 @@ TEST(LightField, BlendsAreWhatTheySay) {
   EXPECT_NEAR(blended(Blend::kMin), 0.4, kExact);
 }
 
-TEST(LightField, LayersChangeNothingWhereTheyDoNotCover) {
+TEST(LightField, LayersChangeNothingOutsideTheirCover) {
   for (const Blend blend :
        {Blend::kOver, Blend::kAdd, Blend::kMultiply, Blend::kMax, Blend::kMin}) {
     const Field dut = fieldOf({uniform(0.4), disk(0.5, 0.5, 0.1, 0.2, blend)});
@@ -255,7 +255,7 @@ TEST(LightField, GridIsAnImageOfItsOwnPixels) {
   EXPECT_EQ(evaluate(dut, 0.75, 0.5), 0);
 }
 
-TEST(LightField, TurnsWithItsLayers) {
+TEST(LightField, RotatesWithItsLayers) {
   const double turn = 1.1;
   const double cosine = std::cos(turn);
   const double sine = std::sin(turn);
@@ -276,7 +276,7 @@ TEST(LightField, TurnsWithItsLayers) {
   }
 }
 
-TEST(LightField, MixesWhatWasShownWithWhatIsNew) {
+TEST(LightField, MixesThePreviousWithTheNewLayers) {
   Field dut{{uniform(0.8)}, {disk(0.5, 0.5, 0.2, 0.4)}, 0.25};
   EXPECT_NEAR(evaluate(dut, 0.5, 0.5), 0.75 * 0.4 + 0.25 * 0.8, kExact);
   EXPECT_NEAR(evaluate(dut, 0.1, 0.1), 0.25 * 0.8, kExact);
@@ -291,7 +291,7 @@ TEST(LightField, ClampsBothEndsOfAMixBeforeMixingThem) {
   EXPECT_NEAR(evaluate(Field{{}, {light, light}, 0.5}, 0, 0), 0.5, kExact);
 }
 
-TEST(LightField, FadeInAListIsTheMixFrozen) {
+TEST(LightField, FadeInAListEqualsAMix) {
   const std::vector<Layer> before = {uniform(0.2), disk(0.5, 0.5, 0.2, 0.9)};
   const std::vector<Layer> after = {uniform(0.6), disk(0.6, 0.5, 0.2, 0.5, Blend::kMultiply)};
   const Layer fade{.kind = LayerKind::kFade, .intensity = 0.3};
@@ -304,7 +304,7 @@ TEST(LightField, FadeInAListIsTheMixFrozen) {
   }
 }
 
-TEST(LightField, KnowsWhetherItDependsOnPlace) {
+TEST(LightField, DetectsUniformFields) {
   EXPECT_TRUE(isUniform(Field{}));
   EXPECT_TRUE(isUniform(fieldOf({uniform(0.3), uniform(0.5, Blend::kMax)})));
   EXPECT_FALSE(isUniform(fieldOf({uniform(0.3), disk(0, 0, 0.1, 1)})));
@@ -315,7 +315,7 @@ TEST(LightField, KnowsWhetherItDependsOnPlace) {
   }
 }
 
-TEST(LightField, MovesWhileAMixIsUnderWay) {
+TEST(LightField, IsMovingDuringAMix) {
   EXPECT_FALSE(isMoving(fieldOf({uniform(0.3)})));
   EXPECT_TRUE(isMoving(Field{{uniform(0.3)}, {}, 0}));
   EXPECT_TRUE(isMoving(Field{{uniform(0.3)}, {}, 0.99}));

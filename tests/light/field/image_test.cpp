@@ -16,7 +16,7 @@ using testing::HasSubstr;
 
 std::vector<std::uint8_t> bytesOf(std::string_view text) { return {text.begin(), text.end()}; }
 
-TEST(LightImage, DigestIsThatOfTheStandardsExample) {
+TEST(LightImage, DigestEqualsTheExampleOfTheStandard) {
   EXPECT_EQ(sha256(bytesOf("abc")),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
 }
@@ -59,13 +59,13 @@ TEST(LightImage, SamplesBetweenPixelCentresAndConstantBeyondThem) {
   EXPECT_NEAR(sample(*dut, 7.0, -7.0), 1.0, 1e-12);
 }
 
-TEST(LightImage, ThatIsNoneSaysWhatWasExpected) {
+TEST(LightImage, ThatIsInvalidNamesTheExpectedFormats) {
   const DecodedImage dut = decodeImage(bytesOf("light = 1"));
   EXPECT_FALSE(dut.image);
-  EXPECT_THAT(dut.error, HasSubstr("no image of a known format"));
+  EXPECT_THAT(dut.error, HasSubstr("not an image of a known format"));
 }
 
-TEST(LightImage, ThatIsCutShortIsRefused) {
+TEST(LightImage, ThatIsTruncatedIsRejected) {
   std::vector<std::uint8_t> png = encodePng(64, 64, std::vector<std::uint8_t>(64 * 64, 77));
   png.resize(png.size() / 2);
   const DecodedImage dut = decodeImage(png);
@@ -73,7 +73,7 @@ TEST(LightImage, ThatIsCutShortIsRefused) {
   EXPECT_THAT(dut.error, HasSubstr("cannot be decoded"));
 }
 
-TEST(LightImage, ThatIsMissingNamesItsPath) {
+TEST(LightImage, ThatIsMissingIsReportedWithItsPath) {
   const DecodedImage dut = loadImage("no_such_picture.png");
   EXPECT_FALSE(dut.image);
   EXPECT_EQ(dut.error, "no_such_picture.png: No such file or directory");
@@ -93,11 +93,11 @@ TEST(LightImage, IsAttachedToTheLayersThatNameIt) {
   EXPECT_EQ(layers[2].pixels, nullptr);
 }
 
-TEST(LightImage, PngNeedsAsManyValuesAsPixels) {
+TEST(LightImage, PngNeedsOneValuePerPixel) {
   EXPECT_THROW((void)encodePng(3, 2, std::vector<std::uint8_t>(5)), std::invalid_argument);
 }
 
-TEST(LightImage, ThatCannotBeWrittenNamesThePath) {
+TEST(LightImage, ThatCannotBeWrittenIsReportedWithItsPath) {
   EXPECT_THAT(writeFile("no_such_folder/light.png", bytesOf("x")).value_or(""),
               HasSubstr("no_such_folder/light.png"));
 }

@@ -31,7 +31,7 @@ TEST(Layer, ByDefaultIsAcceptedAndDark) {
   EXPECT_EQ(evaluate(Field{{Layer{}}, {}, 1}, 0.5, 0.5), 0);
 }
 
-TEST(Layer, OfUnknownKindOrBlendIsRefused) {
+TEST(Layer, OfUnknownKindOrBlendIsRejected) {
   Layer kind;
   kind.kind = static_cast<LayerKind>(14);
   Layer blend;
@@ -41,7 +41,7 @@ TEST(Layer, OfUnknownKindOrBlendIsRefused) {
   EXPECT_THAT(validate(blend), Optional(std::string("blend = -1, allowed: 0 to 4")));
 }
 
-TEST(Layer, WithAnyNumberNotFiniteIsRefusedByName) {
+TEST(Layer, WithAValueNotFiniteIsRejectedByName) {
   const double bad[] = {std::numeric_limits<double>::quiet_NaN(),
                         std::numeric_limits<double>::infinity()};
   const std::pair<const char*, double Layer::*> fields[] = {{"x", &Layer::x},
@@ -64,7 +64,7 @@ TEST(Layer, WithAnyNumberNotFiniteIsRefusedByName) {
   }
 }
 
-TEST(Layer, SaysWhatWasFoundAndWhatIsAllowed) {
+TEST(Layer, ReportsFoundAndAllowedValues) {
   Layer layer = valid(LayerKind::kDisk);
   layer.size = -0.1;
   EXPECT_THAT(validate(layer), Optional(std::string("size = -0.1 m, allowed: 0.001 to 10 m")));
@@ -83,7 +83,7 @@ TEST(Layer, RingNeedsItsInnerRadiusInsideItsOuter) {
   EXPECT_THAT(validate(layer), Optional(StartsWith("inner = 0 m")));
 }
 
-TEST(Layer, RadialGradientMayBeginAtItsCentreButNotAtItsEnd) {
+TEST(Layer, RadialGradientMayStartAtItsCentreButNotAtItsEnd) {
   Layer layer = valid(LayerKind::kRadialGradient);
   layer.inner = 0;
   EXPECT_EQ(validate(layer), std::nullopt);
@@ -122,7 +122,7 @@ TEST(Layer, ImageNeedsADigestAndItsPixels) {
   EXPECT_THAT(validate(layer), Optional(HasSubstr("that of its pixels")));
 }
 
-TEST(Layer, GridNeedsItsPixelsAndNotTooMany) {
+TEST(Layer, GridNeedsPixelsWithinTheLimit) {
   const auto with = [](int columns, int rows, std::size_t pixels) {
     Layer layer = valid(LayerKind::kGrid);
     layer.pixels = makeImage(columns, rows, std::vector<std::uint8_t>(pixels));
@@ -138,14 +138,14 @@ TEST(Layer, GridNeedsItsPixelsAndNotTooMany) {
   EXPECT_THAT(validate(without), Optional(StartsWith("grid = no pixels")));
 }
 
-TEST(Layers, NameTheLayerThatIsWrong) {
+TEST(Layers, ReportTheIndexOfTheInvalidLayer) {
   std::vector<Layer> layers(3);
   layers[2].softness = 11;
   EXPECT_THAT(validate(layers),
               Optional(std::string("layers[2].softness = 11 m, allowed: 0 to 10 m")));
 }
 
-TEST(Layers, AreRefusedWhenTooMany) {
+TEST(Layers, AreRejectedIfTooMany) {
   EXPECT_EQ(validate(std::vector<Layer>(kMostLayers)), std::nullopt);
   EXPECT_THAT(validate(std::vector<Layer>(kMostLayers + 1)),
               Optional(std::string("layers = 161 layers, allowed: at most 160")));

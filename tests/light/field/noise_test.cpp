@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdlib>
 #include <numbers>
+#include <string>
 
 #include "robot/dynamics/rng.hpp"
 
@@ -29,15 +30,15 @@ TEST(NormalShareBelow, AgreesWithTheErrorFunction) {
   }
 }
 
-// A pattern may not change from one machine or version to the next: experiments are repeated by
-// their seed.
-TEST(Noise, IsTheSameToTheLastBit) {
+// Patterns must not change between machines or versions, because experiments are repeated by their
+// seed.
+TEST(Noise, IsBitEqualToStoredValues) {
   EXPECT_EQ(noiseAt(1, 0.25, -3.5, 0), 0x1.162ddeaf1db4dp-2);
   EXPECT_EQ(noiseAt(1, 1000.125, 2000.75, 17.375), 0x1.96fd3a41ad646p-1);
   EXPECT_EQ(noiseAt(0xFFFFFFFFFFFFFFFFU, -0.5, 0.5, -2.5), 0x1.c7f4352df9b13p-1);
 }
 
-TEST(Noise, DoesNotDependOnTheWayItIsRead) {
+TEST(Noise, DoesNotDependOnTheOrderOfReading) {
   const Noise noise(7, 0.3);
   NoiseReader there(noise);
   std::array<double, 400> values{};
@@ -50,8 +51,8 @@ TEST(Noise, DoesNotDependOnTheWayItIsRead) {
   }
 }
 
-// Numbers of patterns at one place: uniform over 0..1 wherever the place is between the lattice
-// points. Chi-squared over 20 shares: 19 degrees of freedom, above 51.9 once in 15 000 times.
+// Values of many patterns at one place are uniform over 0..1, wherever the place is between lattice
+// points. Chi-squared over 20 bins: 19 degrees of freedom, above 51.9 with probability 1 / 15 000.
 TEST(Noise, IsUniformAtEveryPlace) {
   constexpr std::size_t kPatterns = 20000;
   constexpr std::size_t kShares = 20;
@@ -77,7 +78,7 @@ TEST(Noise, IsUniformAtEveryPlace) {
       chi_squared += off * off / expected;
     }
     EXPECT_LT(chi_squared, 51.9) << place[0] << ", " << place[1] << ", " << place[2];
-    // Variances of one value and of its squared distance from 1/2: 1/12 and 1/80 - 1/144.
+    // Variances of a value and of its squared distance from 1/2: 1/12 and 1/80 - 1/144.
     const double n = static_cast<double>(kPatterns);
     largest = std::max({largest, std::abs(sum / n - 0.5) / std::sqrt(1.0 / 12 / n),
                         std::abs(squares / n - 1.0 / 12) / std::sqrt((1.0 / 80 - 1.0 / 144) / n)});
@@ -86,7 +87,7 @@ TEST(Noise, IsUniformAtEveryPlace) {
   RecordProperty("largest_z", std::to_string(largest));
 }
 
-/// rho of the normal field under the pattern at two places this far apart, averaged over places.
+/// rho of the underlying normal field at two places this far apart, averaged over places.
 double correlation(double dx, double dy, double phase, std::size_t pairs) {
   std::uint64_t state = 11;
   double sum = 0;
@@ -100,7 +101,7 @@ double correlation(double dx, double dy, double phase, std::size_t pairs) {
   return 2 * std::sin(std::numbers::pi / 6 * of_values);
 }
 
-TEST(Noise, ForgetsOverItsSizeAndItsMemoryInEveryDirection) {
+TEST(Noise, HasItsCorrelationInEveryDirectionAndInPhase) {
   constexpr std::size_t kPairs = 20000;
   const double scatter = 4 / std::sqrt(static_cast<double>(kPairs));
   for (const double angle : {0.0, std::numbers::pi / 8, std::numbers::pi / 4, 2.0}) {
@@ -116,7 +117,7 @@ TEST(Noise, ForgetsOverItsSizeAndItsMemoryInEveryDirection) {
   }
 }
 
-TEST(Noise, KnowsNothingOfItselfThreeSizesAwayNorOfOtherSeeds) {
+TEST(Noise, IsUncorrelatedThreeSizesAwayAndBetweenSeeds) {
   constexpr std::size_t kPairs = 20000;
   const double scatter = 4 / std::sqrt(static_cast<double>(kPairs));
   EXPECT_NEAR(correlation(3, 0, 0, kPairs), 0, scatter);
@@ -129,7 +130,7 @@ TEST(Noise, KnowsNothingOfItselfThreeSizesAwayNorOfOtherSeeds) {
   EXPECT_NEAR(12 * sum / static_cast<double>(kPairs), 0, scatter);
 }
 
-// No step where one lattice point takes over from the next, in place or phase, nor in the slope.
+// Continuous, with a continuous slope, where the nearest lattice point changes in place or phase.
 TEST(Noise, IsSmoothAcrossLatticePoints) {
   constexpr double kStep = 1e-6;
   for (std::uint64_t seed = 0; seed < 50; ++seed) {

@@ -41,7 +41,7 @@ TEST(LightRaster, EqualsTheFieldInTheMiddleOfARamp) {
   expectPointwise(rasterise(field, kWidth, kHeight, 61, 43), field);
 }
 
-TEST(LightRaster, HasItsFirstRowAtTheSmallestYAndItsPictureTheOtherWayRound) {
+TEST(LightRaster, HasItsFirstRowAtTheSmallestYAndItsPictureFlipped) {
   Layer layer{.kind = LayerKind::kLinearGradient, .y = 0.45, .angle = 1.5707963267948966};
   layer.size = 0.9;
   layer.intensity2 = 1;
@@ -51,7 +51,7 @@ TEST(LightRaster, HasItsFirstRowAtTheSmallestYAndItsPictureTheOtherWayRound) {
   EXPECT_EQ(toGrey(dut), (std::vector<std::uint8_t>{213, 128, 43}));
 }
 
-TEST(LightRaster, BecomesAPictureThatReadsBackToTheSameGrey) {
+TEST(LightRaster, PngReadsBackToTheSameGrey) {
   const std::vector<Layer> all = oneOfEachKind();
   const Raster dut = rasterise(Field{{all[5], all[8]}, {}, 1}, kWidth, kHeight, 40, 30);
   const DecodedImage decoded = decodeImage(toPng(dut));
@@ -66,7 +66,7 @@ TEST(LightRaster, NeedsPixelsAndASize) {
   EXPECT_THROW((void)rasterise(Field{}, kWidth, 0, 3, 3), std::invalid_argument);
 }
 
-TEST(FramePainter, PaintsWhatRasteriseWould) {
+TEST(FramePainter, EqualsRasterise) {
   const std::vector<Layer> all = oneOfEachKind();
   const Field fields[] = {{{all[1]}, {}, 1},
                           {{all[2]}, {all[1]}, 0},

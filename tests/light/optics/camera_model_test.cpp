@@ -9,7 +9,8 @@
 namespace lab::optics {
 namespace {
 
-/// A tilted camera of which OpenCV's projectPoints() told where two robots' axes at 5 cm appear.
+/// A tilted camera; the expected pixels of two robots' axes at 5 cm come from OpenCV's
+/// projectPoints().
 CameraParameters tiltedCamera() {
   CameraParameters p;
   p.width = 1280;
@@ -39,14 +40,14 @@ TEST(CameraModel, ProjectsAsOpenCvDoes) {
   EXPECT_NEAR(second.y, 249.87308, 2e-4);
 }
 
-TEST(CameraModel, KnowsWhereItStands) {
+TEST(CameraModel, ReturnsTheCamerasPosition) {
   const auto centre = CameraModel(tiltedCamera()).centre();
   EXPECT_NEAR(centre[0], 0.53471979941, 1e-9);
   EXPECT_NEAR(centre[1], 0.56027411654, 1e-9);
   EXPECT_NEAR(centre[2], 1.72, 1e-9);
 }
 
-TEST(CameraModel, FindsThePlaceThatAPixelShows) {
+TEST(CameraModel, MapsPixelsBackToPlaces) {
   const CameraModel camera(tiltedCamera());
   for (const double z : {0.0, 0.05}) {
     for (double x = 0; x <= 1.2; x += 0.1) {
@@ -60,7 +61,7 @@ TEST(CameraModel, FindsThePlaceThatAPixelShows) {
   }
 }
 
-TEST(CameraModel, DifferentiatesWhatItProjects) {
+TEST(CameraModel, ReturnsTheDerivativeOfTheProjection) {
   constexpr double kStep = 1e-6;
   const CameraModel camera(tiltedCamera());
   for (double x = 0.05; x < 1.2; x += 0.22) {
@@ -78,10 +79,10 @@ TEST(CameraModel, DifferentiatesWhatItProjects) {
   }
 }
 
-TEST(CameraModel, SaysWhereALineOfSightMeetsNothing) {
+TEST(CameraModel, ReturnsNothingIfALineOfSightMissesThePlane) {
   CameraParameters p = tiltedCamera();
   EXPECT_FALSE(CameraModel(p).toPlane({640, 360}, 2.0));  // above the camera
-  p.k1 = -0.5;                                            // folds over inside the picture
+  p.k1 = -0.5;                                            // not invertible inside the picture
   EXPECT_FALSE(CameraModel(p).toPlane({-2000, 360}, 0.05));
 }
 
@@ -109,7 +110,7 @@ TEST(SimulatedCamera, SeesTheWholeArenaAndLittleElse) {
       EXPECT_GT(left, 0);
       EXPECT_LT(right, columns - 1);
       EXPECT_GT(std::max((right - left) / columns, (high - low) / rows), 0.85);
-      // North is up, east is right: no mirror.
+      // Not mirrored: y of the arena is up, x is right.
       const PlaneScale scale = camera.scaleAt({width / 2, height / 2}, 0.05);
       EXPECT_GT(scale.ux, 0);
       EXPECT_LT(scale.vy, 0);

@@ -24,7 +24,7 @@ TEST(SimulatedProjector, WithoutFaultsTheArenaFillsThePicture) {
   EXPECT_TRUE(warp.isIdentity());
 }
 
-TEST(SimulatedProjector, AlmostWithoutFaultsItIsNearlyThat) {
+TEST(SimulatedProjector, WithSmallFaultsTheArenaNearlyFillsThePicture) {
   const ProjectorModel model = projector({1e-6, 1e-6, 0, 0});
   for (const Place& place : {Place{0, 0}, {1.2, 0}, {1.2, 0.9}, {0.3, 0.7}}) {
     const Pixel expected = projector({}).pixelOf(place);
@@ -35,7 +35,7 @@ TEST(SimulatedProjector, AlmostWithoutFaultsItIsNearlyThat) {
 }
 
 TEST(SimulatedProjector, KeystoneIsWiderFarFromTheProjector) {
-  // Zoomed out, the picture subtends more, and so its sides differ by a little more than before.
+  // After zooming out the picture has a wider angle, so its sides differ slightly more.
   const ProjectorModel model = projector({0.15, 0, 0, 0});
   EXPECT_NEAR(width(model, 1079.5) / width(model, -0.5), 1.15, 0.015);
   EXPECT_GT(width(model, 1079.5) / width(model, -0.5), 1.15);
@@ -44,7 +44,7 @@ TEST(SimulatedProjector, KeystoneIsWiderFarFromTheProjector) {
 TEST(SimulatedProjector, BarrelPullsTheCornersIn) {
   const ProjectorModel model = projector({0, 0.08, 0, 0});
   const Place corner = *model.placeOf({-0.5, -0.5});
-  // To first order, near the middle there is no distortion: the picture would reach so far.
+  // To first order there is no distortion near the middle, so the picture would extend this far.
   const Place near = *model.placeOf({959.5 - 9.6, 539.5 - 5.4});
   const double straight = 100 * std::hypot(near.x - 0.6, near.y - 0.45);
   EXPECT_NEAR(std::hypot(corner.x - 0.6, corner.y - 0.45) / straight, 0.92, 0.015);
@@ -77,7 +77,7 @@ TEST(SimulatedProjector, OffsetShiftsThePicture) {
   EXPECT_NEAR(before.y, after.y, 1e-9);
 }
 
-TEST(ProjectorWarp, CalibratedLightIsWhereItIsWanted) {
+TEST(ProjectorWarp, CalibratedLightIsNotDisplaced) {
   const ProjectorModel real = projector({0.15, 0.08, 0.02, 0});
   const ProjectorWarp warp(real, real);
   const auto source = warp.source({0.7, 0.2});

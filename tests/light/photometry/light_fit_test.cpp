@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -25,7 +26,8 @@ struct Truth {
   int rounds = 6;
 };
 
-/// Robots at random places read a staircase, in some rounds at other places.
+/// Simulated readings of a sequence of lights by robots at random places, which change in some
+/// rounds.
 std::vector<LightSample> measure(const Truth& truth, unsigned seed,
                                  std::map<SensorName, double>* gains = nullptr) {
   std::mt19937 engine(seed);
@@ -66,7 +68,7 @@ TEST(LightFit, FindsGammaVignettingAndGainsWithinTheirErrors) {
   EXPECT_LT(most, 4) << "of 20 fits, in standard errors";
 }
 
-TEST(LightFit, PredictsWhatASensorReadsAnywhere) {
+TEST(LightFit, PredictsReadingsAnywhere) {
   const Truth truth;
   std::map<SensorName, double> gains;
   const LightFit fit = fitLight(measure(truth, 3, &gains), kWidth, kHeight);
@@ -85,7 +87,7 @@ TEST(LightFit, PredictsWhatASensorReadsAnywhere) {
   EXPECT_LT(worst, 0.005) << "of full scale";
 }
 
-TEST(LightFit, LeavesOutWhatIsSaturated) {
+TEST(LightFit, ExcludesSaturatedReadings) {
   Truth truth;
   truth.scale = 1.4;
   const LightFit fit = fitLight(measure(truth, 4), kWidth, kHeight);
@@ -94,7 +96,7 @@ TEST(LightFit, LeavesOutWhatIsSaturated) {
   EXPECT_NEAR(fit.gamma, truth.gamma, 0.03);
 }
 
-TEST(LightFit, RefusesTooFewLightsAndPlaces) {
+TEST(LightFit, RejectsTooFewLightsAndPlaces) {
   Truth few_levels;
   few_levels.levels = 3;
   EXPECT_THAT(fitLight(measure(few_levels, 5), kWidth, kHeight).refusal,
@@ -107,7 +109,7 @@ TEST(LightFit, RefusesTooFewLightsAndPlaces) {
   EXPECT_NE(fitLight({}, kWidth, kHeight).refusal, "");
 }
 
-TEST(LightFit, NamesASensorThatIsBlind) {
+TEST(LightFit, NamesABlindSensor) {
   std::vector<LightSample> samples = measure({}, 9);
   for (LightSample& sample : samples) {
     if (sample.sensor == SensorName{3, true}) sample.reading *= 0.02;
@@ -116,14 +118,14 @@ TEST(LightFit, NamesASensorThatIsBlind) {
               testing::HasSubstr("the front sensor of robot 3"));
 }
 
-TEST(LightFit, RefusesReadingsThatAreNoSuchLight) {
+TEST(LightFit, RejectsReadingsThatDoNotFitTheModel) {
   Truth shaded;
   shaded.noise = 0.05;
   EXPECT_THAT(fitLight(measure(shaded, 7), kWidth, kHeight).refusal,
               testing::HasSubstr("of full scale, allowed 2.00 %"));
 }
 
-TEST(ProjectorTone, GivesTheWantedLightWhereverThereIsEnough) {
+TEST(ProjectorTone, GivesTheWantedLightWherePossible) {
   const optics::ProjectorTone tone(2.2, {0.03, -0.05, -0.12, 0.01, -0.15}, kWidth, kHeight);
   for (const optics::Place place : {optics::Place{0, 0}, {0.6, 0.45}, {1.2, 0.9}, {0.1, 0.8}}) {
     for (const double intensity : {0.0, 0.2, 0.7, 1.0}) {

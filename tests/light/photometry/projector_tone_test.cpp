@@ -10,7 +10,7 @@ namespace {
 const ProjectorTone kBelieved(1.9, {0.02, 0, -0.05, 0, -0.06}, 1.2, 0.9);
 const ProjectorTone kReal(2.2, {0, 0, -0.125, 0, -0.125}, 1.2, 0.9);
 
-TEST(ToneTable, IsThePowerItself) {
+TEST(ToneTable, EqualsThePower) {
   for (const ProjectorTones& tones :
        {ProjectorTones{ProjectorTone(), kReal}, ProjectorTones{kBelieved, ProjectorTone()},
         ProjectorTones{kBelieved, kReal}, ProjectorTones{kReal, kReal}}) {
@@ -25,10 +25,10 @@ TEST(ToneTable, IsThePowerItself) {
   }
 }
 
-TEST(ProjectorTones, AKnownProjectorGivesWhatIsWanted) {
+TEST(ProjectorTones, AKnownProjectorGivesTheWantedLight) {
   const ProjectorTones tones{kReal, kReal};
   for (const double intensity : {0.1, 0.5, 1.0}) {
-    // In the unit of the white where it is weakest.
+    // In units of the white where it is weakest.
     EXPECT_NEAR(tones.light(intensity, {0.3, 0.3}, {0.3, 0.3}) / kReal.weakest(), intensity, 1e-12);
   }
 }

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <random>
 
@@ -18,34 +19,35 @@ constexpr double kHeight = 0.9;
 const std::vector<double> kValues{0.0, 0.1, 0.2, 0.3, 0.45, 0.6, 0.75, 0.9, 1.0};
 const std::array<double, 5> kVignetting{0.05, 0, -0.12, 0, -0.10};
 
-/// Places 10 cm apart, lit through kVignetting and seen through a camera that is darker in its
-/// corners by another law, with noise of each mean [DN].
-std::vector<ToneObservation> sightsOf(double gamma, double noise, unsigned seed) {
+/// Places 10 cm apart with the projector's kVignetting, seen by a camera with its own falloff, with
+/// noise [DN] on each mean.
+std::vector<ToneObservation> observationsOf(double gamma, double noise, unsigned seed) {
   std::mt19937_64 engine(seed);
-  std::normal_distribution<double> normal;  // which has no width of 0
+  std::normal_distribution<double> normal;  // not constructed with width 0, which is undefined
   const optics::ProjectorTone tone(gamma, kVignetting, kWidth, kHeight);
-  std::vector<ToneObservation> sights;
+  std::vector<ToneObservation> observations;
   for (double x = 0.05; x < kWidth; x += 0.1) {
     for (double y = 0.05; y < kHeight; y += 0.1) {
       const double a = 2 * x / kWidth - 1;
       const double b = 2 * y / kHeight - 1;
       const double camera = 180 * std::exp(-0.08 * (a * a + b * b) + 0.03 * a);
-      ToneObservation sight{{x, y}, {}, false};
+      ToneObservation observation{{x, y}, {}, false};
       for (const double value : kValues) {
-        sight.grey.push_back(12 + camera * tone.light(value, {x, y}) + noise * normal(engine));
+        observation.grey.push_back(12 + camera * tone.light(value, {x, y}) +
+                                   noise * normal(engine));
       }
-      sights.push_back(std::move(sight));
+      observations.push_back(std::move(observation));
     }
   }
-  return sights;
+  return observations;
 }
 
-ToneFromPictures fitted(const std::vector<ToneObservation>& sights, double gamma) {
-  return fitTone(kValues, sights, {gamma, kVignetting, kWidth, kHeight}, kWidth, kHeight);
+ToneFromPictures fitted(const std::vector<ToneObservation>& observations, double gamma) {
+  return fitTone(kValues, observations, {gamma, kVignetting, kWidth, kHeight}, kWidth, kHeight);
 }
 
-TEST(TonePictures, FindGammaAndTheSameWhiteAsIsKnown) {
-  const ToneFromPictures fit = fitted(sightsOf(2.2, 0, 1), 2.2);
+TEST(TonePictures, FindGammaAndTheKnownWhite) {
+  const ToneFromPictures fit = fitted(observationsOf(2.2, 0, 1), 2.2);
   EXPECT_EQ(fit.refusal, "");
   EXPECT_EQ(fit.places, 108);
   EXPECT_NEAR(fit.gamma, 2.2, 1e-6);
@@ -53,12 +55,12 @@ TEST(TonePictures, FindGammaAndTheSameWhiteAsIsKnown) {
   EXPECT_LT(fit.residual, 1e-6);
 }
 
-TEST(TonePictures, StateTheErrorOfGamma) {
+TEST(TonePictures, ReturnTheErrorOfGamma) {
   constexpr int kFilms = 200;
   double squares = 0;
   double sum = 0;
   for (unsigned seed = 1; seed <= kFilms; ++seed) {
-    const ToneFromPictures fit = fitted(sightsOf(1.8, 0.5, seed), 1.8);
+    const ToneFromPictures fit = fitted(observationsOf(1.8, 0.5, seed), 1.8);
     const double z = (fit.gamma - 1.8) / fit.gamma_sigma;
     sum += z;
     squares += z * z;
@@ -67,25 +69,25 @@ TEST(TonePictures, StateTheErrorOfGamma) {
   EXPECT_NEAR(squares / kFilms, 1, 4 * std::sqrt(2.0 / kFilms));
 }
 
-TEST(TonePictures, SeeAShadowWhereItIs) {
-  std::vector<ToneObservation> sights = sightsOf(2.2, 0.05, 3);
-  ToneObservation& dark = sights[40];
+TEST(TonePictures, LocateAShadow) {
+  std::vector<ToneObservation> observations = observationsOf(2.2, 0.05, 3);
+  ToneObservation& dark = observations[40];
   for (double& grey : dark.grey) grey = 12 + 0.8 * (grey - 12);
-  const ToneFromPictures fit = fitted(sights, 2.2);
+  const ToneFromPictures fit = fitted(observations, 2.2);
   EXPECT_DOUBLE_EQ(fit.worst_place.x, dark.place.x);
   EXPECT_DOUBLE_EQ(fit.worst_place.y, dark.place.y);
   EXPECT_NEAR(fit.white_worst, std::log(0.8), 0.03);
 }
 
-TEST(TonePictures, SayWhyTheySayNothing) {
-  std::vector<ToneObservation> sights = sightsOf(2.2, 0, 1);
-  for (ToneObservation& sight : sights) sight.saturated = true;
-  EXPECT_THAT(fitted(sights, 2.2).refusal, HasSubstr("108 are saturated"));
-  for (ToneObservation& sight : sights) {
-    sight.saturated = false;
-    sight.grey.assign(kValues.size(), 20);
+TEST(TonePictures, ReportTheReasonForNoResult) {
+  std::vector<ToneObservation> observations = observationsOf(2.2, 0, 1);
+  for (ToneObservation& observation : observations) observation.saturated = true;
+  EXPECT_THAT(fitted(observations, 2.2).refusal, HasSubstr("108 are saturated"));
+  for (ToneObservation& observation : observations) {
+    observation.saturated = false;
+    observation.grey.assign(kValues.size(), 20);
   }
-  EXPECT_THAT(fitted(sights, 2.2).refusal, HasSubstr("a longer camera.exposure_ms"));
+  EXPECT_THAT(fitted(observations, 2.2).refusal, HasSubstr("a longer camera.exposure_ms"));
 }
 
 TEST(TonePictures, AverageTheFloorOfAPicture) {
@@ -97,15 +99,15 @@ TEST(TonePictures, AverageTheFloorOfAPicture) {
   std::fill(picture.pixels.begin(), picture.pixels.end(), 60);
   pictures.take(1, picture.view());
   for (auto& pixel : picture.pixels) pixel = 255;
-  const auto sights = pictures.sights();
-  ASSERT_GE(sights.size(), 100U);
-  for (const ToneObservation& sight : sights) {
-    EXPECT_DOUBLE_EQ(sight.grey[0], 40);
-    EXPECT_DOUBLE_EQ(sight.grey[1], 50);
-    EXPECT_FALSE(sight.saturated);
+  const auto observations = pictures.observations();
+  ASSERT_GE(observations.size(), 100U);
+  for (const ToneObservation& observation : observations) {
+    EXPECT_DOUBLE_EQ(observation.grey[0], 40);
+    EXPECT_DOUBLE_EQ(observation.grey[1], 50);
+    EXPECT_FALSE(observation.saturated);
   }
   pictures.take(0, picture.view());
-  EXPECT_TRUE(pictures.sights().front().saturated);
+  EXPECT_TRUE(pictures.observations().front().saturated);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 
 #include "common/math/random.hpp"
 #include "light/optics/simulated_projector.hpp"
@@ -31,18 +32,18 @@ bool isLit(const Pixel& pixel) {
 }
 
 /// Sights every 2 cm with a noise of `sigma` [px] that the fit is told `told` about.
-std::vector<ProjectorObservation> sightsOf(const ProjectorModel& real, double sigma, Random& random,
-                                           double told = 0.05) {
-  std::vector<ProjectorObservation> sights;
+std::vector<ProjectorObservation> observationsOf(const ProjectorModel& real, double sigma,
+                                                 Random& random, double told = 0.05) {
+  std::vector<ProjectorObservation> observations;
   for (double y = 0.01; y < kHeight; y += 0.02) {
     for (double x = 0.01; x < kWidth; x += 0.02) {
       const Pixel pixel = real.pixelOf({x, y});
       if (!isLit(pixel)) continue;
-      sights.push_back(
+      observations.push_back(
           {{x, y}, {pixel.x + sigma * random.normal(), pixel.y + sigma * random.normal()}, told});
     }
   }
-  return sights;
+  return observations;
 }
 
 /// [m] rms over the arena between where light is wanted and where it falls.
@@ -77,7 +78,7 @@ TEST(ProjectorFit, ClaimsWhatIsTrueForManyLenses) {
     const ProjectorModel real = projector(faults);
     for (std::uint64_t seed = 1; seed <= 4; ++seed) {
       Random random(100 * seed + static_cast<std::uint64_t>(fits));
-      const ProjectorFit fit = fitProjector(sightsOf(real, 0.4, random), kPlane);
+      const ProjectorFit fit = fitProjector(observationsOf(real, 0.4, random), kPlane);
       EXPECT_EQ(fit.refusal, "");
       EXPECT_LE(fit.outlying, 2);  // of 2700, beyond five standard deviations
       const double error = trueError(fit.lens, real);
@@ -93,7 +94,7 @@ TEST(ProjectorFit, ClaimsWhatIsTrueForManyLenses) {
 TEST(ProjectorFit, FindsTheLensItselfWithoutNoise) {
   Random random(1);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
-  const ProjectorFit fit = fitProjector(sightsOf(real, 0, random), kPlane);
+  const ProjectorFit fit = fitProjector(observationsOf(real, 0, random), kPlane);
   EXPECT_EQ(fit.refusal, "");
   EXPECT_LT(trueError(fit.lens, real), 1e-7);
   EXPECT_NEAR(fit.covered, 1, 1e-12);
@@ -103,15 +104,15 @@ TEST(ProjectorFit, ErrorOfTheCameraIsPartOfTheClaim) {
   // A camera that stretches by 0.05 % along x: places are measured so much off.
   Random random(1);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
-  std::vector<ProjectorObservation> sights = sightsOf(real, 0.1, random);
+  std::vector<ProjectorObservation> observations = observationsOf(real, 0.1, random);
   double camera = 0;
-  for (ProjectorObservation& sight : sights) {
-    const double off = 5e-4 * (sight.place.x - kWidth / 2);
+  for (ProjectorObservation& observation : observations) {
+    const double off = 5e-4 * (observation.place.x - kWidth / 2);
     camera += off * off;
-    sight.place.x += off;
+    observation.place.x += off;
   }
-  camera = std::sqrt(camera / static_cast<double>(sights.size()));
-  const ProjectorFit fit = fitProjector(sights, kPlane, camera);
+  camera = std::sqrt(camera / static_cast<double>(observations.size()));
+  const ProjectorFit fit = fitProjector(observations, kPlane, camera);
   EXPECT_EQ(fit.refusal, "");
   EXPECT_NEAR(fit.accuracy / trueError(fit.lens, real), 1, 0.2);
 }
@@ -120,14 +121,14 @@ TEST(ProjectorFit, WhatNoLensDoesIsClaimedAsMisfit) {
   // A board that waves by some 0.2 mm across.
   Random random(1);
   const ProjectorModel real = projector({0.1, 0.05, 0, 0});
-  std::vector<ProjectorObservation> sights;
+  std::vector<ProjectorObservation> observations;
   const auto waved = [](const Place& place) {
     return Place{place.x + 2e-4 * std::sin(20 * place.y), place.y + 2e-4 * std::cos(18 * place.x)};
   };
-  for (const ProjectorObservation& sight : sightsOf(real, 0.1, random)) {
-    sights.push_back({waved(sight.place), sight.pixel, sight.sigma});
+  for (const ProjectorObservation& observation : observationsOf(real, 0.1, random)) {
+    observations.push_back({waved(observation.place), observation.pixel, observation.sigma});
   }
-  const ProjectorFit fit = fitProjector(sights, kPlane);
+  const ProjectorFit fit = fitProjector(observations, kPlane);
   EXPECT_EQ(fit.refusal, "");
   // The projector really lights the waved places.
   const ProjectorModel believed(fit.lens, optics::kSensorHeight);
@@ -147,14 +148,14 @@ TEST(ProjectorFit, WhatNoLensDoesIsClaimedAsMisfit) {
 TEST(ProjectorFit, ShadowsAndGlareAreLeftOut) {
   Random random(3);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
-  std::vector<ProjectorObservation> sights = sightsOf(real, 0.1, random);
+  std::vector<ProjectorObservation> observations = observationsOf(real, 0.1, random);
   int strangers = 0;
-  for (std::size_t i = 0; i < sights.size(); i += 9) {
-    sights[i].pixel.x += 30 + 100 * random.uniform();
-    sights[i].pixel.y -= 40 * random.uniform();
+  for (std::size_t i = 0; i < observations.size(); i += 9) {
+    observations[i].pixel.x += 30 + 100 * random.uniform();
+    observations[i].pixel.y -= 40 * random.uniform();
     ++strangers;
   }
-  const ProjectorFit fit = fitProjector(sights, kPlane);
+  const ProjectorFit fit = fitProjector(observations, kPlane);
   EXPECT_EQ(fit.refusal, "");
   EXPECT_EQ(fit.outlying, strangers);
   EXPECT_LT(trueError(fit.lens, real), 0.05e-3);
@@ -164,12 +165,12 @@ TEST(ProjectorFit, PictureSeenInAMirrorOrUpsideDown) {
   Random random(4);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
   for (const bool mirrored : {false, true}) {
-    std::vector<ProjectorObservation> sights = sightsOf(real, 0.1, random);
-    for (ProjectorObservation& sight : sights) {
-      if (!mirrored) sight.pixel.x = kPlane.columns - 1 - sight.pixel.x;
-      sight.pixel.y = kPlane.rows - 1 - sight.pixel.y;
+    std::vector<ProjectorObservation> observations = observationsOf(real, 0.1, random);
+    for (ProjectorObservation& observation : observations) {
+      if (!mirrored) observation.pixel.x = kPlane.columns - 1 - observation.pixel.x;
+      observation.pixel.y = kPlane.rows - 1 - observation.pixel.y;
     }
-    const ProjectorFit fit = fitProjector(sights, kPlane);
+    const ProjectorFit fit = fitProjector(observations, kPlane);
     EXPECT_EQ(fit.refusal, "");
     EXPECT_LT(fit.residual, 0.2e-3);
   }
@@ -178,24 +179,25 @@ TEST(ProjectorFit, PictureSeenInAMirrorOrUpsideDown) {
 TEST(ProjectorFit, RefusalsSayWhy) {
   Random random(5);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
-  std::vector<ProjectorObservation> sights = sightsOf(real, 0.1, random);
-  EXPECT_THAT(fitProjector({sights.begin(), sights.begin() + 50}, kPlane).refusal,
+  std::vector<ProjectorObservation> observations = observationsOf(real, 0.1, random);
+  EXPECT_THAT(fitProjector({observations.begin(), observations.begin() + 50}, kPlane).refusal,
               HasSubstr("seen in 50 places, needed 200"));
   EXPECT_THAT(fitProjector({}, kPlane).refusal, HasSubstr("seen in 0 places"));
   // Only the left half.
   std::vector<ProjectorObservation> half;
-  for (const ProjectorObservation& sight : sights) {
-    if (sight.place.x < kWidth / 2) half.push_back(sight);
+  for (const ProjectorObservation& observation : observations) {
+    if (observation.place.x < kWidth / 2) half.push_back(observation);
   }
   EXPECT_THAT(fitProjector(half, kPlane).refusal, HasSubstr("on 50 % of the arena"));
   // A picture that is shifted away from two corners.
-  EXPECT_THAT(fitProjector(sightsOf(projector({0, 0, 0.04, 0}), 0.1, random), kPlane).refusal,
+  EXPECT_THAT(fitProjector(observationsOf(projector({0, 0, 0.04, 0}), 0.1, random), kPlane).refusal,
               HasSubstr("corner (0, 0) cm and (0, 90) cm: move"));
   // A board that nobody keeps flat.
-  for (ProjectorObservation& sight : sights) {
-    sight.place.x += 3e-3 * std::sin(25 * sight.place.x) * std::cos(20 * sight.place.y);
+  for (ProjectorObservation& observation : observations) {
+    observation.place.x +=
+        3e-3 * std::sin(25 * observation.place.x) * std::cos(20 * observation.place.y);
   }
-  EXPECT_THAT(fitProjector(sights, kPlane).refusal, HasSubstr("mm (rms), allowed 1.00 mm"));
+  EXPECT_THAT(fitProjector(observations, kPlane).refusal, HasSubstr("mm (rms), allowed 1.00 mm"));
 }
 
 TEST(LensFromCorners, LightsTheCornersWithThesePixels) {

@@ -4,7 +4,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <stdexcept>
 
 #include "light/field/field.hpp"
 #include "light/optics/simulated_camera.hpp"
@@ -68,9 +71,9 @@ PatternReader read(const Scene& scene) {
 /// [px] of the projector: largest error of any sight.
 double worst(const PatternReader& reader, const optics::ProjectorModel& real) {
   double most = 0;
-  for (const ProjectorObservation& sight : reader.sights()) {
-    const optics::Pixel pixel = real.pixelOf(sight.place);
-    most = std::max(most, std::hypot(pixel.x - sight.pixel.x, pixel.y - sight.pixel.y));
+  for (const ProjectorObservation& observation : reader.observations()) {
+    const optics::Pixel pixel = real.pixelOf(observation.place);
+    most = std::max(most, std::hypot(pixel.x - observation.pixel.x, pixel.y - observation.pixel.y));
   }
   return most;
 }
@@ -91,7 +94,7 @@ TEST(ProjectorPatterns, AreReadToASmallPartOfAPixel) {
     Scene scene;
     scene.real = real;
     const PatternReader reader = read(scene);
-    EXPECT_GT(reader.sights().size(), 100U);
+    EXPECT_GT(reader.observations().size(), 100U);
     // Rounding to whole grey steps makes 0.03 px in the middle of a square; the rest is room for
     // it.
     EXPECT_LT(worst(reader, real), 0.15);
@@ -102,7 +105,7 @@ TEST(ProjectorPatterns, GammaCancels) {
   Scene scene;
   scene.gamma = 2.2;
   const PatternReader reader = read(scene);
-  EXPECT_GT(reader.sights().size(), 100U);
+  EXPECT_GT(reader.observations().size(), 100U);
   EXPECT_LT(worst(reader, scene.real), 0.2);
 }
 
@@ -123,7 +126,7 @@ TEST(ProjectorPatterns, CountsWhatSaysNothing) {
   EXPECT_EQ(read(scene).count().dark, good.pixels);
   scene.bright = 245;
   EXPECT_EQ(read(scene).count().saturated, good.pixels);
-  EXPECT_TRUE(read(scene).sights().empty());
+  EXPECT_TRUE(read(scene).observations().empty());
 }
 
 }  // namespace

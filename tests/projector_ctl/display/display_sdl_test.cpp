@@ -1,4 +1,4 @@
-// A full-screen window in an X server of its own, and what is really on the screen.
+// A full-screen window in a virtual X server, compared with the contents of the screen.
 #include "projector_ctl/display/display_sdl.hpp"
 
 #include <SDL2/SDL.h>
@@ -9,6 +9,7 @@
 #include <array>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <memory>
 #include <vector>
@@ -106,7 +107,7 @@ class WindowTest : public testing::Test {
   static void TearDownTestSuite() { server_.reset(); }
 
   void SetUp() override {
-    if (!server_->runs()) GTEST_SKIP() << "no Xvfb here (package xvfb)";
+    if (!server_->runs()) GTEST_SKIP() << "Xvfb is not installed (package xvfb)";
   }
 
   std::unique_ptr<Screen> open(const optics::ProjectorModel& model) {
@@ -126,7 +127,7 @@ class WindowTest : public testing::Test {
 
   static optics::ProjectorModel nominal() { return {kWidth, kHeight, kColumns, kRows}; }
 
-  /// The most that the screen differs from these grey values.
+  /// Largest difference between the screen and these grey values.
   static int worst(const std::vector<std::uint8_t>& wanted) {
     const std::vector<unsigned> found = server_->screen();
     EXPECT_EQ(found.size(), wanted.size());
@@ -150,7 +151,7 @@ class WindowTest : public testing::Test {
 
 std::unique_ptr<VirtualX> WindowTest::server_;
 
-TEST_F(WindowTest, TheScreenIsTheRasterOfTheLightCore) {
+TEST_F(WindowTest, ShowsTheRasterOfTheLightField) {
   const auto screen = open(nominal());
   EXPECT_LE(worst(raster({{Layer{.intensity = 0.2}}, {}, 1})), 1);  // safe from the start
   for (const Field& field : {edges(), gradients(), images(), edges()}) {
@@ -162,7 +163,7 @@ TEST_F(WindowTest, TheScreenIsTheRasterOfTheLightCore) {
   EXPECT_EQ(screen->state().trouble, "");
 }
 
-TEST_F(WindowTest, ACalibratedScreenHasEachPixelsPlace) {
+TEST_F(WindowTest, ACalibratedScreenUsesThePositionOfEachPixel) {
   const optics::ProjectorModel model = optics::simulatedProjector(
       kWidth, kHeight, kColumns, kRows, {.keystone = 0.15, .barrel = 0.08});
   const auto screen = open(model);
@@ -193,7 +194,7 @@ TEST_F(WindowTest, EscapeTwiceClosesIt) {
   EXPECT_THAT(result.state.trouble, HasSubstr("by hand"));
 }
 
-TEST_F(WindowTest, AWindowThatChangesItsSizeIsOpenedAgain) {
+TEST_F(WindowTest, AWindowWhoseSizeChangesIsOpenedAgain) {
   const auto screen = open(nominal());
   SDL_Event event{};
   event.type = SDL_WINDOWEVENT;
@@ -208,7 +209,7 @@ TEST_F(WindowTest, AWindowThatChangesItsSizeIsOpenedAgain) {
   EXPECT_LE(worst(raster(edges())), 1);
 }
 
-TEST_F(WindowTest, ADisplayThatIsUnpluggedIsGone) {
+TEST_F(WindowTest, ReportsAnUnpluggedDisplay) {
   const auto screen = open(nominal());
   SDL_Event event{};
   event.type = SDL_DISPLAYEVENT;
@@ -219,7 +220,7 @@ TEST_F(WindowTest, ADisplayThatIsUnpluggedIsGone) {
   EXPECT_THAT(result.state.trouble, HasSubstr("gone"));
 }
 
-TEST_F(WindowTest, NamesTheDisplaysWhenThereIsNoSuchOne) {
+TEST_F(WindowTest, ListsTheDisplaysIfTheNameIsUnknown) {
   try {
     static_cast<void>(openSdlDisplay("HDMI-7"));
     FAIL();

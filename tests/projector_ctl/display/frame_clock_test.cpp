@@ -35,7 +35,7 @@ TEST(FrameClock, FindsTheFirstBoundaryAtOrAfterATime) {
   EXPECT_EQ(dut.nextBoundary(kSomeDay + 16'668), kSomeDay + 33'333);
 }
 
-TEST(FrameClock, GivesEveryBoundaryItsOwnNumberAtAnyRate) {
+TEST(FrameClock, BoundariesAndNumbersCorrespondAtAnyRate) {
   for (const double rate : {1.0, 23.976, 59.94, 60.0, 120.0, 1000.0}) {
     const FrameClock dut(rate);
     const std::int64_t first = dut.numberAtOrAfter(kSomeDay);
@@ -47,7 +47,7 @@ TEST(FrameClock, GivesEveryBoundaryItsOwnNumberAtAnyRate) {
   }
 }
 
-TEST(FrameClock, RefusesARateThatNoDisplayHas) {
+TEST(FrameClock, RefusesARateOutOfRange) {
   EXPECT_THROW(FrameClock(0), std::invalid_argument);
   EXPECT_THROW(FrameClock(1e6), std::invalid_argument);
   EXPECT_THROW(FrameClock(std::nan("")), std::invalid_argument);

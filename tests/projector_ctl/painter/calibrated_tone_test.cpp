@@ -3,11 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 
 namespace lab::projector {
 namespace {
 
-TEST(CalibratedTone, SetsEveryPixelAsTheToneOfItsPlaceSays) {
+TEST(CalibratedTone, EqualsTheToneAtThePositionOfEveryPixel) {
   const optics::ProjectorModel model(1.2, 0.9, 160, 120);
   const optics::ProjectorTone tone(2.2, {0.05, 0, -0.2, 0.02, -0.1}, 1.2, 0.9);
   const CalibratedTone dut(tone, model);
@@ -25,13 +26,13 @@ TEST(CalibratedTone, SetsEveryPixelAsTheToneOfItsPlaceSays) {
   EXPECT_LE(worst, 1);
 }
 
-TEST(CalibratedTone, GoesRowByRow) {
+TEST(CalibratedTone, AppliesToPartsOfARow) {
   const optics::ProjectorModel model(1.2, 0.9, 16, 12);
   const CalibratedTone dut({1, {0, 0, -0.3, 0, 0}, 1.2, 0.9}, model);
   const std::vector<double> row(16, 1.0);
   std::vector<std::uint8_t> out(16);
   dut.apply(row.data(), 0, 5, row.size(), out.data());
-  EXPECT_EQ(out.front(), 242) << "0.951 of white, as near to the wall as that";
+  EXPECT_EQ(out.front(), 242) << "0.951 of white, at this distance from the wall";
   EXPECT_EQ(out.front(), out.back());
   EXPECT_LT(out[8], out.front());
 }

@@ -19,7 +19,7 @@ using light::LayerKind;
 
 constexpr double kWidth = 1.2;
 constexpr double kHeight = 0.9;
-constexpr int kColumns = 500;  // no whole number of tiles
+constexpr int kColumns = 500;  // not a whole number of tiles
 constexpr int kRows = 270;
 
 optics::ProjectorModel nominal() { return {kWidth, kHeight, kColumns, kRows}; }
@@ -59,7 +59,7 @@ Field fieldAt(double time) {
   return field;
 }
 
-/// The most that a pixel differs from the light core's at its centre.
+/// Largest difference between a pixel and the light field at its centre.
 int worst(const ScreenPainter& painter, const Field& field, const optics::ProjectorModel& model) {
   const light::CompiledField light(field);
   int most = 0;
@@ -74,7 +74,7 @@ int worst(const ScreenPainter& painter, const Field& field, const optics::Projec
   return most;
 }
 
-TEST(ScreenPainter, IsTheRasterOfTheLightCoreWhereTheArenaFillsThePicture) {
+TEST(ScreenPainter, EqualsTheRasterOfTheLightFieldWithoutCalibration) {
   ScreenPainter painter(nominal());
   painter.paint(fieldAt(0));
   const auto raster = light::toGrey(light::rasterise(fieldAt(0), kWidth, kHeight, kColumns, kRows));
@@ -86,13 +86,13 @@ TEST(ScreenPainter, IsTheRasterOfTheLightCoreWhereTheArenaFillsThePicture) {
   EXPECT_LE(worst(painter, fieldAt(0), nominal()), 1);
 }
 
-TEST(ScreenPainter, PutsLightWhereACalibratedProjectorThrowsIt) {
+TEST(ScreenPainter, UsesTheCalibrationOfTheProjector) {
   ScreenPainter painter(keystone());
   painter.paint(fieldAt(0.5));
   EXPECT_LE(worst(painter, fieldAt(0.5), keystone()), 1);
 }
 
-TEST(ScreenPainter, WhatMovesLeavesNothingBehind) {
+TEST(ScreenPainter, MovingLayersLeaveNoTraces) {
   ScreenPainter painter(keystone());
   for (int frame = 0; frame < 12; ++frame) {
     painter.paint(fieldAt(0.1 * frame));
@@ -116,7 +116,7 @@ TEST(ScreenPainter, PaintsOnlyWhatChanges) {
   pixels = 0;
   for (const Box& box : painter.paint(fieldAt(0.01))) pixels += box.width * box.height;
   EXPECT_GT(pixels, 0);
-  EXPECT_LT(pixels, kColumns * kRows / 10);  // one spot of the field
+  EXPECT_LT(pixels, kColumns * kRows / 10);  // only one spot changes
   const Box box{40, 40, 10, 10};
   for (int y = box.y; y < box.y + box.height; ++y) {
     std::fill_n(painter.canvas().row(y) + box.x, box.width, std::uint8_t{7});
@@ -126,7 +126,7 @@ TEST(ScreenPainter, PaintsOnlyWhatChanges) {
   EXPECT_LE(worst(painter, fieldAt(0.01), nominal()), 1);
 }
 
-TEST(ScreenPainter, AToneMaySetEachPixelByItself) {
+TEST(ScreenPainter, AToneMayDependOnThePixel) {
   class Vignette final : public Tone {
    public:
     [[nodiscard]] bool isSameEverywhere() const override { return false; }

@@ -17,7 +17,7 @@ std::int64_t at(double seconds) {
   return kStart + static_cast<std::int64_t>(std::llround(seconds * 1e6));
 }
 
-/// A robot that drives and turns evenly, exactly.
+/// A robot with constant speed and turning rate.
 RobotPose truth(double speed, double turn, double time) {
   const double theta = 0.3 + turn * time;
   if (turn == 0) return {speed * time * std::cos(theta), speed * time * std::sin(theta), theta};
@@ -54,7 +54,7 @@ TEST(Prediction, FollowsAHeadingThroughPi) {
   EXPECT_NEAR(dut.turn(), 6, 1e-3);
 }
 
-TEST(Prediction, OfARobotThatStandsIsNoWorseThanItsLastPose) {
+TEST(Prediction, OfAStandingRobotIsAsAccurateAsItsLastPose) {
   constexpr double kNoise = 0.0003;                            // [m]
   constexpr double kTurnNoise = 0.6 * std::numbers::pi / 180;  // [rad]
   std::mt19937_64 random(5);
@@ -81,14 +81,14 @@ TEST(Prediction, EndsAQuarterOfASecondAfterTheLastPose) {
   EXPECT_NEAR(distance(furthest, dut.last()), 0.1 * Track::kFurthest, 1e-5);
 }
 
-TEST(Prediction, StaysAtASinglePose) {
+TEST(Prediction, DoesNotMoveWithASinglePose) {
   Track dut;
   dut.see(seen({0.2, 0.3, 1}), at(0));
   EXPECT_EQ(distance(dut.predicted(at(0.1)), {0.2, 0.3, 1}), 0);
   EXPECT_FALSE(dut.joined());
 }
 
-TEST(Prediction, DoesNotBelieveOnePoseOutOfReach) {
+TEST(Prediction, IgnoresASinglePoseOutOfReach) {
   Track dut;
   for (int i = 0; i <= 9; ++i) dut.see(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
   dut.see(seen({0.7, 0.7, 0}), at(10 / kRate));
@@ -97,7 +97,7 @@ TEST(Prediction, DoesNotBelieveOnePoseOutOfReach) {
   EXPECT_NEAR(dut.speed(), 0.1, 1e-5);
 }
 
-TEST(Prediction, BelievesTwoThatAgreeAndBeginsAnewThere) {
+TEST(Prediction, StartsANewTrackAtTwoConsistentPosesOutOfReach) {
   Track dut;
   for (int i = 0; i <= 9; ++i) dut.see(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
   dut.see(seen({0.7, 0.7, 0}), at(10 / kRate));
@@ -106,7 +106,7 @@ TEST(Prediction, BelievesTwoThatAgreeAndBeginsAnewThere) {
   EXPECT_EQ(dut.beforeUtime(), at(10 / kRate));
 }
 
-TEST(Prediction, BeginsAnewAfterAGap) {
+TEST(Prediction, StartsANewTrackAfterAGap) {
   Track dut;
   for (int i = 0; i <= 9; ++i) dut.see(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
   dut.see(seen({0.7, 0.7, 0}), at(2));
@@ -114,7 +114,7 @@ TEST(Prediction, BeginsAnewAfterAGap) {
   EXPECT_EQ(distance(dut.predicted(at(2.1)), {0.7, 0.7, 0}), 0);
 }
 
-TEST(Prediction, LeavesOutPosesThatNobodyIsSureOf) {
+TEST(Prediction, IgnoresPosesOfLowConfidence) {
   RobotTracks dut;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   dut.take({1,
@@ -130,7 +130,7 @@ TEST(Prediction, LeavesOutPosesThatNobodyIsSureOf) {
   EXPECT_NE(dut.track(4), nullptr);
 }
 
-TEST(Prediction, AReportOfAProgramIsBelievedForAWhile) {
+TEST(Prediction, AReportOfAProgramExpires) {
   RobotTracks dut;
   dut.report(1, "abp", at(0));
   EXPECT_TRUE(dut.runs(1, "abp", at(0.5), 0.5));

@@ -38,7 +38,7 @@ TEST(Trail, HasSquareCellsThatCoverTheArena) {
   EXPECT_GT(half.columns() * half.rows(), 9300);
 }
 
-/// One robot on a billiard path that stands in a corner for a while.
+/// A robot on a billiard path that stands in a corner for a while.
 struct Walker {
   double x, y, vx, vy;
   void move(double time) {
@@ -50,13 +50,13 @@ struct Walker {
 };
 
 TEST(Trail, KeepsItsMassBalanceForMinutes) {
-  // M' = n source - decay M while n robots are seen, frame gaps of many lengths among them.
+  // M' = n source - decay M while n robots are seen, with gaps of various lengths between frames.
   for (const double decay : {0.0, 0.1, 3.0}) {
-    Trail::Settings wanted = settings();
-    wanted.decay = decay;
-    wanted.radius = 0.05;  // wider than what a robot keeps from the wall
-    wanted.most_cells = 4000;
-    Trail dut(wanted);
+    Trail::Settings settings = settings();
+    settings.decay = decay;
+    settings.radius = 0.05;  // larger than the robot's distance from the wall
+    settings.most_cells = 4000;
+    Trail dut(settings);
     std::mt19937_64 random(3);
     std::uniform_int_distribution<int> frames_lost(0, 20);
     std::vector<Walker> robots{
@@ -87,7 +87,7 @@ TEST(Trail, KeepsItsMassBalanceForMinutes) {
   }
 }
 
-TEST(Trail, LaysWhatIsLeftOfALateFrame) {
+TEST(Trail, AccountsForTheDecaySinceALateFrame) {
   Trail late(settings());
   late.advanceTo(at(1));
   late.lay(0.5, 0.5, at(0), 0.5, 0.5, at(0.2));
@@ -95,10 +95,10 @@ TEST(Trail, LaysWhatIsLeftOfALateFrame) {
   EXPECT_NEAR(late.mass(), late.source() * left, 1e-12);
 }
 
-TEST(Trail, ReachesRateTimesTimeUnderARobotThatStands) {
-  Trail::Settings wanted = settings();
-  wanted.diffusion = 0;
-  Trail dut(wanted);
+TEST(Trail, ReachesRateTimesTimeUnderAStandingRobot) {
+  Trail::Settings settings = settings();
+  settings.diffusion = 0;
+  Trail dut(settings);
   const double middle = 80.5 * dut.cell();
   dut.advanceTo(at(2));
   dut.lay(middle, middle, at(0), middle, middle, at(2));
@@ -107,10 +107,10 @@ TEST(Trail, ReachesRateTimesTimeUnderARobotThatStands) {
 }
 
 TEST(Trail, HasNoBeadsBehindAFastRobotAtASlowCamera) {
-  Trail::Settings wanted = settings();
-  wanted.diffusion = 0;
-  wanted.decay = 0;
-  Trail dut(wanted);
+  Trail::Settings settings = settings();
+  settings.diffusion = 0;
+  settings.decay = 0;
+  Trail dut(settings);
   for (int i = 0; i < 30; ++i) {
     dut.advanceTo(at(0.1 * (i + 1)));
     dut.lay(0.1 + 0.027 * i, 0.45, at(0.1 * i), 0.1 + 0.027 * (i + 1), 0.45, at(0.1 * (i + 1)));
@@ -125,10 +125,10 @@ TEST(Trail, HasNoBeadsBehindAFastRobotAtASlowCamera) {
   EXPECT_LT(most / least, 1.02);
 }
 
-TEST(Trail, SpreadsAsTheHeatEquationSays) {
-  Trail::Settings wanted = settings();
-  wanted.decay = 0;
-  Trail dut(wanted);
+TEST(Trail, SpreadsByTheHeatEquation) {
+  Trail::Settings settings = settings();
+  settings.decay = 0;
+  Trail dut(settings);
   dut.advanceTo(at(1));
   dut.lay(0.6, 0.45, at(0), 0.6, 0.45, at(1));
   const auto second_moment = [&] {
@@ -145,16 +145,16 @@ TEST(Trail, SpreadsAsTheHeatEquationSays) {
   };
   const double before = second_moment();
   dut.advanceTo(at(11));
-  // The scheme's second moment grows exactly as that of the law, as long as no wall is reached.
+  // The second moment of the scheme is exact as long as no wall is reached.
   EXPECT_NEAR(second_moment() - before, 2 * 1e-4 * 10, 1e-9);
 }
 
-TEST(Trail, IsEvenInTheEndBetweenItsWalls) {
-  Trail::Settings wanted = settings();
-  wanted.decay = 0;
-  wanted.diffusion = 0.01;
-  wanted.most_cells = 300;
-  Trail dut(wanted);
+TEST(Trail, BecomesUniformBetweenTheWalls) {
+  Trail::Settings settings = settings();
+  settings.decay = 0;
+  settings.diffusion = 0.01;
+  settings.most_cells = 300;
+  Trail dut(settings);
   dut.advanceTo(at(1));
   dut.lay(0.1, 0.1, at(0), 0.1, 0.1, at(1));
   const double mass = dut.mass();
@@ -165,7 +165,7 @@ TEST(Trail, IsEvenInTheEndBetweenItsWalls) {
   EXPECT_NEAR(dut.at(dut.columns() - 1, dut.rows() - 1), even, 1e-4 * mass);
 }
 
-TEST(Trail, PicturesDependOnWhatWasLaidAndNotOnWhoLooked) {
+TEST(Trail, PicturesDoNotDependOnEarlierPictures) {
   Trail watched(settings());
   Trail alone(settings());
   for (int i = 0; i < 300; ++i) {
@@ -184,10 +184,10 @@ TEST(Trail, PicturesDependOnWhatWasLaidAndNotOnWhoLooked) {
   }
 }
 
-TEST(Trail, FadesInItsPictureWhileNoFrameComes) {
-  Trail::Settings wanted = settings();
-  wanted.diffusion = 0;
-  Trail dut(wanted);
+TEST(Trail, PictureDecaysWithoutNewFrames) {
+  Trail::Settings settings = settings();
+  settings.diffusion = 0;
+  Trail dut(settings);
   const double middle = 80.5 * dut.cell();
   dut.advanceTo(at(0.3));
   dut.lay(middle, middle, at(0), middle, middle, at(0.3));
@@ -201,7 +201,7 @@ TEST(Trail, FadesInItsPictureWhileNoFrameComes) {
   EXPECT_EQ(byte(2.3), std::lround(255 * m * std::exp(-0.2)));
 }
 
-TEST(Trail, ShowsNothingAboveWhite) {
+TEST(Trail, PictureIsClampedAtWhite) {
   Trail dut(settings());
   dut.advanceTo(at(10));
   dut.lay(0.6, 0.45, at(0), 0.6, 0.45, at(10));

@@ -6,7 +6,7 @@
 
 namespace lab::dynamics {
 
-/// ABP in slot 0 on light 0..512, RTP in slot 1 on light 512..900, nothing above.
+/// ABP in slot 0 for light 0..512, RTP in slot 1 for light 512..900, no program above.
 inline CoreSettings twoPrograms() {
   CoreSettings s;
   s.light.count = 2;

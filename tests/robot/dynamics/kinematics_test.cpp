@@ -17,7 +17,7 @@ TEST(Arc, FasterRightWheelTurnsCounterClockwise) {
   EXPECT_DOUBLE_EQ(pose.theta, 0.02 / kBase * 0.5);
 }
 
-TEST(Arc, GoesStraightWithoutATurn) {
+TEST(Arc, IsStraightWithoutATurn) {
   const Pose pose = apply(makeArc(0.1, 0.1, kBase, 2), Pose{1, 2, kPi / 6});
   EXPECT_NEAR(pose.x, 1 + 0.2 * std::cos(kPi / 6), 1e-15);
   EXPECT_NEAR(pose.y, 2 + 0.1, 1e-15);
@@ -32,8 +32,8 @@ TEST(Arc, OppositeWheelsTurnOnTheSpot) {
   EXPECT_DOUBLE_EQ(pose.theta, 1 + kPi);
 }
 
-TEST(Arc, AFullCircleComesHome) {
-  // Radius 10 cm, circumference in 8 s.
+TEST(Arc, AFullCircleReturnsToItsStart) {
+  // Radius 10 cm, one circle in 8 s.
   const double v = 2 * kPi * 0.1 / 8;
   const double w = 2 * kPi / 8;
   const Arc arc = makeArc(v - w * kBase / 2, v + w * kBase / 2, kBase, 0.01);
@@ -59,7 +59,8 @@ TEST(Arc, SplittingItChangesNothing) {
 }
 
 TEST(Arc, IsExactAcrossTheSmallAngleLimit) {
-  // dy = v (1 - cos phi) / w with phi = w dt: by long double, either side of the series' limit.
+  // dy = v (1 - cos phi) / w with phi = w dt, computed in long double on both sides of the limit
+  // below which the series is used.
   for (const double phi : {1e-9, 1e-6, 1e-4, 1e-2, 0.199, 0.201, 1.0}) {
     const double w = phi / 0.01;
     const Arc arc = makeArcOf(0.03, w, 0.01);

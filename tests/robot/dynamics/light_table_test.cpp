@@ -40,7 +40,7 @@ TEST(LightTable, KeepsItsBandInsideTheHysteresis) {
   EXPECT_EQ(dut.update(389, 389), 2);
   EXPECT_EQ(dut.update(90, 90), 2);
   EXPECT_EQ(dut.update(89, 89), kNoSlot);
-  EXPECT_EQ(dut.update(99, 99), kNoSlot) << "hysteresis keeps a band, it does not enter one";
+  EXPECT_EQ(dut.update(99, 99), kNoSlot) << "hysteresis only widens the current band";
 }
 
 TEST(LightTable, HysteresisWiderThanTheBandStillKeepsIt) {
@@ -50,7 +50,7 @@ TEST(LightTable, HysteresisWiderThanTheBandStillKeepsIt) {
   EXPECT_EQ(dut.update(0, 0), 2);
 }
 
-TEST(LightTable, ReadsTheSensorItIsToldTo) {
+TEST(LightTable, UsesTheConfiguredSensor) {
   LightTable dut;
   LightSettings settings = twoBands(0);
   dut.configure(settings);
@@ -63,7 +63,7 @@ TEST(LightTable, ReadsTheSensorItIsToldTo) {
   EXPECT_EQ(dut.update(100, 1000), 0);
 }
 
-TEST(LightSettings, RejectsWhatIsNotATable) {
+TEST(LightSettings, RejectsInvalidTables) {
   EXPECT_TRUE(isValid(LightSettings()));
   EXPECT_TRUE(isValid(twoBands(10)));
   LightSettings overlapping = twoBands(0);

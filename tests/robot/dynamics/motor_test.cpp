@@ -9,7 +9,7 @@
 namespace lab::dynamics {
 namespace {
 
-TEST(ClampWheel, LimitsBothWaysAndSaysSo) {
+TEST(ClampWheel, LimitsBothDirectionsAndReportsSaturation) {
   bool saturated = false;
   EXPECT_EQ(clampWheel(270000, 270000, saturated), 270000);
   EXPECT_EQ(clampWheel(-270000, 270000, saturated), -270000);
@@ -21,7 +21,7 @@ TEST(ClampWheel, LimitsBothWaysAndSaysSo) {
   EXPECT_TRUE(saturated);
 }
 
-TEST(DutyForSpeed, RoundsToNearestAndIsOdd) {
+TEST(DutyForSpeed, RoundsToNearestAndIsAnOddFunction) {
   for (int32_t um_s = 0; um_s <= 270000; um_s += 7) {
     const int16_t duty = dutyForSpeed(um_s, kMaxWheelUmS);
     ASSERT_EQ(duty, std::lround(um_s * 255.0 / 270000.0)) << um_s;
@@ -31,14 +31,14 @@ TEST(DutyForSpeed, RoundsToNearestAndIsOdd) {
   EXPECT_EQ(dutyForSpeed(300000, kMaxWheelUmS), 255);
 }
 
-/// The speed of a wheel as WheelCalibration describes it, um/s.
+/// The speed of a wheel with this calibration, um/s.
 double turned(int16_t duty, int32_t max_um_s, const WheelCalibration& wheel) {
   const double size = std::abs(duty) <= wheel.dead_band ? 0 : std::abs(duty) - wheel.dead_band;
   const double speed = max_um_s * (wheel.gain_ppm * 1e-6) * size / (255 - wheel.dead_band);
   return duty < 0 ? -speed : speed;
 }
 
-TEST(CalibratedDuty, OfAnIdealWheelIsTheUncalibratedOne) {
+TEST(CalibratedDuty, OfAnIdealWheelEqualsTheUncalibratedDuty) {
   for (int32_t um_s = -300000; um_s <= 300000; um_s += 11) {
     ASSERT_EQ(dutyForSpeed(um_s, kMaxWheelUmS, WheelCalibration{}),
               dutyForSpeed(um_s, kMaxWheelUmS))
@@ -46,7 +46,7 @@ TEST(CalibratedDuty, OfAnIdealWheelIsTheUncalibratedOne) {
   }
 }
 
-TEST(CalibratedDuty, IsTheNearestToTheSpeedAskedFor) {
+TEST(CalibratedDuty, GivesTheSpeedNearestToTheCommand) {
   for (const WheelCalibration& wheel :
        {WheelCalibration{1000000, 0}, WheelCalibration{500000, 0}, WheelCalibration{1500000, 0},
         WheelCalibration{930000, 17}, WheelCalibration{1070000, 127}}) {
@@ -62,7 +62,7 @@ TEST(CalibratedDuty, IsTheNearestToTheSpeedAskedFor) {
   }
 }
 
-TEST(CalibratedDuty, StandsStillRatherThanHumInTheDeadBand) {
+TEST(CalibratedDuty, IsZeroInsteadOfADutyInsideTheDeadBand) {
   const WheelCalibration wheel{1000000, 40};
   EXPECT_EQ(dutyForSpeed(0, kMaxWheelUmS, wheel), 0);
   EXPECT_EQ(dutyForSpeed(600, kMaxWheelUmS, wheel), 0);
@@ -70,13 +70,14 @@ TEST(CalibratedDuty, StandsStillRatherThanHumInTheDeadBand) {
   EXPECT_EQ(dutyForSpeed(-700, kMaxWheelUmS, wheel), -41);
 }
 
-TEST(CalibratedDuty, HoldsAtTheExtremes) {
+TEST(CalibratedDuty, IsCorrectAtTheExtremes) {
   constexpr int32_t kFastest = 5000000;
   EXPECT_EQ(dutyForSpeed(kFastest, kFastest, WheelCalibration{500000, 127}), 255);
   EXPECT_EQ(dutyForSpeed(-kFastest, kFastest, WheelCalibration{1500000, 0}), -170);
   EXPECT_EQ(dutyForSpeed(kFastest, kFastest, WheelCalibration{1500000, 0}), 170);
   EXPECT_EQ(dutyForSpeed(INT32_MAX, kMaxWheelUmS, WheelCalibration{}), 255);
-  EXPECT_EQ(dutyForSpeed(1000, kMaxWheelUmS, WheelCalibration{0, 0}), 0) << "no wheel at all";
+  EXPECT_EQ(dutyForSpeed(1000, kMaxWheelUmS, WheelCalibration{0, 0}), 0)
+      << "a wheel with gain 0 never turns";
 }
 
 }  // namespace

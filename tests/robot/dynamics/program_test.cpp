@@ -53,7 +53,7 @@ void expectHolds(const ProgramParams& params, const std::vector<Row>& expected) 
   }
 }
 
-// The robot must draw these very numbers from seed 42.
+// The robot must draw exactly these numbers from seed 42.
 TEST(Program, DrawsThePinnedSequences) {
   expectHolds(abp2b(), {{4002, 55998, 500},
                         {50181, 9819, 500},
@@ -75,7 +75,7 @@ TEST(Program, DrawsThePinnedSequences) {
                       {-202087, 202087, 500}});
 }
 
-TEST(Program, AbpTurnsAtARateUniformInEtaAtConstantSpeed) {
+TEST(Program, AbpHasConstantSpeedAndATurningRateUniformWithinEta) {
   constexpr int kDraws = 1000000;
   Rng rng(1);
   Program dut;
@@ -120,7 +120,7 @@ TEST(Program, WheelNoiseDrawsTheWheelsIndependently) {
   EXPECT_LT(std::abs(squares / kDraws) / (4 / 45.0 / std::sqrt(kDraws)), 4);
 }
 
-TEST(Program, RunsAndTumblesInTurnBeginningWithARun) {
+TEST(Program, RtpAlternatesRunsAndTumblesAndBeginsWithARun) {
   constexpr int kPairs = 1000000;
   Rng rng(3);
   Program dut;
@@ -149,7 +149,7 @@ TEST(Program, RunsAndTumblesInTurnBeginningWithARun) {
   EXPECT_LT(std::abs(angle2 / kPairs - pi2 / 3) / (pi2 * std::sqrt(4 / 45.0 / kPairs)), 4);
 }
 
-TEST(Program, StartBeginsWithARunAgain) {
+TEST(Program, StartingAgainBeginsWithARun) {
   Rng rng(4);
   Program dut;
   dut.start(rtp());
@@ -179,7 +179,7 @@ TEST(Program, StandingAndConstantWheelsDrawNothingAndNeverEnd) {
   EXPECT_EQ(rng.stateWord(0), state);
 }
 
-TEST(Program, BrokenTimesNeverStopTheClock) {
+TEST(Program, InvalidTimesLastAtLeastOneMillisecond) {
   Rng rng(6);
   Program dut;
   ProgramParams params = abp2b();

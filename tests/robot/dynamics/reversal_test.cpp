@@ -32,7 +32,7 @@ TEST(Reversal, DrivesStraightBackFortyCentimetresAndResumesExactly) {
   dut.sense(180, seeing(kFront, 300));
   expectWheels(dut, -100000, -100000);
   EXPECT_TRUE(has(dut, kReversing));
-  EXPECT_EQ(dut.report().held.left, 4002) << "the program's own speeds are still reported";
+  EXPECT_EQ(dut.report().held.left, 4002) << "the program's speeds are still reported";
   EXPECT_EQ(dut.nextEventMs(180), 4180U) << "40 cm at 10 cm/s";
   dut.sense(200, seeing(kFront, 250));
   dut.sense(220, light(100));
@@ -44,7 +44,7 @@ TEST(Reversal, DrivesStraightBackFortyCentimetresAndResumesExactly) {
   EXPECT_EQ(dut.report().reversal_start_ms, 180U);
   EXPECT_EQ(dut.report().reversal_end_ms, 4180U);
   EXPECT_EQ(dut.report().program_epoch, undisturbed.report().program_epoch);
-  // From here on everything is what it would have been, 4000 ms later.
+  // From here on everything is as without the reversal, but 4000 ms later.
   for (uint32_t t = 180; t < 20000; ++t) {
     undisturbed.advanceTo(t);
     dut.advanceTo(t + 4000);
@@ -67,7 +67,7 @@ TEST(Reversal, ContinuesARunAfterAReversalInsteadOfTumbling) {
   EXPECT_EQ(dut.nextEventMs(4040), run_end + 4000);
 }
 
-TEST(Reversal, EachFrontSensorStopsForwardMotionAndNoRearOne) {
+TEST(Reversal, OnlyFrontSensorsReverseForwardMotion) {
   for (uint8_t sensor = 0; sensor < kIrSensors; ++sensor) {
     RobotCore dut = runningCore(0, driving(20000, 30000));
     dut.sense(20, seeing(sensor, 100));
@@ -79,7 +79,7 @@ TEST(Reversal, EachFrontSensorStopsForwardMotionAndNoRearOne) {
   }
 }
 
-TEST(Reversal, EachRearSensorStopsBackwardMotionAndNoFrontOne) {
+TEST(Reversal, OnlyRearSensorsReverseBackwardMotion) {
   for (uint8_t sensor = 0; sensor < kIrSensors; ++sensor) {
     RobotCore dut = runningCore(0, driving(-20000, 10000));
     dut.sense(20, seeing(sensor, 100));
@@ -91,7 +91,7 @@ TEST(Reversal, EachRearSensorStopsBackwardMotionAndNoFrontOne) {
   }
 }
 
-TEST(Reversal, NeverInATurnOnTheSpot) {
+TEST(Reversal, DoesNotStartDuringATurnOnTheSpot) {
   RobotCore dut = runningCore(0, driving(-100000, 100000));
   for (uint8_t sensor = 0; sensor < kIrSensors; ++sensor) {
     dut.sense(20U + sensor, seeing(sensor, 1000));
@@ -114,12 +114,12 @@ TEST(Reversal, DoesNotTrapARobotThatLeavesAWall) {
   dut.sense(4000, seeing(kFrontLeft, 400));
   dut.advanceTo(4020);
   ASSERT_FALSE(has(dut, kReversing));
-  // Still in view of the wall, parallel to it and then leaving it: no approach.
+  // The wall is still in range, but the robot is parallel to it and then leaves: no approach.
   dut.sense(4040, seeing(kFrontLeft, 404));
   dut.sense(4060, seeing(kFrontLeft, 408));
   dut.sense(4080, seeing(kFrontLeft, 300));
   EXPECT_FALSE(has(dut, kReversing));
-  // Coming nearer again than the farthest it was.
+  // Approaching the wall again, closer than the largest distance before.
   dut.sense(4100, seeing(kFrontLeft, 308));
   EXPECT_FALSE(has(dut, kReversing));
   dut.sense(4120, seeing(kFrontLeft, 309));
@@ -127,7 +127,7 @@ TEST(Reversal, DoesNotTrapARobotThatLeavesAWall) {
   EXPECT_EQ(dut.report().reversal_count, 2U);
 }
 
-TEST(Reversal, TheFirstReadingAfterBootIsNoApproach) {
+TEST(Reversal, TheFirstReadingAfterBootIsNotAnApproach) {
   RobotCore dut;
   dut.configure(0, driving(30000, 30000));
   dut.renewLease(0, 10000);
@@ -146,10 +146,10 @@ TEST(Reversal, EndsEarlyAtAnObstacleBehindAndResumesExactly) {
   EXPECT_FALSE(has(dut, kReversing));
   EXPECT_EQ(dut.report().reversal_end_ms, 1020U);
   expectWheels(dut, 4002, 55998);
-  EXPECT_EQ(dut.nextEventMs(1020), 1340U) << "320 ms of the hold were left";
+  EXPECT_EQ(dut.nextEventMs(1020), 1340U) << "320 ms of the hold remained";
 }
 
-TEST(Reversal, WhatWasBehindWhenItBeganIsNoApproach) {
+TEST(Reversal, AnObstacleThatWasAlreadyBehindDoesNotEndIt) {
   RobotCore dut = runningCore(0);
   Sensors both = seeing(kFront, 300);
   both.ir[kRear] = 500;
@@ -163,14 +163,14 @@ TEST(Reversal, WhatWasBehindWhenItBeganIsNoApproach) {
   EXPECT_FALSE(has(dut, kReversing));
 }
 
-TEST(Reversal, SensorsThatFaceTheOtherWayDoNotEndIt) {
+TEST(Reversal, SensorsOppositeToTheMotionDoNotEndIt) {
   RobotCore dut = runningCore(0);
   dut.sense(20, seeing(kFront, 300));
   dut.sense(40, seeing(kFront, 900));
   EXPECT_TRUE(has(dut, kReversing));
 }
 
-TEST(Reversal, ALightSwitchIsObeyedAtOnceAndTheNewProgramWaitsForTheEnd) {
+TEST(Reversal, AChangeOfLightStartsTheNewProgramPausedUntilTheEnd) {
   RobotCore dut = runningCore(0);
   dut.sense(20, seeing(kFront, 300));
   dut.sense(40, light(600));
@@ -183,7 +183,7 @@ TEST(Reversal, ALightSwitchIsObeyedAtOnceAndTheNewProgramWaitsForTheEnd) {
   EXPECT_FALSE(has(dut, kReversing));
   EXPECT_EQ(dut.report().draw_count, draws);
   expectWheels(dut, drawn.left, drawn.right);
-  // The reversal drew nothing, so the run is as long as without it.
+  // The reversal drew no random numbers, so the run is as long as without it.
   RobotCore free = runningCore(0);
   free.sense(40, light(600));
   EXPECT_EQ(dut.nextEventMs(4020) - 4020U, free.nextEventMs(40) - 40U);
@@ -197,7 +197,7 @@ TEST(Reversal, ALightWithoutAProgramEndsIt) {
   expectWheels(dut, 0, 0);
 }
 
-TEST(Reversal, AStopEndsItForGood) {
+TEST(Reversal, AStopEndsItPermanently) {
   RobotCore dut = runningCore(0);
   dut.sense(20, seeing(kFront, 300));
   dut.stop(1000);
@@ -208,7 +208,7 @@ TEST(Reversal, AStopEndsItForGood) {
   expectWheels(dut, 0, 0);
 }
 
-TEST(Reversal, AnExpiredLeaseEndsItForGood) {
+TEST(Reversal, AnExpiredLeaseEndsItPermanently) {
   RobotCore dut = runningCore(0);
   dut.renewLease(0, 700);
   dut.sense(20, seeing(kFront, 300));
@@ -225,7 +225,7 @@ TEST(Reversal, PausesAProgramThatNeverEnds) {
   EXPECT_EQ(dut.report().draw_count, runningCore(0, driving(30000, 30000)).report().draw_count);
 }
 
-TEST(Reversal, CanBeSwitchedOffAndSetOtherwise) {
+TEST(Reversal, CanBeDisabledAndConfigured) {
   CoreSettings off = driving(30000, 30000);
   off.reversal.enabled = false;
   RobotCore blind = runningCore(0, off);

@@ -32,7 +32,7 @@ TEST(Rng, DifferentSeedsGiveDifferentStreams) {
   EXPECT_GE(firsts.size(), 999U);
 }
 
-TEST(UniformInt, KeepsToTheRangeAndReachesBothEnds) {
+TEST(UniformInt, StaysInTheRangeAndReachesBothEnds) {
   Rng rng(7);
   std::set<int32_t> seen;
   for (int i = 0; i < 1000; ++i) {
@@ -64,7 +64,7 @@ TEST(UniformInt, HasTheMomentsOfTheUniformLaw) {
   EXPECT_LT(std::abs(lagged / n) / (1 / 3.0 / std::sqrt(n)), 4);
 }
 
-TEST(UniformInt, FillsItsCellsEvenly) {
+TEST(UniformInt, IsUniformOverCells) {
   constexpr int kCells = 101;
   constexpr int kDraws = 1010000;
   Rng rng(3);

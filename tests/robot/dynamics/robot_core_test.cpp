@@ -33,7 +33,7 @@ TEST(RobotCore, NeedsSettingsLeaseAndLightToMove) {
   EXPECT_EQ(dut.report().program_start_ms, 20U);
 }
 
-TEST(RobotCore, DrawsAtTheEndOfEachHoldHoweverItIsCalled) {
+TEST(RobotCore, DrawsAtTheEndOfEachHoldWhateverTheCallTimes) {
   RobotCore often = runningCore(0);
   RobotCore seldom = runningCore(0);
   for (uint32_t t = 0; t <= 2100; ++t) {
@@ -55,7 +55,7 @@ TEST(RobotCore, ChangesExactlyAtTheEventAndNotBefore) {
   expectWheels(dut, 50181, 9819);
 }
 
-TEST(RobotCore, RunsAcrossTheWrapOfTheClock) {
+TEST(RobotCore, WorksAcrossTheWrapOfTheClock) {
   const uint32_t t0 = 0xFFFFFF00U;
   RobotCore dut = runningCore(t0);
   dut.advanceTo(t0 + 499);
@@ -92,7 +92,7 @@ TEST(RobotCore, TwoBandsOfOneSlotAreOneProgram) {
   EXPECT_EQ(dut.report().program_epoch, epoch);
 }
 
-TEST(RobotCore, TheStopLatchOutranksEverythingUntilItIsCleared) {
+TEST(RobotCore, TheStopLatchTakesPrecedenceUntilItIsCleared) {
   RobotCore dut = runningCore(0);
   dut.stop(100);
   expectWheels(dut, 0, 0);
@@ -108,11 +108,11 @@ TEST(RobotCore, TheStopLatchOutranksEverythingUntilItIsCleared) {
   EXPECT_EQ(dut.report().slot, kNoSlot);
   dut.clearStop(200);
   EXPECT_FALSE(has(dut, kStopped));
-  EXPECT_EQ(dut.report().slot, 1) << "the light it saw while it stood";
+  EXPECT_EQ(dut.report().slot, 1) << "selected by the light while it stood";
   EXPECT_EQ(dut.report().program_start_ms, 200U);
 }
 
-TEST(RobotCore, StandsWhenTheLeaseExpiresAndStartsAfreshWhenItReturns) {
+TEST(RobotCore, StandsWhenTheLeaseExpiresAndRestartsWhenItIsRenewed) {
   RobotCore dut = runningCore(0);
   dut.renewLease(0, 700);
   EXPECT_EQ(dut.nextEventMs(600), 500U);
@@ -123,14 +123,14 @@ TEST(RobotCore, StandsWhenTheLeaseExpiresAndStartsAfreshWhenItReturns) {
   expectWheels(dut, 0, 0);
   EXPECT_TRUE(has(dut, kLeaseExpired));
   EXPECT_EQ(dut.report().program_epoch, epoch + 1);
-  EXPECT_EQ(dut.report().program_start_ms, 700U) << "it stood from the moment of expiry";
+  EXPECT_EQ(dut.report().program_start_ms, 700U) << "it stands from the time of expiry on";
   dut.renewLease(5000, 700);
   EXPECT_FALSE(has(dut, kLeaseExpired));
   EXPECT_EQ(dut.report().program_epoch, epoch + 2);
   expectWheels(dut, 56997, 3003);
 }
 
-TEST(RobotCore, ARenewedLeaseDisturbsNothing) {
+TEST(RobotCore, RenewingTheLeaseInTimeChangesNothing) {
   RobotCore dut = runningCore(0);
   const uint32_t epoch = dut.report().program_epoch;
   for (uint32_t t = 0; t <= 2100; t += 100) {
@@ -140,7 +140,7 @@ TEST(RobotCore, ARenewedLeaseDisturbsNothing) {
   EXPECT_EQ(dut.report().program_epoch, epoch);
 }
 
-TEST(RobotCore, ALeaseThatEndsWithAHoldEndsFirst) {
+TEST(RobotCore, ALeaseThatEndsTogetherWithAHoldEndsFirst) {
   RobotCore dut = runningCore(0);
   dut.renewLease(0, 500);
   const uint32_t draws = dut.report().draw_count;
@@ -149,7 +149,7 @@ TEST(RobotCore, ALeaseThatEndsWithAHoldEndsFirst) {
   EXPECT_EQ(dut.report().draw_count, draws + 1) << "standing, without a draw of the program";
 }
 
-TEST(RobotCore, RepeatedEqualSettingsChangeNothingOthersStartAfresh) {
+TEST(RobotCore, EqualSettingsChangeNothingAndOthersRestartTheProgram) {
   RobotCore dut = runningCore(0);
   const uint32_t epoch = dut.report().program_epoch;
   dut.configure(100, twoPrograms());
@@ -163,7 +163,7 @@ TEST(RobotCore, RepeatedEqualSettingsChangeNothingOthersStartAfresh) {
   EXPECT_EQ(dut.nextEventMs(100), 300U);
 }
 
-TEST(RobotCore, DrivesByHandAndReturnsToThePrograms) {
+TEST(RobotCore, DrivesTheWheelsDirectlyAndReturnsToThePrograms) {
   RobotCore dut = runningCore(0);
   dut.driveWheels(100, 12345, -300000);
   expectWheels(dut, 12345, -270000);
@@ -181,7 +181,7 @@ TEST(RobotCore, DrivesByHandAndReturnsToThePrograms) {
   EXPECT_FALSE(has(dut, kDriven));
 }
 
-TEST(RobotCore, ClampsWhatTheWheelsCannotDoAndSaysSo) {
+TEST(RobotCore, ClampsSpeedsBeyondTheLimitAndReportsIt) {
   CoreSettings settings = twoPrograms();
   settings.programs[0].amplitude_um_s = 1000000;
   RobotCore dut = runningCore(0, settings);
@@ -199,7 +199,7 @@ TEST(RobotCore, ClampsWhatTheWheelsCannotDoAndSaysSo) {
   EXPECT_EQ(dut.report().saturation_count, static_cast<uint32_t>(clamped));
 }
 
-TEST(RobotCore, SaysWhenItTumbles) {
+TEST(RobotCore, ReportsTumbles) {
   RobotCore dut = runningCore(0);
   dut.sense(10, light(600));
   EXPECT_FALSE(has(dut, kTumbling));
@@ -208,7 +208,7 @@ TEST(RobotCore, SaysWhenItTumbles) {
   EXPECT_EQ(dut.wheels().left, -dut.wheels().right);
 }
 
-TEST(RobotCore, StandsWhenToldTo) {
+TEST(RobotCore, StandsOnCommand) {
   RobotCore dut = runningCore(0);
   dut.stand(100);
   expectWheels(dut, 0, 0);
@@ -228,19 +228,19 @@ TEST(RobotCore, CountsTumblesAndTheTimeInRunsWithoutReversals) {
   Sensors sensors = light(600);
   sensors.ir[0] = 100;
   dut.sense(30, sensors);
-  EXPECT_EQ(dut.runTimeMs(1000), 20U) << "a reversal is no run";
+  EXPECT_EQ(dut.runTimeMs(1000), 20U) << "a reversal does not count as a run";
   dut.advanceTo(4030);
   EXPECT_EQ(dut.runTimeMs(4035), 25U);
   dut.advanceTo(run_end + 4000);
   EXPECT_EQ(dut.report().tumble_count, 1U);
-  EXPECT_EQ(dut.runTimeMs(run_end + 4300), run_end - 10) << "a tumble is no run";
+  EXPECT_EQ(dut.runTimeMs(run_end + 4300), run_end - 10) << "a tumble does not count as a run";
   dut.advanceTo(run_end + 4500);
   EXPECT_EQ(dut.runTimeMs(run_end + 4510), run_end);
   dut.stop(run_end + 4510);
   EXPECT_EQ(dut.runTimeMs(run_end + 9999), run_end);
 }
 
-TEST(RobotCore, AdvancesByOneEventSoThatNoDrawIsMissed) {
+TEST(RobotCore, AdvancesByOneEventSoThatEveryDrawCanBeRecorded) {
   RobotCore all = runningCore(0);
   RobotCore one = runningCore(0);
   Rng rng(42);
@@ -262,7 +262,7 @@ TEST(RobotCore, AdvancesByOneEventSoThatNoDrawIsMissed) {
   EXPECT_TRUE(one.advanceOne(10500));
 }
 
-TEST(RobotCore, OfAReportThePartsAreTheSame) {
+TEST(RobotCore, FlagsAndRecordEqualTheReport) {
   RobotCore dut = runningCore(0);
   dut.advanceTo(1234);
   dut.stop(1300);

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <set>
+#include <vector>
 
 #include "tests/support/robot_on_bench.hpp"
 
@@ -15,11 +16,11 @@ Settings withUid(uint32_t uid) {
   return settings;
 }
 
-TEST(Boot, SaysHelloWithMotorsOff) {
+TEST(Boot, SendsHelloWithMotorsOff) {
   RobotOnBench robot(withUid(0x51000007));
   robot.boot(wire::kResetBrownOut);
   EXPECT_TRUE(robot.stands());
-  EXPECT_EQ(robot.board().motor_changes_, 1) << "motors are set off, not assumed off";
+  EXPECT_EQ(robot.board().motor_changes_, 1) << "motors are switched off explicitly";
   robot.run(20);
   const wire::Hello hello = robot.last<wire::Hello>();
   EXPECT_EQ(hello.schema, wire::kSchema);
@@ -33,7 +34,7 @@ TEST(Boot, SaysHelloWithMotorsOff) {
   EXPECT_EQ(hello.baud, 38400U);
 }
 
-TEST(Boot, RepeatsHelloEachSecondAndSaysNothingElseUntilAHostSpeaks) {
+TEST(Boot, SendsOnlyHelloEverySecondUntilAHostSendsAFrame) {
   RobotOnBench robot;
   robot.boot();
   robot.run(5500);
@@ -48,7 +49,7 @@ TEST(Boot, RepeatsHelloEachSecondAndSaysNothingElseUntilAHostSpeaks) {
   EXPECT_GT(robot.all<wire::Telemetry>().size(), 50U);
 }
 
-TEST(Boot, GarbageAndForeignFramesAreNoHost) {
+TEST(Boot, GarbageAndForeignFramesDoNotCountAsAHost) {
   RobotOnBench robot;
   robot.boot();
   for (int i = 0; i < 3000; ++i) {
@@ -60,7 +61,7 @@ TEST(Boot, GarbageAndForeignFramesAreNoHost) {
   EXPECT_EQ(robot.heard().size(), 2U);
 }
 
-TEST(Boot, TellsItsEventsToTheFirstHost) {
+TEST(Boot, SendsItsEventsToTheFirstHost) {
   RobotOnBench robot;
   robot.boot(wire::kResetWatchdog);
   robot.device().noteWatchdog(robot.now());
@@ -74,7 +75,7 @@ TEST(Boot, TellsItsEventsToTheFirstHost) {
   EXPECT_EQ(robot.all<wire::Event>()[2].t_ms, 0U);
 }
 
-TEST(Boot, GoodSettingsAreNoEvent) {
+TEST(Boot, ValidSettingsGiveNoEvent) {
   RobotOnBench robot(withUid(1));
   robot.boot();
   robot.send(wire::Ping{});
@@ -82,7 +83,7 @@ TEST(Boot, GoodSettingsAreNoEvent) {
   EXPECT_THAT(robot.eventCodes(), ElementsAre(wire::kBooted));
 }
 
-TEST(Boot, EveryBootHasAnotherId) {
+TEST(Boot, EveryBootHasADifferentId) {
   RobotOnBench robot(withUid(0x51000007));
   std::set<uint16_t> ids;
   for (int i = 0; i < 65536; ++i) {
@@ -94,8 +95,8 @@ TEST(Boot, EveryBootHasAnotherId) {
   EXPECT_EQ(ids.size(), 65536U);
 }
 
-TEST(Boot, ConsecutiveIdsDifferAlsoWhenThePowerFailsWhileTheyAreCounted) {
-  // The low byte is written and the high one is not, at every carry.
+TEST(Boot, IdsDifferEvenIfThePowerFailsWhileTheyAreCounted) {
+  // At every carry, the low byte is written and the high byte is not.
   for (int high = 0; high < 256; ++high) {
     RobotOnBench robot(withUid(3));
     robot.board().store_[kBootCounterAddress] = 0xFE;
@@ -112,7 +113,7 @@ TEST(Boot, ConsecutiveIdsDifferAlsoWhenThePowerFailsWhileTheyAreCounted) {
   }
 }
 
-TEST(Boot, DrawsDifferFromBootToBootAndFromRobotToRobot) {
+TEST(Boot, DrawsDifferBetweenBootsAndBetweenRobots) {
   const auto digest = [](uint32_t uid, int boots) {
     RobotOnBench robot(withUid(uid));
     for (int i = 0; i < boots; ++i) robot.boot();

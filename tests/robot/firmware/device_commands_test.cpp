@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <vector>
 
 #include "tests/support/robot_on_bench.hpp"
 
@@ -19,7 +20,7 @@ RobotOnBench& booted(RobotOnBench& robot) {
   return robot;
 }
 
-TEST(Ping, IsAnsweredWithTheTimeItCame) {
+TEST(Ping, IsAnsweredWithTheTimeOfItsReception) {
   RobotOnBench robot;
   robot.boot();
   robot.run(123);
@@ -40,7 +41,7 @@ TEST(Ping, IsAnsweredWithTheTimeItCame) {
   EXPECT_TRUE(echoed);
 }
 
-TEST(Ping, ReadLateStillTellsWhenItCame) {
+TEST(Ping, ReadLateStillHasTheTimeOfItsReception) {
   RobotOnBench robot;
   startPrograms(robot, 5000);
   wire::Frame frame;
@@ -65,7 +66,7 @@ TEST(GetInfo, IsAnsweredByHello) {
   EXPECT_EQ(robot.last<wire::Hello>().uptime_ms, 5U);
 }
 
-TEST(Commands, OfUnknownTypeOrWrongLengthAreRefusedAndChangeNothing) {
+TEST(Commands, WithUnknownTypeOrWrongLengthAreRefused) {
   RobotOnBench robot;
   startPrograms(robot, 600000);
   const dynamics::CoreReport before = robot.device().core().report();
@@ -133,7 +134,7 @@ TEST(Commands, RepeatedAreAnsweredAgainButNotExecuted) {
   EXPECT_EQ(robot.device().core().report().program_epoch, standing);
   robot.run(1000);
   EXPECT_EQ(robot.last<wire::Counters>().commands_repeated, 3);
-  // Only the last command is remembered, and only together with what it said.
+  // Only the last command is remembered, and it must also have the same payload.
   robot.sendAgain(drive, last);
   EXPECT_FALSE(robot.stands());
   EXPECT_NE(seq, last);
@@ -153,7 +154,7 @@ TEST(Commands, RepeatedRefusalIsTheSameRefusal) {
   EXPECT_EQ(robot.last<wire::Ack>().status, wire::kWrongConfig);
 }
 
-TEST(Apply, TakesAllAtOnceOrNothing) {
+TEST(Apply, AppliesAllSettingsOrNone) {
   RobotOnBench robot;
   robot.boot();
   const dynamics::CoreSettings settings = twoPrograms();
@@ -170,7 +171,7 @@ TEST(Apply, TakesAllAtOnceOrNothing) {
   EXPECT_TRUE(robot.device().core().settings() == settings);
 }
 
-TEST(Apply, OfTheSameSettingsChangesNothing) {
+TEST(Apply, WithTheSameSettingsChangesNothing) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   const uint32_t epoch = robot.device().core().report().program_epoch;
@@ -178,7 +179,7 @@ TEST(Apply, OfTheSameSettingsChangesNothing) {
   EXPECT_EQ(robot.device().core().report().program_epoch, epoch);
 }
 
-TEST(Apply, RefusesWhatTheWheelsCannotDo) {
+TEST(Apply, RefusesSettingsBeyondTheWheelLimit) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   dynamics::CoreSettings fast = twoPrograms();
@@ -190,7 +191,7 @@ TEST(Apply, RefusesWhatTheWheelsCannotDo) {
   EXPECT_FALSE(robot.stands());
 }
 
-TEST(SetProgram, OfASlotThatDoesNotExistIsRefused) {
+TEST(SetProgram, ForANonexistentSlotIsRefused) {
   RobotOnBench robot;
   wire::SetProgram program;
   program.slot = dynamics::kSlots;
@@ -211,7 +212,7 @@ TEST(Order, IsRefusedForOtherSettingsAndDoesNotRenewTheLease) {
   EXPECT_EQ(robot.last<wire::Telemetry>().order_id, 1);
 }
 
-TEST(Order, OfAnUnknownModeIsRefused) {
+TEST(Order, WithAnUnknownModeIsRefused) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   const wire::Ack ack = robot.command(robot.order(3, 60000));
@@ -230,7 +231,7 @@ TEST(Order, DrivesTheWheels) {
   EXPECT_EQ(robot.last<wire::Telemetry>().order_id, 77);
   EXPECT_EQ(robot.last<wire::Telemetry>().left_um_s, 100000);
   EXPECT_EQ(robot.last<wire::Telemetry>().right_um_s, -50000);
-  // Beyond the limit: clamped and flagged, like every robot.
+  // Beyond the limit: clamped and flagged, as on every robot.
   wire::Order order = robot.order(wire::Order::kDrive, 60000, 78);
   order.left_um_s = INT32_MAX;
   order.right_um_s = INT32_MIN;
@@ -241,7 +242,7 @@ TEST(Order, DrivesTheWheels) {
   EXPECT_TRUE(robot.last<wire::Telemetry>().flags & dynamics::kSaturated);
 }
 
-TEST(SetSeed, SeedsTheDrawsOnceAndNoMore) {
+TEST(SetSeed, RepeatedDoesNotRepeatDraws) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   wire::SetSeed seed;
@@ -305,7 +306,7 @@ INSTANTIATE_TEST_SUITE_P(All, Params,
                                          ParamRange{wire::kTelemetryPeriod, 10, 60000, 50},
                                          ParamRange{wire::kStepLog, 0, 1, 1}));
 
-TEST(Param, ThatDoesNotExistIsRefused) {
+TEST(Param, WithAnUnknownIdIsRefused) {
   RobotOnBench robot;
   robot.boot();
   for (const uint8_t id : std::initializer_list<uint8_t>{0, 9, 255}) {
@@ -320,7 +321,7 @@ TEST(Param, ThatDoesNotExistIsRefused) {
   }
 }
 
-TEST(Param, OfAWheelWorksAtOnce) {
+TEST(Param, ForAWheelTakesEffectAtOnce) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   robot.command(robot.order(wire::Order::kDrive, 60000));
@@ -330,7 +331,7 @@ TEST(Param, OfAWheelWorksAtOnce) {
   EXPECT_EQ(robot.board().right_, -55 - std::lround(50000 * 200 / 270000.0));
 }
 
-TEST(Commit, WritesOneByteAMillisecondAndAnswersWhenAllIsReadBack) {
+TEST(Commit, WritesOneBytePerMillisecondAndAnswersAfterReadingBack) {
   RobotOnBench robot;
   robot.boot();
   robot.command(param(wire::kUid, 0x51000007));
@@ -358,7 +359,7 @@ TEST(Commit, WritesOneByteAMillisecondAndAnswersWhenAllIsReadBack) {
   EXPECT_EQ(robot.last<wire::Hello>().settings_from, 0);
 }
 
-TEST(Commit, OfWhatIsStoredWritesNothing) {
+TEST(Commit, OfUnchangedSettingsWritesNothing) {
   RobotOnBench robot;
   robot.boot();
   EXPECT_EQ(robot.command(wire::Commit{}).status, wire::kOk);
@@ -378,7 +379,7 @@ TEST(Commit, WaitsUntilTheWheelsStand) {
   EXPECT_GT(robot.board().store_writes_, writes);
 }
 
-TEST(Commit, RepeatedWhileItWritesIsAnsweredOnceItHas) {
+TEST(Commit, RepeatedDuringWritingIsAnsweredOnceAtTheEnd) {
   RobotOnBench robot;
   robot.boot();
   robot.run(20);
@@ -398,7 +399,7 @@ TEST(Commit, RepeatedWhileItWritesIsAnsweredOnceItHas) {
   EXPECT_THAT(answers, testing::ElementsAre(busy, done));
 }
 
-TEST(Commit, ToADeadEepromIsReported) {
+TEST(Commit, ToADefectiveEepromIsReported) {
   RobotOnBench robot;
   robot.boot();
   robot.board().store_dead_ = true;

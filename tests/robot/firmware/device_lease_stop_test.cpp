@@ -1,5 +1,7 @@
 #include <gmock/gmock.h>
 
+#include <vector>
+
 #include "tests/support/robot_on_bench.hpp"
 
 namespace lab::firmware {
@@ -15,7 +17,7 @@ wire::Stop stop(uint8_t id, uint8_t action = wire::Stop::kStop) {
   return stop;
 }
 
-TEST(Lease, EndsToTheMillisecond) {
+TEST(Lease, EndsAtTheExactMillisecond) {
   for (uint32_t lease_ms : {1U, 20U, 333U, 1000U}) {
     RobotOnBench robot;
     startPrograms(robot, 5000);
@@ -31,7 +33,7 @@ TEST(Lease, EndsToTheMillisecond) {
   }
 }
 
-TEST(Lease, IsRenewedByOrdersAloneAndReturns) {
+TEST(Lease, IsRenewedOnlyByOrders) {
   RobotOnBench robot;
   startPrograms(robot, 500);
   for (int i = 0; i < 10; ++i) {
@@ -48,7 +50,7 @@ TEST(Lease, IsRenewedByOrdersAloneAndReturns) {
   EXPECT_FALSE(robot.stands());
 }
 
-TEST(Lease, EndedByTheHostIsNoSilence) {
+TEST(Lease, EndedByTheHostIsNotReportedAsSilence) {
   RobotOnBench robot;
   startPrograms(robot, 5000);
   EXPECT_EQ(robot.command(robot.order(wire::Order::kTable, 0)).status, wire::kOk);
@@ -56,7 +58,7 @@ TEST(Lease, EndedByTheHostIsNoSilence) {
   EXPECT_THAT(robot.eventCodes(), Not(Contains(wire::kLeaseOver)));
 }
 
-TEST(Lease, BeyondTheLongestIsTheLongest) {
+TEST(Lease, IsLimitedToTheLongest) {
   RobotOnBench robot;
   startPrograms(robot, 0xFFFFFFFFU);
   EXPECT_FALSE(robot.stands());
@@ -64,11 +66,11 @@ TEST(Lease, BeyondTheLongestIsTheLongest) {
   EXPECT_FALSE(robot.stands());
 }
 
-TEST(Stop, LatchesAtOnceOverEverything) {
+TEST(Stop, LatchesAtOnceInEveryState) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   robot.send(stop(7));
-  EXPECT_TRUE(robot.stands()) << "before any time passes";
+  EXPECT_TRUE(robot.stands()) << "immediately, without a tick";
   for (uint8_t mode : {wire::Order::kTable, wire::Order::kDrive, wire::Order::kStand}) {
     EXPECT_EQ(robot.command(robot.order(mode, 60000)).status, wire::kOk);
     EXPECT_TRUE(robot.stands());
@@ -90,7 +92,7 @@ TEST(Stop, LatchesAtOnceOverEverything) {
   EXPECT_EQ(robot.last<wire::Telemetry>().stop_id, 8);
 }
 
-TEST(Stop, HoldsForARobotThatWasNeverConfigured) {
+TEST(Stop, WorksOnARobotThatWasNeverConfigured) {
   RobotOnBench robot;
   robot.boot();
   EXPECT_EQ(robot.command(stop(1)).status, wire::kOk);
@@ -100,7 +102,7 @@ TEST(Stop, HoldsForARobotThatWasNeverConfigured) {
   EXPECT_TRUE(robot.stands());
 }
 
-TEST(Stop, TellsEachChangeOnce) {
+TEST(Stop, ReportsEachChangeOnce) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   robot.run(200);
@@ -115,7 +117,7 @@ TEST(Stop, TellsEachChangeOnce) {
   EXPECT_EQ(events[1].data, 4U);
 }
 
-TEST(Stop, OfAnotherActionDoesNothing) {
+TEST(Stop, WithAnUnknownActionDoesNothing) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   const wire::Ack ack = robot.command(stop(9, 0));
@@ -125,7 +127,7 @@ TEST(Stop, OfAnotherActionDoesNothing) {
   EXPECT_NE(robot.last<wire::Telemetry>().stop_id, 9);
 }
 
-TEST(Stop, IsObeyedAgainWhenItComesAgain) {
+TEST(Stop, IsExecutedAgainWhenItIsRepeated) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   const uint8_t seq = robot.send(stop(1));
@@ -134,15 +136,15 @@ TEST(Stop, IsObeyedAgainWhenItComesAgain) {
   robot.sendAgain(stop(1), seq);
   robot.run(60);
   EXPECT_EQ(robot.last<wire::Ack>().status, wire::kOk);
-  // A host that was restarted counts from anew: the same seq, but it means the opposite.
+  // A restarted host counts from the beginning: the same seq may have the opposite action.
   robot.sendAgain(stop(1, wire::Stop::kRelease), seq);
   EXPECT_FALSE(robot.stands());
   robot.sendAgain(stop(1), seq);
   EXPECT_TRUE(robot.stands());
 }
 
-// The answer to STOP waits for the one frame that is under way, whatever else is due.
-TEST(Stop, IsAnsweredBeforeAllThatWaits) {
+// The answer to STOP waits for at most one other frame, whatever else is due.
+TEST(Stop, IsAnsweredBeforeWaitingReports) {
   RobotOnBench robot;
   dynamics::CoreSettings busy = twoPrograms();
   busy.programs[0].hold_ms = 3;  // more draws than the line can carry
@@ -158,7 +160,7 @@ TEST(Stop, IsAnsweredBeforeAllThatWaits) {
     robot.heard().clear();
     const uint8_t seq = robot.send(stop(1));
     EXPECT_TRUE(robot.stands());
-    robot.run(15);  // 41 bytes under way and the 12 of the answer take 13.8 ms
+    robot.run(15);  // 41 bytes in transmission and 12 bytes of the answer take 13.8 ms
     std::size_t before = 0;
     bool answered = false;
     for (const Heard& heard : robot.heard()) {

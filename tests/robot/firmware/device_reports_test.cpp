@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <vector>
 
 #include "tests/support/robot_on_bench.hpp"
 
@@ -14,7 +15,7 @@ wire::SetParam param(uint8_t id, int32_t value) {
   return message;
 }
 
-TEST(Telemetry, ComesAtItsPeriodWithoutAGap) {
+TEST(Telemetry, IsSentAtItsPeriodWithoutGaps) {
   for (int32_t period : {40, 50, 200}) {
     RobotOnBench robot;
     startPrograms(robot, 60000);
@@ -32,7 +33,7 @@ TEST(Telemetry, ComesAtItsPeriodWithoutAGap) {
   }
 }
 
-TEST(Telemetry, OfPeriodZeroIsNone) {
+TEST(Telemetry, WithPeriodZeroIsNotSent) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   EXPECT_EQ(robot.command(param(wire::kTelemetryPeriod, 0)).status, wire::kOk);
@@ -42,7 +43,7 @@ TEST(Telemetry, OfPeriodZeroIsNone) {
   EXPECT_NEAR(static_cast<double>(robot.all<wire::Counters>().size()), 2, 1);
 }
 
-TEST(Telemetry, ShowsWhatTheRobotSensesAndDoes) {
+TEST(Telemetry, ContainsSensorsAndMotion) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   robot.sensors().light_front = 300;
@@ -56,7 +57,7 @@ TEST(Telemetry, ShowsWhatTheRobotSensesAndDoes) {
   EXPECT_EQ(telemetry.kind, dynamics::kAbp);
 }
 
-TEST(State, FollowsEachChangeBeforeTheTelemetryThatShowsIt) {
+TEST(State, IsSentAtEachChangeBeforeTheTelemetryThatShowsIt) {
   RobotOnBench robot;
   startPrograms(robot, 600000);
   std::map<uint16_t, bool> told;
@@ -93,7 +94,7 @@ TEST(State, IsRepeatedFourTimesASecond) {
   EXPECT_EQ(state.program_start_ms, report.program_start_ms);
 }
 
-TEST(State, TellsOfReversals) {
+TEST(State, ReportsReversals) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   robot.run(100);
@@ -108,7 +109,7 @@ TEST(State, TellsOfReversals) {
             robot.device().core().report().reversal_start_ms);
 }
 
-// The stream of STEPs is that of a core of its own with the same seed, light and times.
+// The STEPs equal the draws of a separate core with the same seed, light and times.
 TEST(Steps, AreTheDrawsOfTheCore) {
   for (const uint16_t light : std::initializer_list<uint16_t>{100, 700}) {
     RobotOnBench robot;
@@ -136,7 +137,7 @@ TEST(Steps, AreTheDrawsOfTheCore) {
     std::size_t next = 0;
     while (next < steps.size()) {
       const dynamics::Hold hold = program.next(rng);
-      if (steps[next].draw_count == draw) {  // else it was lost and the gap tells
+      if (steps[next].draw_count == draw) {  // else it was lost, as the gap shows
         EXPECT_EQ(steps[next].t_ms, at);
         EXPECT_EQ(steps[next].left_um_s, hold.left_um_s);
         EXPECT_EQ(steps[next].right_um_s, hold.right_um_s);
@@ -153,13 +154,13 @@ TEST(Steps, AreTheDrawsOfTheCore) {
   }
 }
 
-TEST(Steps, ThatTheLineCannotCarryAreCountedAndLeaveAGap) {
+TEST(Steps, BeyondTheLinesCapacityAreCountedAndLeaveAGap) {
   RobotOnBench robot;
   robot.boot();
   dynamics::CoreSettings settings = twoPrograms();
   settings.programs[0].hold_ms = 2;
   robot.configure(settings);
-  robot.command(param(wire::kTelemetryPeriod, 10));  // alone more than the line can carry
+  robot.command(param(wire::kTelemetryPeriod, 10));  // exceeds the line's capacity by itself
   robot.command(robot.order(wire::Order::kTable, 60000));
   robot.heard().clear();
   const wire::Counters before = [&] {
@@ -177,14 +178,14 @@ TEST(Steps, ThatTheLineCannotCarryAreCountedAndLeaveAGap) {
   EXPECT_GT(missing, 3000U);
   const wire::Counters after = robot.last<wire::Counters>();
   EXPECT_GT(after.frames_dropped - before.frames_dropped, 3000);
-  // And none silences the others.
+  // Each kind of report is still sent.
   EXPECT_GT(steps.size(), 100U);
   EXPECT_GT(robot.all<wire::Telemetry>().size(), 150U);
   EXPECT_GT(robot.all<wire::State>().size(), 30U);
   EXPECT_GT(robot.all<wire::Counters>().size(), 8U);
 }
 
-TEST(Steps, AreLeftOutWhenNotAskedFor) {
+TEST(Steps, AreNotSentWhenDisabled) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   robot.command(param(wire::kStepLog, 0));
@@ -196,7 +197,7 @@ TEST(Steps, AreLeftOutWhenNotAskedFor) {
   EXPECT_FALSE(robot.all<wire::Step>().empty());
 }
 
-TEST(Events, BeyondTheQueueAreLostAndTheirNumbersTell) {
+TEST(Events, BeyondTheQueueAreLostAndLeaveAGapInTheNumbers) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   robot.run(1000);
@@ -245,7 +246,7 @@ TEST(Counters, ComeEachSecondAndCountTheLine) {
   EXPECT_EQ(counters.draw_count, draws);
 }
 
-TEST(Line, ThatIsFullLosesTheAnswerAndNotTheRobot) {
+TEST(Line, ThatIsFullLosesTheAnswerOnly) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   robot.run(1500);

@@ -19,7 +19,7 @@ Settings settingsOf(uint32_t uid) {
   return settings;
 }
 
-/// Writes to the end; the number of bytes written.
+/// Writes until finished. @return the number of bytes written
 int storeAll(BenchBoard& board, SettingsStore& store, const Settings& settings,
              SettingsStore::Progress expected = SettingsStore::kWritten) {
   const int before = board.store_writes_;
@@ -46,7 +46,7 @@ TEST(Settings, OfABlankChipAreTheDefaults) {
   EXPECT_EQ(bank, kNoBank);
 }
 
-TEST(Settings, ComeBackFromAnImage) {
+TEST(Settings, AreReadFromAnImage) {
   BenchBoard board;
   encodeStore(settingsOf(0x51000007), board.store_.data());
   uint8_t bank = 9;
@@ -69,7 +69,7 @@ TEST(Settings, AlternateBetweenTheBanks) {
   }
 }
 
-TEST(Settings, AreNotWrittenAgainWhenStored) {
+TEST(Settings, AreNotWrittenIfUnchanged) {
   BenchBoard board;
   SettingsStore store(board);
   storeAll(board, store, settingsOf(1));
@@ -81,19 +81,19 @@ TEST(Settings, WriteOnlyBytesThatDiffer) {
   SettingsStore store(board);
   storeAll(board, store, settingsOf(1));
   storeAll(board, store, settingsOf(2));
-  // Bank 0 again: magic cleared and set, sequence number, one byte of the uid, two of the CRC.
+  // Bank 0 again: the magic twice, the sequence number, one byte of the uid, two bytes of the CRC.
   EXPECT_LE(storeAll(board, store, settingsOf(3)), 6);
 }
 
-TEST(Settings, OrderIsKnownAcrossTheWrapOfTheSequence) {
+TEST(Settings, NewestBankIsFoundAcrossTheWrapOfTheSequence) {
   BenchBoard board;
   SettingsStore store(board);
   for (uint32_t i = 0; i < 65540; ++i) storeAll(board, store, settingsOf(i + 1));
   EXPECT_EQ(loaded(board), settingsOf(65540));
 }
 
-TEST(Settings, OfAnotherLayoutOrOutOfRangeAreNotUsed) {
-  const auto spoiled = [](std::size_t offset, uint8_t byte) {
+TEST(Settings, WithAnotherLayoutOrOutOfRangeAreNotUsed) {
+  const auto loadedWithChangedByte = [](std::size_t offset, uint8_t byte) {
     BenchBoard board;
     encodeStore(settingsOf(1), board.store_.data());
     uint8_t* bank = board.store_.data() + kBankAddress[0];
@@ -103,13 +103,14 @@ TEST(Settings, OfAnotherLayoutOrOutOfRangeAreNotUsed) {
     bank[kBankSize - 1] = static_cast<uint8_t>(crc >> 8);
     return loaded(board);
   };
-  EXPECT_EQ(spoiled(5, 1), settingsOf(1)) << "the CRC fits, the uid is what it was";
-  EXPECT_EQ(spoiled(1, kStoreLayout + 1), Settings());
-  EXPECT_EQ(spoiled(2, kStoreDataSize + 1), Settings());
-  EXPECT_EQ(spoiled(5 + 4 + 3, 0x7F), Settings()) << "a gain far beyond 1.5";
+  EXPECT_EQ(loadedWithChangedByte(5, 1), settingsOf(1))
+      << "unchanged bytes with a correct CRC are valid";
+  EXPECT_EQ(loadedWithChangedByte(1, kStoreLayout + 1), Settings());
+  EXPECT_EQ(loadedWithChangedByte(2, kStoreDataSize + 1), Settings());
+  EXPECT_EQ(loadedWithChangedByte(5 + 4 + 3, 0x7F), Settings()) << "a gain far beyond 1.5";
 }
 
-TEST(Settings, EverySingleSpoiledBitIsNoticed) {
+TEST(Settings, EverySingleBitErrorIsDetected) {
   for (std::size_t bit = 0; bit < kBankSize * 8; ++bit) {
     BenchBoard board;
     encodeStore(settingsOf(1), board.store_.data());
@@ -118,7 +119,7 @@ TEST(Settings, EverySingleSpoiledBitIsNoticed) {
   }
 }
 
-/// Cuts the power at a byte: it may then hold anything.
+/// Cuts the power while a byte is written, which may then have any value.
 class FailingBoard {
  public:
   FailingBoard(const BenchBoard& board, const Settings& settings, int cut_at, uint8_t garbage)
@@ -151,7 +152,7 @@ class FailingBoard {
   bool cut_ = false;
 };
 
-TEST(Settings, APowerCutAtAnyByteLeavesTheOldOrTheNew) {
+TEST(Settings, APowerCutAtAnyByteLeavesTheOldOrTheNewSettings) {
   int cuts = 0;
   for (int history = 0; history < 4; ++history) {
     BenchBoard board;
@@ -170,7 +171,7 @@ TEST(Settings, APowerCutAtAnyByteLeavesTheOldOrTheNew) {
         ++cuts;
         const Settings found = loaded(failing.board());
         ASSERT_TRUE(found == old || found == fresh) << history << " " << cut_at << " " << garbage;
-        // And the next write succeeds.
+        // The next write must succeed.
         SettingsStore next(failing.board());
         Settings ignored;
         next.load(ignored);
@@ -184,7 +185,7 @@ TEST(Settings, APowerCutAtAnyByteLeavesTheOldOrTheNew) {
   EXPECT_GT(cuts, 4 * 256 * 5);
 }
 
-TEST(Settings, AnEepromThatDoesNotHoldIsReported) {
+TEST(Settings, ADefectiveEepromIsReported) {
   BenchBoard board;
   SettingsStore store(board);
   storeAll(board, store, settingsOf(1));

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -16,7 +17,7 @@ using dynamics::CoreSettings;
 using dynamics::LightBand;
 using dynamics::ProgramKind;
 
-/// One program of each moving kind, two bands, everything within the limits.
+/// Valid settings: one program of each moving kind, two bands.
 CoreSettings good() {
   CoreSettings settings;
   settings.programs[0] = {dynamics::kAbp, 50000, 100000, 1000, 0, 0, 0, 0, 0};
@@ -36,7 +37,7 @@ CoreSettings good() {
   return settings;
 }
 
-/// What another robot holds after it was told the settings over the line.
+/// The settings of another robot after they were sent over the line.
 CoreSettings told(const CoreSettings& settings) {
   CoreSettings other;
   other.reversal.enabled = !settings.reversal.enabled;
@@ -56,7 +57,7 @@ CoreSettings told(const CoreSettings& settings) {
   return other;
 }
 
-TEST(Staging, CarriesEverySetting) {
+TEST(Staging, TransfersEverySetting) {
   EXPECT_TRUE(told(good()) == good());
   EXPECT_TRUE(told(CoreSettings{}) == CoreSettings{});
   CoreSettings settings = good();
@@ -64,7 +65,7 @@ TEST(Staging, CarriesEverySetting) {
   EXPECT_TRUE(told(settings) == settings);
 }
 
-TEST(Staging, IgnoresASlotThatDoesNotExist) {
+TEST(Staging, IgnoresANonexistentSlot) {
   for (int slot = dynamics::kSlots; slot < 256; ++slot) {
     CoreSettings settings = good();
     SetProgram message = programMessage(settings, 0);
@@ -90,7 +91,7 @@ TEST(ConfigCrc, IsTheCrcOfTheSixPayloadsInTheirOrder) {
   EXPECT_EQ(configCrc(settings), crcByTheBook(payloads));
 }
 
-TEST(ConfigCrc, SeesAChangeOfAnySetting) {
+TEST(ConfigCrc, ChangesWithEverySetting) {
   const std::vector<std::function<void(CoreSettings&)>> changes{
       [](CoreSettings& s) { s.programs[0].kind = dynamics::kNoisyAbp; },
       [](CoreSettings& s) { ++s.programs[0].speed_um_s; },
@@ -122,7 +123,7 @@ TEST(ConfigCrc, SeesAChangeOfAnySetting) {
 }
 
 TEST(ConfigCrc, IsNeverZero) {
-  // 65536 settings in a row meet a CRC of 0 once; it is said as 1.
+  // Among 65536 consecutive settings, one has a CRC of 0, which is replaced by 1.
   CoreSettings settings = good();
   int ones = 0;
   for (int distance = 0; distance < 65536; ++distance) {
@@ -190,7 +191,7 @@ const std::vector<Case> kCases{
     {"reversal of 4 m", kNoFault, [](CoreSettings& s) { s.reversal.distance_um = 4000000; }},
     {"reversal beyond 4 m", kBadReversal,
      [](CoreSettings& s) { s.reversal.distance_um = 4000001; }},
-    {"no reversal, whatever it says", kNoFault,
+    {"disabled reversal with any values", kNoFault,
      [](CoreSettings& s) {
        s.reversal = {false, 4000001, -1, 0};
      }},
@@ -200,7 +201,7 @@ const std::vector<Case> kCases{
     {"sensor period 0", kBadLimits, [](CoreSettings& s) { s.sensor_period_ms = 0; }},
     {"sensor period beyond 1 s", kBadLimits, [](CoreSettings& s) { s.sensor_period_ms = 1001; }}};
 
-TEST(FirstFault, NamesEachFault) {
+TEST(FirstFault, ReportsEachFault) {
   for (const Case& each : kCases) {
     CoreSettings settings = good();
     each.change(settings);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 
 #include "tests/robot/wire/frames.hpp"
@@ -28,13 +29,13 @@ TEST(Crc16, IsTheBitwiseCrcOfAnyBytes) {
   }
 }
 
-TEST(Crc16, LeavesTheKnownResidueBehindItsOwnValue) {
+TEST(Crc16, HasTheKnownResidueAfterItsOwnValue) {
   const Bytes bytes{'1', '2', '3', '4', '5', '6', '7', '8', '9'};
   // The state is 0xF0B8, its complement 0x0F47.
   EXPECT_EQ(crcOf(bytes + Bytes{0x6E, 0x90}), 0x0F47);
 }
 
-TEST(Crc16, SeesAnAppendedZeroBehindTheResidue) {
+TEST(Crc16, DetectsAnAppendedZero) {
   const Bytes bytes{1, 2, 3};
   const std::uint16_t crc = crcOf(bytes);
   const Bytes whole =

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 
 #include "tests/robot/wire/frames.hpp"
@@ -11,8 +12,8 @@ namespace {
 
 const Frame kSome = frameOf(0x14, 7, {1, 0, 2, 0, 0, 3});
 
-TEST(Encode, WritesTheFrameOfTheBook) {
-  // By hand: raw 01 02 05 00, CRC-16/X-25 of it 0x2B65, one zero at offset 3.
+TEST(Encode, WritesAFrameComputedByHand) {
+  // Raw 01 02 05 00, its CRC-16/X-25 0x2B65, one zero at offset 3.
   EXPECT_EQ(encoded(frameOf(0x02, 5, {})), (Bytes{0, 4, 1, 2, 5, 3, 0x65, 0x2B, 0}));
 }
 
@@ -50,7 +51,7 @@ TEST(Decoder, ReadsBackEverySizeAndContent) {
   EXPECT_EQ(dut.counts().crc + dut.counts().malformed + dut.counts().version, 0);
 }
 
-TEST(Decoder, TakesEveryPositionOfOneZero) {
+TEST(Decoder, ReadsAZeroAtEveryPosition) {
   Decoder dut;
   for (std::size_t at = 0; at < kMaxPayload; ++at) {
     Bytes payload(kMaxPayload, 0x55);
@@ -62,7 +63,7 @@ TEST(Decoder, TakesEveryPositionOfOneZero) {
   }
 }
 
-TEST(Decoder, LosesNoFrameToGarbageBeforeIt) {
+TEST(Decoder, GarbageBeforeAFrameDoesNotCostIt) {
   Draws draws(4);
   Decoder dut;
   for (std::size_t garbage = 0; garbage <= 100; ++garbage) {
@@ -72,7 +73,7 @@ TEST(Decoder, LosesNoFrameToGarbageBeforeIt) {
   }
 }
 
-TEST(Decoder, LosesOnlyTheFrameThatIsCutShort) {
+TEST(Decoder, LosesOnlyATruncatedFrame) {
   const Bytes whole = encoded(kSome);
   for (std::size_t kept = 1; kept < whole.size() - 1; ++kept) {
     Decoder dut;
@@ -80,17 +81,17 @@ TEST(Decoder, LosesOnlyTheFrameThatIsCutShort) {
     const auto frames = received(dut, half + whole);
     ASSERT_EQ(frames.size(), 1U) << kept << " bytes kept";
     EXPECT_TRUE(frames[0] == kSome);
-    // One 0 is no frame; anything longer is one that was spoilt.
+    // A single 0 does not count as a frame; anything longer is a damaged frame.
     EXPECT_EQ(dut.counts().malformed + dut.counts().crc, kept > 1 ? 1 : 0) << kept;
   }
 }
 
-TEST(Decoder, ReadsTheSecondHalfOfAFrameAsNothing) {
+TEST(Decoder, DropsTheSecondPartOfAFrame) {
   const Bytes whole = encoded(kSome);
   for (std::size_t lost = 1; lost < whole.size(); ++lost) {
     Decoder dut;
     const Bytes rest(whole.begin() + static_cast<std::ptrdiff_t>(lost), whole.end());
-    // Only the first 0 may be missing: without it a frame is still whole.
+    // Without its first 0 a frame is still complete.
     EXPECT_EQ(received(dut, rest).size(), lost == 1 ? 1U : 0U) << lost;
     EXPECT_EQ(received(dut, whole).size(), 1U) << lost;
   }
@@ -120,7 +121,7 @@ TEST(Decoder, IgnoresEmptyFrames) {
   EXPECT_EQ(dut.counts().malformed, 0);
 }
 
-TEST(Decoder, DropsAnEndlessFrameWithoutForgettingTheNext) {
+TEST(Decoder, DropsAnEndlessFrameAndReadsTheNextOne) {
   Decoder dut;
   EXPECT_TRUE(received(dut, Bytes(100000, 1)).empty());
   EXPECT_TRUE(received(dut, Bytes(100000, 255)).empty());
@@ -128,7 +129,7 @@ TEST(Decoder, DropsAnEndlessFrameWithoutForgettingTheNext) {
   EXPECT_EQ(dut.counts().malformed, 1);
 }
 
-TEST(Decoder, TakesFortyBytesAndRefusesFortyOne) {
+TEST(Decoder, AcceptsFortyBytesAndRefusesFortyOne) {
   Decoder dut;
   EXPECT_EQ(received(dut, sealed(Bytes{1, 9, 9, 40} + Bytes(40, 7))).size(), 1U);
   EXPECT_EQ(received(dut, sealed(Bytes{1, 9, 9, 40} + Bytes(40, 0))).size(), 1U);
@@ -137,7 +138,7 @@ TEST(Decoder, TakesFortyBytesAndRefusesFortyOne) {
   EXPECT_EQ(dut.counts().malformed, 2);
 }
 
-TEST(Decoder, RefusesALengthThatIsNotThatOfThePayload) {
+TEST(Decoder, RefusesALengthThatDiffersFromThePayload) {
   Decoder dut;
   for (int said = 0; said < 256; ++said) {
     const Bytes raw = Bytes{1, 9, 9, static_cast<std::uint8_t>(said)} + Bytes(5, 7);
@@ -154,16 +155,16 @@ TEST(Decoder, RefusesFramesShorterThanHeaderAndCrc) {
   }
   EXPECT_EQ(dut.counts().malformed, 4);
   EXPECT_EQ(dut.counts().crc, 0);
-  // Without length the CRC stands in its place and may look like any.
+  // In a frame without length, a byte of the CRC is in its place and may have any value.
   for (unsigned i = 0; i < 65536; ++i) {
     const Bytes raw{1, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i & 0xFFU)};
     ASSERT_TRUE(received(dut, sealed(raw)).empty()) << i;
   }
 }
 
-TEST(Decoder, RefusesAStuffingThatDoesNotEndWithTheFrame) {
+TEST(Decoder, RefusesACobsBlockBeyondTheFrame) {
   Decoder dut;
-  Bytes bytes = encoded(frameOf(9, 9, Bytes(5, 7)));  // without zeros: one run, one code
+  Bytes bytes = encoded(frameOf(9, 9, Bytes(5, 7)));  // without zeros: a single COBS block
   ASSERT_EQ(bytes[1], bytes.size() - 2);
   ++bytes[1];
   EXPECT_TRUE(received(dut, bytes).empty());
@@ -171,7 +172,7 @@ TEST(Decoder, RefusesAStuffingThatDoesNotEndWithTheFrame) {
   EXPECT_EQ(dut.counts().crc, 0);
 }
 
-TEST(Decoder, RefusesAnotherVersionAndSaysWhich) {
+TEST(Decoder, RefusesAnotherVersionAndReportsIt) {
   Decoder dut;
   EXPECT_EQ(dut.foreignVersion(), 0);
   for (int version = 0; version < 256; ++version) {
@@ -184,7 +185,7 @@ TEST(Decoder, RefusesAnotherVersionAndSaysWhich) {
   EXPECT_EQ(dut.counts().crc + dut.counts().malformed + dut.counts().frames, 0);
 }
 
-TEST(Decoder, CountsAFrameWhoseCrcDoesNotFit) {
+TEST(Decoder, CountsAFrameWithAWrongCrc) {
   Bytes bytes = encoded(kSome);
   bytes[bytes.size() - 2] ^= 0x10U;
   Decoder dut;
@@ -193,7 +194,7 @@ TEST(Decoder, CountsAFrameWhoseCrcDoesNotFit) {
   EXPECT_EQ(dut.counts().frames, 0);
 }
 
-TEST(Decoder, ForgetsAHalfFrameWhenReset) {
+TEST(Decoder, ResetDropsAPartialFrame) {
   Decoder dut;
   const Bytes whole = encoded(kSome);
   received(dut, Bytes(whole.begin(), whole.begin() + 6));
@@ -201,8 +202,8 @@ TEST(Decoder, ForgetsAHalfFrameWhenReset) {
   EXPECT_EQ(received(dut, Bytes(whole.begin() + 1, whole.end())).size(), 1U);
 }
 
-TEST(Decoder, SeesAClosingZeroThatBecameAOne) {
-  // Without length and final XOR this frame with a zero behind it would still fit its CRC.
+TEST(Decoder, DetectsAChangedDelimiter) {
+  // Without length and final XOR, this frame followed by a zero would still have a correct CRC.
   Decoder dut;
   Bytes bytes = encoded(kSome);
   bytes.back() = 1;

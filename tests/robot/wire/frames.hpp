@@ -1,5 +1,5 @@
-/// Frames and bytes for the tests of wire/, and the framing once more, by the book: a bitwise CRC
-/// and a forward COBS that share nothing with robot/wire/frame.cpp.
+/// Frames and bytes for the tests of robot/wire/, and an independent implementation of the framing:
+/// a bitwise CRC and a forward COBS that share no code with robot/wire/frame.cpp.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace lab::wire {
 
 using Bytes = std::vector<std::uint8_t>;
 
-/// The frame as the codec under test writes it. The buffer is exactly as long as promised.
+/// The frame written by the codec under test, into a buffer of exactly the promised size.
 inline Bytes encoded(const Frame& frame) {
   Bytes bytes(static_cast<std::size_t>(frame.size) + kFrameOverhead);
   bytes.resize(encode(frame, bytes.data()));
@@ -62,7 +62,7 @@ inline std::uint16_t crcByTheBook(const Bytes& bytes) {
   return static_cast<std::uint16_t>(state ^ 0xFFFFU);
 }
 
-/// 0, COBS(raw), 0: each run up to a zero behind its length plus one.
+/// 0, COBS(raw), 0: each run up to a zero is preceded by its length plus one.
 inline Bytes stuffed(const Bytes& raw) {
   Bytes out{0};
   Bytes run;
@@ -83,7 +83,7 @@ inline Bytes stuffed(const Bytes& raw) {
   return out;
 }
 
-/// The raw bytes with their CRC, stuffed: also what no sender would say.
+/// Encodes raw bytes with their CRC, including contents that no sender would produce.
 inline Bytes sealed(const Bytes& raw) {
   const std::uint16_t crc = crcByTheBook(raw);
   return stuffed(
@@ -95,7 +95,7 @@ inline Bytes encodedByTheBook(const Frame& frame) {
                 Bytes(frame.payload, frame.payload + frame.size));
 }
 
-/// Reproducible draws; the standard distributions differ from library to library.
+/// Reproducible random numbers; the standard distributions differ between libraries.
 class Draws {
  public:
   explicit Draws(std::uint64_t seed) : engine_(seed) {}
@@ -104,7 +104,7 @@ class Draws {
   /// 0 .. n - 1. The bias of the remainder is below n / 2^64.
   std::size_t below(std::size_t n) { return engine_() % n; }
   std::uint8_t byte() { return static_cast<std::uint8_t>(engine_() & 0xFFU); }
-  /// Bytes of which one in three is 0: stuffing has work to do.
+  /// Random bytes of which one in three is 0, to exercise COBS.
   std::uint8_t byteOftenZero() { return below(3) == 0 ? std::uint8_t{0} : byte(); }
   Bytes bytes(std::size_t size) {
     Bytes result(size);

@@ -1,9 +1,9 @@
-// Random and mutated bytes against everything that reads what came over the line. Built with
-// address and undefined-behaviour sanitizers in every preset: a byte read or written out of place
-// ends it.
+// Random and mutated bytes for all code that reads from the line. Built with address and undefined
+// behaviour sanitizers in every preset, which abort the test at an invalid access.
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <iostream>
 #include <memory>
 #include <vector>
 
@@ -13,10 +13,10 @@
 namespace lab::wire {
 namespace {
 
-/// Stages what can be staged, as a robot does before it looks at it.
+/// Stages settings messages, as a robot does before it checks them.
 struct Robot {
   dynamics::CoreSettings settings;
-  std::uint64_t unfit = 0;
+  std::uint64_t invalid = 0;
 
   void take(const SetProgram& message) { stageAndLook(message); }
   void take(const SetLight& message) { stageAndLook(message); }
@@ -28,16 +28,16 @@ struct Robot {
   template <class Message>
   void stageAndLook(const Message& message) {
     stage(message, settings);
-    unfit += firstFault(settings) != kNoFault ? 1U : 0U;
+    invalid += firstFault(settings) != kNoFault ? 1U : 0U;
     EXPECT_NE(configCrc(settings), 0);
   }
 };
 
-/// Reads the frame as every message there is; what fits must say the same bytes again.
+/// Reads the frame as every type of message. A message that fits must encode to the same bytes.
 class Readers {
  public:
   void read(const Frame& frame) {
-    // Each in a block of its own, so that a byte beyond its end is noticed.
+    // Each has its own heap block, so that reads beyond its end are detected.
     const auto alone = std::make_unique<Frame>(frame);
     forEachMessage([&](const char* name, auto message) {
       if (!unpack(*alone, message)) return;
@@ -49,14 +49,14 @@ class Readers {
     });
   }
   std::uint64_t messages() const { return messages_; }
-  std::uint64_t unfit() const { return robot_.unfit; }
+  std::uint64_t invalid() const { return robot_.invalid; }
 
  private:
   Robot robot_;
   std::uint64_t messages_ = 0;
 };
 
-/// Sequences of every sort: from pure noise to frames that are right but for one thing.
+/// Sequences of all kinds, from pure noise to frames with a single error.
 class Sequences {
  public:
   Bytes next() {
@@ -87,7 +87,7 @@ class Sequences {
       }
     }
   }
-  /// A frame that no decoder would hand out: any type, any length, any bytes.
+  /// A frame that the decoder would never return: any type, any length, any bytes.
   Frame impossibleFrame() {
     Frame frame;
     frame.type = type();
@@ -134,7 +134,7 @@ class Sequences {
   std::size_t used_ = 0;
 };
 
-TEST(Fuzz, NoBytesBreakTheDecoderOrAReader) {
+TEST(Fuzz, NoBytesCauseInvalidAccessesInDecoderOrReaders) {
   const auto decoder = std::make_unique<Decoder>();
   Sequences sequences;
   Readers readers;
@@ -153,11 +153,11 @@ TEST(Fuzz, NoBytesBreakTheDecoderOrAReader) {
     if (i % 4 == 0) readers.read(sequences.impossibleFrame());
   }
   std::cout << tries << " sequences, " << accepted << " frames accepted, " << readers.messages()
-            << " messages read, " << readers.unfit() << " settings found unfit\n";
-  // The sequences must reach what they are made for.
+            << " messages read, " << readers.invalid() << " settings found invalid\n";
+  // Checks that the sequences reach the code that they are made for.
   EXPECT_GT(accepted, tries / 4);
   EXPECT_GT(readers.messages(), tries / 8);
-  EXPECT_GT(readers.unfit(), tries / 100);
+  EXPECT_GT(readers.invalid(), tries / 100);
 }
 
 }  // namespace

@@ -1,9 +1,11 @@
-// How many spoilt frames are taken for good ones: counted, and held against what a 16-bit CRC
-// promises. docs/protocol.md quotes the figures that these tests print.
+// The share of damaged frames that are accepted, compared with the expectation for a 16-bit CRC.
+// docs/protocol.md quotes the figures that these tests print.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "tests/robot/wire/tally.hpp"
 
@@ -14,7 +16,7 @@ void flip(Bytes& bytes, std::size_t bit) {
   bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << (bit % 8)));
 }
 
-TEST(LineErrors, OfOneBitAreSeen) {
+TEST(LineErrors, InOneBitAreDetected) {
   Draws draws(11);
   Decoder decoder;
   Tally tally;
@@ -29,12 +31,12 @@ TEST(LineErrors, OfOneBitAreSeen) {
     }
   }
   tally.print("one bit");
-  // Not none: one bit of a stuffing code moves zeros, which is more than the CRC is sure to see.
+  // Not zero, because one wrong bit in a COBS code moves zeros and so changes many bits.
   EXPECT_LE(tally.wrong, tally.limit());
   EXPECT_GT(tally.checked, tally.tried / 2);
 }
 
-TEST(LineErrors, OfTwoBitsAreSeenButForTheShareOfTheCrc) {
+TEST(LineErrors, InTwoBitsAreDetectedExceptTheShareOfTheCrc) {
   Draws draws(12);
   Decoder decoder;
   Tally tally;
@@ -57,8 +59,9 @@ TEST(LineErrors, OfTwoBitsAreSeenButForTheShareOfTheCrc) {
   EXPECT_GT(tally.checked, tally.tried / 2);
 }
 
-TEST(LineErrors, OfOneAndTwoBitsAreAlwaysSeenWhereTheStuffingIsWhole) {
-  // Before stuffing the CRC's distance holds: up to three wrong bits are never missed.
+TEST(LineErrors, InUpToTwoBitsAreAlwaysDetectedOutsideTheStuffing) {
+  // Before COBS, the Hamming distance of the CRC guarantees that up to three wrong bits are
+  // detected.
   Draws draws(13);
   Decoder decoder;
   Tally tally;
@@ -83,9 +86,9 @@ TEST(LineErrors, OfOneAndTwoBitsAreAlwaysSeenWhereTheStuffingIsWhole) {
   EXPECT_EQ(tally.checked, tally.tried);
 }
 
-TEST(LineErrors, OfAnyKindBehindARightHeaderPassOnceIn65536) {
-  // The worst that a line can do: everything behind the header is drawn. This is the share that the
-  // CRC cannot see, and the test that the bound of the other tests is neither too high nor too low.
+TEST(LineErrors, OfAnyKindBehindAValidHeaderPassOnceIn65536) {
+  // The worst case: everything behind the header is random. This measures the share that the CRC
+  // cannot detect, and shows that the bound of the other tests is neither too high nor too low.
   Draws draws(14);
   Decoder decoder;
   Tally tally;
@@ -101,8 +104,8 @@ TEST(LineErrors, OfAnyKindBehindARightHeaderPassOnceIn65536) {
   EXPECT_GE(static_cast<double>(tally.wrong), expected - 6 * std::sqrt(expected));
 }
 
-TEST(LineErrors, RandomBytesAreNoFrames) {
-  // Version and length are a further 16 bits that would have to be right by chance.
+TEST(LineErrors, RandomBytesAreNotAcceptedAsFrames) {
+  // Version and length are 16 more bits that would have to be correct by chance.
   Draws draws(15);
   Decoder decoder;
   Tally tally;
@@ -115,7 +118,7 @@ TEST(LineErrors, RandomBytesAreNoFrames) {
   EXPECT_GT(tally.checked, tally.tried / 1000) << "random bytes that reach the CRC";
 }
 
-/// 1 to 4 changes as lines and buffers make them.
+/// 1 to 4 typical changes by lines and buffers.
 Bytes mutated(Bytes bytes, Draws& draws) {
   const std::size_t changes = 1 + draws.below(4);
   for (std::size_t i = 0; i < changes && !bytes.empty(); ++i) {
@@ -144,7 +147,7 @@ Bytes mutated(Bytes bytes, Draws& draws) {
   return bytes;
 }
 
-TEST(LineErrors, MutatedFramesAreSeenButForTheShareOfTheCrc) {
+TEST(LineErrors, MutatedFramesAreDetectedExceptTheShareOfTheCrc) {
   Draws draws(16);
   Decoder decoder;
   Tally tally;

@@ -1,9 +1,10 @@
-// A line that flips bits: every one of the ten bits of a character, start and stop bit included, so
-// that the receiver also loses its place.
+// A line with random bit errors in all ten bits of a character, including start and stop bit, so
+// that the receiver may lose synchronisation.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdint>
+#include <iostream>
 #include <vector>
 
 #include "tests/robot/wire/tally.hpp"
@@ -30,7 +31,7 @@ class NoisyLine {
   std::uint64_t flips() const { return flips_; }
 
  private:
-  /// How many bits pass before the next flip: geometric.
+  /// Number of bits before the next flip: geometrically distributed.
   void drawGap() {
     const double u = (static_cast<double>(draws_.bits() >> 11) + 0.5) * 0x1p-53;
     gap_ = static_cast<std::uint64_t>(std::log(u) / std::log1p(-rate_));
@@ -46,8 +47,8 @@ class NoisyLine {
 /// A receiver of 8 data bits, no parity, 1 stop bit: it waits for a start bit (0) and then counts.
 class Receiver {
  public:
-  /// Takes the next bit; true when it completes a character. A stop bit of 0 is a framing error;
-  /// the character is taken all the same and the search goes on behind it.
+  /// Takes the next bit. Returns true if it completes a character. A stop bit of 0 is a framing
+  /// error; the character is still accepted, and the search for a start bit continues after it.
   bool take(bool bit) {
     if (left_ == 0) {
       if (!bit) left_ = 9;
@@ -68,7 +69,7 @@ struct StreamResult {
   Tally tally;
   std::uint64_t hit = 0;             ///< frames with a wrong bit
   std::uint64_t lost = 0;            ///< frames that did not arrive
-  std::uint64_t whole_but_lost = 0;  ///< of these, without a wrong bit of their own
+  std::uint64_t whole_but_lost = 0;  ///< lost frames without a wrong bit of their own
 };
 
 /// Frames of all types, back to back, over a line of this bit error rate.
@@ -109,7 +110,7 @@ class Stream {
     const bool complete = decoder_.push(receiver_.byte());
     bool right = false;
     if (complete) {
-      // A frame may only be completed by its own last byte or by the next one's first.
+      // A frame may only be completed by its own last byte or by the first byte of the next frame.
       for (Sent* sent : {&newer_, &older_}) {
         if (!right && sent->used && !sent->arrived && decoder_.frame() == sent->frame) {
           sent->arrived = right = true;
@@ -128,7 +129,7 @@ class Stream {
     bool hit = false;
   };
 
-  /// Counts a frame that can no longer arrive: that before the last one.
+  /// Counts the frame before the last one, which can no longer arrive.
   void finish(const Sent& sent) {
     if (!sent.used) return;
     result_.hit += sent.hit ? 1U : 0U;
@@ -145,14 +146,14 @@ class Stream {
   StreamResult result_;
 };
 
-TEST(LineNoise, NoneLosesNothing) {
+TEST(LineNoise, WithoutErrorsNothingIsLost) {
   const StreamResult result = Stream(1e-15, 21).run(20000);
   EXPECT_EQ(result.lost, 0U);
   EXPECT_EQ(result.tally.wrong, 0U);
   EXPECT_EQ(result.tally.checked, 0U);
 }
 
-TEST(LineNoise, CostsTheFramesItHitsAndWronglyAcceptsOnlyTheShareOfTheCrc) {
+TEST(LineNoise, LosesDamagedFramesAndAcceptsOnlyTheShareOfTheCrc) {
   struct Level {
     double rate;
     const char* name;
@@ -168,8 +169,8 @@ TEST(LineNoise, CostsTheFramesItHitsAndWronglyAcceptsOnlyTheShareOfTheCrc) {
               << 100 * static_cast<double>(result.whole_but_lost) / tried << " %\n";
     EXPECT_LE(result.tally.wrong, result.tally.limit()) << level.name;
     EXPECT_GT(result.hit, result.tally.tried / 1000) << level.name;
-    // A wrong start bit makes the receiver lose its place, and the frame behind may go with the
-    // one that was hit: seldom, as the two 0 between frames give the place back.
+    // After a wrong start bit the receiver is out of step, and the next frame may be lost too. This
+    // is rare, because the two 0 between frames resynchronise it.
     EXPECT_LE(result.whole_but_lost, result.hit / 10) << level.name;
   }
 }

@@ -1,7 +1,8 @@
-/// One example of every message and the frame that says it, byte by byte. The frames were put
-/// together by hand from the layout in docs/protocol.md, not by the codec under test.
+/// One example of every message with its frame. The frames were assembled by hand from the layout
+/// in docs/protocol.md, not by the codec under test.
 #pragma once
 
+#include <cstdint>
 #include <sstream>
 #include <string>
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <fstream>
 #include <limits>
 #include <set>
@@ -27,7 +28,7 @@ struct SetAll {
   }
 };
 
-/// Sets field after field to values of their own, so that exchanged fields are seen.
+/// Sets all fields to different values, so that exchanged fields are detected.
 struct SetDifferent {
   std::uint32_t last = 0x9E3779B9U;
   template <class Integer>
@@ -44,7 +45,7 @@ struct SetDifferent {
   }
 };
 
-/// The values of all fields, as wide as it takes.
+/// The values of all fields, converted to one wide type.
 struct Values {
   std::vector<std::int64_t> all;
   template <class Integer>
@@ -64,7 +65,7 @@ std::vector<std::int64_t> valuesOf(const Message& message) {
   return values.all;
 }
 
-/// Through the frame, the line and back.
+/// Encodes a message into a frame, decodes the bytes, and reads the message.
 template <class Message>
 void expectToComeBack(const char* name, const Message& message) {
   Frame sent;
@@ -78,7 +79,7 @@ void expectToComeBack(const char* name, const Message& message) {
   EXPECT_EQ(valuesOf(back), valuesOf(message)) << name;
 }
 
-TEST(Messages, ComeBackWithTheirValues) {
+TEST(Messages, KeepTheirValuesOverTheLine) {
   forEachMessage([](const char* name, auto message) {
     using Message = decltype(message);
     expectToComeBack(name, message);
@@ -93,7 +94,7 @@ TEST(Messages, ComeBackWithTheirValues) {
   });
 }
 
-TEST(Messages, LieOnTheWireAsWrittenDown) {
+TEST(Messages, EqualTheFramesAssembledByHand) {
   std::vector<int> types;
   forEachExample([&](const auto& message, int seq, const std::string& hex) {
     Frame frame;
@@ -110,7 +111,7 @@ TEST(Messages, LieOnTheWireAsWrittenDown) {
   EXPECT_EQ(types, all) << "an example of every message";
 }
 
-TEST(Messages, HaveTheSizesThatAreWrittenDown) {
+TEST(Messages, HaveTheDocumentedSizes) {
   std::vector<int> sizes;
   forEachMessage([&](const char*, const auto& message) {
     sizes.push_back(payloadSize<std::remove_cvref_t<decltype(message)>>());
@@ -119,7 +120,7 @@ TEST(Messages, HaveTheSizesThatAreWrittenDown) {
                                      14, 25, 3,  32, 30, 28, 27, 11, 5}));
 }
 
-TEST(Messages, HaveTypesOfTheirOwnThatTellTheDirection) {
+TEST(Messages, HaveUniqueTypesThatShowTheDirection) {
   std::set<int> types;
   std::set<std::string> names;
   forEachMessage([&](const char* name, const auto& message) {
@@ -127,7 +128,7 @@ TEST(Messages, HaveTypesOfTheirOwnThatTellTheDirection) {
     EXPECT_TRUE(names.insert(name).second) << name;
   });
   EXPECT_FALSE(types.contains(0));
-  // The high bit means robot to host: 12 commands before, 9 answers and reports behind it.
+  // The high bit means robot to host: 12 commands without it, 9 answers and reports with it.
   EXPECT_EQ(std::distance(types.begin(), types.lower_bound(0x80)), 12);
   EXPECT_EQ(std::distance(types.lower_bound(0x80), types.end()), 9);
 }
@@ -162,7 +163,7 @@ TEST(Messages, AreRefusedWithAnotherLengthOrType) {
   });
 }
 
-TEST(Messages, CutCountsBeyondTenBitsInsteadOfSpillingOver) {
+TEST(Messages, TruncateCountsToTenBits) {
   Telemetry telemetry;
   for (auto& each : telemetry.sensors) each = 0;
   telemetry.sensors[1] = 0xFFFF;

@@ -1,7 +1,8 @@
-// docs/protocol.md against the code: types, sizes, offsets, widths, names, times, examples.
+// Compares docs/protocol.md with the code: types, sizes, offsets, widths, names, times, examples.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <iomanip>
 #include <map>
@@ -37,7 +38,7 @@ std::string wholePage() {
 
 using Row = std::vector<std::string>;
 
-/// The cells of a table's line, without blanks and backquotes at their ends.
+/// The cells of a line of a table, without blanks and backquotes at their ends.
 Row cellsOf(const std::string& line) {
   Row cells;
   std::istringstream in(line.substr(1));
@@ -50,8 +51,8 @@ Row cellsOf(const std::string& line) {
   return cells;
 }
 
-/// The rows of the nth table between a heading and the next one, without head and rule; none if
-/// there is no such table.
+/// The rows of the nth table below a heading, without header and separator; empty if there is no
+/// such table.
 std::vector<Row> tableBelow(const std::string& heading, std::size_t nth = 0) {
   std::vector<std::vector<Row>> tables;
   bool below = false;
@@ -75,7 +76,7 @@ std::string hexOf(unsigned value, int digits) {
   return out.str();
 }
 
-/// The fields of a message as the page writes their types, and their sizes.
+/// The types of a message's fields in the notation of the page, and their sizes.
 struct FieldList {
   std::vector<std::pair<std::string, int>> fields;
   void operator()(const std::uint8_t&) { fields.emplace_back("u8", 1); }
@@ -88,7 +89,7 @@ struct FieldList {
   }
 };
 
-/// Field names of every message type, in their order, as robot/wire/messages.hpp lists them.
+/// The names of the fields of every message type, in the order of robot/wire/messages.hpp.
 std::map<int, std::vector<std::string>> namesInSource() {
   std::map<int, std::vector<std::string>> names;
   const std::regex type("kType = 0x([0-9A-F]+)");
@@ -170,7 +171,7 @@ TEST(ProtocolPage, ListsEveryNumberOfTheEnums) {
             (std::vector<int>{kBadKind, kBadTime, kTooFast, kBadBands, kBadReversal, kBadLimits}));
 }
 
-TEST(ProtocolPage, SaysVersionSchemaAndCheckValue) {
+TEST(ProtocolPage, GivesVersionSchemaAndCheckValue) {
   const std::string text = wholePage();
   EXPECT_NE(text.find("Protocol version " + std::to_string(kProtocolVersion) + ", schema " +
                       hexOf(kSchema, 4)),
@@ -182,7 +183,7 @@ TEST(ProtocolPage, SaysVersionSchemaAndCheckValue) {
             std::string::npos);
 }
 
-/// Every line of the page that is a frame in hex, as it is decoded.
+/// All lines of the page that contain a frame in hex, decoded.
 std::vector<Frame> examplesOnPage() {
   const std::regex frame("00( [0-9A-F]{2})+ 00");
   std::vector<Frame> frames;
@@ -198,7 +199,7 @@ std::vector<Frame> examplesOnPage() {
   return frames;
 }
 
-TEST(ProtocolPage, ShowsFramesThatSayWhatTheTextSays) {
+TEST(ProtocolPage, ExampleFramesMatchTheText) {
   const auto frames = examplesOnPage();
   ASSERT_EQ(frames.size(), 3U);
   Order order;
@@ -220,7 +221,7 @@ TEST(ProtocolPage, ShowsFramesThatSayWhatTheTextSays) {
   }
 }
 
-TEST(ProtocolPage, TakesTheExampleApartIntoItsRawBytes) {
+TEST(ProtocolPage, DecodesTheExampleIntoItsRawBytes) {
   Bytes raw;
   for (const Row& row : tableBelow("### Example")) raw = raw + hexBytes(row[2]);
   const auto frames = examplesOnPage();
@@ -228,7 +229,7 @@ TEST(ProtocolPage, TakesTheExampleApartIntoItsRawBytes) {
   EXPECT_EQ(stuffed(raw), encoded(frames[0]));
 }
 
-TEST(ProtocolPage, CountsTheLoadOfTheLine) {
+TEST(ProtocolPage, GivesTheLoadOfTheLine) {
   std::map<std::string, int> frame_of;
   forEachMessage([&](const char* name, const auto& message) {
     frame_of[name] = payloadSize<std::remove_cvref_t<decltype(message)>>() + kFrameOverhead;

@@ -8,12 +8,12 @@
 namespace lab::wire {
 namespace {
 
-TEST(Schema, IsTheOnePinnedInTheMessages) {
+TEST(Schema, EqualsThePinnedValue) {
   EXPECT_EQ(schema(), kSchema)
-      << "the messages changed: robots and hosts built before no longer understand each other.\n"
-      << "If that is meant: write 0x" << std::hex << std::uppercase << std::setw(4)
-      << std::setfill('0') << schema() << " as kSchema into robot/wire/messages.hpp, bring "
-      << "docs/protocol.md up to date, and flash the robots.";
+      << "The messages have changed, so that older robots and hosts are incompatible.\n"
+      << "If this is intended: write 0x" << std::hex << std::uppercase << std::setw(4)
+      << std::setfill('0') << schema() << " as kSchema into robot/wire/messages.hpp, "
+      << "update docs/protocol.md, and flash the robots.";
 }
 
 }  // namespace

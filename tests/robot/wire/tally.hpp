@@ -1,4 +1,4 @@
-/// Counts what a decoder makes of spoilt frames, and how many of them chance would let through.
+/// Counts how a decoder handles damaged frames, and computes how many it may accept by chance.
 #pragma once
 
 #include <cmath>
@@ -7,16 +7,17 @@
 #include <iomanip>
 #include <iostream>
 #include <string>
+#include <vector>
 
 #include "robot/wire/schema.hpp"
 #include "tests/robot/wire/frames.hpp"
 
 namespace lab::wire {
 
-/// A 16-bit CRC lets one in so many other contents through.
+/// A 16-bit CRC accepts one random content in this number.
 constexpr double kCrcValues = 65536;
 
-/// The smallest k that a Poisson count of this mean exceeds with a probability below 1e-9.
+/// The smallest k such that a Poisson count with this mean exceeds k with a probability below 1e-9.
 inline std::uint64_t poissonLimit(double mean) {
   double term = std::exp(-mean);
   if (term == 0) return static_cast<std::uint64_t>(mean + 6.5 * std::sqrt(mean));
@@ -30,13 +31,13 @@ inline std::uint64_t poissonLimit(double mean) {
   return k;
 }
 
-/// What became of spoilt frames.
+/// Results for damaged frames.
 struct Tally {
   std::uint64_t tried = 0;    ///< patterns, sequences or frames
-  std::uint64_t checked = 0;  ///< CRCs compared over contents that were never sent
-  std::uint64_t wrong = 0;    ///< of these, frames that were accepted
+  std::uint64_t checked = 0;  ///< CRC checks of contents that were never sent
+  std::uint64_t wrong = 0;    ///< checks that accepted a frame
 
-  /// Wrong frames that chance explains, were each check passed with a probability of 2^-bits.
+  /// Largest plausible number of wrong frames if each check passes with a probability of 2^-bits.
   std::uint64_t limit(double bits = 16) const {
     return poissonLimit(static_cast<double>(checked) / std::exp2(bits));
   }
@@ -49,13 +50,13 @@ struct Tally {
   }
 };
 
-/// How often the decoder has compared a CRC, modulo 65536. Lengths and versions are looked at
-/// behind the CRC; the few that fit it and fail there are not counted.
+/// Number of CRC checks of the decoder, modulo 65536. Lengths and versions are checked after the
+/// CRC; the few frames that fail there are not counted.
 inline std::uint16_t crcChecks(const Decoder& decoder) {
   return static_cast<std::uint16_t>(decoder.counts().crc + decoder.counts().frames);
 }
 
-/// Gives the decoder the spoilt bytes of a frame and the 0 with which the next frame begins.
+/// Passes the damaged bytes of a frame to the decoder, and the 0 that begins the next frame.
 inline void spoil(Decoder& decoder, const Frame& sent, const Bytes& bytes, Tally& tally) {
   const std::uint16_t before = crcChecks(decoder);
   std::uint16_t right = 0;
@@ -73,7 +74,7 @@ inline void spoil(Decoder& decoder, const Frame& sent, const Bytes& bytes, Tally
   tally.checked += static_cast<std::uint16_t>(crcChecks(decoder) - before - right);
 }
 
-/// Sets the fields as a robot would: small counts, so that zeros abound, beside arbitrary bytes.
+/// Sets the fields to realistic values: small counts with many zeros, and arbitrary bytes.
 struct SetDrawn {
   Draws& draws;
   template <class Integer>
@@ -87,7 +88,7 @@ struct SetDrawn {
   }
 };
 
-/// A frame of every type, with drawn values.
+/// A frame of every type, with random values.
 inline std::vector<Frame> drawnFrames(Draws& draws) {
   std::vector<Frame> frames;
   forEachMessage([&](const char*, auto message) {
@@ -99,7 +100,7 @@ inline std::vector<Frame> drawnFrames(Draws& draws) {
   return frames;
 }
 
-/// How many tries, from the environment: the long tier asks for more.
+/// Number of tries, from the environment; the long tests use more.
 inline std::uint64_t triesOr(std::uint64_t otherwise) {
   const char* text = std::getenv("LAB_WIRE_TRIES");
   return text == nullptr ? otherwise : std::stoull(text);

@@ -27,7 +27,7 @@ dynamics::Pose after(const Pattern& pattern, const Motors& motors) {
   return pose;
 }
 
-TEST(Pattern, OrdersWholeDutiesWhateverTheRobotBelieves) {
+TEST(Pattern, OrdersWholeDutiesWhateverTheStoredCalibration) {
   for (const Motors& believed : {Motors{}, Motors{{0.93, 20.0 / 255}, {1.08, 31.0 / 255}, 0.07},
                                  Motors{{1.2, 100.0 / 255}, {0.8, 0}, 0.08}}) {
     std::set<int> duties;
@@ -43,7 +43,7 @@ TEST(Pattern, OrdersWholeDutiesWhateverTheRobotBelieves) {
   }
 }
 
-TEST(Pattern, BringsAnyRobotBack) {
+TEST(Pattern, ReturnsAnyRobotToItsStart) {
   for (const Motors& motors :
        {Motors{}, Motors{{0.9, 0.08}, {1.1, 0.05}, 0.08}, Motors{{1.05, 0.3}, {1, 0}, 0.07}}) {
     for (const Pattern& pattern : {calibrationPattern({}, kMaxSpeed), checkPattern(kMaxSpeed)}) {
@@ -54,13 +54,13 @@ TEST(Pattern, BringsAnyRobotBack) {
   }
 }
 
-TEST(Pattern, StaysNear) {
+TEST(Pattern, StaysNearItsStart) {
   EXPECT_LT(reachOf(calibrationPattern({}, kMaxSpeed), kDiameter), 0.15);
   EXPECT_LT(reachOf(checkPattern(kMaxSpeed), kDiameter), 0.15);
   EXPECT_GT(reachOf(checkPattern(kMaxSpeed), kDiameter), 0.05);
 }
 
-TEST(Pattern, TheCheckDrivesSpeedsThatTheFitHasNotSeen) {
+TEST(Pattern, TheCheckUsesSpeedsThatTheFitDidNot) {
   std::set<long> seen;
   for (const PatternStep& step : calibrationPattern({}, kMaxSpeed)) {
     seen.insert(std::lround(step.left * 1e4));
@@ -70,19 +70,19 @@ TEST(Pattern, TheCheckDrivesSpeedsThatTheFitHasNotSeen) {
   }
 }
 
-TEST(RoomyHeading, KeepsTheHeadingWhereThereIsRoom) {
+TEST(ClearHeading, KeepsTheHeadingIfThereIsRoom) {
   const auto heading = clearHeading(checkPattern(kMaxSpeed), {0.6, 0.45, 1.2}, emptyArena());
   ASSERT_TRUE(heading);
   EXPECT_NEAR(*heading, 1.2, 1e-12);
 }
 
-TEST(RoomyHeading, TurnsAwayFromAWall) {
+TEST(ClearHeading, TurnsAwayFromAWall) {
   const auto heading = clearHeading(checkPattern(kMaxSpeed), {1.12, 0.45, 0}, emptyArena());
   ASSERT_TRUE(heading);
   EXPECT_GT(std::fabs(*heading), 1);
 }
 
-TEST(RoomyHeading, FindsTheOneFreeWayAmongRobots) {
+TEST(ClearHeading, FindsTheOnlyFreeDirectionAmongRobots) {
   Surroundings around = emptyArena();
   for (int degree = 90; degree <= 310; degree += 20) {
     const double angle = degree * M_PI / 180;
@@ -93,7 +93,7 @@ TEST(RoomyHeading, FindsTheOneFreeWayAmongRobots) {
   EXPECT_LT(std::fabs(*heading - 20 * M_PI / 180), 0.9);
 }
 
-TEST(RoomyHeading, IsNotTheEdgeOfTheRoom) {
+TEST(ClearHeading, IsInTheMiddleOfTheFreeDirections) {
   const Place robot{1.12, 0.45, 0};
   const double heading = clearHeading(checkPattern(kMaxSpeed), robot, emptyArena()).value();
   for (const double off : {-0.08, 0.08}) {
@@ -104,7 +104,7 @@ TEST(RoomyHeading, IsNotTheEdgeOfTheRoom) {
   }
 }
 
-TEST(EscapePath, LeadsAwayFromAWallThatIsTooNear) {
+TEST(EscapePath, LeadsAwayFromANearWall) {
   const Place at_the_wall{0.41, 0.86, 2.0};
   EXPECT_FALSE(clearHeading(checkPattern(kMaxSpeed), at_the_wall, emptyArena()));
   const auto way = escapePath(checkPattern(kMaxSpeed), at_the_wall, emptyArena());
@@ -116,13 +116,13 @@ TEST(EscapePath, LeadsAwayFromAWallThatIsTooNear) {
   EXPECT_TRUE(clearHeading(checkPattern(kMaxSpeed), there, emptyArena()));
 }
 
-TEST(EscapePath, IsNoneForARobotThatIsShutIn) {
+TEST(EscapePath, IsEmptyForAnEnclosedRobot) {
   Surroundings around = emptyArena();
   around.others = {{0.05 + 0.08, 0.05, 0}, {0.05, 0.05 + 0.08, 0}, {0.14, 0.14, 0}};
   EXPECT_FALSE(escapePath(checkPattern(kMaxSpeed), {0.05, 0.05, 0}, around));
 }
 
-TEST(RoomyHeading, SaysWhenThereIsNone) {
+TEST(ClearHeading, IsEmptyIfThereIsNone) {
   Surroundings around = emptyArena();
   around.others = {{0.69, 0.45, 0}, {0.51, 0.45, 0}, {0.6, 0.54, 0}, {0.6, 0.36, 0}};
   EXPECT_FALSE(clearHeading(calibrationPattern({}, kMaxSpeed), {0.6, 0.45, 0}, around));

@@ -4,6 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
 
 #include "tests/robot_bridge/calibration/synthetic_motor_tracks.hpp"
 
@@ -18,7 +21,7 @@ std::vector<Segment> driven(const Motors& motors, std::uint64_t seed, const Came
   return SyntheticRobot(motors, camera, seed).drive(calibrationPattern({}, kMaxSpeed), {});
 }
 
-/// Fitted less true, in standard errors.
+/// Fitted minus true value, in standard errors.
 std::array<double, 5> pulls(const MotorFit& fit, const Motors& truth) {
   return {(fit.motors.left.gain - truth.left.gain) / fit.error.left.gain,
           (fit.motors.right.gain - truth.right.gain) / fit.error.right.gain,
@@ -27,7 +30,7 @@ std::array<double, 5> pulls(const MotorFit& fit, const Motors& truth) {
           (fit.motors.wheel_base - truth.wheel_base) / fit.error.wheel_base};
 }
 
-TEST(MotorFit, FindsHiddenMotorsWithHonestErrors) {
+TEST(MotorFit, RecoversMotorParametersWithCorrectErrors) {
   constexpr int kRobots = 300;
   int within_one = 0;
   double squares = 0;
@@ -47,8 +50,8 @@ TEST(MotorFit, FindsHiddenMotorsWithHonestErrors) {
     }
   }
   constexpr double kPulls = 5 * kRobots;
-  // Of 1500 normal pulls the largest exceeds 4.6 once in 160 times; their mean square is 1 +- 0.08
-  // (as those of one robot hang together), and 68.3 +- 2.5 % are below 1.
+  // Of 1500 normal pulls the largest exceeds 4.6 with probability 1/160. Their mean square is
+  // 1 +- 0.08 (the pulls of one robot are correlated), and 68.3 +- 2.5 % are below 1.
   EXPECT_LT(worst, 4.6);
   EXPECT_NEAR(squares / kPulls, 1, 0.25);
   EXPECT_NEAR(within_one / kPulls, 0.683, 0.06);
@@ -67,14 +70,14 @@ TEST(MotorFit, IsExactForATrackerWithoutNoise) {
   EXPECT_NEAR(fit.motors.wheel_base, kHidden.wheel_base, 1e-8);
 }
 
-TEST(MotorFit, FindsADeadBandThatSwallowsTheLowestSpeeds) {
+TEST(MotorFit, FindsADeadBandAboveTheLowestSpeeds) {
   const Motors sluggish{{1, 0.35}, {0.97, 0.33}, 0.075};
   const MotorFit fit = fitMotors(driven(sluggish, 2), {}, kMaxSpeed);
   ASSERT_EQ(fit.refusal, "");
   for (const double pull : pulls(fit, sluggish)) EXPECT_LT(std::fabs(pull), 4);
 }
 
-TEST(MotorFit, TellsAnOffCentreMarkerFromUnequalWheels) {
+TEST(MotorFit, DistinguishesAnOffCentreMarkerFromUnequalWheels) {
   SyntheticRobot robot(kHidden, {}, 3);
   robot.setLateral(0.003);
   const MotorFit fit = fitMotors(robot.drive(calibrationPattern({}, kMaxSpeed), {}), {}, kMaxSpeed);
@@ -83,7 +86,7 @@ TEST(MotorFit, TellsAnOffCentreMarkerFromUnequalWheels) {
   for (const double pull : pulls(fit, kHidden)) EXPECT_LT(std::fabs(pull), 4);
 }
 
-TEST(MotorFit, StartsFromWhatTheRobotBelievesAlready) {
+TEST(MotorFit, StartsFromTheStoredCalibration) {
   const Motors believed{{1.1, 20.0 / 255}, {0.9, 30.0 / 255}, 0.07};
   const auto segments =
       SyntheticRobot(kHidden, {}, 4).drive(calibrationPattern(believed, kMaxSpeed), believed);
@@ -92,7 +95,7 @@ TEST(MotorFit, StartsFromWhatTheRobotBelievesAlready) {
   for (const double pull : pulls(fit, kHidden)) EXPECT_LT(std::fabs(pull), 4);
 }
 
-TEST(MotorFit, LeavesOutACollisionAndCountsIt) {
+TEST(MotorFit, ExcludesCollisionsAndCountsThem) {
   auto segments = driven(kHidden, 5);
   // Half-way through the third part the robot is held.
   auto& held = segments[2].track;
@@ -114,7 +117,7 @@ TEST(MotorFit, LeavesOutACollisionAndCountsIt) {
   for (const double pull : pulls(fit, kHidden)) EXPECT_LT(std::fabs(pull), 4);
 }
 
-TEST(MotorFit, RefusesARobotThatWasHardlySeen) {
+TEST(MotorFit, RefusesARobotThatWasRarelySeen) {
   auto segments = driven(kHidden, 6);
   for (std::size_t i = 0; i < segments.size(); i += 2) {
     segments[i].track.resize(segments[i].track.size() / 3);
@@ -124,7 +127,7 @@ TEST(MotorFit, RefusesARobotThatWasHardlySeen) {
   EXPECT_THAT(fit.refusal, HasSubstr("16 not seen"));
 }
 
-TEST(MotorFit, RefusesARobotThatBumpsIntoThingsAllTheTime) {
+TEST(MotorFit, RefusesARobotThatCollidesAllTheTime) {
   auto segments = driven(kHidden, 7);
   for (std::size_t i = 0; i < segments.size(); i += 3) {
     auto& track = segments[i].track;
@@ -147,8 +150,8 @@ TEST(MotorFit, RefusesARobotThatStands) {
   EXPECT_NE(fit.refusal, "");
 }
 
-TEST(MotorFit, RefusesWheelsThatFollowNoLine) {
-  // Each wheel turns at the square of its duty.
+TEST(MotorFit, RefusesWheelsWithANonlinearResponse) {
+  // The speed of each wheel is the square of its duty.
   std::vector<Segment> segments;
   Random random(9);
   for (const PatternStep& step : calibrationPattern({}, kMaxSpeed)) {
@@ -161,7 +164,7 @@ TEST(MotorFit, RefusesWheelsThatFollowNoLine) {
   EXPECT_THAT(fit.refusal, HasSubstr("miss the fitted speeds"));
 }
 
-TEST(MotorFit, RefusesATrackerThatIsTooCoarse) {
+TEST(MotorFit, RefusesATrackerThatIsTooInaccurate) {
   const MotorFit fit = fitMotors(driven(kHidden, 10, {50, {0.01, 0.2}}), {}, kMaxSpeed);
   EXPECT_THAT(fit.refusal, HasSubstr("not known well enough"));
 }
@@ -171,7 +174,7 @@ TEST(MotorFit, RefusesANominalSpeedThatIsFarOff) {
   EXPECT_THAT(fit.refusal, HasSubstr("max_wheel_speed_cm_s"));
 }
 
-TEST(MotorFit, WhatIsStoredDrivesWithinHalfAPercent) {
+TEST(MotorFit, TheStoredCalibrationIsAccurateToHalfAPercent) {
   double worst = 0;
   for (std::uint64_t seed = 0; seed < 40; ++seed) {
     Random random(seed, 8);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
+#include <cstdint>
 
 #include "tests/robot_bridge/calibration/synthetic_motor_tracks.hpp"
 
@@ -25,7 +26,7 @@ Eigen::Vector2d truth(double left, double right) {
 
 class EverySegment : public testing::TestWithParam<std::pair<double, double>> {};
 
-TEST_P(EverySegment, IsMeasuredWithAnHonestCovariance) {
+TEST_P(EverySegment, IsMeasuredWithACorrectCovariance) {
   const auto [left, right] = GetParam();
   constexpr int kTries = 400;
   double chi2 = 0;
@@ -41,8 +42,8 @@ TEST_P(EverySegment, IsMeasuredWithAnHonestCovariance) {
     worst = std::max(worst, one);
     bias += motion->covariance.llt().matrixL().solve(miss);
   }
-  // The mean of 400 values of two degrees of freedom: 2 +- 0.1. The largest of them exceeds 25 once
-  // in 700 times.
+  // The mean of 400 chi-square values with two degrees of freedom is 2 +- 0.1. The largest of them
+  // exceeds 25 with probability 1/700.
   EXPECT_NEAR(chi2 / kTries, 2, 0.4);
   EXPECT_LT(worst, 25);
   EXPECT_LT((bias / std::sqrt(kTries)).cwiseAbs().maxCoeff(), 4);
@@ -54,13 +55,13 @@ INSTANTIATE_TEST_SUITE_P(Drives, EverySegment,
                                          std::pair{0.0, 0.13}, std::pair{-0.19, 0.0},
                                          std::pair{0.06, 0.12}, std::pair{0.0, 0.0}));
 
-TEST(SegmentMotion, WantsEnoughPoints) {
+TEST(SegmentMotion, NeedsEnoughPoints) {
   auto points = track(0.1, 0.1, 1);
   points.resize(kFewestPoints - 1);
   EXPECT_FALSE(fitMotion(points, {}));
 }
 
-TEST(SegmentMotion, DoesNotMindAMarkerThatIsGluedOnAskew) {
+TEST(SegmentMotion, AllowsARotatedMarker) {
   auto points = track(0.13, 0.0, 1);
   for (TrackPoint& point : points) point.theta += 0.02;
   const auto motion = fitMotion(points, kCamera.noise);

@@ -1,7 +1,8 @@
-/// Tracks of a robot with known motors, as a noisy tracker sees them.
+/// Simulated tracks of a robot with known motors, with the tracker's noise.
 #pragma once
 
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -27,7 +28,7 @@ class SyntheticRobot {
     pose_.theta = 2 * std::numbers::pi * random_.uniform();
   }
 
-  /// How far the tracked point lies to the left of the wheels' middle, m.
+  /// Offset of the tracked point to the left of the wheel axis' centre, m.
   void setLateral(double lateral) { lateral_ = lateral; }
 
   Segment drive(const PatternStep& step, const Motors& believed) {

@@ -1,8 +1,10 @@
-// What robot_bridge --list and --set-uid do.
+// The tools behind robot_bridge --list and --set-uid.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <deque>
+#include <string>
 
 #include "common/loop/virtual_loop.hpp"
 #include "common/serial/memory_serial.hpp"
@@ -39,7 +41,7 @@ class LineToolsTest : public testing::Test {
   std::deque<WireRobot> robots;
 };
 
-TEST_F(LineToolsTest, TellsRobotsFromEverythingElse) {
+TEST_F(LineToolsTest, DistinguishesRobotsFromOtherDevices) {
   addRobot("a", 42);
   const auto silent = ports.offer("b");
   addRobot("c", 43);
@@ -59,10 +61,10 @@ TEST_F(LineToolsTest, TellsRobotsFromEverythingElse) {
   const std::string text = surveyText(rows);
   EXPECT_THAT(text, HasSubstr("uid"));
   EXPECT_THAT(text, HasSubstr("42"));
-  EXPECT_NO_THROW(static_cast<void>(ports.open("a", 38400))) << "a line is still held";
+  EXPECT_NO_THROW(static_cast<void>(ports.open("a", 38400))) << "the line is still open";
 }
 
-TEST_F(LineToolsTest, FindsARobotThatIsAlreadyTalking) {
+TEST_F(LineToolsTest, FindsARobotThatIsAlreadySending) {
   addRobot("a", 42);
   {
     LineSurvey first(loop, ports, {"a"}, 38400);
@@ -75,7 +77,7 @@ TEST_F(LineToolsTest, FindsARobotThatIsAlreadyTalking) {
   EXPECT_TRUE(again.rows()[0].hello);
 }
 
-TEST_F(LineToolsTest, StoresAUidForGood) {
+TEST_F(LineToolsTest, StoresAUidPermanently) {
   WireRobot& robot = addRobot("a", 0);
   UidWriter dut(loop, ports, "a", 38400, 0xFFFFFFFE);
   ASSERT_TRUE(finish(dut));
@@ -84,17 +86,17 @@ TEST_F(LineToolsTest, StoresAUidForGood) {
   EXPECT_EQ(robot.device().settings().uid, 0xFFFFFFFEU);
 }
 
-TEST_F(LineToolsTest, SaysWhyAUidWasNotStored) {
+TEST_F(LineToolsTest, ReportsWhyAUidWasNotStored) {
   const auto silent = ports.offer("a");
   UidWriter dut(loop, ports, "a", 38400, 7);
   ASSERT_TRUE(finish(dut));
   EXPECT_THAT(dut.failure(), HasSubstr("a: no robot answers"));
 }
 
-TEST_F(LineToolsTest, NoticesARobotThatGoesAwayMeanwhile) {
+TEST_F(LineToolsTest, DetectsARobotThatIsUnpluggedMeanwhile) {
   WireRobot& robot = addRobot("a", 0);
   UidWriter dut(loop, ports, "a", 38400, 7);
-  loop.runUntil(loop.now() + 12'000);  // it has said HELLO
+  loop.runUntil(loop.now() + 12'000);  // it has sent HELLO
   robot.switchOff();
   ASSERT_TRUE(finish(dut));
   EXPECT_THAT(dut.failure(), HasSubstr("a: "));

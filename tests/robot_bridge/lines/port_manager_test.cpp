@@ -1,10 +1,12 @@
-// Lines that come, go, lie and are somebody else's.
+// Lines that appear, disappear, send invalid data or are in use by another program.
 #include "robot_bridge/lines/port_manager.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <deque>
+#include <vector>
 
 #include "common/loop/virtual_loop.hpp"
 #include "common/serial/memory_serial.hpp"
@@ -23,9 +25,9 @@ using testing::SizeIs;
 
 constexpr std::uint32_t kUid = 4711;
 
-class PortKeeperTest : public testing::Test {
+class PortManagerTest : public testing::Test {
  protected:
-  PortKeeperTest() {
+  PortManagerTest() {
     loop.every(20'000, loop.now(), [this] {
       if (keeper_runs) dut.tick();
     });
@@ -45,7 +47,7 @@ class PortKeeperTest : public testing::Test {
     return robot;
   }
 
-  /// A line on which somebody sends these bytes ten times a second.
+  /// A line on which these bytes are sent ten times a second.
   std::unique_ptr<SerialPort> addStranger(const std::string& line,
                                           std::vector<std::uint8_t> bytes) {
     auto port = ports.offer(line);
@@ -65,8 +67,8 @@ class PortKeeperTest : public testing::Test {
     return bytes;
   }
 
-  /// Sends these bytes away as another protocol version would: the version is the byte after the
-  /// stuffing, the CRC is made anew.
+  /// Changes a frame to another protocol version: the version is the byte after the COBS code, and
+  /// the CRC is computed again.
   static std::vector<std::uint8_t> ofVersion(std::uint8_t version) {
     const std::uint8_t raw[] = {version, 0x82, 1, 1, 9};
     const std::uint16_t sum = wire::crc16(raw, sizeof raw);
@@ -99,7 +101,7 @@ class PortKeeperTest : public testing::Test {
                   [this](const std::string& text) { notes.push_back(text); }};
 };
 
-TEST_F(PortKeeperTest, FindsRobotsByTheirUidNotByTheirLine) {
+TEST_F(PortManagerTest, FindsRobotsByTheirUidNotByTheirLine) {
   addRobot("b", kUid);
   addRobot("a", kUid + 1);
   run(2);
@@ -108,7 +110,7 @@ TEST_F(PortKeeperTest, FindsRobotsByTheirUidNotByTheirLine) {
   EXPECT_THAT(notes, IsEmpty());
 }
 
-TEST_F(PortKeeperTest, FindsARobotAgainUnderAnotherName) {
+TEST_F(PortManagerTest, FindsARobotAgainOnALineWithAnotherName) {
   WireRobot& robot = addRobot("usb0");
   run(2);
   ASSERT_EQ(dut.lineOf(first), "usb0");
@@ -122,7 +124,7 @@ TEST_F(PortKeeperTest, FindsARobotAgainUnderAnotherName) {
   EXPECT_EQ(first.counters().reboots, 0);
 }
 
-TEST_F(PortKeeperTest, AReplugWithResetIsARestart) {
+TEST_F(PortManagerTest, AReplugWithResetIsARestart) {
   WireRobot& robot = addRobot("usb0");
   run(2);
   robot.unplug();
@@ -133,7 +135,7 @@ TEST_F(PortKeeperTest, AReplugWithResetIsARestart) {
   EXPECT_EQ(first.counters().reboots, 1);
 }
 
-TEST_F(PortKeeperTest, TwoLinesWithOneUidAreRefusedWithBothNamed) {
+TEST_F(PortManagerTest, RefusesASecondLineWithTheSameUidAndNamesBoth) {
   addRobot("a");
   run(2);
   addRobot("b");
@@ -141,27 +143,27 @@ TEST_F(PortKeeperTest, TwoLinesWithOneUidAreRefusedWithBothNamed) {
   EXPECT_EQ(dut.lineOf(first), "a");
   ASSERT_THAT(notes, SizeIs(1));
   EXPECT_THAT(notes[0], AllOf(HasSubstr("b: uid 4711 of robot 1, which is on a already")));
-  EXPECT_EQ(ports.open("b", 38400) != nullptr, true) << "the second line is still held";
+  EXPECT_EQ(ports.open("b", 38400) != nullptr, true) << "the second line is still open";
 }
 
-TEST_F(PortKeeperTest, ARobotWhoseOldLineIsDeadIsTakenOnItsNewOne) {
+TEST_F(PortManagerTest, ARobotWhoseOldLineIsDeadIsUsedOnItsNewLine) {
   WireRobot& robot = addRobot("a");
   run(2);
-  robot.switchOff();  // the line stays, as with a hub that does not tell
+  robot.switchOff();  // the line stays open, as with a hub that does not report the removal
   run(2);
   addRobot("b");
   run(2);
   EXPECT_EQ(dut.lineOf(first), "b");
 }
 
-TEST_F(PortKeeperTest, AnUnknownUidIsNamedOnceAndLeftAlone) {
+TEST_F(PortManagerTest, AnUnknownUidIsReportedOnceAndNotUsed) {
   addRobot("a", 99);
   run(30);
   ASSERT_THAT(notes, SizeIs(1));
   EXPECT_THAT(notes[0], AllOf(HasSubstr("a: a robot with uid 99"), HasSubstr("uid = 99")));
 }
 
-TEST_F(PortKeeperTest, ARobotWithoutUidIsToldHowToGetOne) {
+TEST_F(PortManagerTest, ReportsHowToStoreAMissingUid) {
   WireRobotOptions options;
   options.uid = 0;
   wire_robots.emplace_back(loop, ports, options).plug("a");
@@ -169,7 +171,7 @@ TEST_F(PortKeeperTest, ARobotWithoutUidIsToldHowToGetOne) {
   EXPECT_THAT(notes, ElementsAre(HasSubstr("--set-uid")));
 }
 
-TEST_F(PortKeeperTest, ADeviceThatIsNoRobotIsNamedOnce) {
+TEST_F(PortManagerTest, ADeviceThatIsNoRobotIsReportedOnce) {
   const auto silent = ports.offer("silent");
   const auto gps = addStranger("gps", {'$', 'G', 'P', 'G', 'G', 'A', '\r', '\n'});
   addRobot("robot");
@@ -181,7 +183,7 @@ TEST_F(PortKeeperTest, ADeviceThatIsNoRobotIsNamedOnce) {
                                HasSubstr("38400 baud"))));
 }
 
-TEST_F(PortKeeperTest, AnotherProtocolVersionIsNamedWithBoth) {
+TEST_F(PortManagerTest, ReportsBothProtocolVersionsIfTheyDiffer) {
   const auto newer = addStranger("newer", ofVersion(2));
   run(25);
   ASSERT_THAT(notes, SizeIs(1));
@@ -189,7 +191,7 @@ TEST_F(PortKeeperTest, AnotherProtocolVersionIsNamedWithBoth) {
                               HasSubstr("this lab speaks 1")));
 }
 
-TEST_F(PortKeeperTest, AnotherSchemaIsNamedWithBoth) {
+TEST_F(PortManagerTest, ReportsBothSchemasIfTheyDiffer) {
   wire::Hello hello;
   hello.uid = kUid;
   hello.schema = static_cast<std::uint16_t>(wire::kSchema + 1);
@@ -202,7 +204,7 @@ TEST_F(PortKeeperTest, AnotherSchemaIsNamedWithBoth) {
   EXPECT_FALSE(first.isPlugged());
 }
 
-TEST_F(PortKeeperTest, AHelloOfAnotherLengthIsAnotherSchema) {
+TEST_F(PortManagerTest, AHelloOfAnotherLengthHasAnotherSchema) {
   wire::Frame frame;
   frame.type = wire::Hello::kType;
   frame.size = 6;
@@ -215,7 +217,7 @@ TEST_F(PortKeeperTest, AHelloOfAnotherLengthIsAnotherSchema) {
   EXPECT_THAT(notes, ElementsAre(HasSubstr("schema abcd")));
 }
 
-TEST_F(PortKeeperTest, ALineInUseIsNamedOnceAndTakenWhenItIsFree) {
+TEST_F(PortManagerTest, ALineInUseIsReportedOnceAndOpenedWhenItIsFree) {
   addRobot("a");
   keeper_runs = false;
   auto other = ports.open("a", 38400);
@@ -227,7 +229,7 @@ TEST_F(PortKeeperTest, ALineInUseIsNamedOnceAndTakenWhenItIsFree) {
   EXPECT_EQ(dut.lineOf(first), "a");
 }
 
-TEST_F(PortKeeperTest, GarbageAndUnknownTypesDisturbNobody) {
+TEST_F(PortManagerTest, IgnoresGarbageAndUnknownTypes) {
   WireRobot& robot = addRobot("a");
   wire::Frame unknown;
   unknown.type = 0xC7;
@@ -247,7 +249,7 @@ TEST_F(PortKeeperTest, GarbageAndUnknownTypesDisturbNobody) {
   EXPECT_LT(loop.now() - first.heardUtime(), 200'000);
 }
 
-TEST_F(PortKeeperTest, ABoardThatWasExchangedIsAnotherRobot) {
+TEST_F(PortManagerTest, AnExchangedBoardIsAnotherRobot) {
   WireRobot& robot = addRobot("a");
   run(2);
   ASSERT_EQ(dut.lineOf(first), "a");
@@ -263,14 +265,14 @@ TEST_F(PortKeeperTest, ABoardThatWasExchangedIsAnotherRobot) {
   run(0.1);
   EXPECT_FALSE(first.isPlugged());
   EXPECT_TRUE(second.isPlugged());
-  hello.uid = kUid;  // behind an adapter that stayed plugged in
+  hello.uid = kUid;  // on an adapter that stayed plugged in
   static_cast<void>(line->write(encoded(hello)));
   run(0.1);
   EXPECT_TRUE(first.isPlugged());
   EXPECT_FALSE(second.isPlugged());
 }
 
-TEST_F(PortKeeperTest, DoesNotTalkToABootloader) {
+TEST_F(PortManagerTest, SendsNothingToABootloader) {
   std::size_t bytes = 0;
   auto line = ports.offer("a");
   line->onReadable([&] {
@@ -283,7 +285,7 @@ TEST_F(PortKeeperTest, DoesNotTalkToABootloader) {
   EXPECT_GT(bytes, 0U);
 }
 
-TEST_F(PortKeeperTest, SurvivesManyReplugsWithTraffic) {
+TEST_F(PortManagerTest, SurvivesManyReplugsWithTraffic) {
   WireRobot& a = addRobot("a", kUid);
   WireRobot& b = addRobot("b", kUid + 1);
   for (int i = 0; i < 200; ++i) {

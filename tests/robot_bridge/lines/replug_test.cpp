@@ -1,10 +1,15 @@
-// Robots that are unplugged and plugged in again, on real pseudo terminals, in real time.
+// Robots that are unplugged and plugged in again, on pseudo terminals, in real time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "common/loop/asio_loop.hpp"
 #include "common/serial/serial_devices.hpp"
@@ -62,38 +67,43 @@ class ReplugTest : public testing::Test {
   std::vector<std::string> notes;
 };
 
-TEST_F(ReplugTest, TwoHundredReplugsLeaveNothingBehind) {
+TEST_F(ReplugTest, TwoHundredReplugsLeakNothing) {
   const std::ptrdiff_t before = openDescriptors();
   for (int round = 0; round < kRounds; ++round) {
     for (std::int32_t i = 0; i < kRobots; ++i) {
       robots[static_cast<std::size_t>(i)].plug(nameOf((i + round) % kRobots));
     }
-    EXPECT_TRUE(loopUntil(loop, [&] {
-      for (std::int32_t i = 0; i < kRobots; ++i) {
-        const auto n = static_cast<std::size_t>(i);
-        if (!dut->lineOf(links[n]).ends_with("/" + nameOf((i + round) % kRobots))) return false;
-        if (robots[n].left() == 0) return false;  // traffic: the order came through
-      }
-      return true;
-    })) << "round "
-        << round << ": a robot was not found, or on a wrong line";
+    EXPECT_TRUE(
+        loopUntil(loop,
+                  [&] {
+                    for (std::int32_t i = 0; i < kRobots; ++i) {
+                      const auto n = static_cast<std::size_t>(i);
+                      if (!dut->lineOf(links[n]).ends_with("/" + nameOf((i + round) % kRobots)))
+                        return false;
+                      if (robots[n].left() == 0) return false;  // it must have received the order
+                    }
+                    return true;
+                  }))
+        << "round " << round << ": a robot was not found, or on a wrong line";
     for (std::size_t i = 0; i < links.size(); ++i) {
       EXPECT_EQ(links[i].hello()->uid, uidOf(links[i].settings().id));
     }
     for (WireRobot& robot : robots) robot.unplug();
-    EXPECT_TRUE(loopUntil(loop, [&] {
-      return std::none_of(links.begin(), links.end(),
-                          [](const RobotLink& link) { return link.isPlugged(); });
-    })) << "round "
-        << round << ": a line is stuck";
-    // Nobody heard of them for as long as their lease, or a wheel that still turns proves nothing.
+    EXPECT_TRUE(loopUntil(loop,
+                          [&] {
+                            return std::none_of(
+                                links.begin(), links.end(),
+                                [](const RobotLink& link) { return link.isPlugged(); });
+                          }))
+        << "round " << round << ": a line is blocked";
+    // Wait for the lease to end, because otherwise a turning wheel does not prove a new order.
     EXPECT_TRUE(loopUntil(loop, [&] {
       return std::all_of(robots.begin(), robots.end(),
                          [](const WireRobot& robot) { return robot.left() == 0; });
     }));
   }
   EXPECT_EQ(openDescriptors(), before) << "descriptors leaked";
-  EXPECT_EQ(notes.size(), static_cast<std::size_t>(kRobots * kRounds)) << "one note for each loss";
+  EXPECT_EQ(notes.size(), static_cast<std::size_t>(kRobots * kRounds)) << "one report per loss";
 }
 
 }  // namespace

@@ -14,9 +14,9 @@ constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kRequest_us = 4'427;  // 17 bytes at 38400 baud
 constexpr std::int64_t kAnswer_us = 5'990;   // 23 bytes
 
-/// A robot's clock, and a line that delays now and then.
+/// A robot's clock, and a line with occasional delays.
 struct Robot {
-  double rate = 1;                ///< robot seconds in a host second
+  double rate = 1;                ///< robot seconds per host second
   std::uint64_t start_ms = 5000;  ///< reading at kStart
   Random random{1};
   double longest_delay_us = 0;
@@ -24,7 +24,7 @@ struct Robot {
   [[nodiscard]] double robotUs(double host_us) const {
     return static_cast<double>(start_ms) * 1000 + rate * host_us;
   }
-  /// The low 32 bits of its milliseconds.
+  /// The robot's 32-bit milliseconds.
   [[nodiscard]] std::uint32_t ms(double host_us) const {
     return static_cast<std::uint32_t>(static_cast<std::uint64_t>(robotUs(host_us) / 1000));
   }
@@ -39,15 +39,14 @@ struct Robot {
     clock.add(kStart + std::llround(host_us), kStart + std::llround(back), wrapped, kRequest_us,
               kAnswer_us);
   }
-  /// How wrong the estimate is for the reading at this time, beyond what its milliseconds cost
-  /// [us].
+  /// Error of the estimate for the reading at this time, without the rounding to milliseconds [us].
   [[nodiscard]] double error(const ClockEstimate& clock, double host_us) const {
     const double true_us = (std::floor(robotUs(host_us) / 1000) * 1000 - robotUs(0)) / rate;
     return static_cast<double>(clock.utimeOf(ms(host_us)) - kStart) - true_us;
   }
 };
 
-TEST(ClockEstimate, KnowsNothingAtFirst) {
+TEST(ClockEstimate, IsUnknownAtFirst) {
   const ClockEstimate dut;
   EXPECT_FALSE(dut.known());
   EXPECT_EQ(dut.utimeOf(1234), 0);
@@ -74,7 +73,7 @@ TEST(ClockEstimate, FindsTheDrift) {
   }
 }
 
-TEST(ClockEstimate, IsNeverWrongByMoreThanItSays) {
+TEST(ClockEstimate, ErrorIsNeverAboveTheClaimedUncertainty) {
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     ClockEstimate dut;
     Robot robot;
@@ -100,7 +99,7 @@ TEST(ClockEstimate, WrapsAround) {
   EXPECT_NEAR(robot.error(dut, 2e6), 0, 50) << "before the wrap";
 }
 
-TEST(ClockEstimate, GoesOnOverManyWraps) {
+TEST(ClockEstimate, WorksOverManyWraps) {
   ClockEstimate dut;
   Robot robot;
   const double day_us = 86400e6;
@@ -110,19 +109,19 @@ TEST(ClockEstimate, GoesOnOverManyWraps) {
   }
 }
 
-TEST(ClockEstimate, AReadingOfItsOwnIsBetterThanNothing) {
+TEST(ClockEstimate, UsesUnsolicitedReadingsUntilTheFirstRoundTrip) {
   ClockEstimate dut;
-  dut.hear(kStart + 30'000, 1000, 10'000);
+  dut.addReading(kStart + 30'000, 1000, 10'000);
   EXPECT_EQ(dut.utimeOf(1000), kStart + 20'000);
-  dut.hear(kStart + 65'000, 1050, 10'000);  // it waited less
+  dut.addReading(kStart + 65'000, 1050, 10'000);  // shorter delay
   EXPECT_EQ(dut.utimeOf(1050), kStart + 55'000);
-  dut.hear(kStart + 150'000, 1100, 10'000);  // it waited more
+  dut.addReading(kStart + 150'000, 1100, 10'000);  // longer delay
   EXPECT_EQ(dut.utimeOf(1050), kStart + 55'000);
   Robot robot;
   robot.start_ms = 2000;
   robot.ping(dut, 1e6);
   EXPECT_NEAR(robot.error(dut, 1.1e6), 0, 2);
-  dut.hear(kStart, 3000, 0);  // no more say
+  dut.addReading(kStart, 3000, 0);  // ignored
   EXPECT_NEAR(robot.error(dut, 1.1e6), 0, 2);
 }
 

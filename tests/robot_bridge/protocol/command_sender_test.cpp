@@ -31,7 +31,7 @@ TEST(CommandSender, SendsAgainTwiceThenGivesUp) {
   EXPECT_EQ(dut.check(1000), Due::kNothing);
 }
 
-TEST(CommandSender, TakesOnlyItsOwnAnswerAndOnlyOnce) {
+TEST(CommandSender, AcceptsOnlyTheMatchingAnswerAndOnlyOnce) {
   CommandSender dut;
   dut.begin(commandOf(0x14, 7), 0, kTimeout);
   EXPECT_FALSE(dut.answer(0x14, 6));
@@ -41,7 +41,7 @@ TEST(CommandSender, TakesOnlyItsOwnAnswerAndOnlyOnce) {
   EXPECT_EQ(dut.check(500), Due::kNothing);
 }
 
-TEST(CommandSender, ALateAnswerStillCounts) {
+TEST(CommandSender, AcceptsALateAnswer) {
   CommandSender dut;
   dut.begin(commandOf(0x14, 7), 0, kTimeout);
   for (const std::int64_t now : {100, 200, 300}) static_cast<void>(dut.check(now));
@@ -52,7 +52,7 @@ TEST(CommandSender, ALateAnswerStillCounts) {
   EXPECT_TRUE(dut.answer(0x14, 8));
 }
 
-TEST(CommandSender, ForgetsEverythingWhenTold) {
+TEST(CommandSender, ForgetRemovesAllCommands) {
   CommandSender dut;
   dut.begin(commandOf(0x14, 7), 0, kTimeout);
   for (const std::int64_t now : {100, 200, 300}) static_cast<void>(dut.check(now));

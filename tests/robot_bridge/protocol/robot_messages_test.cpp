@@ -2,12 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <cstdlib>
 
 namespace lab::bridge {
 namespace {
 
-/// A clock that reads `ms` at `utime` and runs at this rate [host seconds per robot second].
+/// A clock with the reading `ms` at `utime` and this rate [host seconds per robot second].
 ClockEstimate clockOf(std::uint32_t ms, std::int64_t utime, double rate) {
   ClockEstimate clock;
   for (int i = 20; i >= 0; --i) {
@@ -17,7 +18,7 @@ ClockEstimate clockOf(std::uint32_t ms, std::int64_t utime, double rate) {
   return clock;
 }
 
-TEST(ReportHistory, ATimeFollowsTheClockAtFirstAndThenStays) {
+TEST(ReportHistory, ATimeFollowsTheClockAtFirstAndIsThenFixed) {
   ReportHistory::Time dut;
   const std::int64_t first = dut.at(clockOf(100'000, 1'000'000'000, 1), 100'000, 100'000);
   EXPECT_EQ(first, 1'000'000'000);
@@ -29,7 +30,7 @@ TEST(ReportHistory, ATimeFollowsTheClockAtFirstAndThenStays) {
   EXPECT_EQ(dut.at(later, 4'000'000, 4'100'000), later.utimeOf(4'000'000)) << "another event";
 }
 
-TEST(ReportHistory, RunTimeNeverFallsWhenTheRateIsFittedAnew) {
+TEST(ReportHistory, RunTimeNeverDecreasesWhenTheRateChanges) {
   ReportHistory dut;
   EXPECT_DOUBLE_EQ(dut.runTime(3'600'000, 1.001), 3603.6);
   EXPECT_DOUBLE_EQ(dut.runTime(3'600'000, 0.999), 3603.6);
@@ -37,7 +38,7 @@ TEST(ReportHistory, RunTimeNeverFallsWhenTheRateIsFittedAnew) {
   EXPECT_DOUBLE_EQ(dut.runTime(500, 1), 0.5) << "after a restart";
 }
 
-TEST(ReportHistory, SaturationsAreSaidOnce) {
+TEST(ReportHistory, ReportsASaturationOnce) {
   ReportHistory dut;
   EXPECT_FALSE(dut.saturated(0));
   EXPECT_TRUE(dut.saturated(3));

@@ -43,7 +43,7 @@ class RobotViewTest : public testing::Test {
   std::uint16_t tumbles = 0;
 };
 
-TEST_F(RobotViewTest, NeedsTelemetryAndItsState) {
+TEST_F(RobotViewTest, NeedsTelemetryAndTheMatchingState) {
   EXPECT_FALSE(dut.snapshot());
   telemetry(50);
   EXPECT_FALSE(dut.snapshot());
@@ -77,7 +77,7 @@ TEST_F(RobotViewTest, AReversalWhoseStateWasLostWaitsToo) {
   telemetry(100, dynamics::kReversing);
   EXPECT_EQ(dut.snapshot()->telemetry.t_ms, 100U);
   EXPECT_EQ(dut.snapshot()->reversal_count, 1U);
-  telemetry(150);  // it is over, but its STATE was lost
+  telemetry(150);  // the reversal is over, but its STATE was lost
   EXPECT_EQ(dut.snapshot()->telemetry.t_ms, 100U);
   reversal_end = 140;
   state();
@@ -96,7 +96,7 @@ TEST_F(RobotViewTest, UnwrapsTheCounts) {
   }
 }
 
-TEST_F(RobotViewTest, CountsWhatTelemetryWasLost) {
+TEST_F(RobotViewTest, CountsLostTelemetry) {
   state();
   telemetry(0);
   telemetry(50);
@@ -132,21 +132,21 @@ TEST_F(RobotViewTest, CountsRunsAndTumblesBetweenTheReports) {
   EXPECT_EQ(dut.snapshot()->tumble_count, 1U);
 }
 
-TEST_F(RobotViewTest, NeitherRunTimeNorTumblesEverFall) {
+TEST_F(RobotViewTest, RunTimeAndTumblesNeverDecrease) {
   kind = dynamics::kRtp;
   state();
   counters(0, 0);
   telemetry(0);
-  telemetry(50, dynamics::kTumbling);  // counts half of it as run
-  counters(60, 3);                     // it was less
+  telemetry(50, dynamics::kTumbling);  // counts half of the interval as run
+  counters(60, 3);                     // the true value is lower
   telemetry(100, dynamics::kTumbling);
   EXPECT_DOUBLE_EQ(dut.snapshot()->run_time_ms, 25);
-  state();  // still counts no tumble: sent before it began
+  state();  // was sent before the tumble began and does not count it
   telemetry(150, dynamics::kTumbling);
   EXPECT_EQ(dut.snapshot()->tumble_count, 1U);
 }
 
-TEST_F(RobotViewTest, KeepsStepsWithTheirFullEpoch) {
+TEST_F(RobotViewTest, UnwrapsTheEpochOfSteps) {
   epoch = 0xFFFF;
   state();
   wire::Step step;
@@ -154,7 +154,7 @@ TEST_F(RobotViewTest, KeepsStepsWithTheirFullEpoch) {
   step.program_epoch = 0xFFFF;
   dut.take(step);
   step.draw_count = 2;
-  step.program_epoch = 0;  // its STATE comes later
+  step.program_epoch = 0;  // the STATE with this epoch comes later
   dut.take(step);
   step.draw_count = 5;
   dut.take(step);

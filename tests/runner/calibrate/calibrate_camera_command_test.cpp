@@ -16,7 +16,7 @@
 #include "common/math/random.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
-#include "runner/commands/commands.hpp"
+#include "runner/calibrate/calibrate_commands.hpp"
 #include "sim_svc/camera_painter.hpp"
 #include "tests/support/temporary_folder.hpp"
 

@@ -73,7 +73,7 @@ class LogPlaybackTest : public testing::Test {
     experiment_command_t command{};
     command.action = action;
     command.value = value;
-    return playback_.obey(command, now_);
+    return playback_.execute(command, now_);
   }
 
   std::vector<LogEvent> events_ = recordedEvents();
@@ -223,7 +223,7 @@ TEST(LogPlaybackOfALongLog, PlaysAllEventsInPortions) {
   experiment_command_t seek{};
   seek.action = experiment_command_t::SEEK;
   seek.value = dut.length();
-  ASSERT_EQ(dut.obey(seek, late), "");
+  ASSERT_EQ(dut.execute(seek, late), "");
   sent.clear();
   EXPECT_EQ(play(), 2000U);
   EXPECT_EQ(play(), 2000U) << "events before the target of a jump too";

@@ -15,7 +15,7 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "runner/commands/commands.hpp"
+#include "runner/film/film_commands.hpp"
 #include "runner/film/movie_writer.hpp"
 #include "tests/support/film_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -104,7 +104,8 @@ TEST_F(TrackCommand, ReadsAFilmWithGamma) {
   EXPECT_EQ(track(options_), kDone);
   EXPECT_THAT(testing::internal::GetCapturedStdout(),
               AllOf(HasSubstr("with a gamma of 2.2"),
-                    HasSubstr("at 3 of 3 places caps show only so"), Not(HasSubstr("from frame"))));
+                    HasSubstr("at 3 of 3 places caps are found only with it"),
+                    Not(HasSubstr("from frame"))));
   EXPECT_EQ(linesIn(readFile(options_.out)), 1 + 5 * 3);
 }
 
@@ -368,7 +369,8 @@ TEST_F(TrackCommand, NamesThePicturesThatItCannotRead) {
   fs::create_directory(folder_ / "scans");
   for (const char* name : {"scans/a1.tif", "scans/a2.TIF", "scans/notes.txt"}) write(name, "x");
   options_.source = (folder_ / "scans").string();
-  EXPECT_THAT(problem(), AllOf(HasSubstr("found no pictures"), HasSubstr("but 2 of .tif; ffmpeg")));
+  EXPECT_THAT(problem(),
+              AllOf(HasSubstr("found no pictures"), HasSubstr("but 2 of .tif; convert")));
 }
 
 TEST_F(TrackCommand, ReportsFramesWithMoreCapsThanRobots) {

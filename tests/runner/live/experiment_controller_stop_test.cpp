@@ -11,7 +11,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/units.hpp"
 #include "common/service/node.hpp"

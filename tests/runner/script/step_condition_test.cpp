@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::runner::step_condition_test {
 namespace {
@@ -19,8 +19,8 @@ Experiment threeRobots() {
     experiment.robots.back().id = id;
   }
   for (const char* name : {"abp", "slow"}) {
-    ProgramSpec& program = experiment.programs[name];
-    program.model = Model::kAbp;
+    RobotProgram& program = experiment.programs[name];
+    program.kind = ProgramKind::kAbp;
     program.v = name[0] == 'a' ? 0.03 : 0.01;
     program.epsilon = 0.5;
     program.eta = 3;

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::runner::stop_rules_test {
 namespace {
@@ -24,8 +24,8 @@ StopRule rule(const char* estimate, double error, std::int32_t robot = 0, double
 
 Experiment experimentWith(const std::vector<StopRule>& rules, StopOn on = StopOn::kAll) {
   Experiment experiment;
-  ProgramSpec& program = experiment.programs["abp"];
-  program.model = Model::kAbp;
+  RobotProgram& program = experiment.programs["abp"];
+  program.kind = ProgramKind::kAbp;
   program.v = 0.03;
   program.epsilon = 0.5;
   program.eta = 3;

@@ -1,4 +1,4 @@
-// Robots on simulated chips: the firmware as it is flashed, in lockstep with the world.
+// Robots on simulated chips: the firmware binary in lockstep with the world.
 #include "sim_svc/bodies/chip_robots.hpp"
 
 #include <gmock/gmock.h>
@@ -7,6 +7,8 @@
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <optional>
+#include <stdexcept>
 
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/random.hpp"
@@ -43,7 +45,7 @@ std::vector<ChipRobotSetup> chips(const World& world) {
   return setups;
 }
 
-/// A world with robots on chips that follows virtual time, as the service does it.
+/// A world with robots on chips that follows virtual time, as in the service.
 struct Bench {
   explicit Bench(const WorldSettings& settings = idealHardware(),
                  const std::vector<RobotSetup>& setups = chipAt(0.6, 0.45, 0))
@@ -80,7 +82,7 @@ class ChipRobotsTest : public testing::Test {
   }
 };
 
-TEST_F(ChipRobotsTest, SayWhoTheyAre) {
+TEST_F(ChipRobotsTest, SendHelloWithTheirUid) {
   Bench bench;
   EXPECT_EQ(bench.ports.offered(), std::vector<std::string>{"robot_07"});
   WireHost host(bench.ports, "robot_07");
@@ -91,7 +93,7 @@ TEST_F(ChipRobotsTest, SayWhoTheyAre) {
   EXPECT_THAT(bench.reports, testing::IsEmpty());
 }
 
-TEST_F(ChipRobotsTest, DriveWhatTheyAreTold) {
+TEST_F(ChipRobotsTest, DriveAtTheOrderedSpeed) {
   Bench bench(idealHardware(), chipAt(0.3, 0.45, 0));
   WireHost host(bench.ports, "robot_07");
   bench.run(0.2);
@@ -99,7 +101,7 @@ TEST_F(ChipRobotsTest, DriveWhatTheyAreTold) {
   bench.run(0.3);
   const dynamics::Pose before = bench.world.pose(0);
   host.order.mode = wire::Order::kDrive;
-  host.order.left_um_s = 90000;  // a third of the full speed: duty 85 exactly
+  host.order.left_um_s = 90000;  // a third of the full speed: exactly duty 85
   host.order.right_um_s = 90000;
   host.order.lease_ms = 1000;
   host.send(host.order);
@@ -108,7 +110,7 @@ TEST_F(ChipRobotsTest, DriveWhatTheyAreTold) {
   EXPECT_NEAR(bench.world.pose(0).y, before.y, 1e-4);
 }
 
-TEST_F(ChipRobotsTest, DrawAsARobotOnTheBusWithTheSameSeed) {
+TEST_F(ChipRobotsTest, DrawTheSameAsABusRobotWithTheSameSeed) {
   constexpr std::uint64_t kSeed = 11;
   const auto program = always(abpProgram(0.03, 0.1, 3));
   WorldSettings settings;
@@ -147,7 +149,7 @@ TEST_F(ChipRobotsTest, DrawAsARobotOnTheBusWithTheSameSeed) {
   }
 }
 
-TEST_F(ChipRobotsTest, TwoRunsAreEqualToTheByte) {
+TEST_F(ChipRobotsTest, TwoRunsAreIdenticalToTheByte) {
   const auto run = [] {
     std::vector<RobotSetup> setups = {{7, std::nullopt, true}, {8, std::nullopt, true}};
     Bench bench(WorldSettings(), setups);
@@ -166,7 +168,7 @@ TEST_F(ChipRobotsTest, TwoRunsAreEqualToTheByte) {
   EXPECT_EQ(first, run());
 }
 
-TEST_F(ChipRobotsTest, WhenTheEmulatorEndsTheyStandAndAreSwitchedOnAnew) {
+TEST_F(ChipRobotsTest, StandAndAreSwitchedOnAgainWhenTheEmulatorEnds) {
   Bench bench(idealHardware(), chipAt(0.3, 0.45, 0));
   WireHost host(bench.ports, "robot_07");
   bench.run(0.2);
@@ -185,11 +187,11 @@ TEST_F(ChipRobotsTest, WhenTheEmulatorEndsTheyStandAndAreSwitchedOnAnew) {
   bench.run(0.5);
   ASSERT_EQ(host.all<wire::Hello>().size(), hellos + 1);
   EXPECT_EQ(host.all<wire::Hello>().back().reset_cause, wire::kResetPower);
-  EXPECT_NEAR(bench.world.pose(0).x, x, 1e-4) << "stands until it is told to move";
+  EXPECT_NEAR(bench.world.pose(0).x, x, 1e-4) << "it stands until a new order";
   EXPECT_EQ(bench.reports.size(), 1U);
 }
 
-TEST_F(ChipRobotsTest, AHangingEmulatorIsReplacedAndAfterThreeFailuresTheyStayOff) {
+TEST_F(ChipRobotsTest, AHangingEmulatorIsReplacedUpToThreeTimes) {
   Bench bench;
   bench.run(0.2);
   kill(bench.robots->emulator()->pid(), SIGSTOP);
@@ -218,7 +220,7 @@ TEST_F(ChipRobotsTest, TheEmulatorEndsWithItsOwner) {
   EXPECT_EQ(kill(pid, 0), -1);
 }
 
-/// Starting with these programs, without a world that anybody else sees.
+/// Starts robots with these programs in a world of their own.
 void startIn(const fs::path& folder) {
   const World world(idealHardware(), chipAt(0.6, 0.45, 0));
   const ChipRobots dut(world, chips(world), folder, [](const std::string&) {});
@@ -229,7 +231,7 @@ void makeProgram(const fs::path& path, const std::string& script) {
   fs::permissions(path, fs::perms::owner_all);
 }
 
-TEST(ChipRobotsStart, WhatIsMissingIsNamedWithTheWayOut) {
+TEST(ChipRobotsStart, NamesAMissingProgramWithASolution) {
   TemporaryFolder folder;
   EXPECT_THAT([&] { startIn(folder / ""); },
               ThrowsMessage<std::runtime_error>(AllOf(HasSubstr("robot 7"),
@@ -241,7 +243,7 @@ TEST(ChipRobotsStart, WhatIsMissingIsNamedWithTheWayOut) {
                   AllOf(HasSubstr("robot_firmware.elf: not there"), HasSubstr("gcc-avr"))));
 }
 
-TEST(ChipRobotsStart, AnEmulatorThatDoesNotStartSaysWhy) {
+TEST(ChipRobotsStart, ReportsWhyTheEmulatorDoesNotStart) {
   TemporaryFolder folder;
   std::ofstream(folder / "robot_firmware.elf") << "no program";
   makeProgram(folder / "robot_emulator", "exit 3");
@@ -250,10 +252,10 @@ TEST(ChipRobotsStart, AnEmulatorThatDoesNotStartSaysWhy) {
                   HasSubstr("robot_emulator does not start: ended with code 3")));
 }
 
-TEST_F(ChipRobotsTest, AFirmwareThatIsNoneIsRefusedInTheEmulatorsOwnWords) {
+TEST_F(ChipRobotsTest, ReportsTheEmulatorsReasonForAnInvalidFirmware) {
   TemporaryFolder folder;
   std::ofstream(folder / "robot_firmware.elf") << "no program";
-  // The emulator looks for the firmware beside itself.
+  // The emulator expects the firmware in its own folder.
   fs::copy_file(programs() / "robot_emulator", folder / "robot_emulator");
   EXPECT_THAT([&] { startIn(folder / ""); },
               ThrowsMessage<std::runtime_error>(

@@ -6,6 +6,9 @@
 #include <lab/experiment_event_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <stdexcept>
+#include <string>
+#include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
@@ -29,8 +32,8 @@ void write(LogWriter& log, std::string_view channel, const Message& message) {
   log.write({channel, bytes, message.utime});
 }
 
-/// Robots 3 and 4 for ten seconds at 50 frames a second; robot 3 is missing in the frame at
-/// 2.02 s of the script.
+/// Robots 3 and 4 for ten seconds at 50 frames per second; robot 3 is missing in the frame at 2.02
+/// s of the script.
 class ReplayRobotTest : public testing::Test {
  protected:
   ReplayRobotTest() {
@@ -78,7 +81,7 @@ class ReplayRobotTest : public testing::Test {
   std::filesystem::path path = folder / "log.lcmlog";
 };
 
-TEST_F(ReplayRobotTest, PlaysTheRecordedPosesAtTheirPaceFromNowOn) {
+TEST_F(ReplayRobotTest, PlaysTheRecordedPosesAtTheirPace) {
   const ReplayRobot dut(loadRecording(path, 3, 2), 21, kLive);
   // 2 s of the script are frame 150.
   for (const std::int64_t frame : {0, 5, 100}) {
@@ -91,16 +94,16 @@ TEST_F(ReplayRobotTest, PlaysTheRecordedPosesAtTheirPaceFromNowOn) {
   EXPECT_FALSE(dut.trackedPose(kLive - 1));
 }
 
-TEST_F(ReplayRobotTest, BetweenTwoFramesItIsBetweenTheirPoses) {
+TEST_F(ReplayRobotTest, InterpolatesBetweenFrames) {
   const ReplayRobot dut(loadRecording(path, 3, 2), 3, kLive);
   const auto pose = dut.trackedPose(kLive + 5 * 20'000 + 5'000);
   ASSERT_TRUE(pose);
   EXPECT_NEAR(pose->x, 0.1 + 0.001 * 155.25, 1e-12);
-  // From -3.1 to 3.1 the short way, through pi.
+  // From -3.1 to 3.1 by the shorter way, through pi.
   EXPECT_NEAR(pose->theta, -3.1 - 0.25 * (2 * M_PI - 6.2), 1e-9);
 }
 
-TEST_F(ReplayRobotTest, WhereTheTrackerHadLostItItIsMissingButStillThere) {
+TEST_F(ReplayRobotTest, HasNoTrackedPoseButALastPoseWhileTheTrackerHadLostIt) {
   const ReplayRobot dut(loadRecording(path, 3, 2), 3, kLive);
   EXPECT_TRUE(dut.trackedPose(kLive));
   EXPECT_FALSE(dut.trackedPose(kLive + 20'000));
@@ -109,7 +112,7 @@ TEST_F(ReplayRobotTest, WhereTheTrackerHadLostItItIsMissingButStillThere) {
   EXPECT_EQ(dut.lastPose(kLive + 20'000)->x, dut.lastPose(kLive)->x);
 }
 
-TEST_F(ReplayRobotTest, ReportsAsReplayWithItsTimesShiftedAndNoOrderObeyed) {
+TEST_F(ReplayRobotTest, ReportsStatesWithShiftedTimesAndWithoutCommands) {
   const ReplayRobot dut(loadRecording(path, 3, 2), 21, kLive);
   const std::int64_t shift = kLive - (kScript + 2 * kSecond_us);
   const auto state = dut.state(kLive + kSecond_us);
@@ -117,10 +120,11 @@ TEST_F(ReplayRobotTest, ReportsAsReplayWithItsTimesShiftedAndNoOrderObeyed) {
   EXPECT_EQ(state->robot_id, 21);
   EXPECT_EQ(state->origin, robot_state_t::REPLAY);
   EXPECT_EQ(state->program.kind, program_t::RTP);
-  EXPECT_EQ(state->tumble_count, 150 + 49) << "the state after the frame at 1 s is not yet";
+  EXPECT_EQ(state->tumble_count, 150 + 49)
+      << "the state after the frame at 1 s is still in the future";
   EXPECT_EQ(state->utime, kLive + 980'000 + 3000);
   EXPECT_EQ(state->program_start_utime, kScript + 10 + shift);
-  EXPECT_EQ(state->reversal_start_utime, 0) << "none, whenever";
+  EXPECT_EQ(state->reversal_start_utime, 0) << "0 means none and is not shifted";
   EXPECT_EQ(state->command_seq, 0);
   EXPECT_EQ(state->stop_seq, 0);
 }
@@ -134,11 +138,11 @@ TEST_F(ReplayRobotTest, IsGoneAfterTheEnd) {
   EXPECT_FALSE(dut.state(kLive + kSecond_us + 1));
 }
 
-TEST_F(ReplayRobotTest, TakesTheFolderOfARun) {
+TEST_F(ReplayRobotTest, ReadsTheFolderOfARun) {
   EXPECT_EQ(loadRecording(folder / "", 4, 0).frames.size(), 451U);
 }
 
-TEST_F(ReplayRobotTest, WhatCannotBePlayedIsNamedInOneLine) {
+TEST_F(ReplayRobotTest, ReportsInvalidRecordingsInOneLine) {
   const auto loading = [&](const std::string& file, std::int32_t id, double from) {
     return [this, file, id, from] { static_cast<void>(loadRecording(folder / file, id, from)); };
   };

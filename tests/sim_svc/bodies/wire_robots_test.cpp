@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/random.hpp"
@@ -29,7 +30,7 @@ WireSetup wireSetup(std::size_t body = 0, int baud = 38400) {
   return setup;
 }
 
-/// A world with wire robots that follows virtual time, as the service does it.
+/// A world with wire robots that follows virtual time, as in the service.
 struct Bench {
   explicit Bench(const WorldSettings& settings = idealHardware(),
                  std::vector<RobotSetup> setups = wireRobotAt(0.6, 0.45, 0), int baud = 38400)
@@ -55,7 +56,7 @@ struct Bench {
   WireRobots* robots = nullptr;
 };
 
-TEST(WireRobots, OfferALineEachAndSayHelloEverySecondUntilTheyAreHeard) {
+TEST(WireRobots, OfferOneLineEachAndSendHelloEverySecondUntilAHostSendsAFrame) {
   Bench bench;
   EXPECT_EQ(bench.ports.offered(), std::vector<std::string>{"robot_07"});
   WireHost host(bench.ports, "robot_07");
@@ -68,10 +69,10 @@ TEST(WireRobots, OfferALineEachAndSayHelloEverySecondUntilTheyAreHeard) {
   EXPECT_EQ(hellos[3].boot_id, hellos[0].boot_id);
   host.send(wire::GetInfo());
   bench.run(3);
-  EXPECT_EQ(host.all<wire::Hello>().size(), 5U) << "the answer alone";
+  EXPECT_EQ(host.all<wire::Hello>().size(), 5U) << "only the answer";
 }
 
-TEST(WireRobots, TheLineTakesItsTimeBothWays) {
+TEST(WireRobots, TheLineDelaysBytesInBothDirections) {
   Bench bench;
   WireHost host(bench.ports, "robot_07");
   bench.run(0.5);
@@ -79,8 +80,8 @@ TEST(WireRobots, TheLineTakesItsTimeBothWays) {
   bench.run(0.2);
   const std::size_t before = host.bytes.size();
   host.send(wire::Ping());
-  // PING 17 bytes, PONG 23: 40 bytes at 10 bits of 26 us are 10.4 ms. What else the robot says may
-  // be in the way, and a slice.
+  // PING has 17 bytes and PONG 23: 40 bytes of 10 bits of 26 us take 10.4 ms. Another report of the
+  // robot and one slice may add to this.
   bench.run(0.010);
   EXPECT_EQ(host.all<wire::Pong>().size(), 0U);
   bench.run(0.040);
@@ -89,8 +90,8 @@ TEST(WireRobots, TheLineTakesItsTimeBothWays) {
   EXPECT_LE(line_s, 0.050);
 }
 
-TEST(WireRobots, WhatABusyLineCarriesIsWholeAndNotFasterThanTheLine) {
-  // At 9600 baud and 100 reports a second, most find the line busy.
+TEST(WireRobots, ABusyLineCarriesWholeFramesAtItsSpeed) {
+  // At 9600 baud and 100 reports per second, most reports find the line busy.
   Bench bench(idealHardware(), wireRobotAt(0.6, 0.45, 0), 9600);
   WireHost host(bench.ports, "robot_07");
   wire::SetParam fast;
@@ -106,24 +107,25 @@ TEST(WireRobots, WhatABusyLineCarriesIsWholeAndNotFasterThanTheLine) {
   EXPECT_GT(host.bytes.size(), 5U * 960 / 2);
 }
 
-TEST(WireRobots, DriveWhatTheyAreTold) {
+TEST(WireRobots, DriveAtTheOrderedSpeed) {
   Bench bench(idealHardware(), wireRobotAt(0.3, 0.45, 0));
   WireHost host(bench.ports, "robot_07");
   host.configure(always(abpProgram()), 1);
   bench.run(0.2);
   const dynamics::Pose before = bench.world.pose(0);
   host.order.mode = wire::Order::kDrive;
-  host.order.left_um_s = 90000;  // a third of the full speed: duty 85 exactly
+  host.order.left_um_s = 90000;  // a third of the full speed: exactly duty 85
   host.order.right_um_s = 90000;
   host.order.lease_ms = 1000;
   host.send(host.order);
   bench.run(3);
-  // From the end of the frame for the lease, each within a millisecond of the robot's clock.
+  // The lease starts at the end of the frame; both ends are within a millisecond of the robot's
+  // clock.
   EXPECT_NEAR(bench.world.pose(0).x - before.x, 0.09, 0.09 * 0.002);
   EXPECT_EQ(bench.world.pose(0).y, before.y);
 }
 
-TEST(WireRobots, DrawAsARobotOnTheBusWithTheSameSeed) {
+TEST(WireRobots, DrawTheSameAsABusRobotWithTheSameSeed) {
   constexpr std::uint64_t kSeed = 11;
   WorldSettings settings;
   settings.seed = kSeed;
@@ -162,7 +164,7 @@ TEST(WireRobots, DrawAsARobotOnTheBusWithTheSameSeed) {
   }
 }
 
-TEST(WireRobots, TheirMotorsChangeAtTheTimesOfTheirOwnClock) {
+TEST(WireRobots, ChangeTheirMotorsAtTimesOfTheirOwnClock) {
   WorldSettings settings;
   settings.arena = {20, 20};
   settings.clock_error = 0.01;
@@ -171,7 +173,7 @@ TEST(WireRobots, TheirMotorsChangeAtTheTimesOfTheirOwnClock) {
   bench.run(1.1);
   host.configure(always(abpProgram(0.03, 0.1, 3)), 5);
   host.run(60'000);
-  // The true speed of turning changes with each draw: every 100 ms of its clock.
+  // The true turning rate changes with each draw: every 100 ms of the robot's clock.
   std::vector<std::int64_t> changes;
   double turn = 0;
   double theta = bench.world.pose(0).theta;
@@ -182,7 +184,7 @@ TEST(WireRobots, TheirMotorsChangeAtTheTimesOfTheirOwnClock) {
     turn = now - theta;
     theta = now;
   }
-  // A change inside a slice shows in two slices.
+  // A change inside a slice is visible in two slices.
   const double rate = bench.world.clock(0).rate();
   ASSERT_NE(rate, 1);
   const double elapsed = static_cast<double>(changes.back() - changes[0]);
@@ -190,7 +192,7 @@ TEST(WireRobots, TheirMotorsChangeAtTheTimesOfTheirOwnClock) {
   EXPECT_NEAR(holds, std::round(holds), 0.05);
 }
 
-TEST(WireRobots, SwitchProgramsByTheLightAndTurnBackFromARobotAhead) {
+TEST(WireRobots, SwitchProgramsByTheLightAndReverseFromARobotAhead) {
   Bench bench(idealHardware(), wireRobotAt(0.6, 0.45, 0));
   dynamics::CoreSettings settings = always(wheelsProgram(0.05, 0.05));
   settings.reversal.distance_um = 50000;
@@ -204,7 +206,7 @@ TEST(WireRobots, SwitchProgramsByTheLightAndTurnBackFromARobotAhead) {
   EXPECT_EQ(bench.world.state(0).robot_contacts, 0);
 }
 
-TEST(WireRobots, AResetForgetsEverythingButTheStoredSettings) {
+TEST(WireRobots, AResetKeepsOnlyTheStoredSettings) {
   Bench bench;
   WireHost host(bench.ports, "robot_07");
   host.configure(always(wheelsProgram(0.02, 0.02)), 1);
@@ -214,7 +216,8 @@ TEST(WireRobots, AResetForgetsEverythingButTheStoredSettings) {
   EXPECT_GT(x, 0.6);
   bench.robots->robot(0).reset(bench.world.timeUs());
   bench.run(2);
-  EXPECT_NEAR(bench.world.pose(0).x, x, 0.02 * 0.003) << "stands at once and stays";
+  EXPECT_NEAR(bench.world.pose(0).x, x, 0.02 * 0.003)
+      << "it stops at once and does not start again";
   const auto hellos = host.all<wire::Hello>();
   ASSERT_GE(hellos.size(), 2U);
   EXPECT_EQ(hellos.back().uid, kUid);
@@ -222,7 +225,7 @@ TEST(WireRobots, AResetForgetsEverythingButTheStoredSettings) {
   EXPECT_NE(hellos.back().boot_id, hellos.front().boot_id);
 }
 
-TEST(WireRobots, TwoRunsAreEqualToTheByte) {
+TEST(WireRobots, TwoRunsAreIdenticalToTheByte) {
   const auto run = [] {
     WorldSettings settings;
     std::vector<RobotSetup> setups = robots(5);

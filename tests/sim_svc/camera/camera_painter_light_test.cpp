@@ -1,8 +1,10 @@
-// Where the simulated camera shows the projector's light, and how bright.
+// Position and brightness of the projector's light in the simulated camera.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "light/optics/simulated_camera.hpp"
@@ -32,7 +34,7 @@ light::Layer uniform(double intensity) {
 
 light::Field lit(double intensity) { return {{uniform(intensity)}, {}, 1}; }
 
-/// Bright from the line x = `edge` on, in steps as sharp as the projector can.
+/// Bright for x > `edge`, with the projector's smallest edge width.
 light::Field stepAt(double edge) {
   light::Layer half = uniform(1);
   half.kind = light::LayerKind::kHalfPlane;
@@ -45,7 +47,8 @@ double greyAt(const std::vector<float>& picture, const optics::Pixel& at) {
                                      static_cast<std::size_t>(std::lround(at.x))]);
 }
 
-/// How far right of `at` [px] its row turns from dark to bright: by the share of dark in it.
+/// Distance from `at` to the right [px] at which its row changes from dark to bright, measured by
+/// the share of darkness.
 double crossing(const std::vector<float>& picture, const optics::Pixel& at) {
   constexpr int kReach = 5;
   const auto row = static_cast<std::size_t>(std::lround(at.y)) * kWidth;
@@ -62,7 +65,7 @@ double crossing(const std::vector<float>& picture, const optics::Pixel& at) {
   return column - kReach - 0.5 + darkness - at.x;
 }
 
-/// Where the row of `at` sees the line x = `x` at height z: the camera is not quite level.
+/// Position in the row of `at` of the line x = `x` at height z; the camera is slightly tilted.
 optics::Pixel onRow(const optics::CameraModel& model, double x, double z, double row) {
   double y = 0.45;
   optics::PlaneScale scale;
@@ -73,7 +76,7 @@ optics::Pixel onRow(const optics::CameraModel& model, double x, double z, double
   return model.project(x, y, z);
 }
 
-TEST(CameraPainterLight, PatternsAreRightOnCapsAndShiftedOnTheFloor) {
+TEST(CameraPainterLight, PatternsAreCorrectOnCapsAndShiftedOnTheFloor) {
   const PainterSettings settings = plain();
   const optics::CameraModel model(settings.camera);
   CameraPainter painter(settings);
@@ -111,7 +114,7 @@ TEST(CameraPainterLight, ShadowsFallAwayFromTheProjectorAndSidesAreBlack) {
               kFullSignal * 0.20 / 0.78 * 1.03 + settings.imaging.black, 4);
 }
 
-TEST(CameraPainterLight, ExposureAndGainScaleTheSignalAndWhiteIsTheEnd) {
+TEST(CameraPainterLight, ExposureAndGainScaleTheSignalUpToWhite) {
   PainterSettings settings = plain();
   const optics::CameraModel model(settings.camera);
   const optics::Pixel at = model.project(0.5, 0.5, 0);
@@ -136,7 +139,7 @@ TEST(CameraPainterLight, ExposureAndGainScaleTheSignalAndWhiteIsTheEnd) {
   EXPECT_EQ(picture[static_cast<std::size_t>(at.y) * kWidth + static_cast<std::size_t>(at.x)], 255);
 }
 
-/// Robots on a bright and a dark side, one of them across the edge.
+/// Robots on a bright and on a dark side, and one across the edge.
 const std::vector<PaintedRobot> kSome = {
     {0.30, 0.30, 1}, {0.60, 0.45, 2, 0.05, 0, 1}, {0.90, 0.60, 3}, {0.965, 0.62, 0.5}};
 
@@ -188,9 +191,9 @@ TEST(CameraPainterLight, APictureDoesNotDependOnWhatWasPaintedBefore) {
   EXPECT_NE(alone, later) << "another seed";
 }
 
-/// Thin, curved and repeated light is followed wherever it goes: against a field whose parts the
-/// painter cannot take for uniform, as a fade hides them.
-TEST(CameraPainterLight, NoLayerIsTakenForSimplerThanItIs) {
+/// Compares thin, curved and repeated layers with the same field during a cross-fade, for which the
+/// painter cannot use its simplifications for uniform parts.
+TEST(CameraPainterLight, SimplificationsDoNotChangeAnyLayer) {
   std::vector<light::Layer> layers = {uniform(0.1)};
   const auto add = [&](light::LayerKind kind, double x, double y, double size, double inner) {
     light::Layer layer = uniform(0.9);
@@ -219,7 +222,7 @@ TEST(CameraPainterLight, NoLayerIsTakenForSimplerThanItIs) {
     }
     painter.setLight({shown, {}, 1});
     const std::vector<float> quick = painter.expose(kSome);
-    // A gradient that is one everywhere forbids every short cut.
+    // A gradient that is 1 everywhere disables all simplifications.
     light::Layer even = uniform(1);
     even.kind = light::LayerKind::kLinearGradient;
     even.size = 1;
@@ -254,8 +257,8 @@ TEST(PainterLight, FollowsTheProjectorsGammaAndVignetting) {
       const optics::Pixel at = camera.project(place.x, place.y, 0);
       const double share =
           (greyAt(seen, at) - greyAt(dark, at)) / (greyAt(white, at) - greyAt(dark, at));
-      // A floor point gets the light that is meant for a place a little nearer to the projector, at
-      // cap height.
+      // A point on the floor gets the light of a point at cap height that is nearer to the
+      // projector.
       const double up = settings.cap.height / settings.projector[2];
       const optics::Place meant{place.x + up * (settings.projector[0] - place.x),
                                 place.y + up * (settings.projector[1] - place.y)};

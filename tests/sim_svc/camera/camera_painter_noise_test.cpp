@@ -1,7 +1,10 @@
-// The simulated camera's noise against its model: variance = floor + slope signal, rounding 1/12.
+// Compares the simulated camera's noise with its model: variance = floor + slope signal, plus 1/12
+// by rounding.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <stdexcept>
 #include <vector>
 
 #include "light/optics/simulated_camera.hpp"
@@ -18,11 +21,12 @@ struct Statistics {
   double mean = 0;
   double variance = 0;
   double next_pixel = 0;  ///< correlation with the pixel to the right
-  double next_row = 0;    ///< with the one below
-  double next_frame = 0;  ///< with the same one a frame later
+  double next_row = 0;    ///< correlation with the pixel below
+  double next_frame = 0;  ///< correlation with the same pixel in the next frame
 };
 
-/// Of 60 frames of a part of an empty floor under even light, over expected values that are known.
+/// Statistics of 60 frames of a part of an empty floor in uniform light, relative to the expected
+/// values.
 Statistics measure(double light, double gain) {
   PainterSettings settings;
   settings.camera = optics::simulatedCamera(kWidth, kHeight, 1.20, 0.90);
@@ -82,14 +86,14 @@ TEST(CameraPainterNoise, HasTheModelsMeanAndVarianceAtAnyLightAndGain) {
   }
 }
 
-TEST(CameraPainterNoise, GainMultipliesOneHalfOfTheNoiseInTheDark) {
+TEST(CameraPainterNoise, GainMultipliesHalfOfTheNoiseInTheDark) {
   const optics::Imaging imaging;
   EXPECT_DOUBLE_EQ(pixelNoise(imaging, 1).floor, 1.2 * 1.2);
   EXPECT_DOUBLE_EQ(pixelNoise(imaging, 3).floor, 1.2 * 1.2 * 5);
   EXPECT_DOUBLE_EQ(pixelNoise(imaging, 3).slope, 0.078);
 }
 
-TEST(CameraPainterNoise, AnotherSizeOfCanvasIsRefused) {
+TEST(CameraPainterNoise, RefusesABufferOfAnotherSize) {
   PainterSettings settings;
   settings.camera = optics::simulatedCamera(kWidth, kHeight, 1.20, 0.90);
   CameraPainter painter(settings);

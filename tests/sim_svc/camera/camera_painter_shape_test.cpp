@@ -1,7 +1,8 @@
-// Where the simulated camera puts things, against a reference that traces sharp rays.
+// Compares positions of painted objects with a reference that traces rays.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "light/optics/simulated_camera.hpp"
 #include "sim_svc/camera_painter.hpp"
@@ -18,7 +19,7 @@ light::Field lit(double intensity) {
   return {{layer}, {}, 1};
 }
 
-/// An even, noiseless camera.
+/// A camera without noise and vignetting.
 PainterSettings plain(int width = 1280, int height = 720) {
   PainterSettings settings;
   settings.camera = optics::simulatedCamera(width, height, 1.20, 0.90);
@@ -27,18 +28,18 @@ PainterSettings plain(int width = 1280, int height = 720) {
   settings.hot_pixels = 0;
   settings.texture = false;
   settings.imaging.black = 0;
-  // A large white cap: whatever the blur, there is nothing else around the circles.
+  // A large white cap, so that only white surrounds the circles even with blur.
   settings.cap.cap_radius = 0.055;
   settings.cap.robot_radius = 0.056;
   return settings;
 }
 
 struct Compared {
-  double off = 0;    ///< [px] between the middles of the big circle
-  double worst = 0;  ///< [DN] of one pixel
+  double off = 0;    ///< [px] distance between the centres of the big circle
+  double worst = 0;  ///< [DN] largest difference of a pixel
 };
 
-/// The window around the big circle in which there is nothing but it and the cap.
+/// A window that contains only the big circle and the cap around it.
 Compared compare(const PainterSettings& settings, const PaintedRobot& robot, int rays = 20) {
   CameraPainter painter(settings);
   painter.setLight(lit(1));
@@ -51,7 +52,7 @@ Compared compare(const PainterSettings& settings, const PaintedRobot& robot, int
   const Window window{static_cast<int>(std::lround(at.x)) - half,
                       static_cast<int>(std::lround(at.y)) - half, 2 * half + 1, 2 * half + 1};
   const double full = kFullSignal / settings.albedos.floor * (1 + settings.ambient);
-  // Movement: the mean over instants.
+  // Motion: the mean over several times.
   constexpr int kInstants = 8;
   const bool moves = robot.vx != 0 || robot.vy != 0 || robot.omega != 0;
   const auto grey = [&](optics::Pixel pixel) {
@@ -67,22 +68,23 @@ Compared compare(const PainterSettings& settings, const PaintedRobot& robot, int
     }
     return full * sum / (moves ? kInstants : 1);
   };
-  const std::vector<double> wanted = reference::blurred(window, settings.imaging.blur, rays, grey);
+  const std::vector<double> expected =
+      reference::blurred(window, settings.imaging.blur, rays, grey);
   const std::vector<PaintedRobot> robots = {robot};
   const std::vector<double> painted =
       reference::cut(painter.expose(robots), settings.camera.width, window);
   Compared result;
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    result.worst = std::max(result.worst, std::abs(painted[i] - wanted[i]));
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    result.worst = std::max(result.worst, std::abs(painted[i] - expected[i]));
   }
   const double white = full * settings.albedos.cap;
   const optics::Pixel a = reference::middle(painted, window, white);
-  const optics::Pixel b = reference::middle(wanted, window, white);
+  const optics::Pixel b = reference::middle(expected, window, white);
   result.off = std::hypot(a.x - b.x, a.y - b.y);
   return result;
 }
 
-TEST(CameraPainterShape, CirclesLieWhereRaysPutThemAllOverThePicture) {
+TEST(CameraPainterShape, CirclesHaveCorrectPositionsAllOverThePicture) {
   const PaintedRobot robots[] = {
       {0.60, 0.45, 0.3}, {0.05, 0.05, 2.0}, {1.14, 0.84, 0.77}, {0.3103, 0.2207, 1.111}};
   for (const PaintedRobot& robot : robots) {
@@ -92,7 +94,7 @@ TEST(CameraPainterShape, CirclesLieWhereRaysPutThemAllOverThePicture) {
   }
 }
 
-TEST(CameraPainterShape, OtherLensesAndCamerasToo) {
+TEST(CameraPainterShape, CirclesHaveCorrectPositionsWithOtherLenses) {
   PainterSettings blurred = plain();
   blurred.imaging.blur = 2.5;
   PainterSettings sharp = plain();
@@ -103,13 +105,13 @@ TEST(CameraPainterShape, OtherLensesAndCamerasToo) {
   for (const PainterSettings& settings : cases) {
     const Compared result = compare(settings, {0.9103, 0.7107, 1.111});
     EXPECT_LT(result.off, 0.002) << settings.camera.width << " " << settings.imaging.blur;
-    // A lens sharper than a cell shows the cells, a little.
+    // With a lens sharper than a cell, the cells are slightly visible.
     EXPECT_LT(result.worst, settings.imaging.blur < 0.5 ? 3 : 1.5)
         << settings.camera.width << " " << settings.imaging.blur;
   }
 }
 
-TEST(CameraPainterShape, MovementIsBlurredOverTheExposure) {
+TEST(CameraPainterShape, MotionIsBlurredOverTheExposure) {
   PainterSettings settings = plain();
   const Compared slow = compare(settings, {0.7, 0.5, 1, 0.04, -0.03, 0.5}, 16);
   EXPECT_LT(slow.off, 0.002);
@@ -121,7 +123,7 @@ TEST(CameraPainterShape, MovementIsBlurredOverTheExposure) {
   EXPECT_LT(fast.worst, 1.5);
 }
 
-TEST(CameraPainterShape, DiscsOnTheFloorLieOnTheFloor) {
+TEST(CameraPainterShape, DiscsOnTheFloorHaveCorrectPositions) {
   PainterSettings settings = plain();
   settings.discs = {{0.3107, 0.2203, 0.009, 0.07}, {0.9, 0.7, 0.0055, 0.07}};
   CameraPainter painter(settings);
@@ -132,7 +134,7 @@ TEST(CameraPainterShape, DiscsOnTheFloorLieOnTheFloor) {
   for (const FloorDisc& disc : settings.discs) {
     const optics::Pixel at = model.project(disc.x, disc.y, 0);
     const Window window{static_cast<int>(at.x) - 12, static_cast<int>(at.y) - 12, 25, 25};
-    const std::vector<double> wanted =
+    const std::vector<double> expected =
         reference::blurred(window, settings.imaging.blur, 24, [&](optics::Pixel pixel) {
           const auto place = model.toPlane(pixel, 0);
           const bool on = std::hypot(place->x - disc.x, place->y - disc.y) < disc.radius;
@@ -140,9 +142,10 @@ TEST(CameraPainterShape, DiscsOnTheFloorLieOnTheFloor) {
         });
     const std::vector<double> painted = reference::cut(picture, settings.camera.width, window);
     const optics::Pixel a = reference::middle(painted, window, full);
-    const optics::Pixel b = reference::middle(wanted, window, full);
+    const optics::Pixel b = reference::middle(expected, window, full);
     EXPECT_LT(std::hypot(a.x - b.x, a.y - b.y), 0.003);
-    for (std::size_t i = 0; i < wanted.size(); ++i) EXPECT_NEAR(painted[i], wanted[i], 1.5) << i;
+    for (std::size_t i = 0; i < expected.size(); ++i)
+      EXPECT_NEAR(painted[i], expected[i], 1.5) << i;
   }
 }
 

@@ -1,4 +1,4 @@
-// The simulated camera under a projector that is not what it is believed to be, and a white sheet.
+// The simulated camera with a projector that differs from its calibration, and with a white sheet.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ light::Field disk(double x, double y, double radius) {
   return {{layer}, {}, 1};
 }
 
-/// Where the middle of all light is seen [px].
+/// Centroid of the light [px].
 optics::Pixel middleOfLight(CameraPainter& painter) {
   painter.setLight({});
   const std::vector<float> dark = painter.expose({});
@@ -64,18 +64,18 @@ optics::Pixel middleOfLight(CameraPainter& painter) {
   return {x / sum, y / sum};
 }
 
-/// Where a pixel of the disk's middle really falls: the place whose source it is.
-optics::Place fallsOf(const optics::ProjectorWarp& warp, const optics::Place& wanted) {
-  optics::Place place = wanted;
+/// The point of the arena on which the light commanded at the disk's centre falls.
+optics::Place fallsOf(const optics::ProjectorWarp& warp, const optics::Place& commanded) {
+  optics::Place place = commanded;
   for (int i = 0; i < 50; ++i) {
     const optics::Place source = warp.source(place).value();
-    place.x += wanted.x - source.x;
-    place.y += wanted.y - source.y;
+    place.x += commanded.x - source.x;
+    place.y += commanded.y - source.y;
   }
   return place;
 }
 
-TEST(CameraPainterBending, ADiskIsSeenWhereItsLightFalls) {
+TEST(CameraPainterWarp, ADiskIsVisibleWhereItsLightFalls) {
   PainterSettings settings = plain();
   const optics::CameraModel camera(settings.camera);
   for (const bool straight : {true, false}) {
@@ -84,7 +84,7 @@ TEST(CameraPainterBending, ADiskIsSeenWhereItsLightFalls) {
     const optics::Place place = fallsOf(settings.warp, {0.95, 0.2});
     const optics::Pixel expected = camera.project(place.x, place.y, optics::kSensorHeight);
     const optics::Pixel seen = middleOfLight(painter);
-    // The disk's outline is bent too: its middle moves by about a hundredth of a pixel.
+    // The distortion of the disk's outline moves its centroid by about 0.01 px.
     EXPECT_NEAR(seen.x, expected.x, straight ? 0.01 : 0.03);
     EXPECT_NEAR(seen.y, expected.y, straight ? 0.01 : 0.03);
   }
@@ -92,7 +92,7 @@ TEST(CameraPainterBending, ADiskIsSeenWhereItsLightFalls) {
   EXPECT_GT(std::hypot(place.x - 0.95, place.y - 0.2), 0.02);
 }
 
-TEST(CameraPainterBending, DarkWhereThePictureDoesNotReach) {
+TEST(CameraPainterWarp, IsDarkOutsideTheProjectorsPicture) {
   PainterSettings settings = plain();
   settings.warp = {nominal(),
                    optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {0, 0, 0.1, 0})};
@@ -109,7 +109,7 @@ TEST(CameraPainterBending, DarkWhereThePictureDoesNotReach) {
   EXPECT_GT(at(1.15, 0.45), 180);
 }
 
-TEST(CameraPainterBending, TheSheetHidesTheRobots) {
+TEST(CameraPainterWarp, TheSheetHidesTheRobots) {
   const PainterSettings settings = plain();
   CameraPainter painter(settings);
   painter.setLight({{light::Layer{.intensity = 0.5}}, {}, 1});

@@ -1,8 +1,9 @@
-// Pictures instead of poses: what sim_svc shows to whoever reads its camera.
+// The camera of sim_svc: pictures instead of poses.
 #include "sim_svc/camera/painted_camera.hpp"
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_command_t.hpp>
@@ -29,7 +30,7 @@ struct Taken {
   std::vector<std::uint8_t> grey;
 };
 
-/// A lab of one robot that is seen by a camera of 320 x 240 pixels.
+/// A lab with one robot and a camera with 320 x 240 pixels.
 class PaintedLab {
  public:
   explicit PaintedLab(double frame_loss = 0) {
@@ -120,7 +121,7 @@ delay_ms = 30
   int tracked = 0;
 };
 
-/// Brightest and darkest place of the cap at (x, y) in a picture of 320 columns.
+/// Brightest and darkest pixel of the cap at (x, y) in a picture of 320 columns.
 double meanAround(const Taken& taken, double x, double y) {
   const optics::CameraModel model(optics::simulatedCamera(320, 240, 1.20, 0.90));
   const optics::Pixel at = model.project(x, y, 0.05);
@@ -134,7 +135,7 @@ double meanAround(const Taken& taken, double x, double y) {
   return sum / 9;
 }
 
-TEST(PaintedCamera, ShowsFramesOnTheExactGridAndPublishesNoPoses) {
+TEST(PaintedCamera, ExposesFramesAtExactTimesAndPublishesNoPoses) {
   PaintedLab lab;
   lab.watch();
   const std::int64_t start = lab.loop.now();
@@ -146,7 +147,7 @@ TEST(PaintedCamera, ShowsFramesOnTheExactGridAndPublishesNoPoses) {
   EXPECT_EQ(lab.frames[10].number, lab.frames[0].number + 10);
 }
 
-TEST(PaintedCamera, LostFramesKeepTheirNumbers) {
+TEST(PaintedCamera, LostFramesLeaveGapsInTheNumbers) {
   PaintedLab lab(0.5);
   lab.watch();
   lab.run(2);
@@ -159,7 +160,7 @@ TEST(PaintedCamera, LostFramesKeepTheirNumbers) {
   }
 }
 
-TEST(PaintedCamera, SeesTheLightAndTheRobotMove) {
+TEST(PaintedCamera, ShowsTheLightAndTheMovingRobot) {
   PaintedLab lab;
   lab.watch();
   lab.run(0.2);
@@ -182,7 +183,7 @@ TEST(PaintedCamera, SeesTheLightAndTheRobotMove) {
   EXPECT_LT(meanAround(lab.frames.back(), x + 0.018, 0.45), 60);
 }
 
-TEST(PaintedCamera, WhatNobodyWatchedChangesNoLaterPicture) {
+TEST(PaintedCamera, UnwatchedFramesDoNotChangeLaterPictures) {
   PaintedLab early;
   early.watch();
   PaintedLab late;

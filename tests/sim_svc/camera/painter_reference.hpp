@@ -1,5 +1,5 @@
-// The simulated camera painted another way: many sharp rays to a pixel, each through the whole lens
-// model, and the Gaussian summed up over all of them. Slow, and with nothing of the painter in it.
+// An independent, slow implementation of the simulated camera: many rays per pixel through the
+// exact lens model, weighted by the Gaussian blur. It shares no code with the painter.
 #pragma once
 
 #include <cmath>
@@ -16,15 +16,16 @@ struct Window {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-/// @param grey what a ray through this pixel meets [DN]
-/// @param rays along a pixel's side
+/// @param grey returns the value that a ray through this point of the picture meets [DN]
+/// @param rays number of rays along a pixel's side
 inline std::vector<double> blurred(const Window& window, double blur, int rays,
                                    const std::function<double(optics::Pixel)>& grey) {
   const int reach = static_cast<int>(std::ceil(4.5 * blur)) + 1;
   const int columns = (window.width + 2 * reach) * rays;
   const int rows = (window.height + 2 * reach) * rays;
   const auto place = [&](int first, int i) { return first - reach - 0.5 + (i + 0.5) / rays; };
-  // The weight of a ray a distance off the pixel's centre: the Gaussian over the pixel's square.
+  // Weight of a ray by its distance from the pixel's centre: the Gaussian convolved with the
+  // pixel's square.
   const auto weight = [&](double d) {
     const double s = blur * std::sqrt(2.0);
     return 0.5 * (std::erf((d + 0.5) / s) - std::erf((d - 0.5) / s)) / rays;
@@ -56,7 +57,7 @@ inline std::vector<double> blurred(const Window& window, double blur, int rays,
   return out;
 }
 
-/// The albedo of a cap at a place of the cap plane, in the middle of its top.
+/// The albedo of a cap at a point of the cap plane.
 inline double capAlbedo(const PainterSettings& settings, const PaintedRobot& robot,
                         optics::Place at) {
   const double dx = at.x - robot.x;
@@ -74,7 +75,7 @@ inline double capAlbedo(const PainterSettings& settings, const PaintedRobot& rob
                                                          : settings.albedos.cap;
 }
 
-/// Pixels of the window out of a whole picture.
+/// The pixels of the window, from a whole picture.
 inline std::vector<double> cut(const std::vector<float>& picture, int width, const Window& window) {
   std::vector<double> out;
   for (int y = window.y; y < window.y + window.height; ++y) {
@@ -85,7 +86,7 @@ inline std::vector<double> cut(const std::vector<float>& picture, int width, con
   return out;
 }
 
-/// Where the darkness is: the middle of (full - grey) over a window.
+/// Centroid of the darkness (full - grey) in a window.
 inline optics::Pixel middle(const std::vector<double>& grey, const Window& window, double full) {
   double sum = 0;
   optics::Pixel at;

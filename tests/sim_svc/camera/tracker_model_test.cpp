@@ -8,7 +8,7 @@
 namespace lab::sim {
 namespace {
 
-TEST(TrackerModel, AddsTheNoiseItClaims) {
+TEST(TrackerModel, AddsNoiseOfTheClaimedVariance) {
   Camera camera;
   camera.position_noise = 0.0003;
   camera.heading_noise = 0.01;
@@ -32,7 +32,7 @@ TEST(TrackerModel, AddsTheNoiseItClaims) {
   EXPECT_LT(std::abs(theta2 / kFrames / 1e-4 - 1), 4 * sigma);
 }
 
-TEST(TrackerModel, DropsRobotsAndFramesAsOftenAsAskedAndNumbersThemAll) {
+TEST(TrackerModel, DropsRobotsAndFramesAtTheGivenRatesAndNumbersAllFrames) {
   Camera camera;
   camera.dropout = 0.1;
   camera.frame_loss = 0.05;
@@ -53,7 +53,7 @@ TEST(TrackerModel, DropsRobotsAndFramesAsOftenAsAskedAndNumbersThemAll) {
   EXPECT_LT(deviation(missed, 0.1), 4);
 }
 
-TEST(TrackerModel, AnotherRobotChangesNoNoiseOfTheFirst) {
+TEST(TrackerModel, AddingARobotDoesNotChangeTheNoiseOfOthers) {
   Camera camera;
   camera.position_noise = 0.001;
   TrackerModel alone(camera, 7);

@@ -1,4 +1,7 @@
-// What a robot does when its host, its program or its line fails; all times are simulated.
+// Failures of host, program and line, with the firmware binary; all times are simulated.
+#include <gtest/gtest.h>
+
+#include <cstdint>
 #include <iostream>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
@@ -8,7 +11,7 @@ namespace {
 
 double msOf(std::uint64_t cycle) { return static_cast<double>(cycle) / kCyclesPerMs; }
 
-/// Busy with everything: a draw each 40 ms, STEP for each, 50 Hz telemetry.
+/// A busy robot: a draw with STEP every 40 ms, telemetry at 50 Hz.
 void driveUnderFullTelemetry(RobotOnChip& robot) {
   dynamics::CoreSettings settings = fourPrograms();
   settings.programs[0].hold_ms = 40;
@@ -57,7 +60,7 @@ TEST(ChipFailsafe, AKilledHostStopsTheMotorsWithinTheLeaseAndTenMilliseconds) {
   }
   EXPECT_LE(latest, 10);
   EXPECT_GE(earliest, -2);
-  std::cout << "lease over to PWM off: " << earliest << " to " << latest << " ms\n";
+  std::cout << "end of lease to PWM off: " << earliest << " to " << latest << " ms\n";
 }
 
 TEST(ChipFailsafe, StopIsAnsweredWithinTwentyMillisecondsUnderFullTelemetry) {
@@ -94,7 +97,7 @@ TEST(ChipFailsafe, StopIsAnsweredWithinTwentyMillisecondsUnderFullTelemetry) {
             << " ms, to the end of its answer: " << slowest_answer << " ms (of 300 phases)\n";
 }
 
-TEST(ChipFailsafe, AStopOutlastsEveryOrder) {
+TEST(ChipFailsafe, AStopHoldsWhateverIsOrdered) {
   RobotOnChip robot;
   driveUnderFullTelemetry(robot);
   robot.command(robot.order(wire::Order::kTable));
@@ -109,7 +112,7 @@ TEST(ChipFailsafe, AStopOutlastsEveryOrder) {
   EXPECT_EQ(robot.last<wire::Telemetry>()->stop_id, 9);
 }
 
-TEST(ChipFailsafe, AProgramThatHangsIsRestartedStandingAndSaysSo) {
+TEST(ChipFailsafe, AHangingProgramIsRestartedStandsAndReportsIt) {
   RobotOnChip robot;
   driveUnderFullTelemetry(robot);
   double slowest = 0;
@@ -129,7 +132,7 @@ TEST(ChipFailsafe, AProgramThatHangsIsRestartedStandingAndSaysSo) {
     EXPECT_EQ(hello->reset_cause, wire::kResetWatchdog);
     EXPECT_EQ(hello->uid, kTestUid);
 
-    // The host speaks again: the event comes, and nothing moves until it orders so.
+    // When the host sends again, the event is reported, and the robot stands until an order comes.
     robot.forget();
     robot.send(wire::GetInfo{});
     robot.run(2000);
@@ -147,7 +150,7 @@ TEST(ChipFailsafe, AProgramThatHangsIsRestartedStandingAndSaysSo) {
   std::cout << "hang to PWM off: at most " << slowest << " ms\n";
 }
 
-TEST(ChipFailsafe, AnIdleRobotIsNotBitten) {
+TEST(ChipFailsafe, TheWatchdogDoesNotRestartAnIdleRobot) {
   RobotOnChip robot;
   robot.start();
   robot.run(10000);

@@ -1,5 +1,8 @@
-// What the shipped binary leaves of the chip's time and memory, measured instruction by
+// Processing time and memory that the firmware binary leaves unused, measured after every
 // instruction.
+#include <gtest/gtest.h>
+
+#include <cstdint>
 #include <iostream>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
@@ -8,10 +11,10 @@ namespace lab::emulator {
 namespace {
 
 constexpr double kLongestInterruptsOffUs = 40;  // two bytes at 500000 baud
-constexpr int kLeastHeadRoom = 32;              // bytes below the deepest stack that was seen
+constexpr int kLeastHeadRoom = 32;              // bytes never used by the stack
 constexpr double kHighestLoad = 0.5;
 
-/// Everything at once: short draws with STEP, 50 Hz telemetry, changing light and walls, and a host
+/// Maximum load: short draws with STEP, telemetry at 50 Hz, changing light and walls, and a host
 /// that sends all kinds of messages, with an order five times a second.
 void exercise(RobotOnChip& robot, int seconds) {
   dynamics::CoreSettings settings = fourPrograms();
@@ -44,7 +47,7 @@ void exercise(RobotOnChip& robot, int seconds) {
   }
 }
 
-TEST(ChipLimits, InterruptsStackAndLoadUnderEverythingAtOnce) {
+TEST(ChipLimits, InterruptsStackAndLoadStayWithinLimitsUnderMaximumLoad) {
   ChipSettings settings;
   settings.profile = true;
   RobotOnChip robot(settings);
@@ -62,7 +65,8 @@ TEST(ChipLimits, InterruptsStackAndLoadUnderEverythingAtOnce) {
   EXPECT_GT(load, 0.01);
   EXPECT_LE(load, kHighestLoad);
 
-  // The robot's own measure, by paint, is the same but for paint that was overwritten by its like.
+  // The robot's own measurement with a RAM pattern agrees, except where the stack happened to write
+  // the same value as the pattern.
   const auto reported = robot.last<wire::Counters>();
   ASSERT_TRUE(reported.has_value());
   EXPECT_NEAR(reported->stack_left * 8, robot.chip().stackHeadRoom(), 24);
@@ -91,7 +95,7 @@ TEST(ChipLimits, AFullLineInBothDirectionsLosesNothing) {
   ASSERT_TRUE(counters.has_value());
   EXPECT_EQ(counters->bytes_overrun, 0);
   EXPECT_EQ(counters->frames_bad, 0);
-  // An answer finds no room when the line back is full; the frames came in all the same.
+  // Answers may be dropped while the line to the host is full, but all frames must be received.
   EXPECT_EQ(counters->frames_received, sent + 2);  // and those of start() and above
   EXPECT_GT(acks.size(), 100U);
 }

@@ -1,4 +1,7 @@
-// Light -> converter -> program -> pulse width, through the shipped binary.
+// The path light -> converter -> program -> pulse width in the firmware binary.
+#include <gtest/gtest.h>
+
+#include <cstdint>
 #include <iostream>
 
 #include "robot/dynamics/motor.hpp"
@@ -10,7 +13,7 @@ namespace {
 using dynamics::dutyForSpeed;
 using dynamics::kMaxWheelUmS;
 
-/// The instant of the last change of the motors [ms].
+/// Time of the last change of the motors [ms].
 double lastChangeMs(const RobotOnChip& robot) {
   return static_cast<double>(robot.changes().back().cycle) / kCyclesPerMs;
 }
@@ -25,7 +28,7 @@ RobotOnChip& running(RobotOnChip& robot, const dynamics::CoreSettings& settings,
   return robot;
 }
 
-TEST(ChipPrograms, WheelsTurnAsTheTableOfTheBandSays) {
+TEST(ChipPrograms, TheLightBandSelectsTheProgram) {
   dynamics::CoreSettings settings = fourPrograms();
   settings.programs[0] = {};
   settings.programs[0].kind = dynamics::kWheels;
@@ -42,7 +45,7 @@ TEST(ChipPrograms, WheelsTurnAsTheTableOfTheBandSays) {
   }
 }
 
-TEST(ChipPrograms, WheelsDrivenByHandTurnForwardOnTheirOwnSides) {
+TEST(ChipPrograms, DirectDrivingTurnsTheCorrectWheelsInTheCorrectDirection) {
   RobotOnChip robot;
   robot.start();
   robot.configure(fourPrograms());
@@ -74,15 +77,15 @@ TEST(ChipPrograms, CalibrationChangesTheDuties) {
   EXPECT_NE(robot.chip().duty().left, robot.chip().duty().right);
 }
 
-/// The program rounds its time down to milliseconds, draws, and sets the motors.
+/// Allowance for rounding to milliseconds and for the time of a draw and of setting the motors.
 constexpr double kLookMs = 3;
 
-// Every draw of every program: what STEP says is what the motors do, from when it says.
+// For every draw of every program, the motors do what STEP reports, at the reported time.
 TEST(ChipPrograms, EveryHoldOfEveryProgramReachesTheMotors) {
   for (unsigned slot = 0; slot < 4; ++slot) {
     RobotOnChip robot;
     running(robot, fourPrograms(), lightOfSlot(slot));
-    const double offset_ms = [&] {  // host's time of the robot's 0
+    const double offset_ms = [&] {  // host time when the robot's clock was 0
       robot.send(wire::Ping{});
       const double end = static_cast<double>(robot.chip().receivingUntil()) / kCyclesPerMs;
       robot.run(60);
@@ -98,7 +101,7 @@ TEST(ChipPrograms, EveryHoldOfEveryProgramReachesTheMotors) {
       if (step.slot == dynamics::kNoSlot) continue;  // it stands until the first scan
       ASSERT_EQ(step.slot, slot);
       const double begins = step.t_ms + offset_ms;
-      if (step.duration_ms < 4) continue;  // over before the next look
+      if (step.duration_ms < 4) continue;  // too short for the sampling
       for (; change < robot.changes().size() &&
              static_cast<double>(robot.changes()[change].cycle) / kCyclesPerMs < begins + kLookMs;
            ++change) {
@@ -111,9 +114,10 @@ TEST(ChipPrograms, EveryHoldOfEveryProgramReachesTheMotors) {
   }
 }
 
-TEST(ChipPrograms, ALightThatCrossesABandSwitchesWithinOneSensorPeriod) {
+TEST(ChipPrograms, AChangeOfLightSwitchesTheProgramWithinOneSensorPeriod) {
   dynamics::CoreSettings settings = fourPrograms();
-  // One sensor: a change between the conversions of the two would show in two scans.
+  // Uses only one sensor, because a change between the conversions of two would be spread over two
+  // scans.
   settings.light.reading = dynamics::kFrontLight;
   RobotOnChip robot;
   running(robot, settings, lightOfSlot(0));
@@ -137,13 +141,13 @@ TEST(ChipPrograms, ALightThatCrossesABandSwitchesWithinOneSensorPeriod) {
     shortest = std::min(shortest, first - changed);
     slot = next;
   }
-  // One period until the converter sees it, 1.6 ms of scan, and the program's look and draw.
+  // One period until the next scan, 1.6 ms for the scan, and the time of processing and draw.
   EXPECT_LE(longest, settings.sensor_period_ms + 1.6 + kLookMs);
   EXPECT_LT(shortest, settings.sensor_period_ms / 2.0);
   std::cout << "light to wheels: " << shortest << " to " << longest << " ms\n";
 }
 
-TEST(ChipPrograms, HysteresisHoldsAtTheEdgeOfABand) {
+TEST(ChipPrograms, HysteresisWorksAtTheEdgeOfABand) {
   RobotOnChip robot;
   running(robot, fourPrograms(), 250);
   robot.run(300);
@@ -156,7 +160,7 @@ TEST(ChipPrograms, HysteresisHoldsAtTheEdgeOfABand) {
   EXPECT_EQ(robot.last<wire::Telemetry>()->slot, 1);
 }
 
-TEST(ChipPrograms, AWallAheadTurnsTheRobotBack) {
+TEST(ChipPrograms, AWallAheadStartsAReversal) {
   dynamics::CoreSettings settings = fourPrograms();
   settings.reversal.enabled = true;
   settings.reversal.distance_um = 100000;

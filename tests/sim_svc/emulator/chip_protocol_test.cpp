@@ -1,9 +1,14 @@
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
 namespace {
 
-TEST(ChipProtocol, SaysHelloAtBootWithWhatItsEepromHolds) {
+TEST(ChipProtocol, SendsHelloAtBootWithTheUidFromItsEeprom) {
   RobotOnChip robot;
   robot.chip().switchOn();
   robot.run(50);
@@ -19,7 +24,7 @@ TEST(ChipProtocol, SaysHelloAtBootWithWhatItsEepromHolds) {
   EXPECT_NEAR(robot.chip().baud(), 38461.5, 0.1);
 }
 
-TEST(ChipProtocol, TheBytesOfAFrameFollowEachOtherWithoutAGap) {
+TEST(ChipProtocol, TheBytesOfAFrameHaveNoGaps) {
   RobotOnChip robot;
   robot.chip().switchOn();
   robot.run(50);
@@ -29,7 +34,7 @@ TEST(ChipProtocol, TheBytesOfAFrameFollowEachOtherWithoutAGap) {
   EXPECT_NEAR(took, 2080.0 * static_cast<double>(bytes.size() - 1), 80);
 }
 
-TEST(ChipProtocol, RepeatsHelloEachSecondUntilTheHostSpeaks) {
+TEST(ChipProtocol, RepeatsHelloEverySecondUntilTheHostSendsAFrame) {
   RobotOnChip robot;
   robot.chip().switchOn();
   robot.run(3500);
@@ -41,7 +46,7 @@ TEST(ChipProtocol, RepeatsHelloEachSecondUntilTheHostSpeaks) {
   EXPECT_TRUE(robot.all<wire::Hello>().empty());
 }
 
-TEST(ChipProtocol, EveryBootHasAnotherNumber) {
+TEST(ChipProtocol, EveryBootHasADifferentId) {
   RobotOnChip robot;
   robot.chip().switchOn();
   robot.run(50);
@@ -59,7 +64,7 @@ TEST(ChipProtocol, EveryBootHasAnotherNumber) {
   EXPECT_EQ(hellos[2].message.reset_cause, wire::kResetPin);
 }
 
-TEST(ChipProtocol, TelemetryComesTwentyTimesASecondWithWhatTheSensorsRead) {
+TEST(ChipProtocol, SendsTelemetryTwentyTimesASecondWithTheSensorReadings) {
   RobotOnChip robot;
   robot.start();
   robot.light(700);
@@ -78,7 +83,7 @@ TEST(ChipProtocol, TelemetryComesTwentyTimesASecondWithWhatTheSensorsRead) {
   for (unsigned i = 0; i < 6; ++i) EXPECT_EQ(last.sensors[2 + i], 100 + i) << i;
 }
 
-TEST(ChipProtocol, EveryCountOfTheConverterComesThrough) {
+TEST(ChipProtocol, TransmitsEveryCountOfTheConverter) {
   RobotOnChip robot;
   robot.start();
   EXPECT_EQ(robot.command(wire::SetParam{wire::kTelemetryPeriod, 25}).status, wire::kOk);
@@ -90,7 +95,7 @@ TEST(ChipProtocol, EveryCountOfTheConverterComesThrough) {
   }
 }
 
-TEST(ChipProtocol, PongSaysWhenThePingCameIn) {
+TEST(ChipProtocol, PongContainsTheTimeOfThePing) {
   RobotOnChip robot;
   robot.start();
   robot.run(500);
@@ -107,11 +112,11 @@ TEST(ChipProtocol, PongSaysWhenThePingCameIn) {
     EXPECT_EQ(pongs[0].message.token_low, static_cast<std::uint32_t>(i));
     offsets.push_back(pongs[0].message.t_ms + pongs[0].message.t_us / 1000.0 - end_ms);
   }
-  // The robot's clock began when the program had started it; after that they run together.
+  // The offset is the time until the program started its clock; the rates are equal.
   for (const double offset : offsets) EXPECT_NEAR(offset, offsets.front(), 0.02);
 }
 
-TEST(ChipProtocol, AnUnknownMessageIsRefusedAndTheNextOneObeyed) {
+TEST(ChipProtocol, RefusesAnUnknownMessageAndExecutesTheNextOne) {
   RobotOnChip robot;
   robot.start();
   wire::Frame frame;
@@ -140,7 +145,7 @@ TEST(ChipProtocol, AMessageOfTheWrongLengthIsRefused) {
   EXPECT_EQ(robot.last<wire::Ack>()->status, wire::kBadLength);
 }
 
-TEST(ChipProtocol, GarbageBetweenFramesCostsNoFrame) {
+TEST(ChipProtocol, GarbageBetweenFramesLosesNoFrame) {
   RobotOnChip robot;
   robot.start();
   Random random(5);

@@ -1,5 +1,9 @@
-// The EEPROM through the shipped binary: what a power failure leaves behind.
+// The EEPROM with the firmware binary, including power failures during writes.
+#include <gtest/gtest.h>
+
+#include <cstdint>
 #include <iostream>
+#include <vector>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 
@@ -25,7 +29,7 @@ std::int32_t gainOf(RobotOnChip& robot) {
   return value ? value->value : 0;
 }
 
-TEST(ChipSettings, CommittedSettingsOutliveThePower) {
+TEST(ChipSettings, CommittedSettingsSurvivePowerOff) {
   RobotOnChip robot({}, oldStore());
   robot.start();
   EXPECT_EQ(gainOf(robot), kOldGain);
@@ -35,7 +39,7 @@ TEST(ChipSettings, CommittedSettingsOutliveThePower) {
     const double before = robot.now();
     const auto writes = robot.chip().counts().eeprom_writes;
     EXPECT_EQ(robot.command(wire::Commit{}, 2000).status, wire::kOk);
-    // Nothing is faster than the chip's EEPROM.
+    // Storing must take at least the write time of the chip's EEPROM.
     EXPECT_GE(robot.now() - before,
               3.4 * static_cast<double>(robot.chip().counts().eeprom_writes - writes - 1));
     robot.chip().switchOff();
@@ -46,7 +50,7 @@ TEST(ChipSettings, CommittedSettingsOutliveThePower) {
   }
 }
 
-TEST(ChipSettings, WithoutACommitTheyDoNot) {
+TEST(ChipSettings, UncommittedSettingsDoNotSurvivePowerOff) {
   RobotOnChip robot({}, oldStore());
   robot.start();
   robot.command(wire::SetParam{wire::kGainLeft, kNewGain});
@@ -83,10 +87,10 @@ TEST(ChipSettings, ACorruptedEepromGivesDefaultsAndAnEvent) {
   }
 }
 
-TEST(ChipSettings, APowerFailureInAnyByteOfACommitLeavesOldOrNew) {
+TEST(ChipSettings, APowerFailureInAnyByteOfACommitLeavesOldOrNewSettings) {
   bool saw_old = false;
   bool saw_new = false;
-  for (unsigned earlier = 0; earlier < 2; ++earlier) {  // either bank is the older one
+  for (unsigned earlier = 0; earlier < 2; ++earlier) {  // each bank is the older one once
     for (std::uint32_t cut = 1;; ++cut) {
       ChipSettings chip;
       chip.seed = cut;
@@ -114,7 +118,7 @@ TEST(ChipSettings, APowerFailureInAnyByteOfACommitLeavesOldOrNew) {
       robot.run(60);
       EXPECT_EQ(robot.last<wire::Hello>()->uid, kTestUid);
 
-      // And it can be stored again.
+      // Storing must work again.
       robot.command(wire::SetParam{wire::kGainLeft, kNewGain + 1});
       ASSERT_EQ(robot.command(wire::Commit{}, 2000).status, wire::kOk);
       robot.chip().switchOff();
@@ -124,11 +128,12 @@ TEST(ChipSettings, APowerFailureInAnyByteOfACommitLeavesOldOrNew) {
     }
   }
   EXPECT_TRUE(saw_old);
-  // The last byte written is what makes the bank good, so a cut there leaves old, whole or torn.
+  // The last byte makes the bank valid, so a cut there leaves the old settings, or the new ones if
+  // the random value is the right one.
   std::cout << "after a cut: old settings " << saw_old << ", new settings " << saw_new << '\n';
 }
 
-TEST(ChipSettings, ARobotThatDrivesDoesNotStore) {
+TEST(ChipSettings, ADrivingRobotRefusesToStore) {
   RobotOnChip robot({}, oldStore());
   robot.start();
   robot.configure(fourPrograms());

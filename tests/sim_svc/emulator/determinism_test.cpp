@@ -1,4 +1,9 @@
-// The same in, the same out, however the time was sliced.
+// The same inputs give the same outputs, however the time is divided into steps.
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
@@ -9,8 +14,8 @@ struct Trace {
   bool operator==(const Trace&) const = default;
 };
 
-/// Ten seconds with light, walls, orders, a stop, a hang and a reset; every byte and motor change
-/// with its cycle.
+/// Ten seconds with light, walls, orders, a stop, a hang and a reset. Records every byte and motor
+/// change with its cycle.
 Trace traceOf(double slice_ms, std::uint64_t run_limit, std::uint64_t seed, bool profile = false) {
   ChipSettings settings;
   settings.run_limit = run_limit;
@@ -53,7 +58,7 @@ Trace traceOf(double slice_ms, std::uint64_t run_limit, std::uint64_t seed, bool
   return trace;
 }
 
-TEST(Determinism, TheSliceAndTheLimitOfTheSimulatorChangeNothing) {
+TEST(Determinism, StepLengthAndRunLimitDoNotChangeTheOutputs) {
   const Trace reference = traceOf(2, 8000, 1);
   EXPECT_GT(reference.all.size(), 5000U);
   EXPECT_EQ(traceOf(2, 8000, 1), reference);
@@ -66,7 +71,7 @@ TEST(Determinism, TheSliceAndTheLimitOfTheSimulatorChangeNothing) {
   EXPECT_NE(traceOf(2, 8000, 2), reference);
 }
 
-TEST(Determinism, RobotsDoNotDisturbEachOther) {
+TEST(Determinism, RobotsDoNotInfluenceEachOther) {
   const auto bytes = [](RobotOnChip& robot) {
     std::vector<std::uint64_t> all;
     for (const SentByte& byte : robot.bytes()) all.push_back(byte.cycle * 256 + byte.value);

@@ -1,5 +1,7 @@
-// A chip and its line on the arena's clock: what a bad line does to frames, both ways.
+// A chip with a faulty line: effects on frames in both directions.
 #include "sim_svc/emulator/emulated_robot.hpp"
+
+#include <gtest/gtest.h>
 
 #include <algorithm>
 
@@ -69,7 +71,7 @@ int pongsOf(Line& line, int pings) {
   return line.count<wire::Pong>();
 }
 
-TEST(EmulatedRobot, AnOscillatorThreePercentOffIsUnderstood) {
+TEST(EmulatedRobot, AnOscillatorErrorOfThreePercentCausesNoErrors) {
   for (const double rate : {0.97, 1.0, 1.03}) {
     RobotSettings settings;
     settings.clock_rate = rate;
@@ -80,7 +82,7 @@ TEST(EmulatedRobot, AnOscillatorThreePercentOffIsUnderstood) {
   }
 }
 
-TEST(EmulatedRobot, AHostAtAnotherSpeedHearsAndSaysGarbage) {
+TEST(EmulatedRobot, AHostAtAnotherSpeedSendsAndReceivesGarbage) {
   for (const int baud : {9600, 57600, 115200}) {
     RobotSettings settings;
     settings.line_baud = baud;
@@ -92,7 +94,7 @@ TEST(EmulatedRobot, AHostAtAnotherSpeedHearsAndSaysGarbage) {
   }
 }
 
-TEST(EmulatedRobot, NothingPassesWhileTheCableIsOut) {
+TEST(EmulatedRobot, NothingPassesWhileTheCableIsUnplugged) {
   RobotSettings settings;
   settings.line.outages = {{kStart + 2'000'000, kStart + 4'000'000}};
   Line line(settings);
@@ -101,19 +103,19 @@ TEST(EmulatedRobot, NothingPassesWhileTheCableIsOut) {
   line.run(1.1);
   const int before = line.bytes;
   EXPECT_GT(before, 0);
-  EXPECT_EQ(pongsOf(line, 10), 1);  // the one from before
+  EXPECT_EQ(pongsOf(line, 10), 1);  // from before
   EXPECT_EQ(line.bytes, before);
   line.run(1);
   EXPECT_EQ(pongsOf(line, 10), 11);
 }
 
-TEST(EmulatedRobot, WrongBitsCostTheFramesTheyAreInAndNoOthers) {
+TEST(EmulatedRobot, WrongBitsLoseOnlyTheirOwnFrames) {
   RobotSettings settings;
   settings.line.bit_error_rate = 1e-3;
   Line line(settings);
   line.run(0.1);
   const int pongs = pongsOf(line, 300);
-  // 17 bytes there and 23 back, ten bits each: two of three get through.
+  // 17 bytes to the robot and 23 back, ten bits each: two of three exchanges succeed.
   EXPECT_GT(pongs, 160);
   EXPECT_LT(pongs, 240);
   EXPECT_GT(line.bad(), 50);

@@ -1,5 +1,4 @@
-// In real time behind pseudo terminals. Nothing is timed here; each wait ends with what it waits
-// for.
+// In real time on pseudo terminals. No times are tested; each wait ends when its condition is met.
 #include "sim_svc/emulator/free_run.hpp"
 
 #include <gmock/gmock.h>
@@ -8,7 +7,10 @@
 #include <array>
 #include <chrono>
 #include <fstream>
+#include <functional>
 #include <iterator>
+#include <optional>
+#include <span>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -82,7 +84,7 @@ std::string pathOf(const FreeRunSettings& settings, const char* name) {
   return (settings.ports / name).string();
 }
 
-TEST(FreeRun, RobotsAnswerBehindTheirPorts) {
+TEST(FreeRun, RobotsAnswerOnTheirPorts) {
   const TemporaryFolder folder;
   AsioLoop loop;
   const FreeRunSettings settings = settingsFor(folder);
@@ -121,7 +123,7 @@ TEST(FreeRun, EepromsAreKeptBetweenRuns) {
     FreeRun robots(loop, settings);
     SerialDevices devices(loop, settings.ports);
     Client client(loop, devices, pathOf(settings, "robot_01"));
-    ASSERT_TRUE(client.wait<wire::Hello>().has_value());  // booted: it listens
+    ASSERT_TRUE(client.wait<wire::Hello>().has_value());  // it has booted and receives
     client.send(wire::SetParam{wire::kUid, 0x1234567});
     ASSERT_TRUE(client.wait<wire::Ack>().has_value());
     client.send(wire::Commit{});
@@ -137,7 +139,7 @@ TEST(FreeRun, EepromsAreKeptBetweenRuns) {
   EXPECT_EQ(hello->uid, 0x1234567U);
 }
 
-TEST(FreeRun, AMissingProgramIsSaidInOneLine) {
+TEST(FreeRun, ReportsAMissingFirmwareInOneLine) {
   const TemporaryFolder folder;
   FreeRunSettings settings = settingsFor(folder);
   settings.elf = folder.path() / "none.elf";

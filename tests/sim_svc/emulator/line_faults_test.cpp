@@ -18,7 +18,7 @@ TEST(LineFaults, AHealthyLinePassesEveryByte) {
   EXPECT_EQ(line.damaged(), 0U);
 }
 
-TEST(LineFaults, SpeedsWithinFourPercentAreReadRightBothWays) {
+TEST(LineFaults, SpeedsWithinFourPercentAreReadCorrectly) {
   for (int value = 0; value < 256; ++value) {
     const LineByte byte{static_cast<std::uint8_t>(value), false};
     for (const double ratio : {0.96, 0.98, 1.0, 1.02, 1.04}) {
@@ -56,7 +56,7 @@ TEST(LineFaults, BitErrorsComeAtTheirRateAndFromTheirSeed) {
   const auto [read, damaged] = run(1);
   EXPECT_EQ(run(1).first, read);
   EXPECT_NE(run(2).first, read);
-  // Ten bits a byte; five standard deviations.
+  // Ten bits per byte; five standard deviations.
   const double expected = kBytes * (1 - std::pow(1 - 1e-3, 10));
   EXPECT_NEAR(static_cast<double>(damaged), expected, 5 * std::sqrt(expected));
   int lost = 0;
@@ -69,7 +69,7 @@ TEST(LineFaults, BitErrorsComeAtTheirRateAndFromTheirSeed) {
   EXPECT_NEAR(unframed, kBytes * 1e-3, 5 * std::sqrt(kBytes * 1e-3));
 }
 
-TEST(LineFaults, ACableThatIsOutPassesNothing) {
+TEST(LineFaults, AnUnpluggedCablePassesNothing) {
   LineFaultSettings settings;
   settings.outages = {{100, 200}, {300, 301}};
   LineFaults line(settings, 1);

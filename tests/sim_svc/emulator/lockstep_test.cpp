@@ -1,4 +1,4 @@
-// Packets of the arena against the chips' side.
+// The emulator's answers to packets from the arena.
 #include "sim_svc/emulator/lockstep.hpp"
 
 #include <gmock/gmock.h>
@@ -82,7 +82,7 @@ PacketWriter setup(std::vector<chip::ChipSetup> robots) {
   return packet;
 }
 
-/// Two robots, the second switched on 100 ms later and 1 % fast.
+/// Two robots; the second one is switched on 100 ms later and its clock is 1 % fast.
 std::vector<chip::ChipSetup> twoRobots() {
   chip::ChipSetup one;
   one.id = 7;
@@ -94,7 +94,7 @@ std::vector<chip::ChipSetup> twoRobots() {
   return {one, two};
 }
 
-/// Steps of 2 ms. What is in `rx` goes to the first robot with the first step.
+/// Makes steps of 2 ms. The bytes in `rx` are sent to the first robot in the first step.
 std::vector<Stepped> run(Lockstep& lockstep, std::int64_t& now, int steps,
                          std::vector<std::uint8_t> rx = {}) {
   std::vector<Stepped> all(2);
@@ -144,7 +144,7 @@ void encodeTo(std::vector<std::uint8_t>& bytes, const Message& message) {
   for (std::uint8_t i = 0; i < size; ++i) bytes.push_back(encoded[i]);
 }
 
-TEST(Lockstep, RobotsBootWhenTheyShallAndSayWhoTheyAre) {
+TEST(Lockstep, RobotsBootAtTheirTimesAndSendHello) {
   Lockstep lockstep(shippedProgram());
   std::size_t at = 0;
   EXPECT_EQ(take<chip::Header>(lockstep.answer(setup(twoRobots()).bytes), at).packet,
@@ -162,7 +162,7 @@ TEST(Lockstep, RobotsBootWhenTheyShallAndSayWhoTheyAre) {
   EXPECT_EQ(messagesIn<wire::Hello>(robots[1].sent)[0].uid, 0x51000008U);
 }
 
-TEST(Lockstep, OrdersReachTheWheelsAtTheirTime) {
+TEST(Lockstep, OrdersReachTheWheelsAtTheRightTime) {
   Lockstep lockstep(shippedProgram());
   static_cast<void>(lockstep.answer(setup(twoRobots()).bytes));
   std::int64_t now = kStart;
@@ -205,12 +205,12 @@ TEST(Lockstep, AClockThatRunsFastCountsMoreMilliseconds) {
   encodeTo(rx, wire::Ping{});
   const auto telemetry = messagesIn<wire::Telemetry>(run(lockstep, now, 5000, rx)[0].sent);
   ASSERT_GT(telemetry.size(), 190U);
-  // One each 50 ms of its own.
+  // One every 50 ms of its own clock.
   EXPECT_NEAR(static_cast<double>(telemetry.size()), 10'000 * 1.01 / 50, 2);
 }
 
-TEST(Lockstep, BrokenPacketsAreRefusedInOneLine) {
-  const auto complaint = [](std::vector<std::vector<std::uint8_t>> packets) {
+TEST(Lockstep, RefusesInvalidPacketsWithOneLine) {
+  const auto errorOf = [](std::vector<std::vector<std::uint8_t>> packets) {
     Lockstep lockstep(shippedProgram());
     try {
       for (const auto& packet : packets) static_cast<void>(lockstep.answer(packet));
@@ -221,23 +221,23 @@ TEST(Lockstep, BrokenPacketsAreRefusedInOneLine) {
   };
   auto wrong_version = setup(twoRobots()).bytes;
   wrong_version[0] = 99;
-  EXPECT_THAT(complaint({wrong_version}), testing::HasSubstr("version 99; expected 1"));
-  EXPECT_THAT(complaint({PacketWriter(chip::Packet::kStep, 0, 0).bytes}),
+  EXPECT_THAT(errorOf({wrong_version}), testing::HasSubstr("version 99; expected 1"));
+  EXPECT_THAT(errorOf({PacketWriter(chip::Packet::kStep, 0, 0).bytes}),
               testing::HasSubstr("expected SETUP"));
-  EXPECT_THAT(complaint({setup(twoRobots()).bytes, setup(twoRobots()).bytes}),
+  EXPECT_THAT(errorOf({setup(twoRobots()).bytes, setup(twoRobots()).bytes}),
               testing::HasSubstr("expected STEP"));
   auto cut = setup(twoRobots()).bytes;
   cut.pop_back();
-  EXPECT_THAT(complaint({cut}), testing::HasSubstr("1 bytes early"));
+  EXPECT_THAT(errorOf({cut}), testing::HasSubstr("1 bytes early"));
   auto longer = setup(twoRobots()).bytes;
   longer.push_back(0);
-  EXPECT_THAT(complaint({longer}), testing::HasSubstr("1 bytes too long"));
-  EXPECT_THAT(complaint({setup(twoRobots()).bytes, PacketWriter(chip::Packet::kStep, 0, 3).bytes}),
+  EXPECT_THAT(errorOf({longer}), testing::HasSubstr("1 bytes too long"));
+  EXPECT_THAT(errorOf({setup(twoRobots()).bytes, PacketWriter(chip::Packet::kStep, 0, 3).bytes}),
               testing::HasSubstr("a step for 3 robots; expected the 2"));
-  EXPECT_THAT(complaint({{}}), testing::HasSubstr("early"));
+  EXPECT_THAT(errorOf({{}}), testing::HasSubstr("early"));
   auto odd_clock = twoRobots();
   odd_clock[0].clock_rate = 0;
-  EXPECT_THAT(complaint({setup(odd_clock).bytes}), testing::HasSubstr("robot 7"));
+  EXPECT_THAT(errorOf({setup(odd_clock).bytes}), testing::HasSubstr("robot 7"));
 }
 
 class Sockets {
@@ -267,7 +267,7 @@ class Sockets {
   int ends_[2] = {-1, -1};
 };
 
-TEST(Lockstep, TheSocketCarriesPacketsAndEndsCleanly) {
+TEST(Lockstep, ServesASocketUntilItIsClosed) {
   Sockets sockets;
   int code = -1;
   std::thread chips([&] { code = serveArena(sockets.chips(), LAB_FIRMWARE_ELF); });
@@ -282,7 +282,7 @@ TEST(Lockstep, TheSocketCarriesPacketsAndEndsCleanly) {
   EXPECT_EQ(code, 0);
 }
 
-TEST(Lockstep, AnErrorIsToldOverTheSocket) {
+TEST(Lockstep, SendsAnErrorOverTheSocket) {
   Sockets sockets;
   int code = -1;
   std::thread chips([&] { code = serveArena(sockets.chips(), "/nowhere.elf"); });

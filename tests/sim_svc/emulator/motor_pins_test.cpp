@@ -35,7 +35,7 @@ TEST(MotorPins, DutyAndDirectionOfEachWheel) {
   EXPECT_EQ(registers.duty(), (Duty{-100, 200}));
 }
 
-TEST(MotorPins, StandbyAndPinsThatAreNoOutputsStopBoth) {
+TEST(MotorPins, StandbyOrInputPinsStopBothWheels) {
   Registers standby;
   standby.data[kPortB] = 1;
   EXPECT_EQ(standby.duty(), Duty{});
@@ -47,7 +47,7 @@ TEST(MotorPins, StandbyAndPinsThatAreNoOutputsStopBoth) {
   EXPECT_EQ(no_pwm_pins.duty(), Duty{});
 }
 
-TEST(MotorPins, BothDirectionPinsAlikeDriveNothing) {
+TEST(MotorPins, EqualDirectionPinsDoNotDriveAWheel) {
   Registers brake;
   brake.data[kPortD] = 1U << 2U | 1U << 4U;
   EXPECT_EQ(brake.duty(), (Duty{0, -200}));
@@ -56,7 +56,7 @@ TEST(MotorPins, BothDirectionPinsAlikeDriveNothing) {
   EXPECT_EQ(coast.duty(), (Duty{0, -200}));
 }
 
-TEST(MotorPins, ADisconnectedTimerLeavesThePinToThePort) {
+TEST(MotorPins, WithoutTheTimerThePortControlsThePin) {
   Registers registers;
   registers.data[kTccr0A] = 2U << 6U | kFastPwm;
   EXPECT_EQ(registers.duty(), (Duty{0, -200}));
@@ -64,7 +64,7 @@ TEST(MotorPins, ADisconnectedTimerLeavesThePinToThePort) {
   EXPECT_EQ(registers.duty(), (Duty{255, -200}));
 }
 
-TEST(MotorPins, ATimerThatStandsOrCountsOtherwiseMakesNoPulses) {
+TEST(MotorPins, AStoppedTimerOrAnotherModeGivesNoPulses) {
   Registers stopped;
   stopped.data[kTccr0B] = 0;
   EXPECT_EQ(stopped.duty(), Duty{});

@@ -1,4 +1,4 @@
-/* A program for the tests of the simulated chip: does one thing for each letter that comes in. */
+/* A program for the tests of the simulated chip: executes one action per received letter. */
 #include <avr/interrupt.h>
 #include <avr/io.h>
 #include <avr/sleep.h>
@@ -20,7 +20,7 @@ static uint8_t get(void) {
   return UDR0;
 }
 
-/* Says how many bytes came in and whether one was lost. */
+/* Sends the number of received bytes and whether one was lost. */
 static void countBytes(void) {
   uint16_t count = 0;
   uint8_t lost = 0;
@@ -69,13 +69,13 @@ int main(void) {
   put(cause);
   for (;;) {
     switch (get()) {
-      case 't': /* a hundred bytes as fast as they go */
+      case 't': /* sends a hundred bytes at full speed */
         for (uint8_t i = 0; i < 100; ++i) put(i);
         break;
       case 'c':
         countBytes();
         break;
-      case 'd': /* does not look for 20 ms */
+      case 'd': /* does not read its receiver for 20 ms */
         waitMs(20);
         put('d');
         break;
@@ -89,12 +89,12 @@ int main(void) {
         pwm();
         put('p');
         break;
-      case 's': /* sleeps for good */
+      case 's': /* sleeps with interrupts off */
         cli();
         sleep_enable();
         sleep_cpu();
         break;
-      case 'i': /* sleeps, with a timer that wakes it each ms */
+      case 'i': /* sleeps, with a timer that wakes it every ms */
         OCR1A = 7999;
         TCCR1B = 1 << WGM12 | 1;
         TIMSK1 = 1 << OCIE1A;
@@ -105,7 +105,7 @@ int main(void) {
           sleep_enable();
           sleep_cpu();
         }
-      case 'b': /* sleeps, and sends a byte each ms */
+      case 'b': /* sleeps, and sends a byte every ms */
         OCR1A = 7999;
         TCCR1B = 1 << WGM12 | 1;
         TIMSK1 = 1 << OCIE1A;
@@ -115,7 +115,7 @@ int main(void) {
           sleep_enable();
           sleep_cpu();
         }
-      case 'e': /* writes two bytes into the EEPROM and says when it is ready */
+      case 'e': /* writes two bytes into the EEPROM and reports when it is ready */
         for (uint8_t i = 0; i < 2; ++i) {
           while ((EECR & 1 << EEPE) != 0) {
           }

@@ -1,11 +1,13 @@
-/// A simulated chip with the shipped program, and a host that speaks to it without delay.
+/// A simulated chip with the firmware binary, and a host that communicates with it without delay.
 #pragma once
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "robot/firmware/settings.hpp"
@@ -36,7 +38,7 @@ inline std::vector<std::uint8_t> storeWithUid(std::uint32_t uid) {
   return storeWith(settings);
 }
 
-/// A frame and when its last stop bit ended.
+/// A frame and the time at which its last stop bit ended.
 struct Heard {
   double ms = 0;
   wire::Frame frame;
@@ -70,7 +72,7 @@ class RobotOnChip {
     chip_.setInputs(inputs_);
   }
 
-  /// Switched on and spoken to: it has booted, and telemetry comes.
+  /// Switches on and sends a frame; returns when it has booted and sends telemetry.
   void start() {
     chip_.switchOn();
     run(20);
@@ -108,7 +110,7 @@ class RobotOnChip {
     chip_.receive(std::span<const std::uint8_t>(bytes, size));
   }
 
-  /// The command's answer; fails the test when none comes.
+  /// Sends a command and returns the answer; the test fails if there is none.
   template <class Message>
   wire::Ack command(const Message& message, double timeout_ms = 500) {
     const std::size_t before = heard_.size();
@@ -130,7 +132,7 @@ class RobotOnChip {
     return {0, 255, 255};
   }
 
-  /// Stages and applies; the chip must accept.
+  /// Stages and applies settings, which the chip must accept.
   void configure(const dynamics::CoreSettings& settings) {
     for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
       EXPECT_EQ(command(wire::programMessage(settings, slot)).status, wire::kOk);
@@ -228,7 +230,7 @@ inline dynamics::CoreSettings fourPrograms() {
   return settings;
 }
 
-/// In the middle of the band of a slot of fourPrograms().
+/// The light in the middle of the band of a slot of fourPrograms().
 inline std::uint16_t lightOfSlot(unsigned slot) {
   return static_cast<std::uint16_t>(256 * slot + 128);
 }

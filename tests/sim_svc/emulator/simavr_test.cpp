@@ -1,17 +1,20 @@
-// What the simulator must do like the chip, whatever version of libsimavr is installed: each test
-// fails without the measure in chip.cpp that it guards.
+// Properties in which the simulator must equal the chip, whatever version of libsimavr is
+// installed. Each test fails without the corresponding correction in chip.cpp.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include "sim_svc/emulator/chip.hpp"
 
-/// Instead of the library's: how often the simulator wanted to wait.
+/// Replaces the library's function and counts how often the simulator would sleep in real time.
 static int usleep_calls = 0;
 extern "C" int usleep(useconds_t) {
   ++usleep_calls;
@@ -44,7 +47,7 @@ class Probe {
       chip_.receive(LineByte{static_cast<std::uint8_t>(letter), false});
     }
   }
-  /// What came since the last call.
+  /// The bytes received since the last call.
   std::vector<SentByte> take() { return std::exchange(sent_, {}); }
   std::string text() {
     std::string text;
@@ -60,7 +63,7 @@ class Probe {
   std::vector<SentByte> sent_;
 };
 
-TEST(Simulator, SaysWhyItStarted) {
+TEST(Simulator, ReportsWhyItStarted) {
   Probe probe;
   EXPECT_EQ(probe.text(), std::string("!\x01"));
   probe.chip().reset();
@@ -81,12 +84,12 @@ TEST(Simulator, AByteTakesTenBits) {
       EXPECT_NEAR(static_cast<double>(sent[i].cycle - sent[i - 1].cycle), kByteCycles, 40) << i;
     }
   }
-  // simavr has no transmit buffer: a program that polls loses a few cycles a byte.
+  // simavr has no transmit buffer, so a program that polls loses a few cycles per byte.
   EXPECT_NEAR(static_cast<double>(sent.back().cycle - sent.front().cycle), 99.0 * kByteCycles,
               99 * 10);
 }
 
-TEST(Simulator, TakesBytesAtTheSpeedOfTheHost) {
+TEST(Simulator, ReceivesBytesAtTheSpeedOfTheHost) {
   for (const double baud : {38400.0, 38461.5, 39200.0, 37700.0}) {
     ChipSettings settings;
     settings.line_baud = baud;
@@ -129,7 +132,7 @@ TEST(Simulator, AByteWithoutStopBitIsMarked) {
   EXPECT_NE(said[2].value, 0);
 }
 
-TEST(Simulator, SurvivesManyWatchdogResetsWithItsLineIntact) {
+TEST(Simulator, TheLineSurvivesManyWatchdogResets) {
   Probe probe;
   probe.take();
   for (int i = 0; i < 150; ++i) {
@@ -143,7 +146,7 @@ TEST(Simulator, SurvivesManyWatchdogResetsWithItsLineIntact) {
   EXPECT_EQ(probe.chip().counts().resets, 150U);
 }
 
-TEST(Simulator, AWatchdogResetStopsTheMotorsAndNotTheLine) {
+TEST(Simulator, AWatchdogResetStopsTheMotorsButNotTheLine) {
   Probe probe;
   probe.tell("p");
   probe.run(20);
@@ -161,17 +164,17 @@ TEST(Simulator, AWatchdogResetStopsTheMotorsAndNotTheLine) {
   EXPECT_GT(said.size(), 100U);
 }
 
-TEST(Simulator, TakesNoTimeOfItsOwn) {
+TEST(Simulator, DoesNotSleepInRealTime) {
   usleep_calls = 0;
   Probe probe;
   probe.tell("tttt");  // a program that polls its line
   probe.run(200);
-  probe.tell("i");  // and one that sleeps
+  probe.tell("i");  // a program that sleeps
   probe.run(200);
   EXPECT_EQ(usleep_calls, 0);
 }
 
-TEST(Simulator, ADutyAndItsPinsAreOneChange) {
+TEST(Simulator, ADutyAndItsPinsAreReportedAsOneChange) {
   Probe probe;
   static_cast<void>(probe.chip().takeChanges(kNever));
   probe.tell("p");
@@ -198,7 +201,7 @@ TEST(Simulator, AnEepromWriteTakesItsTime) {
   EXPECT_EQ(probe.chip().counts().eeprom_writes, 2U);
 }
 
-TEST(Simulator, APowerCutTearsTheByteUnderWay) {
+TEST(Simulator, APowerCutCorruptsTheByteBeingWritten) {
   Probe probe;
   probe.chip().cutPowerInWrite(2);
   probe.tell("e");
@@ -226,9 +229,9 @@ TEST(Simulator, SleepingWithInterruptsOffIsACrash) {
   EXPECT_EQ(probe.chip().power(), ChipPower::kRunning);
 }
 
-// A low D2 makes simavr look at it in every cycle: twenty times slower, and the sleep in steps of
-// two cycles.
-TEST(Simulator, SleepsInOnePieceWhateverThePinsAre) {
+// While D2 is low, simavr polls it in every cycle, which is twenty times slower and divides a sleep
+// into steps of two cycles.
+TEST(Simulator, SleepsInOneStepWhateverThePinsAre) {
   Probe probe;
   probe.tell("i");
   probe.run(10);
@@ -237,8 +240,8 @@ TEST(Simulator, SleepsInOnePieceWhateverThePinsAre) {
   EXPECT_LT(probe.chip().counts().rounds - before, 20'000U);
 }
 
-// A sleep ends one cycle late in simavr, so a stop just before a timer would make that one
-// punctual.
+// In simavr a sleep ends one cycle late. Without the correction, a stop just before a timer would
+// remove this delay.
 TEST(Simulator, AStopAtAnyCycleBeforeATimerChangesNothing) {
   constexpr std::size_t kTicks = 2500;
   Probe reference;
@@ -260,12 +263,12 @@ TEST(Simulator, AStopAtAnyCycleBeforeATimerChangesNothing) {
   for (std::size_t i = 0; i < said.size(); ++i) ASSERT_EQ(said[i].cycle, expected[i].cycle) << i;
 }
 
-TEST(Simulator, TimeGoesOnWhileItIsOff) {
+TEST(Simulator, TimeContinuesWhileItIsOff) {
   Probe probe({}, false);
   probe.run(100);
   EXPECT_EQ(probe.chip().cycle(), 100 * kMsCycles);
   EXPECT_EQ(probe.chip().power(), ChipPower::kOff);
-  probe.tell("x");  // nobody hears it
+  probe.tell("x");  // not received
   probe.run(10);
   probe.chip().switchOn();
   probe.run(10);
@@ -274,8 +277,8 @@ TEST(Simulator, TimeGoesOnWhileItIsOff) {
   EXPECT_GT(said[0].cycle, 110 * kMsCycles);
 }
 
-TEST(Simulator, WhatIsNoProgramIsRefusedInOneLine) {
-  const auto complaint = [](const std::filesystem::path& path) {
+TEST(Simulator, RefusesFilesThatAreNoProgramWithOneLine) {
+  const auto errorOf = [](const std::filesystem::path& path) {
     try {
       FirmwareImage program(path);
     } catch (const FirmwareImageError& error) {
@@ -283,9 +286,9 @@ TEST(Simulator, WhatIsNoProgramIsRefusedInOneLine) {
     }
     return std::string("accepted");
   };
-  EXPECT_THAT(complaint("/nowhere/x.elf"), testing::HasSubstr("/nowhere/x.elf: cannot be read"));
-  EXPECT_THAT(complaint("/proc/self/exe"), testing::HasSubstr("expected one for the AVR"));
-  EXPECT_THAT(complaint("/etc/hostname"), testing::HasSubstr("not an ELF file"));
+  EXPECT_THAT(errorOf("/nowhere/x.elf"), testing::HasSubstr("/nowhere/x.elf: cannot be read"));
+  EXPECT_THAT(errorOf("/proc/self/exe"), testing::HasSubstr("expected one for the AVR"));
+  EXPECT_THAT(errorOf("/etc/hostname"), testing::HasSubstr("not an ELF file"));
 }
 
 }  // namespace

@@ -1,6 +1,10 @@
-/// The record of draws of the AVR binary beside that of the same sources on the host.
+/// Compares the draws of the firmware binary with those of the same sources on the host.
 #pragma once
 
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "robot/firmware/device.hpp"
@@ -8,7 +12,7 @@
 
 namespace lab::emulator {
 
-/// The program of a robot on the host, behind a line that has room for everything.
+/// The firmware on the host, with a line of unlimited speed.
 class HostRobot final : public firmware::Board {
  public:
   HostRobot() : device_(*this, firmware::BootFacts{}) {
@@ -30,7 +34,7 @@ class HostRobot final : public firmware::Board {
   void writeStore(std::uint16_t address, std::uint8_t byte) override { store_.at(address) = byte; }
   std::uint16_t stackLeft() const override { return 100; }
 
-  /// One millisecond.
+  /// Runs for one millisecond.
   void tick(const dynamics::Sensors& sensors) {
     ++now_;
     if (device_.scanDue(now_)) device_.sense(now_, sensors);
@@ -57,8 +61,9 @@ class HostRobot final : public firmware::Board {
   std::uint8_t seq_ = 0;
 };
 
-/// Programs as fast as the line can record them: a STEP takes 11 ms at 38400 baud. The short tumble
-/// would turn too fast; its amplitude only scales the speeds.
+/// Programs with draws as fast as the line can transmit them: a STEP takes 11 ms at 38400 baud. The
+/// amplitude of the short tumble is reduced to stay within the speed limit, which only scales
+/// speeds.
 inline dynamics::CoreSettings fastPrograms() {
   dynamics::CoreSettings settings = fourPrograms();
   for (unsigned slot = 0; slot < 3; ++slot) settings.programs[slot].hold_ms = 20;
@@ -67,7 +72,7 @@ inline dynamics::CoreSettings fastPrograms() {
   return settings;
 }
 
-/// What both are told before the draws begin.
+/// The commands for both before the draws begin.
 template <class Robot>
 void tellBoth(Robot&& tell, const dynamics::CoreSettings& settings, std::uint32_t seed) {
   tell(wire::SetParam{wire::kTelemetryPeriod, 0});
@@ -86,7 +91,7 @@ void tellBoth(Robot&& tell, const dynamics::CoreSettings& settings, std::uint32_
   tell(order);
 }
 
-/// The STEPs with a slot of the light, times counted from the first of them.
+/// The STEPs with a slot selected by the light; times are relative to the first of them.
 inline std::vector<wire::Step> fromTheFirst(const std::vector<wire::Step>& steps) {
   std::vector<wire::Step> counted;
   for (wire::Step step : steps) {
@@ -130,8 +135,8 @@ inline std::vector<wire::Step> stepsOfHost(unsigned slot, std::uint32_t seed, st
   return fromTheFirst(robot.steps());
 }
 
-/// Bit by bit: what is on the wire.
-inline void expectTheSameSteps(unsigned slot, std::uint32_t seed, std::size_t count) {
+/// Compares the encoded messages.
+inline void expectEqualSteps(unsigned slot, std::uint32_t seed, std::size_t count) {
   const auto chip = stepsOfChip(slot, seed, count);
   const auto host = stepsOfHost(slot, seed, count);
   ASSERT_GE(chip.size(), count);

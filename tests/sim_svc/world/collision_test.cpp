@@ -30,14 +30,14 @@ TEST(FreeShareToDisk, StopsAtTheContactDistanceFromAnySide) {
   }
 }
 
-TEST(FreeShareToDisk, LetsAMoveThatMissesOrLeavesGo) {
+TEST(FreeShareToDisk, DoesNotLimitAMoveThatMissesOrLeaves) {
   EXPECT_EQ(freeShareToDisk({0.1, 0.08}, {0.3, 0}, kSquared), 1);
   EXPECT_EQ(freeShareToDisk({0.075, 0}, {-0.01, 0}, kSquared), 1);
   EXPECT_EQ(freeShareToDisk({0.075, 0}, {0, 0.01}, kSquared), 1) << "along the tangent";
   EXPECT_EQ(freeShareToDisk({0.07, 0}, {-0.01, 0}, kSquared), 1) << "out of an overlap";
 }
 
-TEST(FreeShareToDisk, HoldsAMoveIntoWhatItTouches) {
+TEST(FreeShareToDisk, StopsAMoveIntoATouchingDisk) {
   EXPECT_EQ(freeShareToDisk({0.075, 0}, {0.01, 0.005}, kSquared), 0);
 }
 

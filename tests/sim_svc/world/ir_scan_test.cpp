@@ -14,7 +14,7 @@ const Arena kArena{1.2, 0.9};
 
 Vec unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
 
-TEST(IrScan, SeesNothingInTheMiddle) {
+TEST(IrScan, ReadsNothingInTheMiddleOfTheArena) {
   IrScan dut({0.6, 0.45}, {1, 0}, kRadius, kRange);
   dut.addWalls(kArena);
   EXPECT_FALSE(dut.seesAnything());
@@ -30,18 +30,18 @@ TEST(IrScan, ReadsAWallAheadLinearly) {
   }
 }
 
-TEST(IrScan, TheSidewardSensorsSeeAWallAtTheSlant) {
+TEST(IrScan, ReadsAWallAtAnAngleWithTheSideSensors) {
   const double gap = 0.004;
   IrScan dut({1.2 - kRadius - gap, 0.45}, {1, 0}, kRadius, kRange);
   dut.addWalls(kArena);
-  // 60 degrees off: from the centre (R + gap) / cos 60, from the rim R less.
+  // At 60 degrees the distance is (R + gap) / cos 60 from the centre, and R less from the rim.
   const double slant = 2 * (kRadius + gap) - kRadius;
   EXPECT_EQ(dut.counts()[1], std::lround(1023 * (1 - slant / kRange)));
   EXPECT_EQ(dut.counts()[5], dut.counts()[1]);
   EXPECT_EQ(dut.counts()[2], 0);
 }
 
-TEST(IrScan, EachSensorLooksItsOwnWay) {
+TEST(IrScan, EachSensorHasItsOwnDirection) {
   // In steps of 60 degrees counter-clockwise from the heading.
   const double heading = 0.4;
   for (std::size_t k = 0; k < IrScan::kDirections; ++k) {
@@ -67,7 +67,7 @@ TEST(IrScan, ReadsADiskOffTheAxisAtItsRim) {
   EXPECT_EQ(missing.counts()[0], 0);
 }
 
-TEST(IrScan, SeesTheNearestOfMany) {
+TEST(IrScan, ReadsTheNearestOfMany) {
   IrScan dut({0.6, 0.45}, {1, 0}, kRadius, kRange);
   dut.addDisk({0.11, 0});
   dut.addDisk({0.09, 0});

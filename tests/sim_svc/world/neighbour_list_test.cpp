@@ -30,14 +30,14 @@ void expectAllPairs(const Arena& arena, int n, double cutoff, std::uint64_t seed
   }
 }
 
-TEST(NeighbourList, FindsThePairsThatComparingAllFinds) {
+TEST(NeighbourList, FindsTheSamePairsAsComparingAllPoints) {
   expectAllPairs({1.2, 0.9}, 150, 0.17, 1);
   expectAllPairs({8.5, 6.4}, 1000, 0.17, 2);
   expectAllPairs({1.2, 0.9}, 40, 2.0, 3);
   expectAllPairs({500, 400}, 300, 0.5, 4);
 }
 
-TEST(NeighbourList, HoldsNobodyAndOne) {
+TEST(NeighbourList, WorksForNoneAndForOnePoint) {
   NeighbourList dut;
   dut.build({}, {1.2, 0.9}, 0.2);
   const std::vector<Vec> one = {{1.2, 0.9}};

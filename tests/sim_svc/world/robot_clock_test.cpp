@@ -5,7 +5,7 @@
 namespace lab::sim {
 namespace {
 
-TEST(RobotClock, GoesThereAndBack) {
+TEST(RobotClock, ConvertsTimesInBothDirections) {
   const RobotClock dut(1234.5, 1.005);
   EXPECT_EQ(dut.localMs(0), 1234);
   EXPECT_EQ(dut.localMs(100), 1234 + 100500);
@@ -18,7 +18,7 @@ TEST(RobotClock, AFastClockIsEarly) {
   EXPECT_LT(fast.worldTime(1000), 1);
 }
 
-TEST(UnwrapMs, FindsTheNearTimeAcrossTheWrap) {
+TEST(UnwrapMs, FindsTheNearestTimeAcrossTheWrap) {
   const std::int64_t near = (std::int64_t{1} << 32) + 5;
   EXPECT_EQ(unwrapMs(5, near), near);
   EXPECT_EQ(unwrapMs(25, near), near + 20);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "sim_svc/world.hpp"
 #include "tests/support/world_fixture.hpp"
@@ -26,7 +27,7 @@ void expectHardDisksInside(const World& world) {
   }
 }
 
-// Two minutes of 150 robots in the real arena, looked at after every tick.
+// Two minutes of 150 robots in an arena of real size, checked after every tick.
 void runCrowd(const WorldSettings& settings, const dynamics::CoreSettings& core, bool robots_seen) {
   World dut(settings, robots(150));
   for (std::size_t i = 0; i < dut.size(); ++i) dut.setRobotsSeen(i, robots_seen);
@@ -39,15 +40,15 @@ void runCrowd(const WorldSettings& settings, const dynamics::CoreSettings& core,
   EXPECT_GT(dut.collisions(), 1000);
 }
 
-TEST(WorldCrowd, NeverOverlapsWhereRobotsAreRunInto) {
+TEST(WorldCrowd, NeverOverlapsWithoutReversalsFromRobots) {
   runCrowd(WorldSettings(), always(abpProgram(0.05, 0.25, 5)), false);
 }
 
-TEST(WorldCrowd, NeverOverlapsWhereRobotsAreReversedFrom) {
+TEST(WorldCrowd, NeverOverlapsWithReversalsFromRobots) {
   runCrowd(WorldSettings(), always(bpProgram(0, 0.25, 0.1)), true);
 }
 
-TEST(WorldCrowd, NeverOverlapsBlindAtFullSpeedWithNoise) {
+TEST(WorldCrowd, NeverOverlapsWithoutReversalsAtFullSpeedWithNoise) {
   WorldSettings settings;
   settings.speed_noise = 0.02;
   settings.turn_noise = 0.3;
@@ -57,8 +58,8 @@ TEST(WorldCrowd, NeverOverlapsBlindAtFullSpeedWithNoise) {
   runCrowd(settings, core, true);
 }
 
-TEST(WorldCrowd, RobotsInContactGetAwayFromEachOther) {
-  // A crowd that jams for good would stop moving; this one must keep mixing.
+TEST(WorldCrowd, RobotsInContactSeparateAgain) {
+  // A permanently jammed crowd would stop moving; this one must keep mixing.
   World dut(WorldSettings(), robots(60));
   for (std::size_t i = 0; i < dut.size(); ++i) dut.setRobotsSeen(i, false);
   startAll(dut, always(abpProgram()));

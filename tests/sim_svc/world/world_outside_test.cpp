@@ -1,8 +1,11 @@
-// What comes into the world from outside: motors, calibrations, ghosts.
+// External inputs of the world: motors, calibrations, kinematic disks.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <cstring>
+#include <optional>
+#include <vector>
 
 #include "tests/support/world_fixture.hpp"
 
@@ -23,7 +26,7 @@ double distance(Vec a, const dynamics::Pose& b) { return std::hypot(a.x - b.x, a
 
 constexpr double kStep = 0.27 / 255;  // m/s of one duty
 
-TEST(WorldMotors, ChangesHoldFromTheirExactInstants) {
+TEST(WorldMotors, ChangesTakeEffectAtTheirExactTimes) {
   World dut(idealHardware(), externalAt(0.3, 0.45, 0));
   dut.setMotors(0, {1003, 100, 100});
   dut.setMotors(0, {13457, 200, 200});
@@ -34,7 +37,7 @@ TEST(WorldMotors, ChangesHoldFromTheirExactInstants) {
   EXPECT_NEAR(dut.pose(0).x, 0.3 + driven, 1e-12);
 }
 
-TEST(WorldMotors, TheStepsOfTheWorldDoNotMatter) {
+TEST(WorldMotors, DoNotDependOnTheStepsOfTheWorld) {
   WorldSettings fine = idealHardware();
   fine.tick_us = 700;
   World a(idealHardware(), externalAt(0.6, 0.45, 1));
@@ -51,7 +54,7 @@ TEST(WorldMotors, TheStepsOfTheWorldDoNotMatter) {
   EXPECT_NEAR(a.pose(0).theta, b.pose(0).theta, 1e-11);
 }
 
-TEST(WorldMotors, ALateChangeHoldsFromNowOn) {
+TEST(WorldMotors, ALateChangeTakesEffectNow) {
   World dut(idealHardware(), externalAt(0.3, 0.45, 0));
   dut.advanceTo(kSecond);
   dut.setMotors(0, {500'000, 100, 100});
@@ -59,7 +62,7 @@ TEST(WorldMotors, ALateChangeHoldsFromNowOn) {
   EXPECT_NEAR(dut.pose(0).x, 0.3 + 100 * kStep, 1e-12);
 }
 
-TEST(WorldMotors, WheelsStandInTheDeadBandAndReachTheirFullSpeedAtFullDuty) {
+TEST(WorldMotors, WheelsStandInTheDeadBandAndReachFullSpeedAtFullDuty) {
   WorldSettings settings = idealHardware();
   settings.motor_dead_band = 0.2;  // 51 of 255
   for (const auto& [duty, speed] : std::vector<std::pair<std::int16_t, double>>{
@@ -71,7 +74,7 @@ TEST(WorldMotors, WheelsStandInTheDeadBandAndReachTheirFullSpeedAtFullDuty) {
   }
 }
 
-TEST(WorldMotors, HiddenErrorsDifferFromRobotToRobotAndKeepTheirRobot) {
+TEST(WorldMotors, ErrorsDifferBetweenRobotsAndBelongToTheRobotsId) {
   WorldSettings settings = idealHardware();
   settings.arena = {10, 10};
   settings.wheel_gain_error = 0.05;
@@ -100,7 +103,7 @@ TEST(WorldMotors, HiddenErrorsDifferFromRobotToRobotAndKeepTheirRobot) {
   EXPECT_NE(few[0], few[1]);
 }
 
-/// Drives a robot of its own core straight on for a second; how far it came.
+/// Drives a robot with its own core straight for a second and returns the distance.
 double drivenBy(WorldSettings settings, const dynamics::WheelCalibration& calibration) {
   World world(settings, robotAt(0.4, 0.45, 0));
   world.setCalibration(0, calibration, calibration, 0.08);
@@ -114,7 +117,7 @@ double drivenBy(WorldSettings settings, const dynamics::WheelCalibration& calibr
   return world.pose(0).x - before;
 }
 
-TEST(WorldCalibration, ARightCalibrationMakesARobotDriveWhatItIsTold) {
+TEST(WorldCalibration, ACorrectCalibrationMakesARobotDriveAtTheOrderedSpeed) {
   WorldSettings settings = idealHardware();
   settings.motor_dead_band = 0.2;
   const double wrong = drivenBy(settings, {});
@@ -124,32 +127,32 @@ TEST(WorldCalibration, ARightCalibrationMakesARobotDriveWhatItIsTold) {
   EXPECT_NEAR(drivenBy(settings, right), 0.1, 1e-9);
   settings.pwm_steps = true;
   EXPECT_NEAR(drivenBy(settings, right), 0.1, 0.27 / (255 - 51) / 2);
-  right.gain_ppm = 900000;  // believed slower than it is
+  right.gain_ppm = 900000;  // lower than the true gain
   EXPECT_NEAR(drivenBy(settings, right), 0.1 / 0.9, 0.27 / (255 - 51) / 2);
 }
 
-TEST(WorldGhosts, AreSensedWhereTheyStandAndNotWhenHidden) {
+TEST(WorldKinematicDisks, AreSensedAtTheirPositionsUnlessHidden) {
   World dut(idealHardware(), externalAt(0.6, 0.45, 0));
   EXPECT_EQ(dut.measure(0).ir[0], 0);
-  const std::size_t ghost = dut.addKinematicDisk();
+  const std::size_t disk = dut.addKinematicDisk();
   EXPECT_EQ(dut.measure(0).ir[0], 0);
-  dut.moveKinematicDisk(ghost, {0.6 + 0.075 + 0.025, 0.45});
+  dut.moveKinematicDisk(disk, {0.6 + 0.075 + 0.025, 0.45});
   EXPECT_NEAR(dut.measure(0).ir[0], 1023 / 2.0, 1);
   EXPECT_EQ(dut.measure(0).ir[3], 0);
-  dut.moveKinematicDisk(ghost, {0.6 - 0.075 - 0.025, 0.45});
+  dut.moveKinematicDisk(disk, {0.6 - 0.075 - 0.025, 0.45});
   EXPECT_EQ(dut.measure(0).ir[0], 0);
   EXPECT_NEAR(dut.measure(0).ir[3], 1023 / 2.0, 1);
-  dut.hideKinematicDisk(ghost);
+  dut.hideKinematicDisk(disk);
   EXPECT_EQ(dut.measure(0).ir[3], 0);
-  dut.moveKinematicDisk(ghost, {0.6 - 0.075 - 0.025, 0.45});
+  dut.moveKinematicDisk(disk, {0.6 - 0.075 - 0.025, 0.45});
   EXPECT_NE(dut.measure(0).ir[3], 0);
-  dut.moveKinematicDisk(ghost, {std::nan(""), 0.45});
-  dut.moveKinematicDisk(ghost, {1e300, -1e300});
+  dut.moveKinematicDisk(disk, {std::nan(""), 0.45});
+  dut.moveKinematicDisk(disk, {1e300, -1e300});
   EXPECT_EQ(dut.measure(0).ir[3], 0);
   dut.advanceTo(kSecond);
 }
 
-TEST(WorldGhosts, StopARobotThatRunsIntoThem) {
+TEST(WorldKinematicDisks, StopARobotThatDrivesIntoThem) {
   World dut(idealHardware(), externalAt(0.3, 0.45, 0));
   dut.moveKinematicDisk(dut.addKinematicDisk(), {0.6, 0.45});
   dut.setMotors(0, {0, 255, 255});
@@ -159,11 +162,11 @@ TEST(WorldGhosts, StopARobotThatRunsIntoThem) {
   EXPECT_EQ(dut.collisions(), 1);
 }
 
-TEST(WorldGhosts, PushARobotOutAlongTheLineOfCentres) {
+TEST(WorldKinematicDisks, PushARobotOutAlongTheLineOfCentres) {
   World dut(idealHardware(), externalAt(0.6, 0.45, 2));
-  const std::size_t ghost = dut.addKinematicDisk();
+  const std::size_t disk = dut.addKinematicDisk();
   const Vec centre = {0.6 - 0.03, 0.45 - 0.04};  // 5 cm off: 2.5 cm too near
-  dut.moveKinematicDisk(ghost, centre);
+  dut.moveKinematicDisk(disk, centre);
   EXPECT_NEAR(distance(centre, dut.pose(0)), 0.075, 1e-6);
   EXPECT_NEAR(dut.pose(0).x, 0.6 + 0.025 * 0.6, 1e-6);
   EXPECT_NEAR(dut.pose(0).y, 0.45 + 0.025 * 0.8, 1e-6);
@@ -171,20 +174,20 @@ TEST(WorldGhosts, PushARobotOutAlongTheLineOfCentres) {
   EXPECT_EQ(dut.state(0).robot_contacts, 1);
 }
 
-TEST(WorldGhosts, ARobotAtTheVerySamePlaceIsPushedOutToo) {
+TEST(WorldKinematicDisks, PushOutARobotAtTheSamePosition) {
   World dut(idealHardware(), externalAt(0.6, 0.45, 0));
   dut.moveKinematicDisk(dut.addKinematicDisk(), {0.6, 0.45});
   EXPECT_NEAR(dut.pose(0).x, 0.6 + 0.075, 1e-6);
 }
 
-TEST(WorldGhosts, WallsAndRobotsLimitThePushWhichGoesOnWhenTheyAreGone) {
-  // Two robots side by side: the right one is in the way of the left one.
+TEST(WorldKinematicDisks, WallsAndRobotsLimitThePushWhichContinuesLater) {
+  // Two robots side by side: the right one blocks the left one.
   std::vector<RobotSetup> setups = {{1, dynamics::Pose{0.5, 0.45, 0}, true},
                                     {2, dynamics::Pose{0.58, 0.45, 0}, true}};
   World dut(idealHardware(), setups);
   dut.moveKinematicDisk(dut.addKinematicDisk(), {0.44, 0.45});
-  EXPECT_NEAR(dut.pose(0).x, 0.58 - 0.075, 1e-6) << "as far as the other allows";
-  EXPECT_EQ(dut.pose(1).x, 0.58) << "a push is not handed on";
+  EXPECT_NEAR(dut.pose(0).x, 0.58 - 0.075, 1e-6) << "as far as the other robot allows";
+  EXPECT_EQ(dut.pose(1).x, 0.58) << "a push is not transferred";
   dut.setMotors(1, {0, 100, 100});
   dut.advanceTo(kSecond);
   EXPECT_NEAR(dut.pose(0).x, 0.44 + 0.075, 1e-6);
@@ -194,7 +197,7 @@ TEST(WorldGhosts, WallsAndRobotsLimitThePushWhichGoesOnWhenTheyAreGone) {
   EXPECT_NEAR(corner.pose(0).x, 0.0375, 1e-6);
 }
 
-TEST(WorldGhosts, AndExternalRobotsChangeNoDrawOfTheOthers) {
+TEST(WorldKinematicDisks, AndExternalRobotsDoNotChangeTheDrawsOfOthers) {
   WorldSettings settings;
   settings.arena = {20, 20};
   settings.wheel_gain_error = 0.02;
@@ -214,21 +217,21 @@ TEST(WorldGhosts, AndExternalRobotsChangeNoDrawOfTheOthers) {
   }
 }
 
-TEST(WorldGhosts, NeverOverlapARobotThatCanYield) {
+TEST(WorldKinematicDisks, NeverOverlapARobotThatCanYield) {
   WorldSettings settings;
   World dut(settings, robots(12));
   startAll(dut, always(abpProgram(0.1)));
   const StepLight light(0.6, 0.5, 0.5);
   dut.setLight(&light);
-  const std::size_t ghost = dut.addKinematicDisk();
+  const std::size_t disk = dut.addKinematicDisk();
   int overlaps = 0;
   int frames = 0;
-  // A real robot crosses the crowd at 20 cm/s, seen 50 times a second.
+  // A real robot crosses the crowd at 20 cm/s, with 50 camera frames per second.
   for (std::int64_t at = 0; at < 60 * kSecond; at += 20'000) {
     dut.advanceTo(at);
     const double phase = static_cast<double>(at) * 1e-6;
     const Vec centre = {0.6 + 0.5 * std::sin(0.4 * phase), 0.45 + 0.35 * std::cos(0.29 * phase)};
-    dut.moveKinematicDisk(ghost, centre);
+    dut.moveKinematicDisk(disk, centre);
     for (std::size_t i = 0; i < dut.size(); ++i) {
       ++frames;
       overlaps += distance(centre, dut.pose(i)) < 0.075 - 1e-6 ? 1 : 0;
@@ -242,7 +245,7 @@ TEST(WorldGhosts, NeverOverlapARobotThatCanYield) {
     }
   }
   EXPECT_GT(dut.collisions(), 0);
-  // Only against walls and in crowds is there no way out.
+  // A robot can only be unable to move at walls and in crowds.
   EXPECT_LT(overlaps, frames / 100);
 }
 

@@ -1,8 +1,10 @@
-// The simulated robots against the exact laws of what they execute.
+// Compares the simulated robots with the exact laws of their programs.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 #include "sim_svc/world.hpp"
 #include "tests/support/world_fixture.hpp"
@@ -17,7 +19,7 @@ struct Mean {
   double error = 0;  ///< Standard error.
 };
 
-/// The mean over many robots, in an arena without a wall in reach, of `observe` between two times.
+/// Mean of `observe` between two times over many robots, in an arena too large to meet a wall.
 Mean overRobots(
     const dynamics::ProgramParams& program, double from_s, double to_s,
     const std::function<double(const dynamics::Pose&, const dynamics::Pose&)>& observe) {
@@ -81,9 +83,9 @@ TEST(WorldPhysics, RunAndTumbleSpreadsByEquationSix) {
   }
 }
 
-TEST(WorldPhysics, AnHourInTheArenaMeetsTheWallAsOftenAsItShould) {
-  // v = 3 cm/s, eps = 0.5 s, eta = 3 rad/s: 52 reversals an hour and 94.6 % of the time free, by an
-  // independent simulation of the same rule with the same infrared range and reverse speed.
+TEST(WorldPhysics, NumberOfReversalsInAnHourIsAsExpected) {
+  // v = 3 cm/s, eps = 0.5 s, eta = 3 rad/s: 52 reversals per hour and 94.6 % of the time without
+  // reversal, from an independent simulation with the same infrared range and reverse speed.
   constexpr int kHours = 12;
   double reversals = 0;
   double reversing = 0;

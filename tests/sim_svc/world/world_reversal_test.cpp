@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 
 #include "sim_svc/world.hpp"
 #include "tests/support/world_fixture.hpp"
@@ -9,7 +10,7 @@ namespace lab::sim {
 namespace {
 
 TEST(WorldReversal, DrivesFortyCentimetresStraightBackAndResumesExactly) {
-  // One robot meets a wall, the other one, with the same draws, has none to meet.
+  // One robot meets a wall; the other one has the same draws but no wall in reach.
   WorldSettings settings = idealHardware();
   World dut(settings, robotAt(1.05, 0.45, 0));
   WorldSettings open = settings;
@@ -28,10 +29,11 @@ TEST(WorldReversal, DrivesFortyCentimetresStraightBackAndResumesExactly) {
   EXPECT_EQ(ended.core.reversal_count, 1U);
   EXPECT_NEAR(ended.reversal_end - ended.reversal_start, 4.0, 1e-9);
   EXPECT_NEAR(std::hypot(ended.pose.x - turn_back.x, ended.pose.y - turn_back.y), 0.40, 3e-4)
-      << "looked at within a millisecond of either end";
+      << "both ends are sampled within a millisecond";
   EXPECT_NEAR(ended.pose.theta, turn_back.theta, 1e-4);
 
-  // Stitched, the track is the free one: shifted by 40 cm along the heading, and by 4 s.
+  // Without the reversal, the track equals the free one, shifted by 40 cm along the heading and by
+  // 4 s.
   free.advanceTo(10 * kSecond);
   dut.advanceTo(14 * kSecond);
   ASSERT_EQ(dut.state(0).core.reversal_count, 1U);
@@ -50,8 +52,9 @@ TEST(WorldReversal, HappensBeforeTheWallIsTouched) {
   EXPECT_EQ(dut.state(0).wall_contacts, 0);
 }
 
-TEST(WorldReversal, IsEndedByTheWallBehind) {
-  // Too small to drive back 40 cm: the reversal ends in view of the wall behind.
+TEST(WorldReversal, EndsAtAWallBehind) {
+  // The arena is too small to drive back 40 cm, so the reversal ends when the wall behind is
+  // sensed.
   WorldSettings settings = idealHardware();
   settings.arena = {0.5, 0.9};
   World dut(settings, robotAt(0.25, 0.45, 0));
@@ -71,7 +74,7 @@ TEST(WorldReversal, ARobotParallelToAWallIsNotTrapped) {
   EXPECT_NEAR(dut.pose(0).x, 0.7, 0.01);
 }
 
-TEST(WorldReversal, WithoutItTheWallStopsTheRobot) {
+TEST(WorldReversal, WhenDisabledTheWallStopsTheRobot) {
   World dut(idealHardware(), robotAt(1.0, 0.45, 0));
   dynamics::CoreSettings blind = always(wheelsProgram(0.1, 0.1));
   blind.reversal.enabled = false;
@@ -98,13 +101,13 @@ class WorldReversalFromRobots : public ::testing::Test {
   }
 };
 
-TEST_F(WorldReversalFromRobots, SeenTheyAreObstacles) {
+TEST_F(WorldReversalFromRobots, RobotsAreObstaclesIfTheyAreSeen) {
   const World dut = headOn(true);
   EXPECT_EQ(dut.state(0).core.reversal_count, 1U);
   EXPECT_EQ(dut.collisions(), 0);
 }
 
-TEST_F(WorldReversalFromRobots, UnseenTheyAreRunInto) {
+TEST_F(WorldReversalFromRobots, RobotsAreRunIntoIfTheyAreNotSeen) {
   const World dut = headOn(false);
   EXPECT_EQ(dut.state(0).core.reversal_count, 0U);
   EXPECT_NEAR(dut.pose(0).x, 0.8 - 0.075, 1e-8);
@@ -113,7 +116,7 @@ TEST_F(WorldReversalFromRobots, UnseenTheyAreRunInto) {
   EXPECT_TRUE(dut.state(1).contact_robot);
   EXPECT_FALSE(dut.state(0).contact_wall);
   EXPECT_EQ(dut.collisions(), 1);
-  EXPECT_EQ(dut.state(0).sensors.ir[0], 1023) << "the sensor sees it all the same";
+  EXPECT_EQ(dut.state(0).sensors.ir[0], 1023) << "the sensor still reads it";
 }
 
 }  // namespace

@@ -40,9 +40,11 @@ struct Step {
 };
 
 std::array<Step, 3> lightSwitching() {
-  ProgramLaw bp{.kind = ProgramKind::kBp, .V = 0.07, .epsilon = 0.2};
-  ProgramLaw abp{.kind = ProgramKind::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3};
-  ProgramLaw rtp{.kind = ProgramKind::kRtp, .v = 0.05, .gamma = 3, .tau_t = 0.5};
+  ProgramLaw bp{dynamics::RobotProgram{.kind = ProgramKind::kBp, .V = 0.07, .epsilon = 0.2}};
+  ProgramLaw abp{
+      dynamics::RobotProgram{.kind = ProgramKind::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3}};
+  ProgramLaw rtp{
+      dynamics::RobotProgram{.kind = ProgramKind::kRtp, .v = 0.05, .gamma = 3, .tau_t = 0.5}};
   return {Step{0.2, {102, 358, 0}, bp}, Step{0.5, {409, 665, 1}, abp},
           Step{0.9, {716, 1024, 2}, rtp}};
 }

@@ -66,16 +66,7 @@ inline ReferenceSet readReferenceSet(const std::string& name) {
 
 /// The program as the robot receives it.
 inline dynamics::ProgramParams paramsOf(const analysis::ProgramLaw& law) {
-  dynamics::RobotProgram physics;
-  physics.kind = static_cast<dynamics::ProgramKind>(law.kind);
-  physics.v = law.v;
-  physics.va = law.va;
-  physics.V = law.V;
-  physics.epsilon = law.epsilon;
-  physics.eta = law.eta;
-  physics.gamma = law.gamma;
-  physics.tau_t = law.tau_t;
-  const dynamics::ParamsResult result = dynamics::toProgramParams(physics);
+  const dynamics::ParamsResult result = dynamics::toProgramParams(law);
   if (!result.ok) {
     throw std::runtime_error(result.reason);
   }

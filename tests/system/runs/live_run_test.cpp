@@ -97,7 +97,7 @@ TEST_F(LiveRun, StopAndLightCommandsReachTheRobots) {
   EXPECT_EQ(light.exit_code, 0) << light.output;
   const Finished stop = run("lab stop");
   EXPECT_EQ(stop.exit_code, 0) << stop.output;
-  EXPECT_THAT(stop.output, HasSubstr("confirmed by 1 robot"));
+  EXPECT_THAT(stop.output, HasSubstr("confirmed by 6 robots"));
   const Finished clear = run("lab stop --clear");
   EXPECT_EQ(clear.exit_code, 0) << clear.output;
   const Finished spy = run("lab spy --seconds 1.5");

@@ -96,9 +96,13 @@ TEST_F(Scripting, ThePythonProgramShowsItsLightsAndReceivesRobotStatus) {
   EXPECT_THAT(shownBy("light_switching.py", log()), testing::ElementsAre(0.2, 0.5, 0.9));
   // Kinds of program_t: BP 3, ABP 1, RTP 4.
   EXPECT_THAT(python.output, HasSubstr("dim: BP: shown after"));
-  EXPECT_THAT(python.output, HasSubstr("models now [(1, 3)]"));
-  EXPECT_THAT(python.output, HasSubstr("models now [(1, 1)]"));
-  EXPECT_THAT(python.output, HasSubstr("models now [(1, 4)]"));
+  for (const int model : {3, 1, 4}) {
+    std::string all;
+    for (int robot = 1; robot <= 6; ++robot) {
+      all += (robot > 1 ? ", (" : "(") + std::to_string(robot) + ", " + std::to_string(model) + ")";
+    }
+    EXPECT_THAT(python.output, HasSubstr("models now [" + all + "]"));
+  }
 }
 
 }  // namespace

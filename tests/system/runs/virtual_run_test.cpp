@@ -62,6 +62,16 @@ TEST_F(VirtualRun, AnalyzeRebuildsTheSameBytesFromTheLogAlone) {
   }
 }
 
+TEST_F(VirtualRun, TheDefaultExperimentEndsWithAVerdictForEveryProgram) {
+  const auto summary = readJson(labRun("light_switching", "") / "summary.json");
+
+  ASSERT_EQ(summary.at("programs").size(), 3U);
+  for (const auto& program : summary.at("programs")) {
+    EXPECT_EQ(program.at("pool").at("verdict"), "agrees") << program.at("name");
+    EXPECT_EQ(program.at("pool").at("robots"), 6) << program.at("name");
+  }
+}
+
 /// The wheel speeds of the program of robot 1 in every status report.
 std::vector<std::pair<double, double>> drawsOfRobotOne(const fs::path& directory) {
   std::vector<std::pair<double, double>> draws;
@@ -83,7 +93,7 @@ TEST_F(VirtualRun, AddingRobotsDoesNotChangeTheDrawsOfTheFirst) {
   EXPECT_TRUE(draws == among_others);
 }
 
-TEST_F(VirtualRun, EverySwitchOfTheLightReachesTheRobotWithinASensorPeriodAndAFrame) {
+TEST_F(VirtualRun, EverySwitchOfTheLightReachesAllRobotsWithinASensorPeriodAndAFrame) {
   const fs::path directory = labRun("light_switching", "--set duration_s=1800");
   const auto summary = readJson(directory / "summary.json");
   constexpr double kSensorPeriod_ms = 20 * 1.02;  // the robot's clock may be 2 % slow
@@ -91,7 +101,7 @@ TEST_F(VirtualRun, EverySwitchOfTheLightReachesTheRobotWithinASensorPeriodAndAFr
   const auto& steps = summary.at("steps");
   EXPECT_GE(steps.size(), 60U);
   for (const auto& step : steps) {
-    EXPECT_EQ(step.at("robots_acted"), 1) << step;
+    EXPECT_EQ(step.at("robots_acted"), 6) << step;
     const double presented_s = step.at("presented_s");
     EXPECT_LE((presented_s - step.at("commanded_s").get<double>()) * 1000, kFrame_ms + 0.01)
         << step;

@@ -110,6 +110,7 @@ TEST_F(WebRun, AnswersExecutesRequestsAndIsRestartedWhenKilled) {
       << lab.output();
   const std::string address = addressOf(lab);
   ASSERT_THAT(address, HasSubstr("http://127.0.0.1:28480/#token=")) << lab.output();
+  EXPECT_THAT(lab.output(), testing::StartsWith("web      http://"));
   EXPECT_TRUE(waitUntil([&] { return readFile(copy) == address + "\n"; }, seconds(5)));
   EXPECT_EQ(fs::status(copy).permissions(), fs::perms::owner_read | fs::perms::owner_write);
   EXPECT_TRUE(answers(address));

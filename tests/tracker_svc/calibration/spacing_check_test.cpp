@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -19,10 +21,10 @@ using testing::IsEmpty;
 constexpr double kSpacing = 0.036;
 constexpr double kSigma = 20e-6;
 
-/// [1] by which a spacing is measured too long, by time and place about the middle of the arena.
+/// Relative error of a spacing [1], by time and place relative to the middle of the arena.
 using Error = std::function<double(double, double, double)>;
 
-/// Robots that wander about an arena of 120 x 90 cm, each cap made a little differently.
+/// Robots that wander in an arena of 120 x 90 cm, with slightly different caps.
 class Wanderers {
  public:
   Wanderers(int robots, double cap_error, std::uint64_t seed) : random_(seed, 1) {
@@ -62,7 +64,7 @@ class Wanderers {
 
 double none(double, double, double) { return 0; }
 
-TEST(SpacingCheck, SaysNothingOfACameraThatStands) {
+TEST(SpacingCheck, ReportsNothingForAStillCamera) {
   SpacingCheck check;
   Wanderers(20, 0, 1).film(check, 0, 60, 0.1, none);
   const SpacingReport report = check.report(60);
@@ -75,7 +77,7 @@ TEST(SpacingCheck, SaysNothingOfACameraThatStands) {
   EXPECT_LT(report.sigma, 5e-6);
 }
 
-TEST(SpacingCheck, KnowsNothingWithoutCaps) {
+TEST(SpacingCheck, HasNoResultWithoutCaps) {
   SpacingCheck check;
   EXPECT_FALSE(check.report(100).known);
   constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
@@ -89,9 +91,9 @@ TEST(SpacingCheck, KnowsNothingWithoutCaps) {
   EXPECT_THAT(check.report(100).text, IsEmpty());
 }
 
-TEST(SpacingCheck, IsSilentForDays) {
-  // Three days of 20 robots, with caps that are not all alike: expected below three alarms were the
-  // rate one a day; the claim is far less.
+TEST(SpacingCheck, GivesNoFalseAlarmForDays) {
+  // Three days of 20 robots with different caps: at most three alarms at one per day; the specified
+  // rate is far lower.
   SpacingCheck check;
   Wanderers robots(20, 30e-6, 2);
   int alarms = 0;
@@ -106,7 +108,7 @@ TEST(SpacingCheck, IsSilentForDays) {
   EXPECT_EQ(alarms, 0);
 }
 
-TEST(SpacingCheck, SeesACameraThatSinksByThreeMillimetres) {
+TEST(SpacingCheck, DetectsACameraThatSinksByThreeMillimetres) {
   const Error sinks = [](double time, double, double) { return time < 120 ? 0 : 0.003 / 1.67; };
   SpacingCheck check;
   Wanderers robots(20, 10e-6, 3);
@@ -120,7 +122,7 @@ TEST(SpacingCheck, SeesACameraThatSinksByThreeMillimetres) {
   EXPECT_THAT(report.text, HasSubstr("the camera has moved since the start"));
 }
 
-TEST(SpacingCheck, SeesACameraThatTiltsByATenthOfADegree) {
+TEST(SpacingCheck, DetectsACameraThatTiltsByATenthOfADegree) {
   constexpr double kTilt = 0.1 * std::numbers::pi / 180;
   const Error tilts = [](double time, double x, double) {
     return time < 120 ? 0 : 1.5 * kTilt / 1.67 * x;
@@ -135,7 +137,7 @@ TEST(SpacingCheck, SeesACameraThatTiltsByATenthOfADegree) {
   EXPECT_NEAR(report.shift, 1.67 * kTilt, 1e-3);
 }
 
-TEST(SpacingCheck, SeesACalibrationThatNeverFitted) {
+TEST(SpacingCheck, DetectsACalibrationThatNeverFitted) {
   SpacingCheck check;
   const Error off = [](double, double, double) { return 0.006; };
   Wanderers(5, 0, 5).film(check, 0, 30, 0.1, off);
@@ -146,7 +148,7 @@ TEST(SpacingCheck, SeesACalibrationThatNeverFitted) {
   EXPECT_THAT(report.text, HasSubstr("the calibration does not fit"));
 }
 
-TEST(SpacingCheck, ReportsBeforeTheFirstWindowIsFull) {
+TEST(SpacingCheck, ReportsBeforeTheFirstWindowIsComplete) {
   SpacingCheck check;
   const Error off = [](double, double, double) { return 0.002; };
   Wanderers(5, 0, 6).film(check, 0, 2, 0.1, off);
@@ -156,7 +158,7 @@ TEST(SpacingCheck, ReportsBeforeTheFirstWindowIsFull) {
   EXPECT_TRUE(report.fits);
 }
 
-/// A film of robots at rest, each at another place, whose error stays from frame to frame.
+/// A recording of resting robots at different places, whose errors are constant over time.
 SpacingReport filmOf(int robots, const Error& error, double stays, double sigma) {
   SpacingSettings settings;
   settings.window = std::numeric_limits<double>::infinity();
@@ -173,7 +175,7 @@ SpacingReport filmOf(int robots, const Error& error, double stays, double sigma)
   return check.whole();
 }
 
-TEST(SpacingCheck, SeesInAShortFilmThatTheCalibrationIsTilted) {
+TEST(SpacingCheck, DetectsATiltedCalibrationInAShortRecording) {
   constexpr double kTilt = 0.5 * std::numbers::pi / 180;
   const Error tilts = [](double, double, double y) { return 1.5 * kTilt / 1.67 * y; };
 
@@ -186,7 +188,7 @@ TEST(SpacingCheck, SeesInAShortFilmThatTheCalibrationIsTilted) {
   EXPECT_THAT(report.text, HasSubstr("the calibration does not fit"));
 }
 
-TEST(SpacingCheck, TakesErrorsOfACodecForNoTilt) {
+TEST(SpacingCheck, DoesNotMistakeCodecArtefactsForTilt) {
   const SpacingReport report = filmOf(24, none, 0.2e-3, kSigma);
 
   EXPECT_TRUE(report.known);
@@ -194,7 +196,7 @@ TEST(SpacingCheck, TakesErrorsOfACodecForNoTilt) {
   EXPECT_THAT(report.text, IsEmpty());
 }
 
-TEST(SpacingCheck, KnowsNothingOfAFilmFromThreePlaces) {
+TEST(SpacingCheck, HasNoResultFromThreePlaces) {
   const Error off = [](double, double x, double) { return 0.1 * x; };
   EXPECT_FALSE(filmOf(3, off, 0, kSigma).known);
   EXPECT_TRUE(filmOf(3, off, 0, kSigma).fits);

@@ -1,11 +1,13 @@
-/// A camera of known numbers and what it sees of caps, corners and boards.
+/// A camera with known parameters, and its observations of caps, corners and boards.
 #pragma once
 
 #include <Eigen/Geometry>
 #include <Eigen/QR>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "common/math/random.hpp"
 #include "light/optics/simulated_camera.hpp"
@@ -13,8 +15,8 @@
 
 namespace lab::calibration {
 
-/// Some camera over an arena of 120 x 90 cm: not quite in the middle, not quite level, its lens
-/// with distortion, its pixels not quite square.
+/// A random camera over an arena of 120 x 90 cm: slightly off the middle, tilted, with distortion
+/// and pixels not exactly square.
 inline optics::CameraParameters someCamera(Random& random, int columns, int rows) {
   optics::CameraParameters p = optics::simulatedCamera(columns, rows, 1.2, 0.9);
   const double height = 1.3 + random.uniform();
@@ -46,7 +48,7 @@ inline optics::CameraParameters someCamera(Random& random, int columns, int rows
   return p;
 }
 
-/// Centre of the ellipse that a circle appears as: a conic through points of its outline.
+/// Centre of the ellipse of a circle: from a conic through points of its outline.
 inline optics::Pixel ellipseCentre(const optics::CameraModel& model, double x, double y, double z,
                                    double radius) {
   constexpr int kPoints = 16;
@@ -70,10 +72,10 @@ inline optics::Pixel ellipseCentre(const optics::CameraModel& model, double x, d
 struct SightNoise {
   double caps = 0.02;    ///< [px]
   double corners = 0.5;  ///< [px]
-  double cap_make = 0;   ///< [1] by which all caps are made too wide
+  double cap_make = 0;   ///< [1] common relative error of the caps' width
 };
 
-/// Caps anywhere where robots can be, within [x0, x1] of the width.
+/// Caps at random places that robots can reach, within [x0, x1] of the width.
 inline std::vector<CapObservation> capsSeen(const optics::CameraParameters& camera, int count,
                                             const SightNoise& noise, Random& random, double x0 = 0,
                                             double x1 = 1) {
@@ -100,25 +102,25 @@ inline std::vector<CapObservation> capsSeen(const optics::CameraParameters& came
   return caps;
 }
 
-/// What the camera sees of an arena of 120 x 90 cm.
-inline CameraObservations sightsOf(const optics::CameraParameters& camera, int caps,
-                                   const SightNoise& noise, Random& random) {
-  CameraObservations sights;
-  sights.width = camera.width;
-  sights.height = camera.height;
-  sights.corner_sigma = std::max(noise.corners, 0.05);
+/// Observations of an arena of 120 x 90 cm.
+inline CameraObservations observationsOf(const optics::CameraParameters& camera, int caps,
+                                         const SightNoise& noise, Random& random) {
+  CameraObservations observations;
+  observations.width = camera.width;
+  observations.height = camera.height;
+  observations.corner_sigma = std::max(noise.corners, 0.05);
   const optics::CameraModel model(camera);
   constexpr std::array<optics::Place, 4> kPlaces = {{{0, 0}, {1.2, 0}, {1.2, 0.9}, {0, 0.9}}};
   for (std::size_t i = 0; i < 4; ++i) {
     const optics::Pixel at = model.project(kPlaces[i].x, kPlaces[i].y, 0);
-    sights.corners[i] = {at.x + noise.corners * random.normal(),
-                         at.y + noise.corners * random.normal()};
+    observations.corners[i] = {at.x + noise.corners * random.normal(),
+                               at.y + noise.corners * random.normal()};
   }
-  sights.caps = capsSeen(camera, caps, noise, random);
-  return sights;
+  observations.caps = capsSeen(camera, caps, noise, random);
+  return observations;
 }
 
-/// A board of 9 x 6 discs, 3 cm apart, in some pose above the arena where it is seen whole.
+/// A board of 9 x 6 discs, 3 cm apart, in a random pose above the arena, completely visible.
 inline BoardView boardSeen(const optics::CameraParameters& camera, double noise, Random& random) {
   BoardView view;
   for (;;) {
@@ -153,24 +155,24 @@ inline BoardView boardSeen(const optics::CameraParameters& camera, double noise,
   }
 }
 
-/// How far positions of a fitted camera are off over the arena [m].
+/// Position errors of a fitted camera over the arena [m].
 struct TrueError {
   double rms = 0;
   double largest = 0;
-  double shape = 0;         ///< rms when the whole is shifted and turned as fits best
-  double largest_pull = 0;  ///< of each place of the map, along the error, in claimed sigmas
+  double shape = 0;         ///< rms after removing the best common shift and rotation
+  double largest_pull = 0;  ///< largest error over the map's places, in claimed sigmas
 };
 
 inline TrueError trueError(const CameraFit& fit, const optics::CameraParameters& truth,
-                           const CameraObservations& sights) {
+                           const CameraObservations& observations) {
   const optics::CameraModel real(truth);
   const optics::CameraModel fitted(fit.camera);
   TrueError error;
   std::array<optics::Place, 25> misses;
   for (std::size_t i = 0; i < fit.map.places.size(); ++i) {
     const PlaceError& place = fit.map.places[i];
-    const auto seen =
-        fitted.toPlane(real.project(place.x, place.y, sights.cap.height), sights.cap.height);
+    const auto seen = fitted.toPlane(real.project(place.x, place.y, observations.cap.height),
+                                     observations.cap.height);
     if (!seen) return {1, 1, 1, 1e9};
     misses[i] = {seen->x - place.x, seen->y - place.y};
     const double miss = std::hypot(misses[i].x, misses[i].y);
@@ -179,7 +181,7 @@ inline TrueError trueError(const CameraFit& fit, const optics::CameraParameters&
     error.largest_pull = std::max(error.largest_pull, miss / place.frame);
   }
   error.rms = std::sqrt(error.rms);
-  // The shift and the small turn about the middle that take most of it away.
+  // Least-squares shift and small rotation about the middle.
   double dx = 0;
   double dy = 0;
   double moment = 0;

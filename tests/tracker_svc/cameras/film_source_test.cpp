@@ -1,10 +1,12 @@
-// Recordings played on a live loop. Pictures stand for all of them: movies are read the same way.
+// Playback of recordings on a real-time loop. Tested with pictures; movies use the same code.
 #include "tracker_svc/cameras/film_source.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cstdint>
+#include <fstream>
 #include <thread>
 #include <vector>
 
@@ -60,7 +62,7 @@ class Player : public testing::Test {
   std::vector<std::string> ends;
 };
 
-TEST_F(Player, GivesEveryFrameAndTheEnd) {
+TEST_F(Player, DeliversEveryFrameAndTheEnd) {
   record(20);
   const auto source = open(-1);
 
@@ -73,7 +75,7 @@ TEST_F(Player, GivesEveryFrameAndTheEnd) {
   EXPECT_THAT(ends, ElementsAre(""));
 }
 
-TEST_F(Player, PlaysAtTheRateThatIsWanted) {
+TEST_F(Player, PlaysAtTheWantedRate) {
   record(5);
   const auto source = open(100);
 
@@ -85,7 +87,7 @@ TEST_F(Player, PlaysAtTheRateThatIsWanted) {
   }
 }
 
-TEST_F(Player, PlaysAtItsOwnRate) {
+TEST_F(Player, PlaysAtTheRecordingsRate) {
   record(3);
   std::ofstream(folder / "frames.csv") << "frame,t_s\n0,1\n1,1.02\n2,1.04\n";
   const auto source = open(0);
@@ -96,7 +98,7 @@ TEST_F(Player, PlaysAtItsOwnRate) {
   EXPECT_GE(came[2] - came[0], 39'999);
 }
 
-TEST_F(Player, CatchesUpAfterAHiccup) {
+TEST_F(Player, CatchesUpAfterADelay) {
   record(12);
   CameraHandlers all = handlers();
   all.frame = [this](const CameraFrame& frame) {
@@ -116,7 +118,7 @@ TEST_F(Player, CatchesUpAfterAHiccup) {
   EXPECT_LT(lateBy(11), 100'000);
 }
 
-TEST_F(Player, TellsWhatWasWrong) {
+TEST_F(Player, ReportsProblemsOfTheRecording) {
   record(3);
   std::ofstream(folder / "f1.png") << "no picture";
   const auto source = open(-1);
@@ -124,11 +126,11 @@ TEST_F(Player, TellsWhatWasWrong) {
   ASSERT_TRUE(toTheEnd());
 
   EXPECT_THAT(numbers, ElementsAre(0, 2));
-  EXPECT_THAT(ends, ElementsAre(HasSubstr("f1.png: is no picture")));
+  EXPECT_THAT(ends, ElementsAre(HasSubstr("f1.png: is not a picture")));
   EXPECT_EQ(source->dropped(), 1);
 }
 
-TEST_F(Player, AHandlerMayCloseIt) {
+TEST_F(Player, MayBeClosedByAHandler) {
   record(10);
   std::unique_ptr<FrameSource> source;
   CameraHandlers once = handlers();
@@ -154,13 +156,13 @@ TEST_F(Player, MayBeClosedAtAnyTime) {
   }
 }
 
-TEST_F(Player, AnotherSizeThanWantedIsRefused) {
+TEST_F(Player, RejectsASizeOtherThanTheWantedOne) {
   record(1);
   try {
     static_cast<void>(open(0, 640));
     FAIL();
   } catch (const CameraError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("found 32 x 24 pixels, wanted are 640 x 0"));
+    EXPECT_THAT(error.what(), HasSubstr("found 32 x 24 pixels, wanted 640 x 0"));
   }
 }
 

@@ -1,4 +1,4 @@
-/// A video device that does what a test says, under the system calls.
+/// A fake video device, controlled by a test, behind the system-call interface.
 #pragma once
 
 #include <linux/videodev2.h>
@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdint>
 #include <cstring>
 #include <deque>
 #include <map>
@@ -25,17 +26,17 @@ class ScriptedCamera final : public cameras::V4l2Calls {
   };
   struct Format {
     std::uint32_t fourcc;
-    std::uint32_t bytes;  ///< a pixel
+    std::uint32_t bytes;  ///< per pixel
     std::vector<Size> sizes;
   };
   struct Control {
     int minimum;
     int maximum;
     int value;
-    bool stuck = false;  ///< takes no other value
+    bool stuck = false;  ///< ignores new values
   };
 
-  // What it is; to be changed by the test.
+  // Properties, which the test may change.
   std::string path = "/dev/video0";
   int open_error = 0;
   std::uint32_t capabilities = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
@@ -43,11 +44,11 @@ class ScriptedCamera final : public cameras::V4l2Calls {
   std::map<std::uint32_t, Control> controls;
   int format_error = 0;
   int stream_error = 0;
-  bool keeps_its_size = false;  ///< S_FMT answers with another size than asked
+  bool keeps_its_size = false;  ///< S_FMT returns another size than requested
   std::uint32_t quantization = V4L2_QUANTIZATION_FULL_RANGE;
   std::int64_t clock = 5'000'000;  ///< [us] CLOCK_MONOTONIC
 
-  // What happened.
+  // Recorded calls.
   int opened = 0;
   int closed = 0;
   int mapped = 0;
@@ -57,7 +58,7 @@ class ScriptedCamera final : public cameras::V4l2Calls {
 
   ScriptedCamera() { now.width = 640, now.height = 480, now.pixelformat = V4L2_PIX_FMT_YUYV; }
 
-  /// A frame all of whose bytes are `value`. Lost when no buffer is queued, as in a driver.
+  /// Exposes a frame of bytes `value`. It is lost if no buffer is queued, as in a driver.
   void expose(std::uint32_t sequence, std::uint8_t value,
               std::uint32_t flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC |
                                     V4L2_BUF_FLAG_TSTAMP_SRC_SOE,
@@ -81,7 +82,7 @@ class ScriptedCamera final : public cameras::V4l2Calls {
     tell();
   }
   void plugIn() { plugged_ = true; }
-  /// The next so many frames end in an input/output error.
+  /// The next frames fail with an I/O error.
   void failFrames(int count) {
     failing_ = count;
     tell();

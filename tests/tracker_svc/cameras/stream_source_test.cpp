@@ -1,9 +1,12 @@
-// Network cameras and pipelines. Scripts stand in for ffmpeg, ffprobe and gst-launch-1.0.
+// Network cameras and pipelines, with scripts in place of ffmpeg, ffprobe and gst-launch-1.0.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "tests/support/loop_until.hpp"
@@ -24,7 +27,7 @@ class Streams : public testing::Test {
   Streams() { setenv("PATH", ((folder / "").string() + ":" + old_path).c_str(), 1); }
   ~Streams() override { setenv("PATH", old_path.c_str(), 1); }
 
-  /// A program that leaves its arguments in a file of its name and does this.
+  /// Installs a program that stores its arguments in a file and runs the script.
   void program(const std::string& name, const std::string& script) {
     std::ofstream(folder / name) << "#!/bin/sh\nprintf '%s\\n' \"$@\" > '"
                                  << (folder / (name + ".arguments")).string() << "'\n"
@@ -74,7 +77,7 @@ constexpr const char* kFacts =
     R"(echo '{"streams":[{"codec_name":"h264","pix_fmt":"yuv420p","width":2,"height":2,)"
     R"("avg_frame_rate":"25/1"}]}')";
 
-TEST_F(Streams, FromTheNetworkAreMixedToGrey) {
+TEST_F(Streams, FromTheNetworkAreConvertedToGrey) {
   program("ffprobe", kFacts);
   program("ffmpeg", "printf 'aaabbbcccddd'; printf 'aaabbbcccdef'; sleep 60");
   const auto source = open("rtsp://camera/1", 2, 2);
@@ -90,7 +93,7 @@ TEST_F(Streams, FromTheNetworkAreMixedToGrey) {
               AllOf(Contains("rtsp://camera/1"), Contains("tcp"), Contains("passthrough")));
 }
 
-TEST_F(Streams, ThatEndAreBegunAnew) {
+TEST_F(Streams, ThatEndAreReopened) {
   program("ffprobe", kFacts);
   program("ffmpeg", "printf 'aaabbbcccddd'; echo 'Connection timed out' >&2; exit 1");
   const auto source = open("http://camera/video", 0, 0);
@@ -104,14 +107,14 @@ TEST_F(Streams, ThatEndAreBegunAnew) {
   EXPECT_EQ(troubles[1], "") << "and it is back";
 }
 
-TEST_F(Streams, ThatCannotBeReachedAreRefused) {
+TEST_F(Streams, ThatCannotBeReachedAreRejected) {
   program("ffprobe", "echo 'Connection refused' >&2; exit 1");
   EXPECT_THAT(refusal("rtsp://camera/1", 2, 2), HasSubstr("Connection refused"));
   program("ffprobe", kFacts);
-  EXPECT_THAT(refusal("rtsp://camera/1", 4, 2), HasSubstr("found 2 x 2 pixels, wanted are 4 x 2"));
+  EXPECT_THAT(refusal("rtsp://camera/1", 4, 2), HasSubstr("found 2 x 2 pixels, wanted 4 x 2"));
 }
 
-TEST_F(Streams, OfAPipelineHaveRowsOfWholeWords) {
+TEST_F(Streams, OfAPipelineHaveRowsPaddedToWords) {
   program("gst-launch-1.0", "printf 'abcde...fghij...'; sleep 60");
   const auto source = open("gst:aravissrc camera-name=\"A B\" ! queue", 5, 2);
 
@@ -125,14 +128,14 @@ TEST_F(Streams, OfAPipelineHaveRowsOfWholeWords) {
                   "fdsink", "fd=1"));
 }
 
-TEST_F(Streams, OfAPipelineRunNothingElse) {
+TEST_F(Streams, OfAPipelineDoNotRunShellCommands) {
   EXPECT_THAT(refusal("gst:videotestsrc; touch x", 4, 4), HasSubstr("is no pipeline"));
   EXPECT_THAT(refusal("gst:$(touch x)", 4, 4), HasSubstr("is no pipeline"));
   EXPECT_THAT(refusal("gst:", 4, 4), HasSubstr("is empty"));
   EXPECT_THAT(refusal("gst:videotestsrc", 0, 0), HasSubstr("set width_px and height_px"));
 }
 
-TEST_F(Streams, WithoutTheirProgramSayWhatToInstall) {
+TEST_F(Streams, WithoutTheirProgramTheErrorNamesThePackage) {
   setenv("PATH", (folder / "").c_str(), 1);
   EXPECT_THAT(refusal("rtsp://camera/1", 2, 2), HasSubstr("sudo apt install ffmpeg"));
   const auto source = open("gst:videotestsrc", 4, 4);

@@ -1,9 +1,10 @@
-// A video device that exists only in this test: none is needed, and none has been tried.
+// Uses a scripted video device; no hardware is involved.
 #include "tracker_svc/cameras/v4l2_source.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <vector>
 
 #include "tests/support/loop_until.hpp"
@@ -82,13 +83,13 @@ class VideoDevice : public testing::Test {
   std::vector<std::string> troubles;
 };
 
-TEST_F(VideoDevice, TakesTheFormatThatIsLeastProcessed) {
+TEST_F(VideoDevice, SelectsTheLeastProcessedFormat) {
   EXPECT_EQ(open(wanted(64, 48, 30))->format().pixels, "GREY");
   EXPECT_FALSE(open(wanted(64, 48, 30))->format().compressed);
   EXPECT_EQ(open(wanted(128, 96, 10))->format().pixels, "YUYV");
 }
 
-TEST_F(VideoDevice, TakesACompressedFormatOnlyForItsRate) {
+TEST_F(VideoDevice, SelectsACompressedFormatOnlyForItsRate) {
   const auto source = open(wanted(128, 96, 30));
 
   EXPECT_EQ(source->format().pixels, "MJPG");
@@ -97,12 +98,12 @@ TEST_F(VideoDevice, TakesACompressedFormatOnlyForItsRate) {
   EXPECT_EQ(source->format().width, 128);
 }
 
-TEST_F(VideoDevice, TakesTheFastestWhereNoneIsFastEnough) {
+TEST_F(VideoDevice, SelectsTheFastestIfNoneIsFastEnough) {
   EXPECT_EQ(open(wanted(64, 48, 200))->format().pixels, "GREY");
   EXPECT_EQ(open(wanted(128, 96, 200))->format().pixels, "MJPG");
 }
 
-TEST_F(VideoDevice, SwitchesOffWhatIsAutomatic) {
+TEST_F(VideoDevice, SwitchesOffAutomaticControls) {
   const auto source = open(wanted(64, 48, 30));
 
   EXPECT_EQ(camera.controls[V4L2_CID_EXPOSURE_AUTO].value, V4L2_EXPOSURE_MANUAL);
@@ -116,13 +117,13 @@ TEST_F(VideoDevice, SwitchesOffWhatIsAutomatic) {
   EXPECT_EQ(source->format().gain, 4);
 }
 
-TEST_F(VideoDevice, SaysWhatCannotBeLocked) {
+TEST_F(VideoDevice, ReportsControlsThatCannotBeLocked) {
   camera.controls[V4L2_CID_AUTO_WHITE_BALANCE].stuck = true;
 
   EXPECT_FALSE(open(wanted(64, 48, 30))->format().locked);
 }
 
-TEST_F(VideoDevice, ReportsWhatTheDeviceAllows) {
+TEST_F(VideoDevice, ReportsTheValuesTheDeviceAccepted) {
   CameraFormat format = wanted(64, 48, 30);
   format.exposure = 0.2;
   format.gain = 1;
@@ -140,16 +141,16 @@ TEST_F(VideoDevice, FramesHaveTheTimeOfTheMiddleOfTheirExposure) {
 
   ASSERT_TRUE(gets(2));
 
-  // Of 10 ms exposure; the clock of the handler has gone on a little since.
+  // Exposure 10 ms; the handler's clock may have advanced slightly.
   EXPECT_GE(ages[0], 20'000);
   EXPECT_GE(ages[1], 30'000);
   EXPECT_GE(ages[1] - ages[0], 10'000 - 5'000);
   EXPECT_THAT(values, ElementsAre(10, 20));
 }
 
-TEST_F(VideoDevice, OddTimesAreNotBelieved) {
+TEST_F(VideoDevice, ImplausibleTimeStampsAreIgnored) {
   const auto source = open(wanted(64, 48, 30));
-  camera.expose(0, 1, kStartStamp, camera.clock + 40'000'000);  // from the future
+  camera.expose(0, 1, kStartStamp, camera.clock + 40'000'000);  // in the future
   camera.expose(1, 2, kStartStamp, 0);                          // five seconds old
   camera.expose(2, 3, V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN, 12);
 
@@ -173,13 +174,13 @@ TEST_F(VideoDevice, CountsTheFramesThatTheDriverDropped) {
   EXPECT_EQ(source->dropped(), 2);
 }
 
-TEST_F(VideoDevice, GoesOnCountingWhereTheDriverDoesNot) {
+TEST_F(VideoDevice, ContinuesCountingIfTheDriverDoesNot) {
   const auto source = open(wanted(64, 48, 30));
   camera.expose(0, 1);
   camera.expose(0, 2);
   ASSERT_TRUE(gets(2));
-  camera.expose(0xffffffff, 3);  // backwards
-  camera.expose(0, 4);           // and over the edge
+  camera.expose(0xffffffff, 3);  // decreasing
+  camera.expose(0, 4);           // and wrapped around
 
   ASSERT_TRUE(gets(4));
 
@@ -187,7 +188,7 @@ TEST_F(VideoDevice, GoesOnCountingWhereTheDriverDoesNot) {
   EXPECT_EQ(source->dropped(), 0);
 }
 
-TEST_F(VideoDevice, DamagedFramesAreMissingFrames) {
+TEST_F(VideoDevice, DamagedFramesCountAsMissing) {
   const auto source = open(wanted(64, 48, 30));
   camera.expose(0, 1);
   camera.expose(1, 2, kStartStamp | V4L2_BUF_FLAG_ERROR);
@@ -200,7 +201,7 @@ TEST_F(VideoDevice, DamagedFramesAreMissingFrames) {
   EXPECT_EQ(source->dropped(), 2);
 }
 
-TEST_F(VideoDevice, BuffersGoRound) {
+TEST_F(VideoDevice, BuffersAreReused) {
   const auto source = open(wanted(64, 48, 30));
   for (std::uint32_t i = 0; i < 40; ++i) {
     camera.expose(i, static_cast<std::uint8_t>(i));
@@ -221,7 +222,7 @@ TEST_F(VideoDevice, LumaOfLimitedRangeIsExpanded) {
   EXPECT_THAT(values, ElementsAre(0, 255, 0));
 }
 
-TEST_F(VideoDevice, UnpluggedItIsLookedForUntilItIsBack) {
+TEST_F(VideoDevice, IsReopenedAfterBeingUnplugged) {
   const auto source = open(wanted(64, 48, 30));
   camera.expose(0, 1);
   ASSERT_TRUE(gets(1));
@@ -242,7 +243,7 @@ TEST_F(VideoDevice, UnpluggedItIsLookedForUntilItIsBack) {
   EXPECT_EQ(camera.controls[V4L2_CID_EXPOSURE_AUTO].value, V4L2_EXPOSURE_MANUAL);
 }
 
-TEST_F(VideoDevice, ThatComesBackForSomebodyElseSaysSo) {
+TEST_F(VideoDevice, ReportsThatItIsInUseWhenItComesBack) {
   const auto source = open(wanted(64, 48, 30));
   camera.unplug();
   ASSERT_TRUE(hears(1));
@@ -254,7 +255,7 @@ TEST_F(VideoDevice, ThatComesBackForSomebodyElseSaysSo) {
   EXPECT_THAT(troubles.back(), HasSubstr("no permission"));
 }
 
-TEST_F(VideoDevice, AFailedFrameOrTwoAreNoUnplugging) {
+TEST_F(VideoDevice, AFewFailedFramesDoNotCountAsUnplugging) {
   const auto source = open(wanted(64, 48, 30));
   camera.failFrames(3);
   ASSERT_TRUE(loopUntil(loop, [&] {
@@ -268,7 +269,7 @@ TEST_F(VideoDevice, AFailedFrameOrTwoAreNoUnplugging) {
   EXPECT_THAT(troubles.front(), HasSubstr("the camera is gone"));
 }
 
-TEST_F(VideoDevice, AHandlerMayCloseIt) {
+TEST_F(VideoDevice, MayBeClosedByAHandler) {
   std::unique_ptr<FrameSource> source;
   int frames = 0;
   CameraHandlers handlers;
@@ -288,7 +289,7 @@ TEST_F(VideoDevice, AHandlerMayCloseIt) {
   EXPECT_FALSE(camera.streaming);
 }
 
-TEST_F(VideoDevice, ASizeThatItDoesNotHaveNamesThoseThatItHas) {
+TEST_F(VideoDevice, TheErrorForAMissingSizeListsTheAvailableOnes) {
   EXPECT_THAT(refusal(wanted(1280, 720, 30)),
               AllOf(HasSubstr("/dev/video0: has no 1280 x 720 pixels; it offers "
                               "YUYV 64 x 48 at 30 /s, YUYV 128 x 96 at 10 /s"),
@@ -296,14 +297,14 @@ TEST_F(VideoDevice, ASizeThatItDoesNotHaveNamesThoseThatItHas) {
   EXPECT_EQ(camera.opened, camera.closed);
 }
 
-TEST_F(VideoDevice, ADriverThatTakesAnotherSizeIsRefused) {
+TEST_F(VideoDevice, ADriverThatSetsAnotherSizeIsRejected) {
   camera.keeps_its_size = true;
 
   EXPECT_THAT(refusal(wanted(64, 48, 30)),
               HasSubstr("gave GREY 640 x 480 instead of GREY 64 x 48"));
 }
 
-TEST_F(VideoDevice, ErrorsSayTheWayOut) {
+TEST_F(VideoDevice, ErrorsContainAdvice) {
   const CameraFormat usual = wanted(64, 48, 30);
   camera.open_error = EACCES;
   EXPECT_THAT(refusal(usual), EndsWith("sudo usermod -aG video $USER"));
@@ -314,10 +315,10 @@ TEST_F(VideoDevice, ErrorsSayTheWayOut) {
   EXPECT_THAT(refusal(usual), HasSubstr("in use by another program; end that"));
   camera.format_error = 0;
   camera.stream_error = ENOSPC;
-  EXPECT_THAT(refusal(usual), HasSubstr("its USB bus has no room"));
+  EXPECT_THAT(refusal(usual), HasSubstr("its USB bus lacks the bandwidth"));
   camera.stream_error = 0;
   camera.capabilities = V4L2_CAP_META_CAPTURE | V4L2_CAP_STREAMING;
-  EXPECT_THAT(refusal(usual), HasSubstr("gives no pictures (Scripted Camera"));
+  EXPECT_THAT(refusal(usual), HasSubstr("delivers no pictures (Scripted Camera"));
   camera.capabilities = V4L2_CAP_VIDEO_CAPTURE;
   EXPECT_THAT(refusal(usual), HasSubstr("cannot stream"));
   camera.capabilities = 0;
@@ -326,7 +327,7 @@ TEST_F(VideoDevice, ErrorsSayTheWayOut) {
   EXPECT_EQ(camera.mapped, 0);
 }
 
-TEST(SystemVideoDevices, ThatAreNotCamerasAreRefused) {
+TEST(SystemVideoDevices, ThatAreNotCamerasAreRejected) {
   AsioLoop loop;
   const auto refusal = [&](const char* path) -> std::string {
     try {

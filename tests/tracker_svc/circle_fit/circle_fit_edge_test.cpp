@@ -1,4 +1,4 @@
-// Circles that the edge of a projected pattern runs across.
+// Circles crossed by the edge of a projected pattern.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -23,13 +23,13 @@ struct Pool {
   int fits = 0;
   int refused = 0;
   int edges = 0;
-  int differ = 0;  // from another start
+  int differ = 0;  // number of fits that differ from another start
   double squares = 0;
   double normalised = 0;  // sum of error^T covariance^-1 error
 
   [[nodiscard]] double rms() const { return std::sqrt(squares / std::max(1, fits - refused)); }
   [[nodiscard]] double nees() const { return normalised / (2.0 * std::max(1, fits - refused)); }
-  // By how much the normalised error squared may be off: 10 % and three standard deviations.
+  // Tolerance of the mean normalised squared error: 10 % plus three standard deviations.
   [[nodiscard]] double neesTolerance() const { return 0.1 + 3 * std::sqrt(2.0 / (2.0 * fits)); }
 };
 
@@ -39,7 +39,7 @@ class CircleFitEdgeTest : public ::testing::Test {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
 
-  // Light from make(radius), around the circle's centre.
+  // The light comes from make(radius), relative to the circle's centre.
   Pool fitMany(double radius, int count, const std::function<Light(double)>& make) {
     Pool pool;
     for (int i = 0; i < count; ++i) {
@@ -119,7 +119,7 @@ TEST_F(CircleFitEdgeTest, NarrowStripes) {
     return [=](double x, double y) {
       const double along = x * std::cos(angle) + y * std::sin(angle) + phase;
       const double t = along - period * std::floor(along / period);
-      const double inside = std::min(t, period / 2 - t);  // one half period lit
+      const double inside = std::min(t, period / 2 - t);  // half of each period is lit
       const double outside = std::min(t - period / 2, period - t);
       return 0.35 + 0.65 * softStep(inside > 0 ? inside : -outside, 1.5);
     };
@@ -128,7 +128,7 @@ TEST_F(CircleFitEdgeTest, NarrowStripes) {
   EXPECT_LT(pool.rms(), 0.1);
 }
 
-// Paint and light change at the same place: what a pixel sees is not what both say by themselves.
+// Paint and light change at the same place: the blurred product is not the product of the blurs.
 TEST_F(CircleFitEdgeTest, EdgesThatTouchTheOutline) {
   for (const double radius : {4.1, 6.7}) {
     const Pool pool = fitMany(radius, 120, [&](double r) -> Light {
@@ -144,8 +144,8 @@ TEST_F(CircleFitEdgeTest, EdgesThatTouchTheOutline) {
   }
 }
 
-// Light that bends within a circle's reach, as in waves and in noise, has no edge to be fitted.
-TEST_F(CircleFitEdgeTest, LightThatBends) {
+// Light that varies smoothly over a circle, as in waves and noise, has no edge to fit.
+TEST_F(CircleFitEdgeTest, SmoothLightGradients) {
   for (const double radius : {4.1, 6.7}) {
     const Pool pool = fitMany(radius, 120, [&](double) -> Light {
       const double angle = even(0, 2 * std::numbers::pi);
@@ -178,7 +178,7 @@ TEST_F(CircleFitEdgeTest, CornersOfACheckerboard) {
 }
 
 // An edge alone, with no circle, must not become one.
-TEST_F(CircleFitEdgeTest, AnEdgeIsNoCircle) {
+TEST_F(CircleFitEdgeTest, AnEdgeWithoutACircleIsRejected) {
   int accepted = 0;
   for (int i = 0; i < 60; ++i) {
     CirclePicture p;

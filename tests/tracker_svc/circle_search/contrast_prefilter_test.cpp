@@ -1,4 +1,4 @@
-/// What the first glance leaves over: every circle, and next to nothing where there is only noise.
+/// The prefilter must keep every circle, and hardly anything where there is only noise.
 #include "tracker_svc/circle_search/contrast_prefilter.hpp"
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace lab::detector::first_glance_test {
 namespace {
 
-constexpr int kWidth = 330;  // the last word overlaps the one before
+constexpr int kWidth = 330;  // the last word overlaps the previous one
 constexpr int kHeight = 101;
 constexpr int kStep = 3;
 constexpr int kAround = 9;
@@ -28,7 +28,7 @@ std::vector<int> wordStarts() {
   return starts;
 }
 
-/// Black discs on something white, or nothing but white.
+/// Black discs on white, or white only.
 optics::GreyImage paint(double white, const std::vector<optics::Pixel>& discs, double radius,
                         std::mt19937_64& random, double read_noise = kReadNoise) {
   std::normal_distribution<double> noise(0, read_noise);
@@ -47,14 +47,14 @@ optics::GreyImage paint(double white, const std::vector<optics::Pixel>& discs, d
   return image;
 }
 
-TEST(ContrastPrefilter, LeavesTheWordsOfEveryCircleOver) {
+TEST(ContrastPrefilter, KeepsTheWordsOfEveryCircle) {
   std::mt19937_64 random(2);
   const Levels levels = levelsOf(static_cast<int>(kBlack), 4);
   ContrastPrefilter glance(kWidth, kHeight, wordStarts(), 1, kStep, kAround);
   for (int round = 0; round < 400; ++round) {
     const double white = std::exp(std::uniform_real_distribution<double>(2.0, 5.4)(random));
     const double radius = std::uniform_real_distribution<double>(2.6, 7.0)(random);
-    // Also cut by the edge of the picture, half a radius outside of it.
+    // Includes circles cut by the edge, with the centre up to half a radius outside.
     std::uniform_real_distribution<double> x(-0.5 * radius, kWidth - 1 + 0.5 * radius);
     std::uniform_real_distribution<double> y(-0.5 * radius, kHeight - 1 + 0.5 * radius);
     const optics::Pixel disc{x(random), y(random)};
@@ -67,7 +67,7 @@ TEST(ContrastPrefilter, LeavesTheWordsOfEveryCircleOver) {
   }
 }
 
-TEST(ContrastPrefilter, LeavesThemOverInNoiseToo) {
+TEST(ContrastPrefilter, KeepsThemInNoiseToo) {
   std::mt19937_64 random(4);
   const double read_noise = 10;
   const Levels levels = levelsOf(static_cast<int>(kBlack), 33);
@@ -77,7 +77,7 @@ TEST(ContrastPrefilter, LeavesThemOverInNoiseToo) {
     std::uniform_real_distribution<double> x(20, kWidth - 20);
     std::uniform_real_distribution<double> y(20, kHeight - 20);
     const optics::Pixel disc{x(random), y(random)};
-    // Dark and white are as far apart as read noise alone does not make one pixel.
+    // Dark and white differ by just more than read noise can cause in a single pixel.
     const optics::GreyImage image = paint(levels.noise / 0.92, {disc}, 5, random, read_noise);
     glance.look(image.view(), levels, 0, kHeight - 1);
     const int row = static_cast<int>(std::lround(disc.y));
@@ -88,7 +88,7 @@ TEST(ContrastPrefilter, LeavesThemOverInNoiseToo) {
   EXPECT_EQ(left, 200);
 }
 
-TEST(ContrastPrefilter, TakesNoNoiseForAContrast) {
+TEST(ContrastPrefilter, RejectsNoise) {
   std::mt19937_64 random(3);
   const Levels levels = levelsOf(static_cast<int>(kBlack), 4);
   ContrastPrefilter glance(kWidth, kHeight, wordStarts(), 0, kStep, kAround);
@@ -109,8 +109,8 @@ TEST(ContrastPrefilter, TakesNoNoiseForAContrast) {
   EXPECT_LT(left * 100, all);
 }
 
-TEST(ContrastPrefilter, SeesTheBrightSideInTheCellBeside) {
-  // Half of a picture is dark; only what is near the other half may hold a circle.
+TEST(ContrastPrefilter, UsesTheBrightSideInAdjacentCells) {
+  // Half of the picture is dark; only cells near the bright half may contain a circle.
   const Levels levels = levelsOf(static_cast<int>(kBlack), 4);
   ContrastPrefilter glance(kWidth, kHeight, wordStarts(), 0, kStep, kAround);
   optics::GreyImage image(kWidth, kHeight, 20);

@@ -1,5 +1,4 @@
-/// The first look of the search against the same rules for one pixel, and pictures that go on
-/// beyond their edges.
+/// findDarkPixels() compared with a scalar implementation, and pictures padded at their edges.
 #include "tracker_svc/circle_search/dark_pixels.hpp"
 
 #include <gtest/gtest.h>
@@ -18,7 +17,7 @@ namespace {
 constexpr int kMargin = 12;
 
 struct Pixel {
-  int white = 0;  // the darker end of the best pair of neighbours; 0: the pixel is of no circle
+  int white = 0;  // darker end of the best pair of neighbours; 0 if the pixel is no candidate
   bool round = false;
 };
 
@@ -48,7 +47,7 @@ Pixel lookAt(const optics::GreyView& picture, int x, int y, const Neighbours& to
   return {best, least >= here + contrast / 8};
 }
 
-TEST(DarkWords, AreThoseWithPixelsThatPassEveryTest) {
+TEST(DarkWords, EqualAScalarImplementation) {
   constexpr int kWords = 5;
   const int width = kWords * kWord + 2 * kMargin;
   const int height = 2 * kMargin + 1;
@@ -57,7 +56,7 @@ TEST(DarkWords, AreThoseWithPixelsThatPassEveryTest) {
   for (int i = 0; i < kWords; ++i) starts.push_back(kMargin + i * kWord);
   int dark = 0;
   for (int round = 0; round < 1500; ++round) {
-    // Dark blobs on something bright, of little contrast or of all.
+    // Dark blobs on a bright background, with low to full contrast.
     const int floor = static_cast<int>(random() % 20);
     const int brightest = round % 3 == 0 ? 255 : 20 + static_cast<int>(random() % 200);
     optics::GreyImage image(width, height);

@@ -1,8 +1,10 @@
-/// Caps with one circle covered: a pose from the other circle and the rim, or none.
+/// Poses of caps with one covered circle, from the other circle and the rim.
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <vector>
 
@@ -37,7 +39,7 @@ struct Scene {
   double between(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random);
   }
-  /// A grid of robots, none at the same heading or place in its pixel as another.
+  /// A grid of robots, all with different headings and sub-pixel positions.
   void fill() {
     for (int i = 0; i < 8; ++i) {
       for (int j = 0; j < 6; ++j) {
@@ -55,7 +57,7 @@ struct Scene {
   }
   [[nodiscard]] optics::CameraModel camera() const { return optics::CameraModel(settings.camera); }
   [[nodiscard]] Detector detector() const { return {camera(), settings.cap, settings.imaging}; }
-  /// What a tracker that followed them would expect.
+  /// The expectation of a tracker that followed them.
   std::vector<Expected> expected() {
     std::vector<Expected> out;
     for (const sim::PaintedRobot& robot : robots) {
@@ -66,8 +68,8 @@ struct Scene {
   }
 };
 
-/// e' C^-1 e for three numbers.
-double surprise(const std::array<double, 6>& c, const std::array<double, 3>& e) {
+/// Normalised squared error e' C^-1 e.
+double nees(const std::array<double, 6>& c, const std::array<double, 3>& e) {
   double m[3][4] = {{c[0], c[1], c[2], e[0]}, {c[1], c[3], c[4], e[1]}, {c[2], c[4], c[5], e[2]}};
   for (int i = 0; i < 3; ++i) {
     for (int j = i + 1; j < 3; ++j) {
@@ -86,7 +88,7 @@ double surprise(const std::array<double, 6>& c, const std::array<double, 3>& e) 
   return out;
 }
 
-TEST(DegradedPose, HasTheErrorsThatItClaims) {
+TEST(DegradedPose, HasTheErrorsOfItsCovariance) {
   for (const double light : {1.0, 0.12}) {
     Scene scene;
     scene.field.layers[0].intensity = light;
@@ -109,23 +111,24 @@ TEST(DegradedPose, HasTheErrorsThatItClaims) {
       EXPECT_GT(seen[i].quality, 0.2F);
       EXPECT_LT(seen[i].quality, 0.5F);
       EXPECT_EQ(seen[i].spacing, 0);
-      const double z = surprise(seen[i].covariance, {seen[i].x - robot.x, seen[i].y - robot.y,
-                                                     wrapped(seen[i].theta - robot.theta)});
+      const double z = nees(seen[i].covariance, {seen[i].x - robot.x, seen[i].y - robot.y,
+                                                 wrapped(seen[i].theta - robot.theta)});
       sum += z;
       most = std::max(most, z);
       EXPECT_LT(std::hypot(seen[i].x - robot.x, seen[i].y - robot.y), 0.0006) << i;
       EXPECT_LT(std::abs(wrapped(seen[i].theta - robot.theta)), 0.03) << i;
     }
     const double mean = sum / static_cast<double>(3 * seen.size());
-    // 144 degrees of freedom: 1 + 3 sqrt(2 / 144) above. Below, more room: the rim's floor is for
-    // rims that are not the same all round, of which the painter has only the body's side.
+    // 144 degrees of freedom: upper limit 1 + 3 sqrt(2 / 144). The lower limit is wider: the rim's
+    // error floor is for rims that differ around the cap, of which the painter has only the body's
+    // side.
     EXPECT_LT(mean, 1.35) << light;
     EXPECT_GT(mean, 0.3) << light;
     EXPECT_LT(most, 21) << "one of 10000 of three degrees of freedom";
   }
 }
 
-TEST(DegradedPose, IsTheSameWhereTheWholePictureIsSearched) {
+TEST(DegradedPose, IsTheSameFromFollowAndSearch) {
   Scene scene;
   scene.fill();
   optics::GreyImage picture = scene.paint();
@@ -150,9 +153,9 @@ TEST(DegradedPose, IsTheSameWhereTheWholePictureIsSearched) {
   }
 }
 
-TEST(DegradedPose, OfACapThatIsHalfOutsideOfThePicture) {
+TEST(DegradedPose, IsFoundForACapHalfOutsideThePicture) {
   Scene scene;
-  // The lower edge of the picture runs through the cap, and cuts its small circle off.
+  // The lower edge of the picture cuts off the small circle.
   const optics::CameraModel camera = scene.camera();
   const std::optional<optics::Place> edge =
       camera.toPlane({kWidth / 2.0, kHeight - 1.0}, scene.settings.cap.height);
@@ -166,13 +169,13 @@ TEST(DegradedPose, OfACapThatIsHalfOutsideOfThePicture) {
   const Detection seen = dut.follow(view, expected).front();
   ASSERT_EQ(seen.used & ~kUsedEdge, kUsedRim | kUsedBig);
   const sim::PaintedRobot& robot = scene.robots.front();
-  EXPECT_LT(surprise(seen.covariance,
-                     {seen.x - robot.x, seen.y - robot.y, wrapped(seen.theta - robot.theta)}),
+  EXPECT_LT(nees(seen.covariance,
+                 {seen.x - robot.x, seen.y - robot.y, wrapped(seen.theta - robot.theta)}),
             16);
   EXPECT_LT(std::hypot(seen.x - robot.x, seen.y - robot.y), 0.0004);
 }
 
-TEST(DegradedPose, IsNotMadeOfADiscOnTheBareFloor) {
+TEST(DegradedPose, IsNotReportedForADiscOnTheBareFloor) {
   Scene scene;
   const optics::CapGeometry& cap = scene.settings.cap;
   std::vector<Expected> expected;
@@ -180,9 +183,10 @@ TEST(DegradedPose, IsNotMadeOfADiscOnTheBareFloor) {
     const double x = 0.1 + 0.11 * (i % 10);
     const double y = 0.15 + 0.2 * (i / 10);
     const bool big = i % 2 == 0;
-    const double scale = i % 3 == 0 ? 1.0 : 1.03;  // as built, and so that it looks right
+    const double scale = i % 3 == 0 ? 1.0 : 1.03;  // real size, and enlarged so that it looks right
     scene.settings.discs.push_back({x, y, scale * (big ? cap.big_radius : cap.small_radius), 0.07});
-    // Expected where a cap around it would be, at any heading; the disc appears beside its place.
+    // Expected where a cap around the disc would be, at any heading; the disc is imaged beside its
+    // place.
     const std::optional<optics::Place> seen =
         scene.camera().toPlane(scene.camera().project(x, y, 0), cap.height);
     ASSERT_TRUE(seen);
@@ -210,7 +214,7 @@ struct Lost : testing::Test {
   }
 };
 
-TEST_F(Lost, IsSeenDegradedWithOneCircleCovered) {
+TEST_F(Lost, IsFoundDegradedWithOneCircleCovered) {
   EXPECT_TRUE(
       isDegraded(follow({overCircle(scene.robots[0], true)}, {0.503, 0.398, 0.8, kReach, kTurn})));
 }
@@ -233,8 +237,8 @@ TEST_F(Lost, WithHalfOfTheCapCovered) {
   }
 }
 
-TEST_F(Lost, ThatIsTurnedRound) {
-  // The circle that is left is where the other one is expected: its size tells.
+TEST_F(Lost, WithReversedHeading) {
+  // The visible circle is where the other one is expected; its size shows that.
   const sim::PaintedRobot& robot = scene.robots[0];
   for (const bool big : {false, true}) {
     EXPECT_EQ(follow({overCircle(robot, big)},
@@ -248,13 +252,13 @@ TEST_F(Lost, ThatHasMovedTooFar) {
   const sim::PaintedRobot& robot = scene.robots[0];
   const Cover cover = overCircle(robot, false);
   EXPECT_EQ(follow({cover}, {robot.x + 0.012, robot.y, robot.theta, kReach, kTurn}).quality, 0);
-  // Lost for so long that another one could be meant.
+  // Lost for so long that another cap could be meant.
   EXPECT_EQ(follow({cover}, {robot.x, robot.y, robot.theta, 0.15, 3}).quality, 0);
   EXPECT_TRUE(isDegraded(follow({cover}, {robot.x, robot.y, robot.theta, 0.035, 3})));
 }
 
-TEST_F(Lost, WhereTheCapLiesUnderAnother) {
-  // A second track that expects a cap beside one that is seen gets nothing of it.
+TEST_F(Lost, BesideADetectedCap) {
+  // A second track that expects a cap beside a detected one must not get a pose from it.
   const sim::PaintedRobot& robot = scene.robots[0];
   EXPECT_EQ(follow({}, {robot.x + 0.03, robot.y, robot.theta, 0.02, kTurn}).quality, 0);
 }
@@ -278,8 +282,8 @@ TEST(RimFit, FindsTheMiddleFromAMillimetreOff) {
   EXPECT_LT(floor.support, kRimDirections / 4);
 }
 
-// Linear in small errors, so that the mean of e' C^-1 e is the number of its degrees of freedom.
-TEST(CapPose, OfOneCircleAndTheMiddleHasTheRightCovariance) {
+// Linear for small errors, so that the mean of e' C^-1 e is the number of degrees of freedom.
+TEST(CapPose, FromOneCircleAndTheMiddleHasTheRightCovariance) {
   const optics::CapGeometry cap;
   std::mt19937_64 random(5);
   std::normal_distribution<double> normal;
@@ -300,15 +304,15 @@ TEST(CapPose, OfOneCircleAndTheMiddleHasTheRightCovariance) {
     const CapPose pose = poseFromRim(
         {noisy(0.4 + offset * std::cos(theta), 0.3 + offset * std::sin(theta), circle), circle},
         offset, {noisy(0.4, 0.3, middle), middle});
-    sum += surprise(pose.covariance, {pose.x - 0.4, pose.y - 0.3, wrapped(pose.theta - theta)});
-    distance += pose.surprise;
+    sum += nees(pose.covariance, {pose.x - 0.4, pose.y - 0.3, wrapped(pose.theta - theta)});
+    distance += pose.spacing_chi2;
   }
   EXPECT_NEAR(sum / kCount, 3, 4 * std::sqrt(6.0 / kCount));
   EXPECT_NEAR(distance / kCount, 1, 4 * std::sqrt(2.0 / kCount));
 }
 
-// A finger on one side of a circle leaves something that is nearly a smaller circle beside it.
-TEST(DegradedPose, ACircleWithASideUnderWhiteIsNotTakenForWhole) {
+// A finger on one side of a circle leaves almost a smaller circle beside it.
+TEST(DegradedPose, ACircleWithAWhiteCoverOnOneSideIsNotUsed) {
   Scene scene;
   scene.fill();
   optics::GreyImage picture = scene.paint();

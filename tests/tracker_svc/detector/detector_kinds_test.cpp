@@ -1,4 +1,5 @@
-/// A few pictures of a few kinds against their bars, and the bars themselves. All kinds, with more
+/// Accuracy limits of some kinds of pictures, with few pictures each, and the limits themselves.
+/// All kinds with more pictures are a long test: benchmarks/tracker_kinds.
 /// pictures, are a long test: benchmarks/tracker_kinds.
 #include <gtest/gtest.h>
 
@@ -25,7 +26,7 @@ struct Few {
 
 class FewPictures : public testing::TestWithParam<Few> {};
 
-TEST_P(FewPictures, ReachTheBarsOfTheirKind) {
+TEST_P(FewPictures, MeetTheLimitsOfTheirKind) {
   const SceneKind& kind = kindOf(GetParam().kind);
   Score score;
   for (std::uint64_t seed = 1; seed <= GetParam().seeds; ++seed) look(kind, seed, false, score);
@@ -42,10 +43,11 @@ INSTANTIATE_TEST_SUITE_P(Kinds, FewPictures,
                                          Few{"worst_720", 1}),
                          [](const auto& each) { return std::string(each.param.kind); });
 
-// Kinds whose light no simple model has: no bar, but what is claimed is what is reached there too.
+// Kinds with light that no simple model describes: no accuracy limit, but the covariances must
+// hold.
 class OddLight : public testing::TestWithParam<const char*> {};
 
-TEST_P(OddLight, IsInTheClaim) {
+TEST_P(OddLight, HasTheErrorsOfItsCovariance) {
   Score score;
   look(kindOf(GetParam()), 1, false, score);
   const Tally tally = score.tally();
@@ -57,7 +59,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, OddLight,
                          testing::Values("light_wave", "light_noise", "light_stripes_fine"),
                          [](const auto& each) { return std::string(each.param); });
 
-TEST(AcceptanceLimits, LeaveRoomForChanceWhereTheyAreNoAbsolutes) {
+TEST(AcceptanceLimits, AllowForChance) {
   // 4 of 800 are expected at 99.5 %: 9 happen in one of 47 runs, 10 in one of 123 (Poisson).
   EXPECT_NEAR(chanceOf(9, 4), 0.0214, 1e-4);
   EXPECT_NEAR(chanceOf(10, 4), 0.0081, 1e-4);
@@ -70,18 +72,18 @@ TEST(AcceptanceLimits, LeaveRoomForChanceWhereTheyAreNoAbsolutes) {
   EXPECT_EQ(shortOf(all, {.frames = 20, .robots = 800, .found = 800, .flipped = 1}).size(), 1U);
 }
 
-TEST(AcceptanceLimits, HoldAgainstErrorsAndWhatIsClaimed) {
+TEST(AcceptanceLimits, TestErrorsAndCovariances) {
   const AcceptanceLimits bars{.position = 0.012, .heading = 0.03, .honest = true};
   Tally tally{.position = 0.012, .heading = 0.03, .nees = 1.18, .nees_count = 800};
   EXPECT_EQ(textOf(bars, tally), "");
-  tally.nees = 0.8;  // 1 +- (0.1 + 3 sqrt(2 / 2400)) is 0.813 to 1.187
+  tally.nees = 0.8;  // limits 1 +- (0.1 + 3 sqrt(2 / 2400)): 0.813 to 1.187
   EXPECT_EQ(shortOf(bars, tally).size(), 1U);
   tally = {.position = 0.0121, .heading = 0.031, .nees = 1.19, .nees_count = 800};
   EXPECT_EQ(shortOf(bars, tally).size(), 3U);
   EXPECT_EQ(textOf({}, tally), "");
 }
 
-TEST(AcceptanceLimits, MayBeKnownNotToBeReached) {
+TEST(AcceptanceLimits, MayBeMarkedAsNotReached) {
   const std::vector<Shortfall> left = shortOf({.recall = 1, .wrong = 0, .recall_known = 0.9},
                                               {.frames = 1, .robots = 10, .found = 9, .wrong = 1});
   ASSERT_EQ(left.size(), 2U);

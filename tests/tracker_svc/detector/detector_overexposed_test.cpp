@@ -1,4 +1,4 @@
-/// Pictures in which caps and floor are brighter than the camera can say.
+/// Pictures in which caps and floor saturate the camera.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 struct DetectedScene {
   int width;    // [px]
   int height;   // [px]
-  double gain;  // [1] of white paint: 1.15 is as much as the camera can say
+  double gain;  // [1] of white paint: 1.15 saturates the camera
   double blur;  // [px]
 };
 
@@ -47,7 +47,7 @@ std::string nameOf(const DetectedScene& look) {
          std::to_string(look.gain) + ", blur " + std::to_string(look.blur);
 }
 
-TEST(Overexposed, EveryCapIsFoundWhereItIs) {
+TEST(Overexposed, EveryCapIsFoundAtItsPlace) {
   constexpr double kSame = 0.0005;  // [m]
   constexpr double kTurned = 0.02;  // [rad]
   for (const DetectedScene& look :
@@ -68,9 +68,9 @@ TEST(Overexposed, EveryCapIsFoundWhereItIs) {
   }
 }
 
-// The floor is as full as a cap would be, and nothing says that no rim is there.
-TEST(Overexposed, DiscsOnTheFloorAreNoCaps) {
-  constexpr double kLooksSmaller = 1.03;  // than on a cap, which is nearer to the camera
+// The floor saturates as a cap would, so the missing rim is not visible.
+TEST(Overexposed, DiscsOnTheFloorAreNotDetected) {
+  constexpr double kLooksSmaller = 1.03;  // relative to a cap, which is closer to the camera
   for (const DetectedScene& look :
        {DetectedScene{640, 480, 1.5, 0.75}, DetectedScene{1280, 720, 2, 1.5}}) {
     sim::PainterSettings settings = settingsOf(look);

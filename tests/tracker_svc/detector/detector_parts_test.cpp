@@ -1,4 +1,4 @@
-/// What the detector is made of, one by one.
+/// Tests of the detector's parts.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -24,7 +24,7 @@ optics::CameraModel camera() {
   return optics::CameraModel(optics::simulatedCamera(kWidth, kHeight, 0.5, 0.4));
 }
 
-/// Discs painted in the plane of the caps, hard-edged: 8 x 8 points a pixel.
+/// Paints a hard-edged disc in the plane of the caps: 8 x 8 samples per pixel.
 void paintDisc(optics::GreyImage& image, double x, double y, double radius, double value) {
   const optics::CapGeometry cap;
   const optics::CameraModel model = camera();
@@ -44,7 +44,7 @@ void paintDisc(optics::GreyImage& image, double x, double y, double radius, doub
   }
 }
 
-TEST(OccupancyMap, CoversACircleToThePixelAndNothingBeyond) {
+TEST(OccupancyMap, CoversADiscExactly) {
   OccupancyMap map(320, 240);
   map.cover(100.3F, 90.7F, 37);
   int covered = 0;
@@ -61,7 +61,7 @@ TEST(OccupancyMap, CoversACircleToThePixelAndNothingBeyond) {
   EXPECT_EQ(covered, within);
   EXPECT_TRUE(map.isCovered(70, 130, 91));
   EXPECT_FALSE(map.isCovered(70, 150, 91));
-  map.cover(150, 90, 37);  // another one hides nothing of it
+  map.cover(150, 90, 37);  // an overlapping disc does not change the first
   EXPECT_TRUE(map.isCovered(70, 130, 91));
   EXPECT_TRUE(map.isCovered(120, 180, 91));
   EXPECT_FALSE(map.isCovered(70, 180, 91)) << "by two of them, and not by one";
@@ -69,7 +69,7 @@ TEST(OccupancyMap, CoversACircleToThePixelAndNothingBeyond) {
   EXPECT_FALSE(map.isCovered(100, 90));
 }
 
-TEST(ScaleMap, DrawsTheOutlineThatTheCameraSees) {
+TEST(ScaleMap, GivesTheOutlineInTheCamerasPicture) {
   const optics::CapGeometry cap;
   const optics::CameraModel model = camera();
   const ScaleMap map(model, cap);
@@ -89,7 +89,7 @@ TEST(ScaleMap, DrawsTheOutlineThatTheCameraSees) {
       const double a = static_cast<double>(shape.m[0]) * dx + static_cast<double>(shape.m[1]) * dy;
       const double b = static_cast<double>(shape.m[2]) * dx + static_cast<double>(shape.m[3]) * dy;
       EXPECT_NEAR(std::hypot(a, b), 1, 0.003);
-      // The centre that fits best moves by twice the mean normal excess.
+      // The centre of the best fit moves by twice the mean excess along the normals.
       sum_x += 2 * (std::hypot(a, b) - 1) * std::cos(std::atan2(b, a)) / 360;
       sum_y += 2 * (std::hypot(a, b) - 1) * std::sin(std::atan2(b, a)) / 360;
     }
@@ -125,7 +125,7 @@ TEST(CircleSearch, FindsCirclesOfBothSizesInAnyPartOfThePicture) {
     EXPECT_NEAR(static_cast<double>(spot.x), at.x, 0.4);
     EXPECT_NEAR(static_cast<double>(spot.y), at.y, 0.4);
   }
-  // In a part of the picture, the one that lies there, in the same place.
+  // Searching a part of the picture finds the circle in it, at the same place.
   const Spot before = spots[0];
   const Region part{static_cast<int>(before.x) - 30, static_cast<int>(before.y) - 30,
                     static_cast<int>(before.x) + 30, static_cast<int>(before.y) + 30};
@@ -135,7 +135,7 @@ TEST(CircleSearch, FindsCirclesOfBothSizesInAnyPartOfThePicture) {
   EXPECT_EQ(spots[0].y, before.y);
 }
 
-TEST(CircleSearch, DoesNotSeeLightEdgesStripesAndLines) {
+TEST(CircleSearch, IgnoresLightEdgesStripesAndLines) {
   const optics::CapGeometry cap;
   const ScaleMap map(camera(), cap);
   CircleSearch search(map, cap, {}, kWidth, kHeight);
@@ -186,14 +186,15 @@ TEST(CircleSearch, FindsACircleAroundAPlaceInIt) {
   }
 }
 
-TEST(CircleSearch, SeesAWholeCircleAtFirstSightWhereverRowsAndWordsMeetIt) {
+TEST(CircleSearch, FindsACompleteCircleInTheFirstStepAtAnyAlignment) {
   const optics::CapGeometry cap;
   const ScaleMap map(camera(), cap);
   CircleSearch search(map, cap, {}, kWidth, kHeight);
   const Region all{0, 0, kWidth - 1, kHeight - 1};
   for (const double radius : {cap.big_radius, cap.small_radius}) {
     for (int i = 0; i < 24; ++i) {
-      const optics::Pixel at{256 + 1.4 * i, 200 + 0.7 * i};  // over a word and more, and its rows
+      const optics::Pixel at{256 + 1.4 * i,
+                             200 + 0.7 * i};  // covers all alignments with words and rows
       const optics::Place place = camera().toPlane(at, cap.height).value();
       optics::GreyImage image(kWidth, kHeight, 200);
       paintDisc(image, place.x, place.y, radius, 18);
@@ -206,10 +207,10 @@ TEST(CircleSearch, SeesAWholeCircleAtFirstSightWhereverRowsAndWordsMeetIt) {
   }
 }
 
-TEST(CircleSearch, LooksNoCloserWhereACapIsKnown) {
+TEST(CircleSearch, SkipsTheAreasOfKnownCaps) {
   const optics::CapGeometry cap;
   const ScaleMap map(camera(), cap);
-  // The corner of something lit lies on each circle: no whole circle at first sight.
+  // A bright corner covers a part of each circle, so that it is not complete.
   optics::GreyImage image(kWidth, kHeight, 200);
   paintDisc(image, 0.15, 0.2, cap.big_radius, 18);
   paintDisc(image, 0.35, 0.2, cap.big_radius, 18);
@@ -233,11 +234,11 @@ TEST(CircleSearch, LooksNoCloserWhereACapIsKnown) {
   search.findRest(Rows::kSome, spots, nullptr);
   ASSERT_EQ(spots.size(), 1U);
   EXPECT_NEAR(static_cast<double>(spots[0].x), other.x, 3);
-  search.find(image.view(), {&all, 1}, spots, nullptr);  // forgotten with the next picture
+  search.find(image.view(), {&all, 1}, spots, nullptr);  // covers are reset with the next picture
   EXPECT_EQ(spots.size(), 2U);
 }
 
-TEST(CapCheck, TellsACapFromTheFloor) {
+TEST(CapCheck, DistinguishesACapFromTheFloor) {
   const optics::CapGeometry cap;
   const ScaleMap map(camera(), cap);
   optics::GreyImage image(kWidth, kHeight, 182);
@@ -248,11 +249,11 @@ TEST(CapCheck, TellsACapFromTheFloor) {
   EXPECT_GT(rimContrast(image.view(), on_cap, map.at(on_cap.x, on_cap.y), cap, {}), 0.15F);
   EXPECT_NEAR(rimContrast(image.view(), on_floor, map.at(on_floor.x, on_floor.y), cap, {}), 0,
               0.02);
-  // Mostly outside of the picture: nothing is known.
+  // Mostly outside the picture: no result.
   EXPECT_EQ(rimContrast(image.view(), {-30, -30}, map.at(0, 0), cap, {}), 0);
 }
 
-TEST(Pairing, TakesTheCheapestCouplesAndEachCircleOnce) {
+TEST(Pairing, ChoosesTheCheapestPairsAndEachCircleOnce) {
   std::vector<CirclePair> couples = {
       {0, 1, 0.5F, 0}, {0, 2, 0.1F, 0}, {3, 1, 0.7F, 0}, {3, 2, 0.2F, 0}};
   const std::size_t count = choosePairs(couples, 4);

@@ -1,4 +1,4 @@
-/// Robots that stand anywhere on the arena without touching.
+/// Robots at random poses in the arena without contact.
 #pragma once
 
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace lab::detector {
 
 inline std::vector<sim::PaintedRobot> scatteredRobots(int count, std::uint64_t seed) {
-  constexpr double kApart = 0.0755;  // [m] half a millimetre more than two robots in contact
+  constexpr double kApart = 0.0755;  // [m] half a millimetre more than in contact
   std::vector<sim::PaintedRobot> robots;
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> x(0.04, 1.16);

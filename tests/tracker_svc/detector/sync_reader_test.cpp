@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <memory>
 
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
@@ -13,9 +14,9 @@ namespace {
 
 constexpr double kPatch = 0.015;    // [m]
 constexpr double kTurnEvery = 0.5;  // [s]
-constexpr double kFrame = 0.0331;   // [s] out of step with the turns
+constexpr double kFrame = 0.0331;   // [s] not a divisor of the period
 
-/// A lab in front of the painted camera: the patch turns every half second.
+/// The painted camera with a sync patch that changes every half second.
 class SyncReaderTest : public testing::Test {
  protected:
   static sim::PainterSettings settings() {
@@ -48,7 +49,7 @@ class SyncReaderTest : public testing::Test {
     return {uniform};
   }
 
-  /// Runs to `end` [s], and counts what the pictures of known states are called.
+  /// Runs to `end` [s]; counts how the pictures of known states are read.
   void run(double end) {
     for (; time < end; time += kFrame) {
       const int sync = syncAt(time);
@@ -82,20 +83,20 @@ class SyncReaderTest : public testing::Test {
   SyncReader reader{optics::CameraModel(settings().camera)};
 };
 
-TEST_F(SyncReaderTest, FindsThePatchWhereverItFallsAndReadsEveryPicture) {
+TEST_F(SyncReaderTest, FindsThePatchAnywhereAndReadsEveryPicture) {
   run(3.0);
   EXPECT_GT(answers, 30);
   EXPECT_EQ(right, answers);
 }
 
-TEST_F(SyncReaderTest, ReadsOnWhenTheLightAroundThePatchChanges) {
+TEST_F(SyncReaderTest, ContinuesWhenTheLightAroundThePatchChanges) {
   change_at = 2.5;
   run(5.0);
   EXPECT_GT(answers, 90);
   EXPECT_EQ(right, answers);
 }
 
-TEST_F(SyncReaderTest, SaysNothingWithoutAPatch) {
+TEST_F(SyncReaderTest, ReturnsNothingWithoutAPatch) {
   has_patch = false;
   run(3.0);
   EXPECT_EQ(answers, 0);
@@ -107,7 +108,7 @@ TEST_F(SyncReaderTest, LearnsNothingWhileOtherLightMoves) {
   EXPECT_EQ(answers, 0);
 }
 
-TEST_F(SyncReaderTest, DoesNotTakeAChangeOfTheWholeLightForThePatch) {
+TEST_F(SyncReaderTest, DoesNotMistakeAChangeOfAllLightForThePatch) {
   has_patch = false;
   change_at = 1.0;
   run(3.0);

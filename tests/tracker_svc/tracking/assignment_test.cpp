@@ -31,7 +31,7 @@ Problem randomProblem(Random& random) {
   return problem;
 }
 
-/// Every assignment tried out. `banned_row` may not do what `banned_column` (-1: stay alone) says.
+/// Exhaustive search. `banned_row` must not use `banned_column` (-1: stay alone).
 double bestByTrying(const Problem& problem, std::size_t row, std::vector<char>& used,
                     std::size_t banned_row, int banned_column) {
   if (row == problem.rows) return 0;
@@ -66,7 +66,7 @@ void load(const Problem& problem, Assignment& dut) {
   }
 }
 
-TEST(Assignment, IsTheBestOfAllAndKnowsThePriceOfEveryOther) {
+TEST(Assignment, EqualsExhaustiveSearchInCostAndMargins) {
   Random random(20);
   Assignment dut;
   for (int run = 0; run < 3000; ++run) {
@@ -99,8 +99,8 @@ TEST(Assignment, IsTheBestOfAllAndKnowsThePriceOfEveryOther) {
   }
 }
 
-TEST(Assignment, NearestFirstWouldBeWrongHere) {
-  // Row 0 is nearest to column 0, but row 1 has nothing else.
+TEST(Assignment, IsBetterThanNearestFirst) {
+  // Row 0 is nearest to column 0, but row 1 has no alternative.
   Assignment dut;
   dut.reset(2, 2);
   dut.allow(0, 0, 1);
@@ -115,8 +115,8 @@ TEST(Assignment, NearestFirstWouldBeWrongHere) {
   EXPECT_EQ(dut.columnOf(1), 0);
 }
 
-TEST(Assignment, LongerRoundsCountAsDoubt) {
-  // Three rows on a round: no two can be exchanged, but all three can move on by one.
+TEST(Assignment, MarginsIncludeLongerCycles) {
+  // A cycle of three rows: no two can be exchanged, but all three can be shifted.
   Assignment dut;
   dut.reset(3, 3);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -133,7 +133,7 @@ TEST(Assignment, LongerRoundsCountAsDoubt) {
   }
 }
 
-TEST(Assignment, NothingToAssignIsFine) {
+TEST(Assignment, AcceptsAnEmptyProblem) {
   Assignment dut;
   dut.reset(0, 3);
   dut.solve();

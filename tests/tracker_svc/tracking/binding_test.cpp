@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "tests/tracker_svc/tracking/crowd.hpp"
 
 namespace lab::tracker {
@@ -9,12 +12,12 @@ namespace {
 
 constexpr double kBase = 0.075;
 
-TEST(WheelLog, KeepsTheOrderOfTimeWhateverOrderReportsComeIn) {
+TEST(WheelLog, SortsReportsThatArriveOutOfOrder) {
   WheelLog dut;
   dut.add(0.2, 0.2, 0.1);
   dut.add(0.0, 0.2, 0.1);
   dut.add(0.1, 0.2, 0.1);
-  dut.add(0.1, 9, 9);  // a second time
+  dut.add(0.1, 9, 9);  // a second report for the same time
 
   const WheelPath path = dut.path(0.05, 0.15);
 
@@ -25,7 +28,7 @@ TEST(WheelLog, KeepsTheOrderOfTimeWhateverOrderReportsComeIn) {
   EXPECT_DOUBLE_EQ(dut.latest(), 0.2);
 }
 
-TEST(WheelLog, AssumesNothingOverLongGapsOrBehindTheLastReport) {
+TEST(WheelLog, AssumesNothingInLongGapsOrAfterTheLastReport) {
   WheelLog dut;
   dut.add(0, 0.1, 0.1);
   dut.add(0.1, 0.1, 0.1);
@@ -38,7 +41,7 @@ TEST(WheelLog, AssumesNothingOverLongGapsOrBehindTheLastReport) {
   EXPECT_FALSE(WheelLog().path(0, 1).known);
 }
 
-TEST(WheelLog, IsLessCertainWhereSpeedsChange) {
+TEST(WheelLog, HasALargerVarianceWhereSpeedsChange) {
   WheelLog dut;
   for (int i = 0; i < 20; ++i) dut.add(0.03 * i, i < 10 ? 0.0 : 0.2, 0.1);
 
@@ -58,10 +61,10 @@ TEST(Motion, WheelsBetweenTwoPosesAreThoseOfTheArc) {
     const dynamics::Pose from{random.uniform(), random.uniform(), 6 * random.uniform() - 3};
     const dynamics::Pose to = dynamics::apply(dynamics::makeArc(left, right, kBase, 1), from);
 
-    const Wheels way = wheelsBetween(from, to, kBase);
+    const Wheels travel = wheelsBetween(from, to, kBase);
 
-    EXPECT_NEAR(way.left, left, 1e-7);
-    EXPECT_NEAR(way.right, right, 1e-7);
+    EXPECT_NEAR(travel.left, left, 1e-7);
+    EXPECT_NEAR(travel.right, right, 1e-7);
   }
 }
 
@@ -81,8 +84,8 @@ TEST(Motion, DeadReckoningFollowsTheReports) {
   EXPECT_NEAR(result.assumed, 0, 1e-9);
 }
 
-TEST(Motion, DeadReckoningClaimsTheErrorsItMakes) {
-  // Wheels whose gains are wrong by 4 %, as assumed: errors over the claimed ones are about 1.
+TEST(Motion, DeadReckoningHasTheErrorsOfItsCovariance) {
+  // Wheel gains wrong by 4 %, as assumed: the normalised errors are about 1.
   Random random(5);
   DeadReckoner dut({kBase, 0.27});
   double sum = 0;
@@ -107,7 +110,7 @@ TEST(Motion, DeadReckoningClaimsTheErrorsItMakes) {
     sum += turned * turned / result.covariance[5] + aside * aside / result.covariance[3];
   }
 
-  // The turn is linear in the gains; the way aside nearly.
+  // The turn is linear in the gains, the lateral displacement nearly.
   EXPECT_NEAR(sum / (2 * runs), 1, 0.1);
 }
 
@@ -149,7 +152,7 @@ void shakeHands(std::uint64_t seed, Handshake& result) {
   }
 }
 
-TEST(Binding, EveryRobotThatTurnsOnTheSpotInItsTurnIsKnown) {
+TEST(Binding, RobotsThatTurnOnTheSpotOneByOneAreIdentified) {
   Handshake result;
   for (std::uint64_t seed = 0; seed < 10; ++seed) shakeHands(600 + seed, result);
 
@@ -164,8 +167,8 @@ struct Cold {
   Score score;
 };
 
-/// Nobody is known at first. The first `foreign` caps belong to no robot; as many robots are out of
-/// view and report like all others.
+/// Starts without bindings. The first `foreign` caps belong to no robot; as many robots are out of
+/// view and report like the others.
 void startCold(const CrowdSettings& settings, const dynamics::CoreSettings& program, int foreign,
                Cold& result) {
   Crowd crowd(settings, program);
@@ -186,7 +189,7 @@ void startCold(const CrowdSettings& settings, const dynamics::CoreSettings& prog
   result.robots += settings.robots - 2 * foreign;
 }
 
-TEST(Binding, MotionAloneTellsWhoIsWho) {
+TEST(Binding, MotionAloneIdentifiesAllRobots) {
   Cold result;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     CrowdSettings settings;
@@ -202,7 +205,7 @@ TEST(Binding, MotionAloneTellsWhoIsWho) {
   EXPECT_EQ(result.score.twice, 0);
 }
 
-TEST(Binding, LateAndLostReportsOnlyTakeLonger) {
+TEST(Binding, LateAndLostReportsOnlyDelayIt) {
   Cold result;
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     CrowdSettings settings;
@@ -218,7 +221,7 @@ TEST(Binding, LateAndLostReportsOnlyTakeLonger) {
   EXPECT_EQ(result.score.swapped, 0);
 }
 
-TEST(Binding, ForeignCapsAreNobodyAlthoughRobotsAreOutOfView) {
+TEST(Binding, ForeignCapsStayUnboundWhileRobotsAreOutOfView) {
   Cold result;
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     CrowdSettings settings;
@@ -231,7 +234,7 @@ TEST(Binding, ForeignCapsAreNobodyAlthoughRobotsAreOutOfView) {
   EXPECT_EQ(result.score.swapped, 0);
 }
 
-/// One cap and one robot, whose wheels may be somewhere else.
+/// One cap and one robot, which may not belong together.
 std::int32_t onlyTwo(const std::vector<dynamics::Arc>& cap, const std::vector<Wheels>& robot) {
   CapTracker dut({}, {5});
   dynamics::Pose pose{0.6, 0.45, 0};
@@ -251,7 +254,7 @@ std::int32_t onlyTwo(const std::vector<dynamics::Arc>& cap, const std::vector<Wh
   return id;
 }
 
-/// Speeds that change every half second.
+/// Wheel speeds that change every half second.
 std::vector<Wheels> draws(std::uint64_t seed, std::size_t frames) {
   Random random(seed);
   std::vector<Wheels> result;
@@ -265,8 +268,8 @@ std::vector<Wheels> draws(std::uint64_t seed, std::size_t frames) {
 
 std::vector<dynamics::Arc> arcsOf(const std::vector<Wheels>& wheels, double share = 1) {
   std::vector<dynamics::Arc> result;
-  for (const Wheels& way : wheels) {
-    result.push_back(dynamics::makeArc(share * way.left, share * way.right, kBase, 1 / 30.0));
+  for (const Wheels& travel : wheels) {
+    result.push_back(dynamics::makeArc(share * travel.left, share * travel.right, kBase, 1 / 30.0));
   }
   return result;
 }
@@ -282,8 +285,8 @@ TEST(Binding, TheOnlyFreeRobotAndTheOnlyFreeCapMustMoveAlike) {
   EXPECT_EQ(onlyTwo(arcsOf(driving, 1.05), driving), 5) << "itself, with wheels 5 % faster";
 }
 
-TEST(Binding, RobotsHeldFastByEachOtherAreNotTakenForOneAnother) {
-  // Two robots push against each other, two stand apart: nobody can tell these pairs.
+TEST(Binding, RobotsBlockedByEachOtherAreNotExchanged) {
+  // Two robots push against each other, two others stand: these pairs cannot be told apart.
   CrowdSettings settings;
   settings.robots = 4;
   std::vector<sim::RobotSetup> places = {{1, dynamics::Pose{0.4, 0.4, 0}, false},
@@ -303,10 +306,10 @@ TEST(Binding, RobotsHeldFastByEachOtherAreNotTakenForOneAnother) {
   }
   EXPECT_EQ(score.poses, 0) << "bound without evidence";
 
-  // One gets away and goes its own ways: now it is known, and only it.
-  const std::vector<Wheels> ways = {{-0.06, -0.1}, {0.08, -0.06}, {-0.05, 0.1}, {0.04, 0.12}};
-  for (const Wheels& way : ways) {
-    crowd.order(0, way.left, way.right);
+  // One robot gets free: it alone is identified.
+  const std::vector<Wheels> travels = {{-0.06, -0.1}, {0.08, -0.06}, {-0.05, 0.1}, {0.04, 0.12}};
+  for (const Wheels& travel : travels) {
+    crowd.order(0, travel.left, travel.right);
     for (int frame = 0; frame < 18; ++frame) {
       crowd.advance(dut);
       score.add(crowd, dut.update(crowd.time(), crowd.detections()));
@@ -316,7 +319,7 @@ TEST(Binding, RobotsHeldFastByEachOtherAreNotTakenForOneAnother) {
   EXPECT_EQ(score.swapped, 0);
 }
 
-TEST(Binding, ARobotWithoutReportsIsNobody) {
+TEST(Binding, ARobotWithoutReportsStaysUnbound) {
   CrowdSettings settings;
   settings.seed = 760;
   Crowd crowd(settings, sim::always(sim::bpProgram(0, 0.2, 0.5)));
@@ -337,8 +340,8 @@ TEST(Binding, ARobotWithoutReportsIsNobody) {
   EXPECT_EQ(score.swapped, 0);
 }
 
-TEST(Binding, ABoundRobotThatIsPushedByHandKeepsItsName) {
-  // Two seconds of another motion than its wheels', always in view.
+TEST(Binding, ABoundRobotPushedByHandStaysBound) {
+  // For two seconds the cap, always in view, moves differently from its robot's wheels.
   CapTracker dut({}, {5});
   dynamics::Pose pose{0.6, 0.45, 0};
   const std::vector<Wheels> reported(450);

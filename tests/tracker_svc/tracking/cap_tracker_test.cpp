@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <limits>
 #include <map>
+#include <set>
 
 #include "tests/tracker_svc/tracking/crowd.hpp"
 
@@ -33,7 +36,7 @@ detector::Detection degraded(detector::Detection detection) {
   return detection;
 }
 
-TEST(CapTracker, ADegradedPoseKeepsATrackAndBeginsNone) {
+TEST(CapTracker, ADegradedPoseKeepsATrackButStartsNone) {
   CapTracker dut({}, {7});
   const detector::Detection cap = capAt(0.5, 0.5, 0.3);
   const std::vector<detector::Detection> begin{degraded(capAt(0.2, 0.2, 0))};
@@ -41,7 +44,7 @@ TEST(CapTracker, ADegradedPoseKeepsATrackAndBeginsNone) {
   for (int k = 1; k <= 5; ++k) static_cast<void>(dut.update(0.02 * k, {&cap, 1}));
   ASSERT_TRUE(dut.bind(7, 0.5, 0.5, 0.01));
   const detector::Detection rim = degraded(capAt(0.501, 0.5, 0.31));
-  for (int k = 6; k <= 500; ++k) {  // ten seconds: twice as long as an unseen one is kept
+  for (int k = 6; k <= 500; ++k) {  // ten seconds: twice the lifetime of an undetected track
     const std::vector<Track>& tracks = dut.update(0.02 * k, {&rim, 1});
     ASSERT_EQ(tracks.size(), 1U);
     EXPECT_TRUE(tracks[0].seen);
@@ -52,11 +55,11 @@ TEST(CapTracker, ADegradedPoseKeepsATrackAndBeginsNone) {
   }
   EXPECT_EQ(dut.counts().unbound, 0);
   EXPECT_EQ(dut.counts().lost, 0);
-  // Where it was told to be before, as good as ever.
+  // The expectation is as precise as before.
   EXPECT_NEAR(dut.expect(10.02)[0].x, 0.501, 1e-4);
 }
 
-TEST(CapTracker, ADegradedPoseFlipsNothingAndBindsNothing) {
+TEST(CapTracker, ADegradedPoseNeitherFlipsNorBinds) {
   CapTracker dut({}, {7});
   const detector::Detection cap = capAt(0.5, 0.5, 0.3);
   static_cast<void>(dut.update(0, {&cap, 1}));
@@ -70,13 +73,14 @@ TEST(CapTracker, ADegradedPoseFlipsNothingAndBindsNothing) {
   EXPECT_TRUE(dut.bind(7, 0.5, 0.5, 0.01));
 }
 
-TEST(CapTracker, DegradedPosesTellNothingOfMotion) {
-  // The same motion and reports, once seen as it should be and once by the rim alone.
+TEST(CapTracker, DegradedPosesAreNotUsedForMotion) {
+  // The same motion and reports, with full and with degraded poses.
   for (const bool sharp : {true, false}) {
     CapTracker dut({}, {1, 2});
     for (int k = 0; k < 400; ++k) {
       const double time = 0.02 * k;
-      const double turn = time > 1 ? (time - 1) * 2 : 0;  // one turns on the spot, the other stands
+      // one robot turns on the spot, the other stands
+      const double turn = time > 1 ? (time - 1) * 2 : 0;
       const double wheel = time > 1 ? 2 * 0.075 / 2 : 0;
       const std::vector<WheelReport> reports{{1, time, -wheel, wheel}, {2, time, 0, 0}};
       dut.take(reports);
@@ -89,7 +93,7 @@ TEST(CapTracker, DegradedPosesTellNothingOfMotion) {
   }
 }
 
-/// The number of a cap that drives along x, is hidden in pictures, and is then seen at `back`.
+/// The track number of a cap that drives along x, is hidden, and reappears at `back`.
 std::int64_t numberAfter(bool caps_may_be_replaced, double speed, double hidden, double back,
                          double fps = 30) {
   TrackerSettings settings;
@@ -112,14 +116,14 @@ std::int64_t numberAfter(bool caps_may_be_replaced, double speed, double hidden,
   return seen == tracks.end() ? 0 : seen->number;
 }
 
-TEST(CapTracker, TakesACapForAStrangerThatTheLostOneCannotBeAsItDrove) {
+TEST(CapTracker, StartsANewTrackBeyondTheReachOfTheLostOne) {
   EXPECT_EQ(numberAfter(true, 0, 2, 0.448), 2) << "at rest, and elsewhere after an empty floor";
   EXPECT_EQ(numberAfter(true, 0, 2, 0.05), 2);
   EXPECT_EQ(numberAfter(true, 0.05, 2, 0.25), 2) << "two and a half times as fast as ever";
   EXPECT_EQ(numberAfter(false, 0, 2, 0.448), 1) << "whose robots are known waits for them";
 }
 
-TEST(CapTracker, KnowsALostCapAgainWhereItsOwnSpeedCanHaveTakenIt) {
+TEST(CapTracker, ReidentifiesALostCapWithinReachOfItsSpeed) {
   EXPECT_EQ(numberAfter(true, 0, 2, 0), 1);
   EXPECT_EQ(numberAfter(true, 0, 2, 0.03), 1) << "within its radius";
   EXPECT_EQ(numberAfter(true, 0.05, 2, 0.1), 1);
@@ -129,7 +133,7 @@ TEST(CapTracker, KnowsALostCapAgainWhereItsOwnSpeedCanHaveTakenIt) {
   EXPECT_EQ(numberAfter(true, 0.1, 1, 0.2, 1), 1) << "and one without";
 }
 
-/// Numbers that 20 robots without reports have after two seconds of black pictures.
+/// The track numbers of 20 robots without reports after two seconds of black pictures.
 std::set<std::int64_t> numbersAfterBlack(bool caps_may_be_replaced, std::size_t program,
                                          std::uint64_t seed) {
   CrowdSettings settings;
@@ -154,7 +158,7 @@ std::set<std::int64_t> numbersAfterBlack(bool caps_may_be_replaced, std::size_t 
   return after;
 }
 
-TEST(CapTracker, KeepsADrivingCrowdOverBlackPicturesAmongStrangersToo) {
+TEST(CapTracker, KeepsADrivingCrowdOverBlackPicturesIfCapsMayBeReplaced) {
   for (std::size_t program = 0; program < programs().size(); ++program) {
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
       const std::set<std::int64_t> known = numbersAfterBlack(false, program, seed);
@@ -163,7 +167,8 @@ TEST(CapTracker, KeepsADrivingCrowdOverBlackPicturesAmongStrangersToo) {
   }
 }
 
-// The hard bar: one hundredth of the pictures lost, one cap in 500 missed, and two seconds a minute
+// Acceptance test: 1 % of the pictures lost, 0.2 % of the caps missed, and two seconds per minute
+// with six times the noise, as under the residual light of a black projector.
 // with six times the noise, as under the light that a black projector leaves.
 void runCrowd(std::size_t program, std::uint64_t seed, double minutes) {
   CrowdSettings settings;
@@ -199,11 +204,11 @@ void runCrowd(std::size_t program, std::uint64_t seed, double minutes) {
   EXPECT_EQ(dut.counts().lost, 0);
 }
 
-TEST(CapTracker, KeepsTwentyRobotsApartThatCrossAndTouchForAMinute) {
+TEST(CapTracker, DistinguishesTwentyCrossingAndTouchingRobotsForAMinute) {
   for (std::size_t program = 0; program < 4; ++program) runCrowd(program, 11 + program, 1);
 }
 
-TEST(CapTracker, KeepsTwentyRobotsApartThatCrossAndTouchForTenMinutes) { runCrowd(0, 21, 10); }
+TEST(CapTracker, DistinguishesTwentyCrossingAndTouchingRobotsForTenMinutes) { runCrowd(0, 21, 10); }
 
 struct Dark {
   std::int64_t kept = 0;
@@ -248,7 +253,7 @@ void runDark(const CrowdSettings& settings, std::size_t program, double dark, do
   result.again += std::max<std::int64_t>(0, named - (settings.robots - doubtful));
 }
 
-TEST(CapTracker, NeverSwapsUnsaidInTwoSecondsOfBlackPictures) {
+TEST(CapTracker, NeverSwapsUnreportedInTwoSecondsOfBlackPictures) {
   Dark result;
   for (std::size_t program = 0; program < 4; ++program) {
     for (std::uint64_t seed = 0; seed < 8; ++seed) {
@@ -263,13 +268,13 @@ TEST(CapTracker, NeverSwapsUnsaidInTwoSecondsOfBlackPictures) {
 
   EXPECT_EQ(result.score.swapped, 0);
   EXPECT_EQ(result.score.twice, 0);
-  // More than half keep their names; of those in doubt most have them again eight seconds later.
+  // More than half keep their binding; most doubtful ones have it again eight seconds later.
   EXPECT_GT(result.kept, 0.5 * static_cast<double>(result.kept + result.doubtful));
   EXPECT_GT(result.again, 0.7 * static_cast<double>(result.doubtful));
   EXPECT_LT(result.numbers_wrong, 0.1 * static_cast<double>(result.kept + result.doubtful));
 }
 
-TEST(CapTracker, NeverSwapsUnsaidInTheDarkWithLateReportsOrNone) {
+TEST(CapTracker, NeverSwapsUnreportedInTheDarkWithLateOrNoReports) {
   Dark result;
   for (std::size_t program = 0; program < 4; ++program) {
     for (std::uint64_t seed = 0; seed < 6; ++seed) {
@@ -285,8 +290,8 @@ TEST(CapTracker, NeverSwapsUnsaidInTheDarkWithLateReportsOrNone) {
   EXPECT_EQ(result.score.swapped, 0);
 }
 
-TEST(CapTracker, KeepsItsBestGuessAsNumberWithoutAnyRobots) {
-  // As for films: nobody is known, and a third of a second is missing.
+TEST(CapTracker, WithoutRobotsKeepsTheBestGuessAsTrackNumber) {
+  // As for recordings: no robots known, a third of a second missing.
   Dark result;
   for (std::size_t program = 0; program < 3; ++program) {
     CrowdSettings settings;
@@ -298,7 +303,7 @@ TEST(CapTracker, KeepsItsBestGuessAsNumberWithoutAnyRobots) {
   EXPECT_EQ(result.numbers_wrong, 0);
 }
 
-TEST(CapTracker, FindsOutThatAHandExchangedTwoRobotsInTheDark) {
+TEST(CapTracker, DetectsThatTwoRobotsWereExchangedInTheDark) {
   double longest = 0;
   int right_again = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
@@ -334,18 +339,18 @@ TEST(CapTracker, FindsOutThatAHandExchangedTwoRobotsInTheDark) {
     right_again += right == settings.robots ? 1 : 0;
   }
 
-  // Reports are up to a tenth of a second late; programs draw new speeds every half second.
+  // Reports are up to 0.1 s late; programs draw new speeds every half second.
   EXPECT_LT(longest, 6);
   EXPECT_GE(right_again, 10);
 }
 
-TEST(CapTracker, CountsFlipsAndDoesNotBelieveThem) {
+TEST(CapTracker, CountsAndCorrectsFlips) {
   CrowdSettings settings;
   settings.flip = 0.02;
   Crowd crowd(settings, programs()[0]);
   CapTracker dut({}, crowd.ids());
   Score score;
-  // The first pictures are without: nobody could know better.
+  // Flips in the first pictures cannot be detected.
   std::int64_t flipped_at_first = 0;
   for (int frame = 0; frame < 900; ++frame) {
     crowd.advance(dut);
@@ -365,7 +370,7 @@ TEST(CapTracker, CountsFlipsAndDoesNotBelieveThem) {
   EXPECT_EQ(score.flipped, 0);
 }
 
-TEST(CapTracker, AFlipInTheVeryFirstPictureIsPutRightSoon) {
+TEST(CapTracker, AFlipInTheFirstPictureIsCorrectedSoon) {
   CapTracker dut({}, {1});
   double theta = 0;
   for (int frame = 0; frame < 6; ++frame) {
@@ -388,7 +393,7 @@ TEST(CapTracker, ACorrectedFlipIsMarkedByItsQuality) {
   EXPECT_EQ(dut.counts().flips, 1);
 }
 
-TEST(CapTracker, EverythingInPicturesThatHaveNothingInCommonComesOut) {
+TEST(CapTracker, ReportsAllCapsOfUnrelatedPictures) {
   Random random(7);
   CapTracker dut({}, {});
   for (int picture = 0; picture < 50; ++picture) {
@@ -412,7 +417,7 @@ TEST(CapTracker, EverythingInPicturesThatHaveNothingInCommonComesOut) {
   }
 }
 
-TEST(CapTracker, ExpectsEveryRobotWhereItWillBe) {
+TEST(CapTracker, PredictsWhereEveryRobotWillBe) {
   for (const double fps : {10.0, 30.0, 100.0}) {
     CrowdSettings settings;
     settings.fps = fps;
@@ -439,7 +444,7 @@ TEST(CapTracker, ExpectsEveryRobotWhereItWillBe) {
   }
 }
 
-TEST(CapTracker, FollowsACapThatIsNotSeenAndGivesItUpInTheEnd) {
+TEST(CapTracker, PredictsAnUndetectedCapAndGivesItUpInTheEnd) {
   CapTracker dut({}, {1});
   for (int frame = 0; frame <= 200; ++frame) {
     dut.update(frame / 30.0, {{capAt(0.3 + 0.05 * frame / 30, 0.5, 0)}});
@@ -461,8 +466,8 @@ TEST(CapTracker, FollowsACapThatIsNotSeenAndGivesItUpInTheEnd) {
   EXPECT_EQ(dut.counts().lost, 1);
 }
 
-TEST(CapTracker, GrowsLessCertainWithReportsThanWithout) {
-  // The same dark second, with and without the robot's own word for it.
+TEST(CapTracker, PredictionsWithReportsHaveASmallerSpread) {
+  // The same second without pictures, with and without wheel reports.
   double spread[2];
   for (int with = 0; with < 2; ++with) {
     CapTracker dut({}, {1});
@@ -481,7 +486,7 @@ TEST(CapTracker, GrowsLessCertainWithReportsThanWithout) {
   EXPECT_LT(spread[1], spread[0] / 20);
 }
 
-TEST(CapTracker, BindsOnlyWhatIsThere) {
+TEST(CapTracker, BindsOnlyExistingTracks) {
   CapTracker dut({}, {1, 2});
   dut.update(0, {{capAt(0.3, 0.5, 0), capAt(0.5, 0.5, 0)}});
 
@@ -496,7 +501,7 @@ TEST(CapTracker, BindsOnlyWhatIsThere) {
   EXPECT_EQ(dut.counts().unbound, 1);
 }
 
-TEST(CapTracker, TakesNoNumbersThatAreNone) {
+TEST(CapTracker, IgnoresValuesThatAreNotFinite) {
   CapTracker dut({}, {1});
   detector::Detection none = capAt(0.5, 0.5, 0);
   none.quality = 0;
@@ -505,7 +510,7 @@ TEST(CapTracker, TakesNoNumbersThatAreNone) {
   EXPECT_TRUE(dut.update(0, {{none, nowhere}}).empty());
 }
 
-TEST(CapTracker, ALongGapIsNoReasonToForgetWhoStandsAlone) {
+TEST(CapTracker, AnIsolatedRobotStaysBoundOverALongGap) {
   CapTracker dut({}, {1});
   for (int frame = 0; frame < 60; ++frame) dut.update(frame / 30.0, {{capAt(0.5, 0.5, 0)}});
   dut.bind(1, 0.5, 0.5, 0.01);
@@ -517,7 +522,7 @@ TEST(CapTracker, ALongGapIsNoReasonToForgetWhoStandsAlone) {
   EXPECT_TRUE(tracks[0].seen);
 }
 
-TEST(CapTracker, TwoThatCouldBeEachOtherLoseTheirNamesButNotTheirNumbers) {
+TEST(CapTracker, TwoAmbiguousTracksLoseTheirRobotsButNotTheirNumbers) {
   CapTracker dut({}, {1, 2});
   for (int frame = 0; frame < 60; ++frame) {
     dut.update(frame / 30.0, {{capAt(0.5, 0.5, 0), capAt(0.6, 0.5, 0)}});

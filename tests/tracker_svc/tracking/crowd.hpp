@@ -1,10 +1,12 @@
-/// Robots in the simulated arena as a camera's detector and the robots' reports would show them:
-/// detections with noise and misses, wheel reports with delay, loss and errors.
+/// Simulated detections and wheel reports of robots in the simulated arena: detections with noise
+/// and misses, reports with delay, loss and errors.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <vector>
 
@@ -25,11 +27,11 @@ struct CrowdSettings {
   double dropout = 0;         ///< share of caps missed in a picture
   double place_noise = 2e-5;  ///< [m]
   double turn_noise = 5e-4;   ///< [rad]
-  double flip = 0;            ///< share of detections with head and tail exchanged
+  double flip = 0;            ///< share of detections with reversed heading
   double report_rate = 30;    ///< [1/s]
   double report_loss = 0;
   double report_delay = 0.05;   ///< [s] least
-  double report_jitter = 0.05;  ///< [s] on top, uniform
+  double report_jitter = 0.05;  ///< [s] added, uniform
   double report_error = 0.01;   ///< [s] standard error of the reports' times
   bool reports = true;
   sim::WorldSettings world;
@@ -55,7 +57,7 @@ class Crowd {
     }
   }
 
-  /// Goes on to the next picture, and hands the tracker what robots said meanwhile.
+  /// Advances to the next picture, and passes the reports to the tracker.
   void advance(CapTracker& tracker) {
     ++frame_;
     time_ = static_cast<double>(frame_) / settings_.fps;
@@ -75,7 +77,7 @@ class Crowd {
 
   [[nodiscard]] bool isLost() { return random_.uniform() < settings_.frame_loss; }
 
-  /// What the detector finds now; `noise` multiplies the noise.
+  /// Detections of the current picture; `noise` multiplies the noise.
   [[nodiscard]] std::vector<detector::Detection> detections(double noise = 1) {
     std::vector<detector::Detection> result;
     for (std::size_t i = 0; i < world_.size(); ++i) {
@@ -97,14 +99,14 @@ class Crowd {
       detection.used = detector::kUsedBig | detector::kUsedSmall;
       result.push_back(detection);
     }
-    // In no order that would give anything away.
+    // Shuffled, so that the order carries no information.
     for (std::size_t i = result.size(); i > 1; --i) {
       std::swap(result[i - 1], result[random_.next() % i]);
     }
     return result;
   }
 
-  /// Which robot stands where the track is, -1: none.
+  /// The robot at the track's pose, -1 if none.
   [[nodiscard]] int robotAt(const detector::Detection& pose) const {
     for (std::size_t i = 0; i < world_.size(); ++i) {
       const dynamics::Pose at = truth(i);
@@ -113,10 +115,11 @@ class Crowd {
     return -1;
   }
 
-  /// Where robot i is. After exchange() it drives the body of another one.
+  /// The pose of robot i. After exchange() it is in the body of another one.
   [[nodiscard]] dynamics::Pose truth(std::size_t i) const { return world_.pose(who_[i]); }
 
-  /// A hand exchanges two robots: each goes on with its own wheels from the other's place. Here the
+  /// Exchanges two robots: each continues with its own wheels from the other's place. Implemented
+  /// by exchanging names: reports use names, and the bodies are identical.
   /// bodies stay and their names change: reports go by name, and the two have the same hardware.
   void exchange(std::size_t i, std::size_t j) { std::swap(who_[i], who_[j]); }
 
@@ -186,12 +189,12 @@ class Crowd {
   double next_report_ = 0;
 };
 
-/// Compares what a tracker says with what is.
+/// Compares the tracker's result with the truth.
 struct Score {
-  std::int64_t poses = 0;    ///< published as a robot and seen
-  std::int64_t unnamed = 0;  ///< seen, published as unbound
-  std::int64_t swapped = 0;  ///< published as another robot than it is
-  std::int64_t flipped = 0;  ///< heading more than a quarter turn off
+  std::int64_t poses = 0;    ///< detected and published as a robot
+  std::int64_t unnamed = 0;  ///< detected and published as unbound
+  std::int64_t swapped = 0;  ///< published as the wrong robot
+  std::int64_t flipped = 0;  ///< heading wrong by more than 90 degrees
   std::int64_t twice = 0;    ///< one id on two tracks
 
   void add(const Crowd& crowd, const std::vector<Track>& tracks) {
@@ -215,7 +218,7 @@ struct Score {
   }
 };
 
-/// Binds every robot where it stands, as a start from known poses does.
+/// Binds every robot at its pose, as a start from known poses does.
 inline void bindAll(const Crowd& crowd, CapTracker& tracker) {
   for (std::size_t i = 0; i < crowd.size(); ++i) {
     tracker.bind(crowd.id(i), crowd.truth(i).x, crowd.truth(i).y, 0.02);

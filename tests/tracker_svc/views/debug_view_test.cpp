@@ -4,6 +4,7 @@
 
 #include <asio.hpp>
 #include <chrono>
+#include <cstdint>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -16,24 +17,24 @@ namespace {
 
 using asio::ip::tcp;
 
-/// A browser, of sorts.
-class Browser {
+/// An HTTP client.
+class Client {
  public:
-  Browser(int port, const std::string& request) {
+  Client(int port, const std::string& request) {
     socket_.open(tcp::v4());
     socket_.set_option(asio::socket_base::receive_buffer_size(4096));
     socket_.connect({asio::ip::address_v4::loopback(), static_cast<std::uint16_t>(port)});
     asio::write(socket_, asio::buffer(request));
   }
 
-  /// Everything until the server closes.
+  /// Everything until the server closes the connection.
   std::string all() {
     std::error_code end;
     asio::read(socket_, asio::dynamic_buffer(text_), end);
     return text_;
   }
 
-  /// Up to and with `mark`, which is taken out of what is still to read.
+  /// Reads up to and including `mark` and removes that part from the buffer.
   std::string until(const std::string& mark) {
     const std::size_t length = asio::read_until(socket_, asio::dynamic_buffer(text_), mark);
     std::string part = text_.substr(0, length);
@@ -51,14 +52,14 @@ std::string get(const std::string& path, const std::string& host = "localhost:80
   return "GET " + path + " HTTP/1.1\r\nHost: " + host + "\r\n\r\n";
 }
 
-/// Whether the view comes to want a picture. (A minute is for machines that stand still.)
+/// Waits until the view wants a picture. The timeout is long for slow machines.
 bool becomesWanted(const DebugView& view) {
   return waitUntil([&] { return view.wanted(); }, std::chrono::minutes(1));
 }
 
 RgbImage flat(int width, int height) { return {width, height}; }
 
-/// A picture that cannot be compressed well.
+/// A noisy picture, which cannot be compressed well.
 RgbImage grain(int width, int height) {
   RgbImage image(width, height);
   std::uint32_t state = 1;
@@ -71,18 +72,18 @@ RgbImage grain(int width, int height) {
 
 TEST(DebugView, ServesItsPage) {
   const DebugView view(0);
-  Browser browser(view.port(), get("/"));
+  Client client(view.port(), get("/"));
 
-  const std::string answer = browser.all();
+  const std::string answer = client.all();
 
   EXPECT_EQ(answer.substr(0, 15), "HTTP/1.1 200 OK");
   EXPECT_NE(answer.find("/stream.mjpg"), std::string::npos);
 }
 
-TEST(DebugView, WantsNothingWhileNobodyLooks) {
+TEST(DebugView, WantsNoPictureWithoutViewers) {
   DebugView view(0);
-  Browser browser(view.port(), get("/"));
-  (void)browser.all();
+  Client client(view.port(), get("/"));
+  (void)client.all();
   bool painted = false;
 
   view.show([&painted] {
@@ -94,46 +95,46 @@ TEST(DebugView, WantsNothingWhileNobodyLooks) {
   EXPECT_FALSE(painted);
 }
 
-TEST(DebugView, GivesOnePngToWhoAsksForAFrame) {
+TEST(DebugView, SendsOnePngPerRequest) {
   DebugView view(0);
-  Browser browser(view.port(), get("/frame.png?now"));
+  Client client(view.port(), get("/frame.png?now"));
   ASSERT_TRUE(becomesWanted(view));
 
   view.show([] { return flat(40, 30); });
 
-  const std::string answer = browser.all();
+  const std::string answer = client.all();
   EXPECT_NE(answer.find("Content-Type: image/png"), std::string::npos);
   EXPECT_NE(answer.find("\r\n\r\n\x89PNG"), std::string::npos);
 }
 
-TEST(DebugView, GivesOneJpegToWhoAsksForThat) {
+TEST(DebugView, SendsOneJpegPerRequest) {
   DebugView view(0);
-  Browser browser(view.port(), get("/frame.jpg"));
+  Client client(view.port(), get("/frame.jpg"));
   ASSERT_TRUE(becomesWanted(view));
 
   view.show([] { return flat(40, 30); });
 
-  const std::string answer = browser.all();
+  const std::string answer = client.all();
   EXPECT_NE(answer.find("Content-Type: image/jpeg"), std::string::npos);
   EXPECT_NE(answer.find("\r\n\r\n\xff\xd8"), std::string::npos);
 }
 
 TEST(DebugView, StreamsOnePictureAfterTheOther) {
   DebugView view(0);
-  Browser browser(view.port(), get("/stream.mjpg"));
-  EXPECT_NE(browser.until("\r\n\r\n").find("multipart/x-mixed-replace"), std::string::npos);
+  Client client(view.port(), get("/stream.mjpg"));
+  EXPECT_NE(client.until("\r\n\r\n").find("multipart/x-mixed-replace"), std::string::npos);
 
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(becomesWanted(view));
     view.show([] { return flat(40, 30); });
-    (void)browser.until("Content-Type: image/jpeg");
-    EXPECT_EQ(browser.until("\r\n--picture\r\n").substr(0, 18), "\r\nContent-Length: ");
+    (void)client.until("Content-Type: image/jpeg");
+    EXPECT_EQ(client.until("\r\n--picture\r\n").substr(0, 18), "\r\nContent-Length: ");
   }
 }
 
-TEST(DebugView, AsksForOnePictureOnly) {
+TEST(DebugView, WantsOnlyOnePicturePerStill) {
   DebugView view(0);
-  const Browser browser(view.port(), get("/frame.png"));
+  const Client client(view.port(), get("/frame.png"));
   ASSERT_TRUE(becomesWanted(view));
 
   view.show([] { return flat(4, 4); });
@@ -141,37 +142,36 @@ TEST(DebugView, AsksForOnePictureOnly) {
   EXPECT_FALSE(view.wanted());
 }
 
-TEST(DebugView, IsNotHeldUpByAViewerWhoDoesNotRead) {
+TEST(DebugView, IsNotDelayedByAViewerThatDoesNotRead) {
   DebugView view(0);
-  const Browser frozen(view.port(), get("/stream.mjpg"));
+  const Client frozen(view.port(), get("/stream.mjpg"));
   ASSERT_TRUE(becomesWanted(view));
-  view.show([] { return grain(2400, 2000); });  // far more than the sockets between hold
+  view.show([] { return grain(2400, 2000); });  // much larger than the buffers of the sockets
 
   for (int i = 0; i < 3; ++i) {
-    Browser other(view.port(), get("/frame.png"));
+    Client other(view.port(), get("/frame.png"));
     ASSERT_TRUE(becomesWanted(view));
     view.show([] { return flat(8, 8); });
     EXPECT_NE(other.all().find("PNG"), std::string::npos);
   }
 }
 
-TEST(DebugView, RefusesWhatItDoesNotHave) {
+TEST(DebugView, RefusesUnknownPathsMethodsAndHosts) {
   const DebugView view(0);
 
-  EXPECT_NE(Browser(view.port(), get("/etc/passwd")).all().find("404"), std::string::npos);
-  EXPECT_NE(Browser(view.port(), "POST / HTTP/1.1\r\n\r\n").all().find("405"), std::string::npos);
+  EXPECT_NE(Client(view.port(), get("/etc/passwd")).all().find("404"), std::string::npos);
+  EXPECT_NE(Client(view.port(), "POST / HTTP/1.1\r\n\r\n").all().find("405"), std::string::npos);
   for (const char* ours : {"127.0.0.1", "localhost", "localhost:9000"}) {
-    EXPECT_NE(Browser(view.port(), get("/", ours)).all().find("200 OK"), std::string::npos);
+    EXPECT_NE(Client(view.port(), get("/", ours)).all().find("200 OK"), std::string::npos);
   }
-  EXPECT_NE(Browser(view.port(), "GET / HTTP/1.0\r\n\r\n").all().find("200 OK"), std::string::npos);
-  // A name that somebody else's name server leads here.
+  EXPECT_NE(Client(view.port(), "GET / HTTP/1.0\r\n\r\n").all().find("200 OK"), std::string::npos);
+  // Host names with which DNS rebinding could lead here.
   for (const char* foreign : {"evil.example", "localhost.evil.example", "evil.example:8080"}) {
-    EXPECT_NE(Browser(view.port(), get("/frame.png", foreign)).all().find("403"),
-              std::string::npos);
+    EXPECT_NE(Client(view.port(), get("/frame.png", foreign)).all().find("403"), std::string::npos);
   }
 }
 
-TEST(DebugView, SaysThatItsPortIsTaken) {
+TEST(DebugView, ThrowsIfItsPortIsTaken) {
   const DebugView first(0);
   try {
     const DebugView second(first.port());
@@ -183,14 +183,14 @@ TEST(DebugView, SaysThatItsPortIsTaken) {
   }
 }
 
-TEST(DebugView, EndsWhileSomebodyLooks) {
+TEST(DebugView, EndsWhileAViewerIsConnected) {
   auto view = std::make_unique<DebugView>(0);
-  Browser browser(view->port(), get("/stream.mjpg"));
-  (void)browser.until("\r\n\r\n");
+  Client client(view->port(), get("/stream.mjpg"));
+  (void)client.until("\r\n\r\n");
 
   view.reset();
 
-  EXPECT_EQ(browser.all().find("image/jpeg"), std::string::npos);
+  EXPECT_EQ(client.all().find("image/jpeg"), std::string::npos);
 }
 
 }  // namespace

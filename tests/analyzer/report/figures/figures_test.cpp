@@ -33,7 +33,7 @@ std::size_t pointsOf(const PlotTracks& plot) {
   return points;
 }
 
-TEST(Figures, GiveASentenceWhereThereIsNothingToDraw) {
+TEST(Figures, GiveASentenceIfThereIsNothingToDraw) {
   const TemporaryFolder scratch;
 
   for (const Figure& figure : drawFigures({}, scratch.path())) {
@@ -42,7 +42,7 @@ TEST(Figures, GiveASentenceWhereThereIsNothingToDraw) {
   }
 }
 
-TEST(Figures, StayModestInSizeForALongRun) {
+TEST(Figures, StaySmallForALongRun) {
   const TemporaryFolder scratch;
   const RunRecord record = recordOf(syntheticExperiment(10, 300, 20, {paperAbp(), paperRtp()}, 30));
 
@@ -53,7 +53,7 @@ TEST(Figures, StayModestInSizeForALongRun) {
   EXPECT_TRUE(std::filesystem::is_empty(scratch.path()));
 }
 
-TEST(Figures, AreDrawnForPaperToTheSameBytes) {
+TEST(Figures, HaveReproduciblePdfs) {
   const TemporaryFolder scratch;
   const RunRecord record = recordOf(syntheticExperiment(1, 30, 20, {paperAbp()}, 30));
 
@@ -75,7 +75,7 @@ double widthOf(const std::string& pdf) {
   return at == std::string::npos ? 0 : std::stod(pdf.substr(at + 16)) / 72 * 2.54;
 }
 
-TEST(Figures, AreAsWideAsAJournalPrintsThem) {
+TEST(Figures, HaveTheWidthsOfAJournal) {
   const TemporaryFolder scratch;
   const RunRecord record = recordOf(syntheticExperiment(1, 30, 20, {paperAbp()}, 30));
 
@@ -105,15 +105,15 @@ TEST(Figures, HaveTheirDataWithUnits) {
   }
 }
 
-TEST(Figures, QuoteWordsOfTheirData) {
+TEST(Figures, QuoteTextInTheirData) {
   CsvText dut("name,value_cm,judged");
   dut.row("a \"b\", c", 1.5, true);
-  dut.row("d", std::nan(""), false);
+  dut.row("x", std::nan(""), false);
 
-  EXPECT_EQ(dut.text(), "name,value_cm,judged\n\"a \"\"b\"\", c\",1.5,1\nd,,0\n");
+  EXPECT_EQ(dut.text(), "name,value_cm,judged\n\"a \"\"b\"\", c\",1.5,1\nx,,0\n");
 }
 
-TEST(Figures, KeepMarkupInNamesOutOfThePicture) {
+TEST(Figures, RemoveMarkupFromNames) {
   const TemporaryFolder scratch;
   RunRecord record = recordOf(syntheticExperiment(1, 20, 20, {paperAbp()}, 30));
   record.programs[0].name = "a_b <script> 'x' & \\n $y";
@@ -142,7 +142,7 @@ TEST(Thinning, DrawsTheLatestStretchOfALongRun) {
   EXPECT_LE(pointsOf(dut), 340U);
 }
 
-TEST(Thinning, LeavesRoomForEveryProgram) {
+TEST(Thinning, KeepsPointsForEveryProgram) {
   const RunRecord record = recordOf(syntheticExperiment(1, 200, 10, {paperAbp(), paperRtp()}, 100));
 
   const PlotTracks dut = thinnedTracks(record, 200, true);
@@ -155,7 +155,7 @@ TEST(Thinning, LeavesRoomForEveryProgram) {
   EXPECT_GT(points[1], 90U);
 }
 
-TEST(Gnuplot, SaysWhatItDidNotUnderstand) {
+TEST(Gnuplot, ReportsErrorsOfTheScript) {
   const TemporaryFolder scratch;
 
   EXPECT_THROW(runGnuplot(scratch.path(), "plot nonsense nonsense\n"), ReportError);

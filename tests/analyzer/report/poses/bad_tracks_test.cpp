@@ -1,4 +1,5 @@
-// What trackers and clocks do wrong, through files of poses: unbiased, or refused with a reason.
+// Errors of trackers and clocks in files of poses: results are unbiased, or the file is rejected
+// with a reason.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +10,8 @@
 #include <numbers>
 #include <random>
 #include <sstream>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "analyzer/report/poses/pose_run.hpp"
@@ -23,7 +26,7 @@ using analysis::TrackPoint;
 using analysis::WalkerRecording;
 using testing::HasSubstr;
 
-/// Changes a film's points in place; may also erase some.
+/// Changes the points of a recording in place; may erase some.
 using Damage = std::function<void(std::vector<TrackPoint>&, std::mt19937_64&)>;
 
 std::string csvOf(const std::vector<TrackPoint>& points) {
@@ -37,16 +40,16 @@ std::string csvOf(const std::vector<TrackPoint>& points) {
   return text.str();
 }
 
-std::vector<TrackPoint> filmed(double duration, unsigned seed) {
-  WalkerRecording film;
-  film.law = analysis::abpLaw(3, 0.5);
-  film.duration = duration;
-  film.fps = 19.7;
-  film.sigma = 0.0005;
-  film.sigma_theta = 0.0175;
-  film.seed = seed;
+std::vector<TrackPoint> recorded(double duration, unsigned seed) {
+  WalkerRecording recording;
+  recording.law = analysis::abpLaw(3, 0.5);
+  recording.duration = duration;
+  recording.fps = 19.7;
+  recording.sigma = 0.0005;
+  recording.sigma_theta = 0.0175;
+  recording.seed = seed;
   std::vector<TrackPoint> points;
-  analysis::Walker walker(film);
+  analysis::Walker walker(recording);
   walker.on_frame = [&](const TrackPoint& point) { points.push_back(point); };
   walker.on_telemetry = [](const analysis::RobotTelemetry&) {};
   walker.run();
@@ -78,13 +81,13 @@ std::string refusal(const std::string& csv) {
   return "none";
 }
 
-/// Mean over films against the exact law with the tracker's noise.
+/// Mean over recordings against the exact law with the tracker's noise.
 void expectUnbiased(const Damage& damage) {
-  constexpr int kFilms = 16;
+  constexpr int kRecordings = 16;
   std::map<double, std::pair<analysis::Scatter, double>> lags[2];
   std::map<std::string, analysis::Scatter> numbers;
-  for (unsigned seed = 0; seed < kFilms; ++seed) {
-    std::vector<TrackPoint> points = filmed(300, 600 + seed);
+  for (unsigned seed = 0; seed < kRecordings; ++seed) {
+    std::vector<TrackPoint> points = recorded(300, 600 + seed);
     std::mt19937_64 random(seed);
     damage(points, random);
     const RunRecord record = analysed(csvOf(points));
@@ -108,13 +111,13 @@ void expectUnbiased(const Damage& damage) {
     }
   }
   for (const auto& [name, scatter] : numbers) {
-    EXPECT_EQ(scatter.n, kFilms) << name;
+    EXPECT_EQ(scatter.n, kRecordings) << name;
     EXPECT_LT(std::abs(scatter.z(1)), 4) << name << ": " << scatter.mean() << " of the truth";
   }
   for (const bool angular : {false, true}) {
     int judged = 0;
     for (const auto& [tau, lag] : lags[angular]) {
-      if (lag.first.n < kFilms) continue;
+      if (lag.first.n < kRecordings) continue;
       ++judged;
       EXPECT_LT(std::abs(lag.first.z(lag.second)), 4)
           << (angular ? "angular MSD" : "MSD") << " at " << tau
@@ -124,9 +127,10 @@ void expectUnbiased(const Damage& damage) {
   }
 }
 
-/// The fit of the exact law to one damaged film of ten minutes: its own error bars hold the truth.
+/// The fit of the exact law to one damaged recording of ten minutes: its error bars cover the
+/// truth.
 void expectFit(const Damage& damage) {
-  std::vector<TrackPoint> points = filmed(600, 77);
+  std::vector<TrackPoint> points = recorded(600, 77);
   std::mt19937_64 random(5);
   damage(points, random);
   const RunRecord record = analysed(csvOf(points), analysis::Depth::kFull);
@@ -134,17 +138,17 @@ void expectFit(const Damage& damage) {
     const analysis::Estimate& estimate = numberOf(record, name);
     ASSERT_GT(estimate.sigma, 0) << name;
     EXPECT_LT(std::abs(estimate.value - estimate.theory) / estimate.sigma, 4) << name;
-    EXPECT_LT(estimate.sigma, 0.12 * estimate.theory) << name << ": an error bar that says nothing";
+    EXPECT_LT(estimate.sigma, 0.12 * estimate.theory) << name << ": the error bar is too large";
   }
   EXPECT_NE(record.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
 }
 
-TEST(BadTrack, NothingWrong) {
+TEST(BadTrack, UndamagedTrack) {
   expectUnbiased([](auto&, auto&) {});
   expectFit([](auto&, auto&) {});
 }
 
-TEST(BadTrack, OneInAHundredFramesMissing) {
+TEST(BadTrack, OnePercentOfFramesMissing) {
   const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution lost(0.01);
     std::erase_if(points, [&](const TrackPoint&) { return lost(random); });
@@ -153,7 +157,7 @@ TEST(BadTrack, OneInAHundredFramesMissing) {
   expectFit(damage);
 }
 
-TEST(BadTrack, OneInTwentyPosesOutOfPlace) {
+TEST(BadTrack, FivePercentOfPosesMisplaced) {
   const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution bad(0.05);
     std::uniform_real_distribution<double> away(-0.5, 0.5);
@@ -169,7 +173,7 @@ TEST(BadTrack, OneInTwentyPosesOutOfPlace) {
   expectFit(damage);
 }
 
-TEST(BadTrack, HeadTakenForTail) {
+TEST(BadTrack, HeadAndTailConfused) {
   const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution single(0.01);
     for (TrackPoint& point : points) {
@@ -182,7 +186,7 @@ TEST(BadTrack, HeadTakenForTail) {
   expectFit(damage);
 }
 
-TEST(BadTrack, NumbersThatAreNone) {
+TEST(BadTrack, InvalidNumbers) {
   const Damage damage = [](std::vector<TrackPoint>& points, std::mt19937_64& random) {
     std::bernoulli_distribution bad(0.02);
     for (TrackPoint& point : points) {
@@ -212,7 +216,7 @@ TEST(BadTrack, RowsInAnyOrder) {
   });
 }
 
-TEST(BadTrack, ClockThatSteps) {
+TEST(BadTrack, StepsOfTheClock) {
   const Damage forward = [](std::vector<TrackPoint>& points, std::mt19937_64&) {
     for (TrackPoint& point : points) point.time += point.time > 100 ? 30 : 0;
   };
@@ -222,7 +226,7 @@ TEST(BadTrack, ClockThatSteps) {
   expectUnbiased(forward);
   expectUnbiased(back);
 
-  std::vector<TrackPoint> points = filmed(200, 1);
+  std::vector<TrackPoint> points = recorded(200, 1);
   std::mt19937_64 random;
   forward(points, random);
   const RunRecord record = analysed(csvOf(points));
@@ -230,21 +234,21 @@ TEST(BadTrack, ClockThatSteps) {
   EXPECT_EQ(record.results.front().result.segments, 2);
 }
 
-TEST(BadTrack, ClockThatStandsIsRefused) {
-  std::vector<TrackPoint> points = filmed(20, 1);
+TEST(BadTrack, StoppedClockIsRejected) {
+  std::vector<TrackPoint> points = recorded(20, 1);
   for (TrackPoint& point : points) point.time = std::floor(point.time);
   EXPECT_THAT(refusal(csvOf(points)), HasSubstr("expected more than in the frames before it"));
 }
 
 TEST(BadTrack, TwoMinutesOnly) {
-  const RunRecord record = analysed(csvOf(filmed(120, 4)));
+  const RunRecord record = analysed(csvOf(recorded(120, 4)));
   for (const analysis::CurvePoint& point : record.results.front().result.curves.msd) {
     EXPECT_TRUE(point.windows > 0 ? point.value > 0 && point.sigma > 0 : std::isnan(point.value));
   }
 }
 
-TEST(BadTrack, TwoMinutesStillHaveHonestErrors) {
-  const RunRecord record = analysed(csvOf(filmed(120, 4)), analysis::Depth::kFull);
+TEST(BadTrack, TwoMinutesHaveCorrectErrors) {
+  const RunRecord record = analysed(csvOf(recorded(120, 4)), analysis::Depth::kFull);
   for (const char* name : {"v", "D_r"}) {
     const analysis::Estimate& estimate = numberOf(record, name);
     EXPECT_LE(estimate.low95, estimate.theory) << name;
@@ -252,18 +256,18 @@ TEST(BadTrack, TwoMinutesStillHaveHonestErrors) {
   }
 }
 
-TEST(BadTrack, OneFrameIsRefused) {
+TEST(BadTrack, SingleFrameIsRejected) {
   EXPECT_THAT(refusal("frame,particle,x,y,theta,t\n0,1,1,1,0,0\n"),
               HasSubstr("a single picture has no motion"));
 }
 
-TEST(BadTrack, NothingButNanIsRefused) {
+TEST(BadTrack, OnlyNanIsRejected) {
   EXPECT_THAT(refusal("frame,particle,x,y,theta,t\n0,1,nan,1,0,0\n1,1,nan,1,0,0.1\n"),
               HasSubstr("found no pose in 2 rows"));
 }
 
-TEST(BadTrack, WithoutMotionIsNotTheProgram) {
-  std::vector<TrackPoint> points = filmed(60, 1);
+TEST(BadTrack, RobotAtRestIsNotTheProgram) {
+  std::vector<TrackPoint> points = recorded(60, 1);
   std::mt19937_64 random(2);
   std::normal_distribution<double> noise(0, 5e-4);
   for (TrackPoint& point : points) {

@@ -28,7 +28,7 @@ std::string problemOf(const std::string& text, const PoseFileOptions& options = 
   return "none";
 }
 
-TEST(PoseFile, ReadsWhatLabTrackWrites) {
+TEST(PoseFile, ReadsFilesOfLabTrack) {
   const PoseFile dut = read(
       "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s\n"
       "0,1,10.5,20,1.5,640.1,360.2,0.98,0.0\n"
@@ -48,7 +48,7 @@ TEST(PoseFile, ReadsWhatLabTrackWrites) {
   EXPECT_TRUE(dut.in_arena);
 }
 
-TEST(PoseFile, ReadsWhatTrackpyWrites) {
+TEST(PoseFile, ReadsFilesOfTrackpy) {
   const PoseFile dut = read(
       ",y,x,mass,frame,particle\n"
       "0,200.5,100.0,331.2,0.0,7\n"
@@ -65,7 +65,7 @@ TEST(PoseFile, ReadsWhatTrackpyWrites) {
   EXPECT_FALSE(dut.in_arena);
 }
 
-TEST(PoseFile, SortsRowsThatComeRobotByRobot) {
+TEST(PoseFile, SortsRowsGroupedByRobot) {
   const PoseFile dut = read(
       "frame\tid\tx_cm\ty_cm\tt\n0\t1\t1\t1\t0\n1\t1\t2\t1\t0.1\n0\t2\t5\t5\t0\n1\t2\t6\t5\t0.1\n");
 
@@ -83,7 +83,7 @@ TEST(PoseFile, ReadsWindowsLineEndsAndMarks) {
   EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].y, 0.03);
 }
 
-TEST(PoseFile, LeavesOutRowsThatKnowNothing) {
+TEST(PoseFile, OmitsRowsWithoutAPose) {
   const PoseFile dut =
       read("frame,id,x_cm,y_cm,t\n0,1,1,1,0\n0,2,,,0\n1,1,nan,nan,0.1\n1,0,4,4,0.1\n2,1,3,1,0.2\n");
 
@@ -94,14 +94,14 @@ TEST(PoseFile, LeavesOutRowsThatKnowNothing) {
   EXPECT_EQ(dut.missing_frames, 0);
 }
 
-TEST(PoseFile, CountsFramesThatAreMissing) {
+TEST(PoseFile, CountsMissingFrames) {
   const std::string rows = "0,1,1,1,0\n2,1,1,1,0.2\n4,1,1,1,0.4\n10,1,1,1,1.0\n";
 
   // Every second picture was tracked: 6 and 8 are missing, the odd ones are not.
   EXPECT_EQ(read("frame,id,x_cm,y_cm,t\n" + rows).missing_frames, 2);
 }
 
-TEST(PoseFile, NamesLineColumnFoundAndExpected) {
+TEST(PoseFile, ErrorsNameLineColumnFoundAndExpected) {
   const std::string head = "frame,id,x_cm,y_cm,t\n0,1,1,1,0\n";
 
   EXPECT_EQ(problemOf(head + "1,1,abc,1,0.1\n"),
@@ -118,7 +118,7 @@ TEST(PoseFile, NamesLineColumnFoundAndExpected) {
               HasSubstr("poses.csv:3: t: found 7 s, expected 0 s"));
 }
 
-TEST(PoseFile, RefusesTimesThatAreNoSeconds) {
+TEST(PoseFile, RejectsTimesThatCannotBeSeconds) {
   const std::string head = "frame,id,x_cm,y_cm,t_s\n";
 
   EXPECT_EQ(problemOf(head + "0,1,2,3,1.76e9\n1,1,2,3,1760000001\n"), "none");
@@ -135,8 +135,8 @@ TEST(PoseFile, RefusesTimesThatAreNoSeconds) {
       "other units: leave the column out and give --fps");
 }
 
-TEST(PoseFile, ReadsWhatTrexExports) {
-  // As TRex writes it: the frame twice, units in brackets, inf for what it does not know.
+TEST(PoseFile, ReadsFilesOfTrex) {
+  // The format of TRex: the frame twice, units in brackets, inf for unknown values.
   const std::string text =
       "frame,X#wcentroid (cm),Y#wcentroid (cm),X (cm),Y (cm),ANGLE,time,missing,frame\n"
       "0,10.5,20,11,20,0.5,0.0,0,0\n"
@@ -154,10 +154,10 @@ TEST(PoseFile, ReadsWhatTrexExports) {
   EXPECT_FALSE(dut.in_arena);
 }
 
-TEST(PoseFile, ReadsAFolderOfTrex) {
+TEST(PoseFile, ReadsAFolderOfTrexFiles) {
   const TemporaryFolder folder;
   for (const int fish : {0, 1, 10}) {
-    std::ofstream file(folder.path() / ("film_fish" + std::to_string(fish) + ".csv"));
+    std::ofstream file(folder.path() / ("recording_fish" + std::to_string(fish) + ".csv"));
     file << "frame,X#wcentroid,Y#wcentroid,time\n0," << fish << ",1,0\n1," << fish << ",2,0.1\n";
   }
   std::ofstream(folder.path() / "notes.csv") << "nothing\n";
@@ -170,7 +170,7 @@ TEST(PoseFile, ReadsAFolderOfTrex) {
   EXPECT_DOUBLE_EQ(dut.frames[1].poses[2].x, 0.1);
 }
 
-TEST(PoseFile, LeavesOutFramesWhoseTimeDoesNotGoOn) {
+TEST(PoseFile, OmitsFramesWhoseTimeDoesNotIncrease) {
   std::string text = "frame,id,x_cm,y_cm,t\n";
   for (int i = 0; i < 100; ++i) {
     text += std::to_string(i) + ",1,1,1," + std::to_string(i == 50 ? 4.9 : 0.1 * i) + "\n";
@@ -183,7 +183,7 @@ TEST(PoseFile, LeavesOutFramesWhoseTimeDoesNotGoOn) {
   EXPECT_TRUE(dut.clock_steps.empty());
 }
 
-TEST(PoseFile, CountsARobotOnceAFrame) {
+TEST(PoseFile, CountsARobotOncePerFrame) {
   std::string text = "frame,id,x_cm,y_cm,t\n";
   for (int i = 0; i < 100; ++i) {
     const std::string row =
@@ -200,7 +200,7 @@ TEST(PoseFile, CountsARobotOnceAFrame) {
   for (const analysis::Frame& frame : dut.frames) EXPECT_EQ(frame.poses.size(), 1U);
 }
 
-TEST(PoseFile, RefusesRobotsThatAreInTwoPlaces) {
+TEST(PoseFile, RejectsRobotsAtTwoPositions) {
   std::string text = "frame,id,x_cm,y_cm,t\n";
   for (int i = 0; i < 20; ++i) {
     for (const char* place : {"1,1", "50,50"}) {
@@ -212,7 +212,7 @@ TEST(PoseFile, RefusesRobotsThatAreInTwoPlaces) {
   EXPECT_THAT(problemOf(text), HasSubstr("20 of 20 poses"));
 }
 
-TEST(PoseFile, TellsStepsOfTheClock) {
+TEST(PoseFile, RecordsStepsOfTheClock) {
   std::string text = "frame,id,x_cm,y_cm,t\n";
   for (int i = 0; i < 100; ++i) {
     text += std::to_string(i) + ",1,1,1," + std::to_string(0.1 * i + (i < 60 ? 0 : 5)) + "\n";
@@ -223,7 +223,7 @@ TEST(PoseFile, TellsStepsOfTheClock) {
   EXPECT_DOUBLE_EQ(dut.clock_steps[0], 11);
 }
 
-TEST(PoseFile, NamesWhatTheFirstLineLacks) {
+TEST(PoseFile, ErrorNamesMissingColumns) {
   EXPECT_THAT(problemOf("frame,id,x_cm\n0,1,1\n"), HasSubstr("poses.csv:1: found the columns"));
   EXPECT_THAT(problemOf("frame,particle,x,y,t\n0,1,1,1,0\n"), HasSubstr("--scale-cm"));
   EXPECT_THAT(problemOf("frame,X (px),Y (px),time\n0,1,1,0\n"),

@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <numbers>
 #include <random>
+#include <stdexcept>
 
 #include "analyzer/analyze_run.hpp"
 #include "analyzer/report/summary/findings.hpp"
@@ -24,8 +26,8 @@ constexpr double kEta = 3;        // [rad/s]
 constexpr double kNoise = 2e-5;   // [m]
 constexpr double kPeriod = 1.0 / 30;
 
-/// Active Brownian particles in an endless arena: the paper's ABP, and nothing else.
-PoseFile film(int robots, double duration, bool headings = true, double sigma = kNoise) {
+/// Active Brownian particles (the paper's ABP) in an infinite arena.
+PoseFile recording(int robots, double duration, bool headings = true, double sigma = kNoise) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> turning(-kEta, kEta);
   std::normal_distribution<double> noise(0, sigma);
@@ -77,7 +79,7 @@ const analysis::Estimate& estimateOf(const RunRecord& record, const std::string&
 }
 
 TEST(PoseRun, FindsTheLawThatTheRobotsFollow) {
-  const RunRecord dut = poseRun(film(4, 300), "film", abp());
+  const RunRecord dut = poseRun(recording(4, 300), "recording", abp());
 
   ASSERT_EQ(dut.results.size(), 5U);
   EXPECT_EQ(dut.results.front().result.verdict.kind, analysis::VerdictKind::kAgrees);
@@ -93,13 +95,13 @@ TEST(PoseRun, DisagreesWithAnotherLaw) {
   PoseProgram other = abp();
   other.set.back() = "eta_rad_s=4";
 
-  const RunRecord dut = poseRun(film(4, 300), "film", other);
+  const RunRecord dut = poseRun(recording(4, 300), "recording", other);
 
   EXPECT_EQ(dut.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
 }
 
 TEST(PoseRun, HasCurvesWithoutALaw) {
-  const RunRecord dut = poseRun(film(2, 60), "film", {});
+  const RunRecord dut = poseRun(recording(2, 60), "recording", {});
 
   const analysis::ProgramResult& pool = dut.results.front().result;
   ASSERT_FALSE(pool.curves.msd.empty());
@@ -112,8 +114,8 @@ TEST(PoseRun, HasCurvesWithoutALaw) {
   EXPECT_NEAR(estimateOf(dut, "v").value, kSpeed, 1e-5);
 }
 
-TEST(PoseRun, ComparesTheMsdAloneWhereThereAreNoHeadings) {
-  const RunRecord dut = poseRun(film(4, 300, false), "film", abp());
+TEST(PoseRun, ComparesOnlyTheMsdWithoutHeadings) {
+  const RunRecord dut = poseRun(recording(4, 300, false), "recording", abp());
 
   const analysis::ProgramResult& pool = dut.results.front().result;
   EXPECT_EQ(pool.verdict.kind, analysis::VerdictKind::kAgrees);
@@ -122,9 +124,9 @@ TEST(PoseRun, ComparesTheMsdAloneWhereThereAreNoHeadings) {
   EXPECT_TRUE(std::isnan(estimateOf(dut, "v").value));
 }
 
-// Of two frames side by side 0.3 mm of noise is a fifth of the way driven.
-TEST(PoseRun, TakesTheFitsNoiseOutWhereThereAreNoHeadings) {
-  const RunRecord dut = poseRun(film(4, 300, false, 3e-4), "film", abp());
+// Between two frames, 0.3 mm of noise is a fifth of the displacement.
+TEST(PoseRun, RemovesTheFittedNoiseWithoutHeadings) {
+  const RunRecord dut = poseRun(recording(4, 300, false, 3e-4), "recording", abp());
 
   const analysis::ProgramResult& pool = dut.results.front().result;
   EXPECT_EQ(pool.verdict.kind, analysis::VerdictKind::kAgrees) << pool.verdict.max_z;
@@ -132,20 +134,20 @@ TEST(PoseRun, TakesTheFitsNoiseOutWhereThereAreNoHeadings) {
 
   PoseProgram other = abp();
   other.set.back() = "eta_rad_s=4";
-  const RunRecord wrong = poseRun(film(4, 300, false, 3e-4), "film", other);
+  const RunRecord wrong = poseRun(recording(4, 300, false, 3e-4), "recording", other);
   EXPECT_EQ(wrong.results.front().result.verdict.kind, analysis::VerdictKind::kDisagrees);
 }
 
-// Between two frames 0.2 rad of noise are more than wheels can turn, and no jump all the same.
-TEST(PoseRun, TellsNoisyHeadingsFromJumps) {
-  PoseFile noisy = film(4, 300);
+// Noise of 0.2 rad exceeds the possible turn between two frames, but is not a jump.
+TEST(PoseRun, DistinguishesNoisyHeadingsFromJumps) {
+  PoseFile noisy = recording(4, 300);
   std::mt19937_64 random(11);
   std::normal_distribution<double> noise(0, 0.2);
   for (analysis::Frame& frame : noisy.frames) {
     for (analysis::FramePose& pose : frame.poses) pose.theta += noise(random);
   }
 
-  const RunRecord dut = poseRun(noisy, "film", abp());
+  const RunRecord dut = poseRun(noisy, "recording", abp());
 
   const analysis::ProgramResult& pool = dut.results.front().result;
   EXPECT_EQ(pool.lost, 0);
@@ -154,40 +156,40 @@ TEST(PoseRun, TellsNoisyHeadingsFromJumps) {
   EXPECT_NEAR(pool.curves.angular_msd.front().noise, 2 * 0.2 * 0.2, 0.1 * 2 * 0.2 * 0.2);
 }
 
-TEST(PoseRun, SaysWhereMostOfAFilmIsNotJudged) {
-  PoseFile wrong_unit = film(2, 60);
+TEST(PoseRun, ReportsThatMostOfARecordingIsNotJudged) {
+  PoseFile wrong_unit = recording(2, 60);
   for (analysis::Frame& frame : wrong_unit.frames) {
     for (analysis::FramePose& pose : frame.poses) {
       pose.x *= 30;
       pose.y *= 30;
     }
   }
-  const RunRecord jumps = poseRun(wrong_unit, "film", abp());
+  const RunRecord jumps = poseRun(wrong_unit, "recording", abp());
   EXPECT_THAT(headlines(jumps), testing::Contains(HasSubstr("faster than wheels")));
   EXPECT_THAT(headlines(jumps).front(), testing::Not(HasSubstr("D_r")));
-  EXPECT_THAT(headlines(poseRun(film(2, 60), "film", abp())),
+  EXPECT_THAT(headlines(poseRun(recording(2, 60), "recording", abp())),
               testing::Not(testing::Contains(HasSubstr("faster than wheels"))));
 
-  PoseFile at_walls = film(1, 60);
+  PoseFile at_walls = recording(1, 60);
   at_walls.in_arena = true;
   for (analysis::Frame& frame : at_walls.frames) {
     frame.poses[0].x += 0.1;
     frame.poses[0].y += 0.1;
   }
-  const RunRecord walls = poseRun(at_walls, "film", abp());
+  const RunRecord walls = poseRun(at_walls, "recording", abp());
   EXPECT_THAT(headlines(walls), testing::Contains(HasSubstr("wall of the 120 x 90 cm arena")));
 }
 
-TEST(PoseRun, LeavesTheTumblesOpenWhereThePosesShowNone) {
+TEST(PoseRun, GivesNoTumbleRateIfPosesShowNoTumbles) {
   const RunRecord dut = poseRun(
-      film(2, 60), "film",
+      recording(2, 60), "recording",
       {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.05", "robot.max_wheel_speed_cm_s=300"}});
 
   EXPECT_TRUE(std::isnan(estimateOf(dut, "gamma").value));
   EXPECT_THAT(estimateOf(dut, "gamma").note, HasSubstr("fewer than three frames in a tumble"));
 }
 
-/// Run-and-tumble particles in an endless arena.
+/// Run-and-tumble particles in an infinite arena.
 PoseFile tumblers(int robots, double duration) {
   constexpr double kTumble = 0.5;  // [s]
   std::mt19937_64 random(9);
@@ -232,7 +234,7 @@ PoseFile tumblers(int robots, double duration) {
 
 TEST(PoseRun, FindsTheTumblesInThePoses) {
   const RunRecord dut =
-      poseRun(tumblers(3, 300), "film", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}},
+      poseRun(tumblers(3, 300), "recording", {"rtp", {"v_cm_s=3", "gamma_per_s=1", "tau_t_s=0.5"}},
               {.depth = analysis::Depth::kLive});
 
   for (const char* name : {"gamma", "tau_r", "v", "D", "L_s"}) {
@@ -272,48 +274,48 @@ TEST(AnalyzePoses, ShowsRunsAndTumbles) {
   EXPECT_THAT(readFile(folder.path() / "out" / "tumble_angles_rtp.svg"), HasSubstr("<svg"));
 }
 
-TEST(PoseRun, CutsWhereRobotsTouch) {
-  PoseFile poses = film(2, 10);
+TEST(PoseRun, CutsAtContacts) {
+  PoseFile poses = recording(2, 10);
   for (analysis::Frame& frame : poses.frames) {
     if (frame.time < 4 || frame.time > 5) continue;
     frame.poses[1].x = frame.poses[0].x + 0.075;
     frame.poses[1].y = frame.poses[0].y;
   }
 
-  const RunRecord dut = poseRun(poses, "film", abp());
+  const RunRecord dut = poseRun(poses, "recording", abp());
 
   EXPECT_GT(dut.results.front().result.contact_share, 0.09);
   EXPECT_EQ(dut.tracks.rows[2 * 135].segment, -1);
   EXPECT_NE(dut.tracks.rows[2 * 100].segment, dut.tracks.rows[2 * 200].segment);
 }
 
-TEST(PoseRun, CutsAtAJumpThatNoWheelMakes) {
-  PoseFile poses = film(1, 20);
+TEST(PoseRun, CutsAtAnImpossibleJump) {
+  PoseFile poses = recording(1, 20);
   for (analysis::Frame& frame : poses.frames) {
     if (frame.time > 10) frame.poses[0].x += 0.5;
   }
 
-  const RunRecord dut = poseRun(poses, "film", abp());
+  const RunRecord dut = poseRun(poses, "recording", abp());
 
   EXPECT_EQ(dut.results.front().result.segments, 2);
 }
 
-TEST(PoseRun, BridgesFramesThatAreMissing) {
-  PoseFile poses = film(1, 20);
+TEST(PoseRun, BridgesMissingFrames) {
+  PoseFile poses = recording(1, 20);
   std::erase_if(poses.frames, [](const analysis::Frame& frame) { return frame.frame % 10 == 5; });
 
-  const RunRecord dut = poseRun(poses, "film", abp());
+  const RunRecord dut = poseRun(poses, "recording", abp());
 
   EXPECT_EQ(dut.results.front().result.segments, 1);
 }
 
-TEST(PoseRun, RefusesAProgramThatIsNone) {
-  EXPECT_THROW((void)poseRun(film(1, 1), "film", {"abb", {}}), ExperimentError);
-  EXPECT_THROW((void)poseRun(film(1, 1), "film", {"abp", {"v_cm_s=3"}}), ExperimentError);
-  EXPECT_THROW((void)poseRun(film(1, 1), "film", {"", {"v_cm_s=3"}}), ExperimentError);
+TEST(PoseRun, RejectsAnInvalidProgram) {
+  EXPECT_THROW((void)poseRun(recording(1, 1), "recording", {"abb", {}}), ExperimentError);
+  EXPECT_THROW((void)poseRun(recording(1, 1), "recording", {"abp", {"v_cm_s=3"}}), ExperimentError);
+  EXPECT_THROW((void)poseRun(recording(1, 1), "recording", {"", {"v_cm_s=3"}}), ExperimentError);
   const auto problemOf = [](const PoseProgram& program) -> std::string {
     try {
-      static_cast<void>(poseRun(film(1, 1), "film", program));
+      static_cast<void>(poseRun(recording(1, 1), "recording", program));
     } catch (const ExperimentError& error) {
       return error.problems().front();
     }
@@ -330,7 +332,7 @@ TEST(AnalyzePoses, WritesSummaryFiguresAndReport) {
   {
     std::ofstream file(folder.path() / "poses.csv");
     file << "frame,particle,x,y,theta,t\n";
-    for (const analysis::Frame& frame : film(2, 60).frames) {
+    for (const analysis::Frame& frame : recording(2, 60).frames) {
       for (const analysis::FramePose& pose : frame.poses) {
         file << frame.frame << ',' << pose.robot << ',' << pose.x * 100 << ',' << pose.y * 100
              << ',' << pose.theta << ',' << frame.time << '\n';

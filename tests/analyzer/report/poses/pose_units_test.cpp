@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <numbers>
 #include <random>
@@ -30,7 +31,7 @@ double wrapped(double theta) { return std::remainder(theta, 2 * pi); }
 
 /// A minute of one robot that drives along its heading.
 /// @param turn [rad] in one frame
-PoseFile film(const std::function<double()>& turn, double speed = kSpeed) {
+PoseFile recording(const std::function<double()>& turn, double speed = kSpeed) {
   PoseFile poses;
   poses.headings = poses.times = true;
   poses.frame_period = kPeriod;
@@ -52,15 +53,15 @@ PoseFile film(const std::function<double()>& turn, double speed = kSpeed) {
 
 /// Turns at random, as an active Brownian robot with D_r = 0.75 rad^2/s does.
 PoseFile activeRecording() {
-  return film([random = std::mt19937_64(5), turn = std::normal_distribution<double>(
-                                                0, std::sqrt(2 * 0.75 * kPeriod))]() mutable {
+  return recording([random = std::mt19937_64(5), turn = std::normal_distribution<double>(
+                                                     0, std::sqrt(2 * 0.75 * kPeriod))]() mutable {
     return turn(random);
   });
 }
 
 /// Turns so slowly that its degrees look like an unwrapped angle.
 PoseFile slowRecording() {
-  return film([] { return 0.02; });
+  return recording([] { return 0.02; });
 }
 
 PoseFile with(PoseFile poses, const std::function<double(double)>& written) {
@@ -76,7 +77,7 @@ PoseFile slowed(PoseFile poses, double factor) {
   return poses;
 }
 
-TEST(PoseUnits, TellDegreesByTheirSteps) {
+TEST(PoseUnits, DetectDegreesByTheirSteps) {
   const auto doubts =
       unitWarnings(with(activeRecording(), [](double theta) { return wrapped(theta) * kDegrees; }));
 
@@ -84,7 +85,7 @@ TEST(PoseUnits, TellDegreesByTheirSteps) {
                                         HasSubstr("they are in degrees"))));
 }
 
-TEST(PoseUnits, TellDegreesThatTurnSlowlyByTheMotion) {
+TEST(PoseUnits, DetectSlowlyTurningDegreesByTheMotion) {
   const auto unwrapped =
       unitWarnings(with(slowRecording(), [](double theta) { return theta * kDegrees; }));
   const auto backwards = unitWarnings(
@@ -94,7 +95,7 @@ TEST(PoseUnits, TellDegreesThatTurnSlowlyByTheMotion) {
   EXPECT_THAT(backwards, ElementsAre(HasSubstr("the motion is along theta pi / 180")));
 }
 
-TEST(PoseUnits, LeaveRadiansAlone) {
+TEST(PoseUnits, AcceptRadians) {
   const auto same = [](double theta) { return theta; };
   const auto positive = [](double theta) { return wrapped(theta) + pi; };
   for (const auto& written :
@@ -102,20 +103,21 @@ TEST(PoseUnits, LeaveRadiansAlone) {
         std::function<double(double)>(positive)}) {
     EXPECT_THAT(unitWarnings(with(activeRecording(), written)), IsEmpty());
     EXPECT_THAT(unitWarnings(with(slowRecording(), written)), IsEmpty());
-    EXPECT_THAT(unitWarnings(with(film([] { return 1.0; }), written)), IsEmpty()) << "spins fast";
-    EXPECT_THAT(unitWarnings(with(film([] { return 0.3; }, 0), written)), IsEmpty())
+    EXPECT_THAT(unitWarnings(with(recording([] { return 1.0; }), written)), IsEmpty())
+        << "spins fast";
+    EXPECT_THAT(unitWarnings(with(recording([] { return 0.3; }, 0), written)), IsEmpty())
         << "on the spot";
   }
 }
 
-TEST(PoseUnits, LeaveFilmsWithoutHeadingsAlone) {
+TEST(PoseUnits, AcceptRecordingsWithoutHeadings) {
   PoseFile poses = with(activeRecording(), [](double theta) { return theta * kDegrees; });
   poses.headings = false;
 
   EXPECT_THAT(unitWarnings(poses), IsEmpty());
 }
 
-TEST(PoseUnits, DoubtTimesThatNoCameraKeeps) {
+TEST(PoseUnits, DoubtImplausibleFrameRates) {
   EXPECT_THAT(unitWarnings(slowed(slowRecording(), 1000)),
               ElementsAre(AllOf(HasSubstr("0.02 frames a second"), HasSubstr("in ms?"))));
   EXPECT_THAT(unitWarnings(slowed(slowRecording(), 1e6)), ElementsAre(HasSubstr("in us?")));
@@ -128,7 +130,7 @@ TEST(PoseUnits, DoubtTimesThatNoCameraKeeps) {
   EXPECT_THAT(unitWarnings(by_hand), IsEmpty());
 }
 
-TEST(PoseUnits, AreDoubtedInTheFirstLine) {
+TEST(PoseUnits, DoubtsAreTheFirstHeadlines) {
   std::string text = "frame,id,x_cm,y_cm,theta_rad,t_s\n";
   for (const analysis::Frame& frame : slowRecording().frames) {
     const analysis::FramePose& pose = frame.poses.front();

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <string_view>
 #include <utility>
 
 #include "analyzer/report_error.hpp"
@@ -44,7 +45,7 @@ StreamLoss streamOf(const RunRecord& record, const std::string& sender, std::str
   return {};
 }
 
-TEST_F(RunRecordTest, TellsAnUndisturbedRun) {
+TEST_F(RunRecordTest, DescribesAnUndisturbedRun) {
   SyntheticLab(log(), experiment_).run();
 
   const RunRecord dut = read();
@@ -56,7 +57,7 @@ TEST_F(RunRecordTest, TellsAnUndisturbedRun) {
   EXPECT_EQ(dut.log.frames, 400);
   EXPECT_EQ(dut.tracks.rows.size(), 800U);
   EXPECT_EQ(dut.missing_frames, 0);
-  ASSERT_EQ(dut.steps.size(), 4U);  // each was said three times
+  ASSERT_EQ(dut.steps.size(), 4U);  // each was sent three times
   EXPECT_EQ(dut.steps[1].label, "light for rtp");
   EXPECT_EQ(dut.steps[1].presented_utime - dut.steps[1].commanded_utime, 17'000);
   ASSERT_EQ(dut.light.size(), 4U);
@@ -71,7 +72,7 @@ TEST_F(RunRecordTest, TellsAnUndisturbedRun) {
   }
 }
 
-TEST_F(RunRecordTest, KnowsWhichProgramEveryRobotRanWhen) {
+TEST_F(RunRecordTest, HasTheProgramsOfEveryRobotOverTime) {
   SyntheticLab(log(), experiment_).run();
 
   const RunRecord dut = read();
@@ -82,7 +83,7 @@ TEST_F(RunRecordTest, KnowsWhichProgramEveryRobotRanWhen) {
     if (span.program >= 0) programs.push_back(span.program);
   }
   EXPECT_THAT(programs, testing::ElementsAre(0, 1, 0, 1));
-  // 10 s after the start: the third step, and every row says so.
+  // 10 s after the start: the third step, as in every row.
   for (std::size_t i = 0; i < dut.tracks.frames.size(); ++i) {
     const double t = dut.seconds(dut.tracks.frames[i].utime);
     if (t < 10.1 || t > 14.9) continue;
@@ -90,7 +91,7 @@ TEST_F(RunRecordTest, KnowsWhichProgramEveryRobotRanWhen) {
   }
 }
 
-TEST_F(RunRecordTest, CountsWhatTheLoggerMissedToTheMessage) {
+TEST_F(RunRecordTest, CountsMissedMessagesExactly) {
   std::int64_t frames_lost = 0;
   std::int64_t statuses_lost = 0;
   SyntheticLab(log(), experiment_, [&](const Packet& packet) {
@@ -116,7 +117,7 @@ TEST_F(RunRecordTest, CountsWhatTheLoggerMissedToTheMessage) {
   EXPECT_EQ(streamOf(dut, "sim_svc", channels::kRobotStatus).lost, 0);
 }
 
-TEST_F(RunRecordTest, CutsAndCountsApartWhereAServiceWasRestarted) {
+TEST_F(RunRecordTest, CutsTracksAndSeparatesCountsAtARestart) {
   {
     SyntheticLab lab(log(), experiment_);
     lab.begin();
@@ -135,7 +136,7 @@ TEST_F(RunRecordTest, CutsAndCountsApartWhereAServiceWasRestarted) {
             400);
   EXPECT_EQ(dut.robots.at(1).boots, 2);
   EXPECT_EQ(dut.missing_frames, 0);
-  // No piece of free motion spans the restart, where the robots began again elsewhere.
+  // No piece of free motion spans the restart, at which robots have other positions.
   std::int32_t before = -1;
   std::int32_t after = -1;
   for (std::size_t i = 0; i < dut.tracks.frames.size(); ++i) {
@@ -148,7 +149,7 @@ TEST_F(RunRecordTest, CutsAndCountsApartWhereAServiceWasRestarted) {
   EXPECT_GT(after, before);
 }
 
-TEST_F(RunRecordTest, KeepsFaultsAndMarksOnceEach) {
+TEST_F(RunRecordTest, HasEachFaultAndMarkOnce) {
   {
     SyntheticLab lab(log(), experiment_);
     lab.begin();
@@ -167,7 +168,7 @@ TEST_F(RunRecordTest, KeepsFaultsAndMarksOnceEach) {
   ASSERT_EQ(dut.marks.size(), 1U);
 }
 
-TEST_F(RunRecordTest, CountsWhatCommandsByHandLostAndTakesThemForNoServices) {
+TEST_F(RunRecordTest, CountsLossesOfShellCommandsWhichAreNoServices) {
   {
     bool dropped = false;
     SyntheticLab lab(log(), experiment_, [&](const Packet& packet) {
@@ -192,7 +193,7 @@ TEST_F(RunRecordTest, CountsWhatCommandsByHandLostAndTakesThemForNoServices) {
   EXPECT_THAT(services, testing::ElementsAre("lab", "projector_ctl", "sim_svc"));
 }
 
-TEST_F(RunRecordTest, SaysThatAKilledRunHasNoEnd) {
+TEST_F(RunRecordTest, ReportsThatAKilledRunHasNoEnd) {
   {
     SyntheticLab unfinished(log(), experiment_);
     unfinished.begin();
@@ -223,10 +224,10 @@ TEST_F(RunRecordTest, ReadsATruncatedAndDamagedLog) {
   EXPECT_GT(missing + dut.log.damaged_places, 0);
 }
 
-TEST_F(RunRecordTest, FollowsTheLogOverItsContinuations) {
+TEST_F(RunRecordTest, ReadsTheContinuationsOfALog) {
   SyntheticLab(log(), experiment_).run();
   const std::string whole = readFile(log());
-  // lcm-logger was restarted: the rest stands in a second file.
+  // lcm-logger was restarted: the rest is in a second file.
   const std::string sync = "\xed\xa1\xda\x01";
   const std::size_t cut = whole.find(sync, whole.size() / 2);
   std::ofstream(log(), std::ios::binary) << whole.substr(0, cut);
@@ -238,7 +239,7 @@ TEST_F(RunRecordTest, FollowsTheLogOverItsContinuations) {
   for (const StreamLoss& loss : dut.log.streams) EXPECT_EQ(loss.lost, 0);
 }
 
-TEST_F(RunRecordTest, RefusesALogOfAnotherContractVersion) {
+TEST_F(RunRecordTest, RejectsALogOfAnotherContractVersion) {
   {
     LogWriter writer(log());
     experiment_event_t start{};
@@ -254,7 +255,7 @@ TEST_F(RunRecordTest, RefusesALogOfAnotherContractVersion) {
   EXPECT_THAT(problem(), HasSubstr("reads contract versions 1 to 4"));
 }
 
-TEST_F(RunRecordTest, NamesAnUnknownTypeHash) {
+TEST_F(RunRecordTest, ErrorNamesAnUnknownTypeHash) {
   {
     LogWriter writer(log());
     tracked_frame_t frame{};
@@ -267,7 +268,7 @@ TEST_F(RunRecordTest, NamesAnUnknownTypeHash) {
   EXPECT_THAT(problem(), HasSubstr("TRACKED_FRAME carries messages of an unknown type (hash "));
 }
 
-TEST_F(RunRecordTest, CallsASingleForeignMessageADecodeError) {
+TEST_F(RunRecordTest, CountsASingleForeignMessageAsDecodeError) {
   {
     LogWriter writer(log());
     tracked_frame_t frame{};
@@ -289,7 +290,7 @@ TEST_F(RunRecordTest, CallsASingleForeignMessageADecodeError) {
   EXPECT_EQ(dut.log.frames, 1);
 }
 
-TEST_F(RunRecordTest, SeesWhereTheLightDependsOnPlace) {
+TEST_F(RunRecordTest, DetectsSpatialLight) {
   experiment_.light.steps[1].layers[0].kind = 3;  // a disk
   experiment_.light.steps[1].layers[0].x = 0.6;
   experiment_.light.steps[1].layers[0].y = 0.45;

@@ -7,7 +7,7 @@
 namespace lab::report {
 namespace {
 
-TEST(Delivery, TakesPercentilesByNearestRank) {
+TEST(StepDelays, TakesPercentilesByNearestRank) {
   std::vector<double> values;
   for (int i = 100; i >= 1; --i) values.push_back(i);
 
@@ -22,7 +22,7 @@ TEST(Delivery, TakesPercentilesByNearestRank) {
   EXPECT_TRUE(std::isnan(percentilesOf({}).p50));
 }
 
-TEST(Delivery, LeavesOutWhatNeverHappened) {
+TEST(StepDelays, OmitsEventsThatDidNotHappen) {
   StepRecord shown;
   shown.commanded_utime = 1'000'000;
   shown.presented_utime = 1'017'000;
@@ -39,7 +39,7 @@ TEST(Delivery, LeavesOutWhatNeverHappened) {
   EXPECT_EQ(seenDelays({shown, lost}).count, 1U);
   EXPECT_DOUBLE_EQ(seenDelays({shown, lost}).max, 25);
   EXPECT_DOUBLE_EQ(firstActedDelays({shown, lost}).max, 40);
-  // One robot never obeyed: there is no last one.
+  // One robot never acted, so there is no last one.
   EXPECT_EQ(lastActedDelays({shown, lost}).count, 0U);
   shown.robots_acted = 3;
   EXPECT_DOUBLE_EQ(lastActedDelays({shown, lost}).max, 60);

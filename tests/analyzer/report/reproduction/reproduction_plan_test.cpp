@@ -28,7 +28,7 @@ const PaperPanel& panel(const std::string& id) {
   throw std::out_of_range(id);
 }
 
-std::set<double> values(const std::vector<std::string>& ids, double ProgramSpec::*key) {
+std::set<double> values(const std::vector<std::string>& ids, double RobotProgram::*key) {
   std::set<double> all;
   for (const std::string& id : ids) all.insert(paperSet(id).program.*key);
   return all;
@@ -39,26 +39,26 @@ TEST(ReproductionPlan, HasEveryPanelOfTheFigures) {
                                                 "3d", "4b", "4c", "4d", "4e"));
 }
 
-TEST(ReproductionPlan, HasWhatThePaperPrints) {
-  const ProgramSpec& b2 = paperSet(panel("2b").curves.at(0)).program;
+TEST(ReproductionPlan, HasTheParametersOfThePaper) {
+  const RobotProgram& b2 = paperSet(panel("2b").curves.at(0)).program;
   EXPECT_DOUBLE_EQ(b2.v, 0.03);
   EXPECT_DOUBLE_EQ(b2.epsilon, 0.5);
   EXPECT_DOUBLE_EQ(b2.eta, 3);
   EXPECT_EQ(panel("2a").curves, panel("2b").curves);
-  EXPECT_EQ(values(panel("2c").points, &ProgramSpec::eta), (std::set<double>{3}));
-  EXPECT_EQ(values(panel("2d").points, &ProgramSpec::epsilon), (std::set<double>{0.25}));
-  EXPECT_EQ(values(panel("2e").curves, &ProgramSpec::epsilon), (std::set<double>{0.25}));
+  EXPECT_EQ(values(panel("2c").points, &RobotProgram::eta), (std::set<double>{3}));
+  EXPECT_EQ(values(panel("2d").points, &RobotProgram::epsilon), (std::set<double>{0.25}));
+  EXPECT_EQ(values(panel("2e").curves, &RobotProgram::epsilon), (std::set<double>{0.25}));
 
-  const ProgramSpec& b3 = paperSet(panel("3b").curves.at(0)).program;
-  EXPECT_EQ(b3.model, Model::kNoisyAbp);
+  const RobotProgram& b3 = paperSet(panel("3b").curves.at(0)).program;
+  EXPECT_EQ(b3.kind, ProgramKind::kNoisyAbp);
   EXPECT_DOUBLE_EQ(b3.va, 0.01);
   EXPECT_DOUBLE_EQ(b3.V, 0.10);
   EXPECT_DOUBLE_EQ(b3.epsilon, 0.1);
-  const ProgramSpec& c3 = paperSet(panel("3c").curves.at(0)).program;
-  EXPECT_EQ(c3.model, Model::kBp);
+  const RobotProgram& c3 = paperSet(panel("3c").curves.at(0)).program;
+  EXPECT_EQ(c3.kind, ProgramKind::kBp);
   EXPECT_DOUBLE_EQ(c3.V, 0.07);
   EXPECT_DOUBLE_EQ(c3.epsilon, 0.2);
-  EXPECT_EQ(values(panel("3d").curves, &ProgramSpec::epsilon), (std::set<double>{0.2}));
+  EXPECT_EQ(values(panel("3d").curves, &RobotProgram::epsilon), (std::set<double>{0.2}));
 
   const PaperSet& b4 = paperSet(panel("4b").curves.at(0));
   EXPECT_TRUE(b4.short_recording);
@@ -66,19 +66,19 @@ TEST(ReproductionPlan, HasWhatThePaperPrints) {
   EXPECT_DOUBLE_EQ(b4.program.gamma, 3);
   EXPECT_DOUBLE_EQ(b4.program.tau_t, 0.5);
   EXPECT_EQ(panel("4c").curves, panel("4b").curves);
-  EXPECT_EQ(values(panel("4d").curves, &ProgramSpec::tau_t), (std::set<double>{0.5}));
-  EXPECT_EQ(values(panel("4e").curves, &ProgramSpec::gamma), (std::set<double>{1}));
+  EXPECT_EQ(values(panel("4d").curves, &RobotProgram::tau_t), (std::set<double>{0.5}));
+  EXPECT_EQ(values(panel("4e").curves, &RobotProgram::gamma), (std::set<double>{1}));
 }
 
-TEST(ReproductionPlan, SaysWhatWasChosen) {
-  EXPECT_EQ(values(panel("2c").curves, &ProgramSpec::epsilon), (std::set<double>{0.1, 0.5, 0.9}));
-  EXPECT_EQ(values(panel("2c").points, &ProgramSpec::epsilon),
+TEST(ReproductionPlan, NamesChosenParameters) {
+  EXPECT_EQ(values(panel("2c").curves, &RobotProgram::epsilon), (std::set<double>{0.1, 0.5, 0.9}));
+  EXPECT_EQ(values(panel("2c").points, &RobotProgram::epsilon),
             (std::set<double>{0.1, 0.25, 0.5, 0.7, 0.9}));
-  EXPECT_EQ(values(panel("2d").curves, &ProgramSpec::eta), (std::set<double>{1, 3, 6}));
-  EXPECT_EQ(values(panel("2e").curves, &ProgramSpec::eta), (std::set<double>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(values(panel("2d").curves, &RobotProgram::eta), (std::set<double>{1, 3, 6}));
+  EXPECT_EQ(values(panel("2e").curves, &RobotProgram::eta), (std::set<double>{1, 2, 3, 4, 5, 6}));
   EXPECT_EQ(panel("3d").points.size(), 9U);
-  EXPECT_EQ(values(panel("4d").curves, &ProgramSpec::gamma), (std::set<double>{0.5, 1, 2, 3}));
-  EXPECT_EQ(values(panel("4e").curves, &ProgramSpec::tau_t), (std::set<double>{0.5, 1, 2}));
+  EXPECT_EQ(values(panel("4d").curves, &RobotProgram::gamma), (std::set<double>{0.5, 1, 2, 3}));
+  EXPECT_EQ(values(panel("4e").curves, &RobotProgram::tau_t), (std::set<double>{0.5, 1, 2}));
   for (const char* id : {"2c", "2d", "2e", "3d", "4d", "4e"}) {
     EXPECT_FALSE(panel(id).chosen.empty()) << id;
   }
@@ -87,14 +87,14 @@ TEST(ReproductionPlan, SaysWhatWasChosen) {
   }
 }
 
-TEST(ReproductionPlan, FilmsEachSetOnce) {
+TEST(ReproductionPlan, RecordsEachSetOnce) {
   std::set<std::string> ids;
   for (const PaperSet& set : paperSets()) EXPECT_TRUE(ids.insert(set.id).second) << set.id;
   EXPECT_EQ(setsOf(paperPanels()).size(), paperSets().size()) << "a set that no panel shows";
   EXPECT_EQ(setsOf(choosePanels("2a,2b")).size(), 1U);
 }
 
-TEST(ReproductionPlan, MakesValidExperimentsWithSeedsOfTheirOwn) {
+TEST(ReproductionPlan, MakesValidExperimentsWithDistinctSeeds) {
   std::set<std::uint64_t> seeds;
   for (const PaperSet& set : paperSets()) {
     for (const bool firmware : {false, true}) {
@@ -118,14 +118,14 @@ TEST(ReproductionPlan, MakesValidExperimentsWithSeedsOfTheirOwn) {
   }
 }
 
-TEST(ReproductionPlan, ChoosesPanelsAndWholeFigures) {
+TEST(ReproductionPlan, SelectsPanelsAndCompleteFigures) {
   EXPECT_THAT(idsOf(choosePanels("3d, 2b")), ElementsAre("2b", "3d"));
   EXPECT_THAT(idsOf(choosePanels("4")), ElementsAre("4b", "4c", "4d", "4e"));
   EXPECT_THAT(idsOf(choosePanels("fig3")), ElementsAre("3a", "3b", "3c", "3d"));
   EXPECT_EQ(choosePanels("").size(), paperPanels().size());
 }
 
-TEST(ReproductionPlan, NamesWhatIsNoPanel) {
+TEST(ReproductionPlan, ErrorNamesUnknownPanels) {
   for (const char* wrong : {"5", "2b,", "4a", "b", "2bb"}) {
     try {
       static_cast<void>(choosePanels(wrong));

@@ -1,5 +1,8 @@
-// Rules at their edges: what is just allowed. What is not: wrong_experiments/.
+// Values that are just allowed. wrong_experiments/ has those that are not.
 #include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
 
 #include "tests/support/experiment_samples.hpp"
 
@@ -53,7 +56,7 @@ TEST(ExperimentCheck, AllowsAsManyRobotsAsHaveRoom) {
   EXPECT_THAT(problemsOf("", {"robots[0].count=250", "robot.diameter_cm=5"}), IsEmpty());
 }
 
-TEST(ExperimentCheck, KeepsApartRobotsThatWouldOverlap) {
+TEST(ExperimentCheck, RefusesOverlappingRobots) {
   const auto problems = [](const char* x) {
     std::string text(kSmall);
     text.replace(text.find("[programs"), 0,
@@ -70,12 +73,12 @@ TEST(ExperimentCheck, KeepsApartRobotsThatWouldOverlap) {
   EXPECT_THAT(problems("67.4"), ElementsAre(HasSubstr("robots[1].x_cm: found a place 7.4 cm")));
 }
 
-TEST(ExperimentCheck, LeavesEveryBandAPartOfItsOwn) {
+TEST(ExperimentCheck, LimitsTheHysteresisByTheBands) {
   EXPECT_THAT(problemsOfBands("0.099"), IsEmpty());
   EXPECT_THAT(problemsOfBands("0.1"), ElementsAre(HasSubstr("found 0.1, allowed below 0.1")));
 }
 
-TEST(ExperimentCheck, DoesNotCareHowFastARobotNeverReverses) {
+TEST(ExperimentCheck, IgnoresTheSpeedOfReversalsThatAreOff) {
   EXPECT_THAT(problemsOf("", {"reversal.speed_cm_s=100", "reversal.on=never"}), IsEmpty());
 }
 
@@ -94,7 +97,7 @@ TEST(ExperimentCheck, ReportsProblemsInTheOrderOfTheFile) {
               ElementsAre(HasSubstr("small.toml:13: faults"), HasSubstr("small.toml:15: camera")));
 }
 
-TEST(ExperimentCheck, DrawsNoConclusionsFromWhatIsWrongAlready) {
+TEST(ExperimentCheck, SkipsChecksOfWrongValues) {
   EXPECT_THAT(problemsOf("[arena]\nwidth_cm = \"wide\"\n", {"robots[0].count=200"}),
               ElementsAre(HasSubstr("arena.width_cm: found \"wide\"")));
   EXPECT_THAT(problemsOf("[[light.steps]]\nat_s = 10\nlayers = 3\n"),

@@ -2,6 +2,8 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+
 #include "tests/support/experiment_samples.hpp"
 #include "tests/support/text_file.hpp"
 
@@ -12,7 +14,7 @@ using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 
-TEST(KeyTable, StandsInTheDocsWordByWord) {
+TEST(KeyTable, IsContainedInTheManual) {
   const std::string docs =
       support::readFile(std::filesystem::path(LAB_ROOT) / "docs" / "experiments.md");
 
@@ -34,7 +36,7 @@ TEST(KeyTable, HasEveryKeyOfAWrittenFile) {
   EXPECT_GT(keys, 40U);
 }
 
-TEST(KeyTable, SaysDefaultsAndUnitsOfTheFile) {
+TEST(KeyTable, HasDefaultsAndUnitsOfTheFile) {
   EXPECT_THAT(keyTables(), HasSubstr("| `diameter_cm` | number, cm | 7.5 | 1 to 50 |"));
   EXPECT_THAT(keyTables(), HasSubstr("| `pwm_steps` | boolean | true |"));
 }
@@ -44,7 +46,7 @@ TEST(KeyTable, FindsAKeyInItsTable) {
   EXPECT_THAT(keyPathsEndingIn("nothing"), IsEmpty());
 }
 
-TEST(NearestKey, ForgivesSmallMistakesAndAForgottenUnit) {
+TEST(NearestKey, ToleratesSmallMistakesAndAMissingUnit) {
   const std::vector<std::string> keys = {"diameter_cm", "ir_range_cm", "lease_s", "pwm_steps"};
   EXPECT_EQ(nearestKey("diametre_cm", keys), "diameter_cm");
   EXPECT_EQ(nearestKey("lease", keys), "lease_s");

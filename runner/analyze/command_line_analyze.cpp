@@ -1,0 +1,76 @@
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+
+#include "runner/analyze/analyze_commands.hpp"
+#include "runner/command_line/command_line_parts.hpp"
+
+namespace lab::runner {
+
+void addAnalyze(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<AnalyzeOptions>();
+  CLI::App* command = app.add_subcommand("analyze", summaryOf("analyze"));
+  command
+      ->add_option("RUN|LOG|POSES.csv", options->input,
+                   "Folder of a run, a log, or a file of poses (docs/track.md)")
+      ->required();
+  command->add_option("--out", options->out, "Folder for the results (default: beside the input)");
+  command->add_flag("--figures,!--no-figures", options->figures, "Draw the figures (default: yes)");
+  command->add_flag("--bootstrap,!--no-bootstrap", options->bootstrap,
+                    "Fit the exact laws, with intervals from simulated recordings (default: yes)");
+  command->add_flag("--stitch,!--no-stitch", options->stitch,
+                    "Join the motion before and after reversals (default: yes)");
+  command->add_option("--program", options->program,
+                      "Poses: program of all robots: abp, noisy_abp, bp, rtp (default: not known)");
+  command
+      ->add_option("--set", options->set,
+                   "Poses: parameter of the program, as v_cm_s=3 (repeatable)")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--scale-cm", options->scale_cm,
+                   "Poses: length in cm of one unit of columns x and y")
+      ->check(between(1e-9, 1e9));
+  command->add_option("--fps", options->fps, "Poses: frames per second, if the file has no times")
+      ->check(between(1e-6, 1e6));
+  command->callback([&chosen, options] { chosen = [options] { return analyze(*options); }; });
+}
+
+void addReportOfRun(CLI::App& app, Chosen& chosen) {
+  auto directory = std::make_shared<std::filesystem::path>();
+  CLI::App* command = app.add_subcommand(kReportOfRun, "")->group("");  // for `lab run` alone
+  command->add_option("DIRECTORY", *directory)->required();
+  command->callback(
+      [&chosen, directory] { chosen = [directory] { return reportOfRun(*directory); }; });
+}
+
+void addTheory(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<TheoryOptions>();
+  CLI::App* command = app.add_subcommand("theory", summaryOf("theory"));
+  command->add_option("PROGRAM", options->program, "abp, noisy_abp, bp, rtp")->required();
+  command->add_option("KEY=VALUE", options->set,
+                      "Its keys as in experiment files (v_cm_s=3 epsilon_s=0.25 eta_rad_s=6), and "
+                      "diameter_cm, the wheel base");
+  command->add_option("--lags", options->lags,
+                      "Lags in s, separated by commas (default: 0.01 to 1000)");
+  command
+      ->add_option("--exposure-ms", options->exposure_ms,
+                   "Exposure of a frame: positions are averaged over it")
+      ->check(between(0, 60000));
+  command->add_option("--noise-cm", options->noise_cm, "Localisation noise per axis")
+      ->check(between(0, 100));
+  command->add_option("--noise-deg", options->noise_deg, "Noise of the heading")
+      ->check(between(0, 360));
+  command->add_option("--phase-s", options->phase_s,
+                      "Locked clocks: time from the begin of a window to the next draw");
+  command
+      ->add_option("--phases", options->phases,
+                   "Locked clocks: number of phases of the hold on which frames fall, one of them "
+                   "--phase-s before a draw (default: 1)")
+      ->check(CLI::Range(1, 100000));
+  command->add_option("--turning-deg", options->turning_deg,
+                      "LOW,HIGH of an rtp's turning angles (default: -180,180)");
+  command->add_flag("--kurtosis", options->kurtosis, "Add a column with the kurtosis (bp)");
+  command->callback([&chosen, options] { chosen = [options] { return theory(*options); }; });
+}
+
+}  // namespace lab::runner

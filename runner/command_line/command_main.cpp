@@ -1,0 +1,122 @@
+#include "runner/command_line/command_main.hpp"
+
+#include <fmt/format.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <array>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <iostream>
+#include <stdexcept>
+#include <vector>
+
+#include "analyzer/report_error.hpp"
+#include "common/bus/bus_error.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/process/installation.hpp"
+#include "runner/command_line/build_facts.hpp"
+#include "runner/command_line/command_line_parts.hpp"
+#include "runner/command_line/exit_code.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr std::array<ProgramCommand, 7> kProgramCommands{{
+    {"preview", "lab-preview", "Draw the light script as pictures, without a run"},
+    {"calibrate", "lab-calibrate", "Calibrate camera, projector, light or motors"},
+    {"analyze", "lab-analyze",
+     "Make summary, report, trajectories and figures from a log or a file of poses"},
+    {"theory", "lab-analyze",
+     "Print the exact laws of a program as CSV, beside the paper's formula"},
+    {"track", "lab-track", "Track all robots in a movie or in pictures, without a lab"},
+    {"reproduce", "lab-reproduce",
+     "Reproduce the paper's figures 2, 3, 4 in virtual time, on one page"},
+    {"doctor", "lab-doctor",
+     "Check this machine; for each problem print the command that fixes it"},
+}};
+
+}  // namespace
+
+const ProgramCommand* findProgramCommand(const std::string& name) {
+  for (const ProgramCommand& command : kProgramCommands) {
+    if (name == command.name) return &command;
+  }
+  return nullptr;
+}
+
+const char* summaryOf(const std::string& command) {
+  const ProgramCommand* found = findProgramCommand(command);
+  if (found == nullptr) throw std::out_of_range(command);
+  return found->summary;
+}
+
+void becomeProgram(const std::string& program, char** argv) {
+  const std::filesystem::path file = installation().programs / program;
+  const std::string path = file.string();
+  std::vector<char*> arguments;
+  // exec takes char* and does not write through it.
+  arguments.push_back(const_cast<char*>(path.c_str()));
+  for (char** argument = argv + 1; *argument != nullptr; ++argument) arguments.push_back(*argument);
+  arguments.push_back(nullptr);
+  execv(path.c_str(), arguments.data());
+  const int error = errno;
+  throw UserError(fmt::format(
+      "this command needs {}, which {}: {}", path,
+      error == ENOENT ? "is not there"
+                      : std::string("cannot be executed (") + std::strerror(error) + ")",
+      installation().installHint(program, "./lab builds it when it is called with this command")));
+}
+
+int runCommands(int argc, char** argv, const AddCommands& add) {
+  CLI::App app{"Active Lab: active matter with light-driven robots, real or simulated",
+               installation().command};
+  app.set_version_flag("--version", buildFacts(), "Version, commit, compiler and libraries");
+  app.require_subcommand(1);
+  Chosen chosen;
+  add(app, chosen);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::RequiredError& error) {
+    requireCommand(app);
+    return app.exit(error) == 0 ? kDone : kBadInput;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kBadInput;
+  }
+  return chosen();
+}
+
+int guardedMain(const std::function<int()>& command) {
+  spdlog::set_default_logger(spdlog::stderr_color_mt("lab"));
+  std::signal(SIGPIPE,
+              SIG_IGN);  // a run goes on when the reader of its output ends (lab run | head)
+  spdlog::set_pattern("%^%l%$: %v");
+  try {
+    return command();
+  } catch (const ExperimentError& error) {
+    std::cerr << error.what() << "\n";
+    return kBadInput;
+  } catch (const UserError& error) {
+    std::cerr << "lab: " << error.what() << "\n";
+    return kBadInput;
+  } catch (const report::ReportError& error) {
+    std::cerr << "lab: " << error.what() << "\n";
+    return kBadInput;
+  } catch (const BusError& error) {
+    std::cerr << "lab: " << error.what() << "\n";
+    return kBadInput;
+  } catch (const std::exception& error) {
+    std::cerr << "lab: " << error.what() << "\n";
+    return kFailed;
+  }
+}
+
+int commandMain(int argc, char** argv, const AddCommands& add) {
+  return guardedMain([&] { return runCommands(argc, argv, add); });
+}
+
+}  // namespace lab::runner

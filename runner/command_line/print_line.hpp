@@ -1,0 +1,17 @@
+/// Lines on the terminal.
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+namespace lab::runner {
+
+/// Prints a line on stdout. On a terminal it replaces the progress line, which is then printed
+/// again below it.
+void printLine(std::string_view text);
+
+/// Calls `print`. When nobody reads stdout any more (`lab run ... | head`), stdout is redirected to
+/// /dev/null and the run goes on.
+void evenWithoutReader(const std::function<void()>& print);
+
+}  // namespace lab::runner

@@ -1,0 +1,35 @@
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "analyzer/analysis_feed.hpp"
+#include "analyzer/laws.hpp"
+#include "common/calibration/light_file.hpp"
+#include "common/calibration/projector_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_messages.hpp"
+#include "runner/commands/commands.hpp"
+#include "runner/runs/run_directory.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+
+ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
+  const Experiment experiment = loadExperiment(file, set);
+  if (experiment.camera.tracker == Tracker::kCamera) {
+    static_cast<void>(cameraInForce(experiment, file.parent_path()));
+  }
+  checkProjectorFile(experiment, file.parent_path());
+  static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
+  checkScenes(experiment, file.parent_path());
+  const auto length = [&](const RobotProgram& program) {
+    const analysis::ProgramLaw law = analysis::toLaw(program, experiment.hardware.diameter);
+    return analysis::ExactLaw(law).persistenceLength();
+  };
+  fmt::print("{}", describeExperiment(experiment, length));
+  return kDone;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,37 @@
+/// The commands `track` and `preview`. Both throw UserError for what the user can correct.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runner/command_line/command_main.hpp"
+#include "runner/command_line/exit_code.hpp"
+
+namespace lab::runner {
+
+struct PreviewOptions {
+  std::filesystem::path file;
+  std::filesystem::path out = ".";  ///< folder of the pictures
+  std::vector<std::string> set;     ///< key=value
+};
+ExitCode preview(const PreviewOptions& options);
+
+struct TrackOptions {
+  std::string source;                 ///< a folder or pattern of pictures, or a movie
+  std::filesystem::path calibration;  ///< of the camera
+  std::filesystem::path out;          ///< the file of poses
+  std::filesystem::path overlay;      ///< picture, movie or folder with what was found; empty: none
+  std::int64_t every = 1;             ///< only each so many-th frame
+  double fps = 0;                     ///< [1/s] of pictures without times, 0: 30, and it is said
+  std::size_t robots = 0;             ///< how many there are at most, 0: not known
+  bool force = false;                 ///< replaces files that are there
+};
+ExitCode track(const TrackOptions& options);
+
+void addPreview(CLI::App& app, Chosen& chosen);
+void addTrack(CLI::App& app, Chosen& chosen);
+
+}  // namespace lab::runner

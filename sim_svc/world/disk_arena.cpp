@@ -1,0 +1,202 @@
+#include "sim_svc/world/disk_arena.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sim_svc/world/collision.hpp"
+
+namespace lab::sim {
+namespace {
+
+double squared(Vec v) { return v.x * v.x + v.y * v.y; }
+
+// Hidden kinematic disks lie far from the arena and from each other.
+Vec hiddenPosition(std::size_t kinematic_body) {
+  return {-1e6 * static_cast<double>(1 + kinematic_body), -1e6};
+}
+
+bool isHidden(Vec centre) { return centre.x <= -1e6; }
+
+}  // namespace
+
+DiskArena::DiskArena(const DiskArenaSettings& settings, const std::vector<dynamics::Pose>& robots)
+    : settings_(settings),
+      contact_distance_(2 * settings.radius + kContactGap),
+      skin_(settings.radius),
+      robots_(robots.size()) {
+  for (const dynamics::Pose& pose : robots) {
+    Body body;
+    body.theta = pose.theta;
+    body.heading = {std::cos(pose.theta), std::sin(pose.theta)};
+    bodies_.push_back(body);
+    centres_.push_back({pose.x, pose.y});
+  }
+  listNeighbours();
+}
+
+void DiskArena::beginStep() {
+  ++steps_;
+  if (shown_kinematic_ == 0) return;
+  for (std::size_t body = robots_; body < bodies_.size(); ++body) {
+    pushRobotsOut(body);
+  }
+}
+
+void DiskArena::setMotion(std::size_t i, Motion motion) {
+  Body& body = bodies_[i];
+  body.motion = motion;
+  body.heading = {std::cos(body.theta), std::sin(body.theta)};
+}
+
+Motion DiskArena::motion(std::size_t i) const {
+  const Motion motion = bodies_[i].motion;
+  return {touchesRobot(i) || touchesWall(i) ? 0 : motion.speed, motion.turn};
+}
+
+void DiskArena::moveFor(std::size_t i, double dt) {
+  if (!isMoving(i)) return;
+  Body& body = bodies_[i];
+  const dynamics::Arc arc = dynamics::makeArcOf(body.motion.speed, body.motion.turn, dt);
+  const Vec along = body.heading;
+  const Vec move =
+      stopAtContact(i, {along.x * arc.dx - along.y * arc.dy, along.y * arc.dx + along.x * arc.dy});
+  centres_[i].x += move.x;
+  centres_[i].y += move.y;
+  body.theta += arc.dtheta;
+  // Rotating the heading is cheaper than cos and sin of theta; setMotion() removes the rounding
+  // errors that this accumulates.
+  body.heading = {along.x * arc.cos_turn - along.y * arc.sin_turn,
+                  along.y * arc.cos_turn + along.x * arc.sin_turn};
+}
+
+void DiskArena::displace(std::size_t i, double forward, double rotation) {
+  Body& body = bodies_[i];
+  forward = std::clamp(forward, -settings_.largest_move, settings_.largest_move);
+  const Vec move = stopAtContact(i, {forward * body.heading.x, forward * body.heading.y});
+  centres_[i].x += move.x;
+  centres_[i].y += move.y;
+  body.theta += rotation;
+  body.heading = {std::cos(body.theta), std::sin(body.theta)};
+}
+
+// The part of `move` up to the first contact, which is counted.
+Vec DiskArena::stopAtContact(std::size_t i, Vec move) {
+  const Vec from = centres_[i];
+  const double reach = contact_distance_ + settings_.largest_move;
+  const double wall_share = freeShareToWalls(settings_.arena, settings_.radius, from, move);
+  double share = wall_share;
+  std::size_t touched = i;
+  for (const std::uint32_t j : neighbours_.of(i)) {
+    const Vec to_other = {centres_[j].x - from.x, centres_[j].y - from.y};
+    if (squared(to_other) >= reach * reach) {
+      continue;
+    }
+    const double free = freeShareToDisk(to_other, move, contact_distance_ * contact_distance_);
+    if (free < share) {
+      share = free;
+      touched = j;
+    }
+  }
+  if (share == 1) {
+    return move;
+  }
+  if (touched == i) {
+    touch(bodies_[i].wall_contact);
+  } else {
+    const bool begun = touch(bodies_[i].robot_contact);
+    touch(bodies_[touched].robot_contact);
+    collisions_ += begun ? 1 : 0;
+  }
+  return {share * move.x, share * move.y};
+}
+
+// Marks a contact in this step. Returns true if there was none in the previous step.
+bool DiskArena::touch(Contact& contact) const {
+  const bool begun = contact.last_step < steps_ - 1;
+  contact.begun += begun ? 1 : 0;
+  contact.last_step = steps_;
+  return begun;
+}
+
+void DiskArena::relistIfMoved(std::size_t i) {
+  const Vec listed_at = bodies_[i].listed_at;
+  const Vec moved = {centres_[i].x - listed_at.x, centres_[i].y - listed_at.y};
+  if (squared(moved) > skin_ * skin_ / 4) {
+    listNeighbours();
+  }
+}
+
+void DiskArena::listNeighbours() {
+  const double reach = std::max(2 * settings_.radius + settings_.sensing_range,
+                                contact_distance_ + settings_.largest_move);
+  neighbours_.build(centres_, settings_.arena, reach + skin_ + settings_.largest_move);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    bodies_[i].listed_at = centres_[i];
+  }
+}
+
+std::size_t DiskArena::addKinematicDisk() {
+  const std::size_t disk = bodies_.size() - robots_;
+  bodies_.emplace_back();
+  centres_.push_back(hiddenPosition(bodies_.size()));
+  listNeighbours();
+  return disk;
+}
+
+void DiskArena::moveKinematicDisk(std::size_t disk, Vec centre) {
+  if (!std::isfinite(centre.x) || !std::isfinite(centre.y)) {
+    hideKinematicDisk(disk);
+    return;
+  }
+  const std::size_t body = robots_ + disk;
+  if (isHidden(centres_[body])) ++shown_kinematic_;
+  centres_[body] = centre;
+  relistIfMoved(body);
+  pushRobotsOut(body);
+}
+
+void DiskArena::hideKinematicDisk(std::size_t disk) {
+  const std::size_t body = robots_ + disk;
+  if (!isHidden(centres_[body])) --shown_kinematic_;
+  centres_[body] = hiddenPosition(body);
+}
+
+void DiskArena::pushRobotsOut(std::size_t kinematic_body) {
+  // A copy, because pushing may rebuild the lists.
+  const auto listed = neighbours_.of(kinematic_body);
+  const std::vector<std::uint32_t> near(listed.begin(), listed.end());
+  for (const std::uint32_t i : near) {
+    if (i < robots_) {
+      pushOut(i, kinematic_body);
+    }
+  }
+}
+
+// Pushes in pieces of at most the largest move, for which the neighbour lists are valid.
+void DiskArena::pushOut(std::size_t i, std::size_t kinematic_body) {
+  for (;;) {
+    const Vec away = {centres_[i].x - centres_[kinematic_body].x,
+                      centres_[i].y - centres_[kinematic_body].y};
+    const double distance = std::hypot(away.x, away.y);
+    const double depth = contact_distance_ - distance;
+    // Within the gap that robots keep, the disks only touch and do not overlap.
+    if (depth <= kContactGap) {
+      return;
+    }
+    const Vec direction =
+        distance > 0 ? Vec{away.x / distance, away.y / distance} : bodies_[i].heading;
+    const double piece = std::min(depth, settings_.largest_move);
+    const Vec move = stopAtContact(i, {piece * direction.x, piece * direction.y});
+    centres_[i].x += move.x;
+    centres_[i].y += move.y;
+    relistIfMoved(i);
+    if (touch(bodies_[i].robot_contact)) {
+      ++collisions_;
+    }
+    if (std::hypot(move.x, move.y) < piece / 2) {
+      return;
+    }
+  }
+}
+
+}  // namespace lab::sim

@@ -1,0 +1,271 @@
+#include "robot_bridge/protocol/robot_link.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "robot/wire/config.hpp"
+
+namespace lab::bridge {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr std::int64_t kStart = 1'000'000'000;  // [us]
+
+/// A RobotLink whose line ends in this test: it decodes the frames and can answer them.
+class RobotLinkTest : public testing::Test {
+ protected:
+  void plug(std::uint16_t boot_id = 1) {
+    wire::Hello hello;
+    hello.schema = wire::kSchema;
+    hello.boot_id = boot_id;
+    dut.plug(hello, now);
+  }
+
+  /// The frames sent since the last call, without PING.
+  std::vector<wire::Frame> takeSent() {
+    std::vector<wire::Frame> frames;
+    wire::Decoder decoder;
+    for (const std::uint8_t byte : dut.outgoing()) {
+      if (decoder.push(byte) && decoder.frame().type != wire::Ping::kType) {
+        frames.push_back(decoder.frame());
+      }
+    }
+    dut.outgoing().clear();
+    return frames;
+  }
+
+  template <class Message>
+  void receive(const Message& message, std::uint8_t seq) {
+    wire::Frame frame;
+    wire::pack(message, seq, frame);
+    dut.receive(frame, now);
+  }
+
+  void acknowledge(const wire::Frame& command, wire::AckStatus status = wire::kOk) {
+    wire::Ack ack;
+    ack.type = command.type;
+    ack.status = status;
+    receive(ack, command.seq);
+  }
+
+  /// Answers everything that is sent as a robot would, and returns the types of the messages.
+  std::vector<int> answerAll() {
+    std::vector<int> types;
+    for (std::vector<wire::Frame> sent = takeSent(); !sent.empty(); sent = takeSent()) {
+      for (const wire::Frame& frame : sent) {
+        types.push_back(frame.type);
+        wire::GetParam get;
+        if (wire::unpack(frame, get)) {
+          wire::ParamValue value;
+          value.id = get.id;
+          value.value = 80'000;  // [um] the wheel base
+          receive(value, frame.seq);
+        } else {
+          acknowledge(frame);
+        }
+      }
+    }
+    return types;
+  }
+
+  void command(std::int64_t seq, const robot_order_t& order, std::int32_t lease_ms = 1000) {
+    dut.command(seq, 1, lease_ms, order, now);
+  }
+
+  static robot_order_t drive(double speed) {
+    robot_order_t order{};
+    order.mode = robot_order_t::DRIVE;
+    order.wheel_left = speed;
+    order.wheel_right = speed;
+    return order;
+  }
+
+  static robot_order_t stand() {
+    robot_order_t order{};
+    order.mode = robot_order_t::STAND;
+    return order;
+  }
+
+  /// The last ORDER in `frames`.
+  static std::optional<wire::Order> orderIn(const std::vector<wire::Frame>& frames) {
+    std::optional<wire::Order> found;
+    wire::Order order;
+    for (const wire::Frame& frame : frames) {
+      if (wire::unpack(frame, order)) found = order;
+    }
+    return found;
+  }
+
+  std::int64_t now = kStart;
+  RobotLink dut{LinkSettings{}};
+};
+
+TEST_F(RobotLinkTest, SetsSeedAndParametersAndReadsTheWheelBaseFirst) {
+  plug();
+
+  EXPECT_THAT(answerAll(), ElementsAre(wire::SetSeed::kType, wire::SetParam::kType,
+                                       wire::SetParam::kType, wire::GetParam::kType));
+}
+
+TEST_F(RobotLinkTest, SendsOnlyOneCommandUntilItIsAnswered) {
+  plug();
+  takeSent();
+
+  dut.tick(now + 20'000);
+
+  EXPECT_THAT(takeSent(), testing::IsEmpty());
+}
+
+TEST_F(RobotLinkTest, SendsSettingsThenAppliesThemThenOrders) {
+  plug();
+  answerAll();
+
+  command(7, drive(0.1));
+
+  EXPECT_THAT(answerAll(),
+              ElementsAre(wire::SetProgram::kType, wire::SetProgram::kType, wire::SetProgram::kType,
+                          wire::SetProgram::kType, wire::SetLight::kType, wire::SetMotion::kType,
+                          wire::Apply::kType, wire::Order::kType));
+  EXPECT_EQ(dut.commandSeq(), 7) << "the acknowledged ORDER confirms the command";
+}
+
+TEST_F(RobotLinkTest, StandingNeedsNoSettings) {
+  plug();
+  answerAll();
+
+  command(1, stand());
+
+  EXPECT_THAT(answerAll(), ElementsAre(wire::Order::kType));
+}
+
+TEST_F(RobotLinkTest, ARepeatedCommandSendsOnlyTheOrderAgain) {
+  plug();
+  answerAll();
+  command(7, drive(0.1));
+  answerAll();
+
+  now += 120'000;
+  command(7, drive(0.1));
+
+  EXPECT_THAT(answerAll(), ElementsAre(wire::Order::kType));
+}
+
+TEST_F(RobotLinkTest, AStopIsSentBeforeTheAnswerToACommandAndRepeatedUntilItIsConfirmed) {
+  plug();
+  takeSent();  // SET_SEED is not answered
+
+  dut.stop(5, false, now);
+  const std::vector<wire::Frame> first = takeSent();
+  dut.tick(now + 100'000);
+  const std::vector<wire::Frame> second = takeSent();
+  ASSERT_EQ(first.size(), 1U);
+  ASSERT_FALSE(second.empty());
+  EXPECT_EQ(first[0].type, wire::Stop::kType);
+  EXPECT_EQ(second[0].type, wire::Stop::kType);
+  EXPECT_EQ(dut.stopSeq(), 0);
+
+  acknowledge(second[0]);
+
+  EXPECT_EQ(dut.stopSeq(), 5);
+  dut.tick(now + 220'000);
+  for (const wire::Frame& frame : takeSent()) EXPECT_NE(frame.type, wire::Stop::kType);
+}
+
+TEST_F(RobotLinkTest, SendsNoOrderWhileAStopIsNotConfirmed) {
+  plug();
+  answerAll();
+  dut.stop(5, false, now);
+  takeSent();
+
+  command(7, stand());
+
+  EXPECT_THAT(answerAll(), Not(Contains(wire::Order::kType)));
+}
+
+TEST_F(RobotLinkTest, AnOrderThatIsSentAgainHasTheRemainingLease) {
+  plug();
+  answerAll();
+  command(1, stand(), 1000);
+  const std::optional<wire::Order> first = orderIn(takeSent());
+
+  dut.tick(now + 150'000);
+  const std::optional<wire::Order> second = orderIn(takeSent());
+
+  ASSERT_TRUE(first && second);
+  EXPECT_EQ(first->lease_ms, 1000U);
+  EXPECT_EQ(second->lease_ms, 850U);
+  EXPECT_EQ(dut.counters().retries, 1);
+}
+
+TEST_F(RobotLinkTest, GivesACommandUpAfterThreeAttempts) {
+  plug();
+  for (int i = 0; i < 3; ++i) {
+    now += 150'000;
+    dut.tick(now);
+  }
+
+  EXPECT_TRUE(dut.isDegraded());
+  EXPECT_EQ(dut.counters().retries, 2);
+  EXPECT_EQ(dut.counters().failed, 1);
+  EXPECT_THAT(dut.takeNotes(), Contains(HasSubstr("does not answer")));
+}
+
+TEST_F(RobotLinkTest, ARobotThatRestartsStandsUntilANewOrder) {
+  plug();
+  answerAll();
+  command(7, drive(0.1));
+  answerAll();
+  ASSERT_EQ(dut.commandSeq(), 7);
+
+  dut.unplug();
+  plug(2);
+  answerAll();
+  now += 120'000;
+  command(7, drive(0.1));
+  const std::optional<wire::Order> repeated = orderIn(takeSent());
+  ASSERT_TRUE(repeated);
+  EXPECT_EQ(repeated->mode, wire::Order::kStand);
+  EXPECT_EQ(dut.commandSeq(), 0);
+  EXPECT_EQ(dut.counters().reboots, 1);
+}
+
+TEST_F(RobotLinkTest, AnOrderBeyondTheWheelsIsRejectedAndThePreviousOneStays) {
+  plug();
+  answerAll();
+  command(7, drive(0.1));
+  answerAll();
+
+  now += 200'000;
+  command(8, drive(0.5));
+  const std::optional<wire::Order> order = orderIn(takeSent());
+
+  EXPECT_TRUE(dut.isRejected());
+  EXPECT_EQ(dut.commandSeq(), 8) << "the refusal is the answer to the command";
+  ASSERT_TRUE(order);
+  EXPECT_EQ(order->left_um_s, 100'000);
+  EXPECT_THAT(dut.takeNotes(), Contains(HasSubstr("refuses ROBOT_COMMAND 8")));
+}
+
+TEST_F(RobotLinkTest, AfterARefusalOfItsSettingsNothingIsSentUntilANewOrder) {
+  plug();
+  answerAll();
+  command(7, drive(0.1));
+  const std::vector<wire::Frame> sent = takeSent();
+  ASSERT_EQ(sent.size(), 1U);
+  acknowledge(sent[0], wire::kBadValue);
+  EXPECT_TRUE(dut.isRejected());
+  EXPECT_THAT(answerAll(), testing::IsEmpty());
+
+  command(8, drive(0.05));
+
+  EXPECT_FALSE(answerAll().empty());
+  EXPECT_FALSE(dut.isRejected());
+  EXPECT_EQ(dut.commandSeq(), 8);
+}
+
+}  // namespace
+}  // namespace lab::bridge
