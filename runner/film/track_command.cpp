@@ -224,8 +224,9 @@ class Film {
           kAssumedFps);
     }
     if (options_.fps > 0) {
-      fmt::print("note     times are those of {:g} frames per second, as --fps says\n",
-                 options_.fps);
+      fmt::print(
+          "note     times are those of {:g} frames per second, as given on the command line\n",
+          options_.fps);
     }
     if (const std::string mark = reader_.mark(); !mark.empty()) {
       fmt::print(

@@ -1,8 +1,7 @@
 // tracker_cases CASES_DIR [--out DIR] [--only TEXT] [--encode GAMMA]
 // Runs the detector, and two simple OpenCV trackers if OpenCV is installed, on every folder of
-// pictures with ground truth, and prints the results. With --out, writes the detector's poses to
-// <case>.csv. With
-// --encode, encodes the pictures with that gamma, which the detector does not know.
+// pictures with ground truth, and prints the results. --out writes the detector's poses to
+// <case>.csv; --encode encodes the pictures with that gamma, which the detector does not know.
 #include <stb/stb_image.h>
 
 #include <algorithm>
