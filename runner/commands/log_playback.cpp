@@ -80,7 +80,7 @@ void LogPlayback::jumpTo(std::int64_t log_utime, std::int64_t now) {
 std::string LogPlayback::execute(const experiment_command_t& command, std::int64_t now) {
   switch (command.action) {
     case experiment_command_t::PAUSE:
-      if (paused()) return "the log stands already";
+      if (paused()) return "the replay is paused already";
       clock_.pause(now);
       return {};
     case experiment_command_t::RESUME:
@@ -93,12 +93,12 @@ std::string LogPlayback::execute(const experiment_command_t& command, std::int64
       over_ = true;
       return {};
     default:
-      return "this is a recorded run: nobody obeys, and nothing is added to it";
+      return "this is a replay: it has no robots and takes no remarks";
   }
 }
 
 std::string LogPlayback::resume(std::int64_t now) {
-  if (!paused()) return "the log plays already";
+  if (!paused()) return "the replay is not paused";
   if (next_ == events_.size()) jumpTo(events_.front().utime, now);
   clock_.resume(now);
   return {};

@@ -62,7 +62,7 @@ ExitCode sendRequest(const RequestOptions& options, std::int8_t action, const st
   const RunningLab lab = findLab(options.lab);
   RequestSender sender(lab, name, command);
   const ExperimentRequest& request = sender.execute();
-  const std::string what = !request.answered()         ? "NOT confirmed: nobody answers"
+  const std::string what = !request.answered()         ? "NOT confirmed: no answer"
                            : request.refusal().empty() ? done
                                                        : "refused: " + request.refusal();
   fmt::print("{}: {}\n", lab.name, what);

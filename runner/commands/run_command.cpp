@@ -89,7 +89,7 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   const bool web = wantsDashboard(options.web, options.virtual_time, std::getenv("CI"));
   if (!web && !options.web_address.empty()) {
     throw UserError("--web-address-file " + options.web_address.string() +
-                    ": this run has no page in a browser; add --web (not with --virtual-time), or "
+                    ": this run has no dashboard; add --web (not with --virtual-time), or "
                     "leave it out");
   }
   const std::vector<std::string> set = settingsOf(options);
@@ -99,7 +99,7 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
     requireReporter(options.programs);
   }
   if (options.virtual_time && experiment.gateway.ros) {
-    fmt::print(stderr, "lab: ROS 2 sees nothing of a run in virtual time (docs/ros2.md)\n");
+    fmt::print(stderr, "lab: a run in virtual time is not visible in ROS 2 (docs/ros2.md)\n");
   }
   const double duration = experiment.duration;
   double elapsed = 0;

@@ -21,7 +21,7 @@ struct RunOptions {
   std::optional<std::uint64_t> seed;
   bool virtual_time = false;
   bool report = true;
-  std::optional<bool> web;            ///< a page in a browser, not given: as wantsDashboard() says
+  std::optional<bool> web;            ///< the dashboard; not given: see wantsDashboard()
   std::filesystem::path web_address;  ///< file for its address too, empty: none
 };
 ExitCode run(const RunOptions& options);

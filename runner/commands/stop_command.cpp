@@ -114,9 +114,8 @@ class StopRequest {
 
   [[nodiscard]] bool tell() const {
     if (!overruled_by_.empty()) {
-      fmt::print("{}: NOT {}, {} came meanwhile from {}\n", lab_.name,
-                 clear_ ? "released" : "stopped", clear_ ? "a newer stop" : "a newer release",
-                 overruled_by_);
+      fmt::print("{}: NOT {}, {} came from {}\n", lab_.name, clear_ ? "released" : "stopped",
+                 clear_ ? "a newer stop" : "a newer release", overruled_by_);
       return false;
     }
     std::string missing;

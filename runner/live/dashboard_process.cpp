@@ -69,7 +69,7 @@ void DashboardProcess::startProcess() {
 void DashboardProcess::giveUp(const std::string& why, const Say& say) {
   given_up_ = true;
   process_.reset();
-  say(fmt::format("there is no page in a browser: {}; everything else goes on", why));
+  say(fmt::format("there is no dashboard: {}; everything else goes on", why));
 }
 
 void DashboardProcess::supervise(const Say& say) {
@@ -118,7 +118,7 @@ void DashboardProcess::end() {
 bool wantsDashboard(std::optional<bool> asked, bool virtual_time, const char* ci) {
   if (asked.value_or(false) && virtual_time) {
     throw UserError(
-        "--web: a run in virtual time has no page in a browser; leave out --web or "
+        "--web: a run in virtual time has no dashboard; leave out --web or "
         "--virtual-time");
   }
   if (asked || virtual_time) return asked.value_or(false);

@@ -362,9 +362,9 @@ std::string ExperimentController::execute(const experiment_command_t& request) {
       return {};
     case experiment_command_t::SEEK:
     case experiment_command_t::SPEED:
-      return "this is a running lab, whose time nobody sets: only a played log has that";
+      return "this is a running lab: only the replay of a log can seek or change its speed";
     default:
-      return fmt::format("an unknown wish ({})", request.action);
+      return fmt::format("an unknown request ({})", request.action);
   }
 }
 

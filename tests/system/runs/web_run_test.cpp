@@ -171,7 +171,7 @@ TEST_F(WebRun, ReplaysWithADashboardAndRefusesOtherRequests) {
   EXPECT_EQ(run(labRun("--virtual-time --web")).exit_code, 2);
   const Finished no_page = run(labRun("--no-web --web-address-file " + (runs() / "a").string()));
   EXPECT_EQ(no_page.exit_code, 2);
-  EXPECT_THAT(no_page.output, HasSubstr("has no page in a browser"));
+  EXPECT_THAT(no_page.output, HasSubstr("has no dashboard"));
   Background replay("cd " + onlyRun(runs()).string() + " && exec lab replay . --web --speed 2");
   const std::string address = addressOf(replay);
   ASSERT_NE(address, "") << replay.output();
@@ -179,7 +179,7 @@ TEST_F(WebRun, ReplaysWithADashboardAndRefusesOtherRequests) {
   EXPECT_EQ(run("lab pause").exit_code, 0);
   const Finished mark = run("lab mark nothing");
   EXPECT_EQ(mark.exit_code, 1);
-  EXPECT_THAT(mark.output, HasSubstr("a recorded run"));
+  EXPECT_THAT(mark.output, HasSubstr("this is a replay"));
   EXPECT_EQ(run("lab resume").exit_code, 0);
   EXPECT_TRUE(waitUntil([&] { return replay.output().find("paused (space") != std::string::npos; },
                         seconds(20)))
