@@ -27,7 +27,7 @@ struct Style {
 /// On a machine with a network card: ROS 2's setting that uses only the loopback interface, and the
 /// files of docs/examples/ros2 that do the same for other versions (docs/ros2.md).
 std::vector<Style> onLoopback() {
-  const std::string folder = LAB_ROOT "/examples/ros2/";
+  const std::string folder = LAB_ROOT "/docs/examples/ros2/";
   const std::string file = "file://" + folder + "cyclonedds.xml";
   std::vector<Style> all = {{"Humble", {LAB_CYCLONE_PEER, "0", kHumble}, false},
                             {"HumbleFile", {LAB_CYCLONE_PEER, "0", file}, false},

@@ -33,7 +33,7 @@ const fs::path& certificates() {
   static const fs::path kFolder = [] {
     std::string folder = (fs::path(testing::TempDir()) / "lab_dds_XXXXXX").string();
     if (mkdtemp(folder.data()) == nullptr) throw std::runtime_error(folder);
-    const std::string script = LAB_ROOT "/examples/dds_security/make_certificates.sh ";
+    const std::string script = LAB_ROOT "/docs/examples/dds_security/make_certificates.sh ";
     const std::string made = script + folder + "/ours lab >/dev/null && " + script + folder +
                              "/ours bench --watch viewer >/dev/null && " + script + folder +
                              "/foreign bench >/dev/null";
