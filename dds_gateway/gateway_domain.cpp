@@ -2,6 +2,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <string>
 
 #include "common/experiment/experiment_file.hpp"
 #include "dds_gateway/dds/configuration.hpp"

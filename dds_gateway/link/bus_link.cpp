@@ -7,6 +7,7 @@
 #include <lab/link_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include "common/bus/channels.hpp"

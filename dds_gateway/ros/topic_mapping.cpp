@@ -3,9 +3,11 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdint>
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <stdexcept>
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/files/file_problems.hpp"

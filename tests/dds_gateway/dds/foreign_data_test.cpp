@@ -2,6 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
 #include "tests/dds_gateway/peers/cdr.hpp"

@@ -3,6 +3,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
 #include "tests/dds_gateway/peers/cdr.hpp"

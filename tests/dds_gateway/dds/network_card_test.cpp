@@ -1,8 +1,11 @@
 // A computer with a network card (A of tests/two_hosts.sh) receives nothing from other machines.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/domain.hpp"

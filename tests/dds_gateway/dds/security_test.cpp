@@ -8,8 +8,13 @@
 #include <sys/time.h>
 #include <unistd.h>
 
+#include <array>
 #include <cstdlib>
+#include <filesystem>
+#include <stdexcept>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/error.hpp"

@@ -1,5 +1,9 @@
 #include "dds_gateway/link/clock_offset.hpp"
 
+#include <gtest/gtest.h>
+
+#include <cmath>
+
 #include "common/math/random.hpp"
 
 namespace lab::gateway {

@@ -1,5 +1,7 @@
 #include "dds_gateway/link/link_core.hpp"
 
+#include <gtest/gtest.h>
+
 #include <deque>
 #include <lab/clock_t.hpp>
 #include <lab/light_command_t.hpp>
@@ -8,6 +10,8 @@
 #include <lab/robot_stop_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <random>
+#include <set>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 

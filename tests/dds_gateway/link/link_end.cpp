@@ -4,6 +4,7 @@
 /// the folder of its certificates.
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>

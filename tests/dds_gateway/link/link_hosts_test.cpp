@@ -1,9 +1,16 @@
 /// The link between hosts that are connected only by a router (tests/two_hosts.sh --hosts 3).
+#include <gmock/gmock.h>
+
+#include <cstdint>
 #include <lab/light_command_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "tests/support/network_hosts.hpp"
 

@@ -1,7 +1,13 @@
 /// The link over a network that loses frames (tests/two_hosts.sh --loss 2).
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <functional>
 #include <lab/light_command_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <string_view>
+#include <vector>
 
 #include "common/math/percentiles.hpp"
 #include "tests/support/network_hosts.hpp"

@@ -1,5 +1,7 @@
 #include "dds_gateway/link/link_peers.hpp"
 
+#include <gmock/gmock.h>
+
 namespace lab::gateway::link_peers_test {
 namespace {
 

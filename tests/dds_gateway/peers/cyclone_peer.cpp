@@ -1,7 +1,10 @@
 /// cyclone_peer DOMAIN CONFIGURATION: endpoints like those of rmw_cyclonedds (peer_loop.hpp).
+#include <cstdint>
 #include <iostream>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "tests/dds_gateway/peers/peer_loop.hpp"
 #include "tests/dds_gateway/peers/raw_type.hpp"

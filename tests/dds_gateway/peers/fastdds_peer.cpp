@@ -3,6 +3,7 @@
 /// $FASTRTPS_DEFAULT_PROFILES_FILE; without it every interface is used.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
@@ -14,9 +15,12 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
+#include <functional>
 #include <iostream>
 #include <memory>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "tests/dds_gateway/peers/peer_loop.hpp"
 

@@ -2,6 +2,11 @@
 // unchanged: of Cyclone as in rmw_cyclonedds, and of Fast DDS if it is installed.
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "dds_gateway/dds/configuration.hpp"
 #include "tests/dds_gateway/peers/peer.hpp"
 #include "tests/dds_gateway/peers/peer_loop.hpp"

@@ -3,10 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <cstdlib>
 #include <deque>
+#include <fstream>
+#include <memory>
 #include <random>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "tests/dds_gateway/ros/ros_gateway_fixture.hpp"
 

@@ -4,9 +4,14 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cmath>
+#include <cstdint>
+#include <fstream>
 #include <lab/light_command_t.hpp>
 #include <lab/robot_stop_t.hpp>
+#include <optional>
+#include <string>
 #include <thread>
 
 #include "tests/dds_gateway/ros/ros_gateway_fixture.hpp"

@@ -3,8 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <lab/analysis_t.hpp>
 #include <lab/clock_t.hpp>
+#include <string>
+#include <vector>
 
 #include "tests/dds_gateway/peers/cdr.hpp"
 #include "tests/dds_gateway/peers/peer.hpp"

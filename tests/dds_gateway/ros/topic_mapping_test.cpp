@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "common/experiment/experiment_file.hpp"
 
 namespace lab::gateway {

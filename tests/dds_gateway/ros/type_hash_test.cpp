@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
+#include <string>
+#include <string_view>
 
 #include "dds_gateway/ros/ros_type.hpp"
 #include "tests/dds_gateway/ros/type_description.hpp"
