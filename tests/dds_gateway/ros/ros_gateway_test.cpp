@@ -164,9 +164,9 @@ TEST(RosGateway, NanAndForeignTypesAreRefusedAndReported) {
     moved += dut.state(1).robot_id == 1 && !dut.inScript(1) ? 1 : 0;
   });
   EXPECT_LE(moved, 20) << "until the first light table";
-  const std::string said = dut.diagnostics(2.5);
-  EXPECT_THAT(said, HasSubstr("nan or infinite: "));
-  EXPECT_THAT(said, HasSubstr("rt/lab/robot2/cmd_vel has std_msgs::msg::dds_::String_"));
+  const std::string text = dut.diagnostics(2.5);
+  EXPECT_THAT(text, HasSubstr("nan or infinite: "));
+  EXPECT_THAT(text, HasSubstr("rt/lab/robot2/cmd_vel has std_msgs::msg::dds_::String_"));
   EXPECT_THAT(dut.lastError(),
               ::testing::AnyOf(HasSubstr("nan or infinite"), HasSubstr("with another type")));
   EXPECT_TRUE(dut.inScript(1));
@@ -279,13 +279,13 @@ std::string refusal(const std::string& experiment, const std::string& name,
   TemporaryFolder folder;
   std::ofstream(folder / "e.toml") << experiment;
   if (!name.empty()) std::ofstream(folder / name) << file;
-  const std::string said = (folder / "said").string();
+  const std::string output = (folder / "output").string();
   Program program({"/bin/sh", "-c",
                    "exec timeout 20 " + std::string(LAB_PROGRAMS) + "/dds_gateway --experiment " +
                        (folder / "e.toml").string() + " --lcm-url '" + lcmUrl(7902) + "' 2> " +
-                       said});
+                       output});
   if (program.wait() != 2) return "";
-  std::ifstream stream(said);
+  std::ifstream stream(output);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
