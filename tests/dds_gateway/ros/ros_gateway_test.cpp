@@ -164,9 +164,9 @@ TEST(RosGateway, NanAndForeignTypesAreRefusedAndReported) {
     moved += dut.state(1).robot_id == 1 && !dut.inScript(1) ? 1 : 0;
   });
   EXPECT_LE(moved, 20) << "until the first light table";
-  const std::string text = dut.diagnostics(2.5);
-  EXPECT_THAT(text, HasSubstr("nan or infinite: "));
-  EXPECT_THAT(text, HasSubstr("rt/lab/robot2/cmd_vel has std_msgs::msg::dds_::String_"));
+  const std::string report = dut.diagnostics(2.5);
+  EXPECT_THAT(report, HasSubstr("nan or infinite: "));
+  EXPECT_THAT(report, HasSubstr("rt/lab/robot2/cmd_vel has std_msgs::msg::dds_::String_"));
   EXPECT_THAT(dut.lastError(),
               ::testing::AnyOf(HasSubstr("nan or infinite"), HasSubstr("with another type")));
   EXPECT_TRUE(dut.inScript(1));
