@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lab::gateway::light_desk_test {
+namespace lab::gateway::light_arbiter_test {
 namespace {
 
 constexpr std::int64_t kTimeout = 400'000;
@@ -83,4 +83,4 @@ TEST(LightArbiter, TheSameLightAgainIsTheSameCommand) {
 }
 
 }  // namespace
-}  // namespace lab::gateway::light_desk_test
+}  // namespace lab::gateway::light_arbiter_test
