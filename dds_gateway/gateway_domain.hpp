@@ -1,4 +1,4 @@
-/// The DDS domain in which the lab meets ROS 2, as the experiment's [gateway] says.
+/// Joins the DDS domain of ROS 2, as configured by the experiment's [gateway].
 #pragma once
 
 #include <filesystem>
@@ -8,8 +8,8 @@
 
 namespace lab::gateway {
 
-/// @param directory of the experiment file: files it names are relative to it
-/// @throws ExperimentError naming the key that is at fault
+/// @param directory folder of the experiment file; its file names are relative to it
+/// @throws ExperimentError that names the faulty key
 [[nodiscard]] dds::Domain joinDomain(const Gateway& gateway,
                                      const std::filesystem::path& directory);
 

@@ -14,7 +14,7 @@ namespace {
 
 constexpr const char* kName = "dds_gateway";
 
-/// What the command line says about the link.
+/// Options of the command line for the link.
 struct LinkArguments {
   std::string host;
   std::string address;
@@ -23,9 +23,9 @@ struct LinkArguments {
 
   void addTo(CLI::App& app) {
     app.add_option("--link-host", host, "Join buses: this host's name in the experiment");
-    app.add_option("--link-address", address, "Own address on the way to the other hosts");
+    app.add_option("--link-address", address, "Address of this host as the other hosts reach it");
     app.add_option("--link-peer", peers, "Address of another host")->take_all();
-    app.add_option("--link-key", key, "Of the run: two runs never mix");
+    app.add_option("--link-key", key, "Key of the run: separates runs");
   }
 
   [[nodiscard]] std::optional<BusLinkOptions> options(const ServiceContext& context) const {
@@ -37,15 +37,15 @@ struct LinkArguments {
     options.peers = peers;
     options.key = key;
     options.domain = link.domain;
-    options.most_offset = link.max_clock_offset;
+    options.max_offset = link.max_clock_offset;
     if (!link.security.empty()) options.security = (context.directory / link.security).string();
     return options;
   }
 };
 
-/// Of the gateways of several hosts, one speaks to ROS 2: that of the host where the experiment
-/// places dds_gateway.
-bool speaksRos(const Experiment& experiment, const std::optional<BusLinkOptions>& link) {
+/// With several hosts only one gateway serves ROS 2: that of the host where the experiment places
+/// dds_gateway.
+bool servesRos(const Experiment& experiment, const std::optional<BusLinkOptions>& link) {
   if (!experiment.gateway.ros) return false;
   if (!link) return true;
   const std::string place = hostOf(experiment, kName);
@@ -58,7 +58,7 @@ bool speaksRos(const Experiment& experiment, const std::optional<BusLinkOptions>
 
 GatewayService::GatewayService(const ServiceContext& context,
                                const std::optional<BusLinkOptions>& link) {
-  if (speaksRos(context.experiment, link)) ros_ = std::make_unique<RosBridge>(context);
+  if (servesRos(context.experiment, link)) ros_ = std::make_unique<RosBridge>(context);
   try {
     if (link) {
       link_ = std::make_unique<BusLink>(context.node, context.loop, context.descriptors, *link);
@@ -72,7 +72,7 @@ GatewayService::GatewayService(const ServiceContext& context,
 ServiceDescription serviceDescription() {
   ServiceDescription description;
   description.name = kName;
-  description.summary = "Shows the lab to ROS 2, and joins its bus with those of other hosts";
+  description.summary = "Connects the lab to ROS 2, and its bus to those of other hosts";
   const auto arguments = std::make_shared<LinkArguments>();
   description.add_options = [arguments](CLI::App& app) { arguments->addTo(app); };
   description.make = [arguments](const ServiceContext& context) -> std::unique_ptr<Service> {

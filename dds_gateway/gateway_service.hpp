@@ -1,4 +1,4 @@
-/// The way out of the lab's bus: to ROS 2, and to the buses of other hosts.
+/// The service that connects the lab's bus to ROS 2 and to the buses of other hosts.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@ namespace lab::gateway {
 
 class GatewayService final : public Service {
  public:
-  /// @param link where this host has a part in joining buses, else nothing
-  /// @throws ExperimentError for what the experiment names and DDS cannot use
+  /// @param link set if this host joins the buses of several hosts
+  /// @throws ExperimentError if DDS cannot use a value of the experiment
   GatewayService(const ServiceContext& context, const std::optional<BusLinkOptions>& link);
 
   [[nodiscard]] bool isForwarding() override { return link_ && link_->isForwarding(); }

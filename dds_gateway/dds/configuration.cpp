@@ -11,8 +11,8 @@ namespace lab::dds {
 namespace fs = std::filesystem;
 namespace {
 
-/// How many participants a machine may have: Cyclone's default of 9 refuses the tenth.
-/// Announcements go to each of these ports of each peer.
+/// Sets the maximal number of participants on a machine (Cyclone's default of 9 refuses the tenth).
+/// Cyclone sends announcements to each of these ports of each peer.
 std::string indices(int most) {
   return "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>" +
          std::to_string(most) + "</MaxAutoParticipantIndex>";
@@ -32,7 +32,7 @@ std::string wrapped(const std::string& inside) {
          "</Domain></CycloneDDS>";
 }
 
-/// Debian keeps the plugins off the loader's path.
+/// Debian installs the plugins outside the loader's path.
 std::string plugin(const std::string& element, const std::string& file,
                    const std::string& functions) {
   return "<" + element +
@@ -65,9 +65,9 @@ std::string securityElement(const fs::path& folder) {
 }  // namespace
 
 std::string localConfiguration() {
-  // The address, not "lo", and multicast as an attribute: the other forms miss ROS 2 nodes of one
-  // or another localhost setting. With the network card as second interface, even without multicast
-  // on it, nodes at its address are met, and so is whoever calls from another machine.
+  // The interface is given by address, not as "lo", and multicast as an attribute: other forms do
+  // not find ROS 2 nodes with some of the localhost settings. A network card as second interface,
+  // even without multicast, would also accept participants of other machines.
   return wrapped(
       "<General><Interfaces>"
       R"(<NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces></General>)"
@@ -82,10 +82,10 @@ std::string networkConfiguration(const NetworkOptions& options) {
     requireAddress(address);
     peers += peer(address);
   }
-  // With the cable out the kernel keeps 208 kB for each neighbour that does not answer its ARP, and
-  // a socket whose buffer that fills makes a write wait a second. Fragments of IP that lose one of
-  // them fill the kernel's reassembly queue for 30 s: no message is larger than a frame. Nacks wait
-  // for what is only late.
+  // If a cable is unplugged, the kernel queues 208 kB for each neighbour that does not answer ARP;
+  // when this fills the socket's buffer, a write blocks for a second. So the buffer is larger.
+  // An IP datagram that lost a fragment occupies the kernel's reassembly queue for 30 s. So no
+  // message is larger than an Ethernet frame. The delay of nacks allows for reordered packets.
   return wrapped(R"(<General><Interfaces><NetworkInterface address=")" + options.address +
                  R"("/></Interfaces><AllowMulticast>)" + (options.multicast ? "spdp" : "false") +
                  "</AllowMulticast><MaxMessageSize>1400B</MaxMessageSize>"

@@ -1,4 +1,4 @@
-/// Cyclone DDS configurations, as XML. What is not one of these is the user's own file.
+/// The lab's Cyclone DDS configurations, as XML.
 #pragma once
 
 #include <array>
@@ -8,30 +8,30 @@
 
 namespace lab::dds {
 
-/// What a folder of certificates holds (docs/security.md), as networkConfiguration() reads it.
+/// The files of a folder of certificates (docs/security.md), in the order of securityElement().
 inline constexpr std::array<std::string_view, 6> kSecurityFiles{
     "identity_ca.pem",    "cert.pem",       "key.pem",
     "permissions_ca.pem", "governance.p7s", "permissions.p7s"};
 
-/// Nothing leaves this machine, and nobody elsewhere is heard. ROS 2 on this machine is met where
-/// it uses the loopback interface (Humble's ROS_LOCALHOST_ONLY, the files of docs/examples/ros2);
-/// beside a network card not with its defaults, nor with Jazzy's LOCALHOST, whose nodes are at the
-/// card's address (docs/ros2.md).
+/// Uses the loopback interface only: nothing leaves this machine or is received from others. Finds
+/// ROS 2 nodes on this machine that use the loopback interface (Humble's ROS_LOCALHOST_ONLY, the
+/// files of docs/examples/ros2). On a machine with a network card it does not find nodes with ROS
+/// 2's defaults, nor with Jazzy's LOCALHOST, whose nodes use the card's address (docs/ros2.md).
 [[nodiscard]] std::string localConfiguration();
 
 struct NetworkOptions {
-  std::string address = {};             ///< of the interface to use
+  std::string address = {};             ///< address of the interface to use
   std::vector<std::string> peers = {};  ///< addresses of hosts that multicast does not reach
-  bool multicast = true;                ///< hosts on the same network are found by multicast
+  bool multicast = true;                ///< finds hosts on the same network by multicast
   std::string security = {};            ///< folder of certificates (docs/security.md), empty: none
-  /// Writers go on while a reader takes nothing, as far as their depth goes. Otherwise 500 kB that
-  /// are not acknowledged make each write wait its max_blocking_time.
+  /// Writers continue, up to their depth, while a reader does not acknowledge. Otherwise 500 kB of
+  /// unacknowledged data make each write block for max_blocking_time.
   bool unthrottled_writers = false;
 };
 
-/// One named interface: multicast for discovery at most, data unicast, no message above one
+/// Uses one interface: multicast only for discovery, data by unicast, no message larger than an
 /// Ethernet frame.
-/// @throws DdsError when an address is none, or the folder of certificates lacks a file.
+/// @throws DdsError if an address is invalid, or the folder of certificates lacks a file
 [[nodiscard]] std::string networkConfiguration(const NetworkOptions& options);
 
 }  // namespace lab::dds

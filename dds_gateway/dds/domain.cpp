@@ -12,22 +12,23 @@
 namespace lab::dds {
 namespace {
 
-constexpr std::size_t kMostComplaints = 100;
+constexpr std::size_t kMaxWarnings = 100;
 
-/// Cyclone logs from threads of its own, and for the whole process.
-struct Complaints {
+/// Cyclone's warnings and errors. It logs from its own threads, for the whole process.
+struct CycloneWarnings {
   std::mutex mutex;
   std::vector<std::string> lines;
   std::int64_t malformed = 0;
 };
 
-Complaints& complaints() {
-  static Complaints& all = *new Complaints;  // Cyclone's threads may outlive all of ours
+CycloneWarnings& cycloneWarnings() {
+  static CycloneWarnings& all =
+      *new CycloneWarnings;  // never deleted: Cyclone's threads may run until the process ends
   return all;
 }
 
-/// Whether this is about what somebody sent; then without the numbers in it, so that a flood of
-/// such is one complaint.
+/// If the text is about received data, removes its numbers, so that a flood gives one warning.
+/// @return whether it is
 bool withoutDetails(std::string& text) {
   if (text.starts_with("malformed packet")) {
     text.erase(std::min(text.size(), text.find(" state")));
@@ -40,13 +41,13 @@ bool withoutDetails(std::string& text) {
   return true;
 }
 
-void hear(void* /*argument*/, const dds_log_data_t* data) {
+void onLog(void* /*argument*/, const dds_log_data_t* data) {
   std::string text(data->message, data->size);
   while (!text.empty() && (text.back() == '\n' || text.back() == ' ')) text.pop_back();
-  auto& [mutex, lines, malformed] = complaints();
+  auto& [mutex, lines, malformed] = cycloneWarnings();
   const std::lock_guard lock(mutex);
   if (withoutDetails(text)) ++malformed;
-  if (lines.size() < kMostComplaints && std::ranges::find(lines, text) == lines.end()) {
+  if (lines.size() < kMaxWarnings && std::ranges::find(lines, text) == lines.end()) {
     lines.push_back(std::move(text));
   }
 }
@@ -54,19 +55,19 @@ void hear(void* /*argument*/, const dds_log_data_t* data) {
 }  // namespace
 
 Domain::Domain(int id, const std::string& configuration, const std::string& where) : id_(id) {
-  // Cyclone takes half a document without a word, and anything else for the name of a file: either
-  // would be its own defaults, which are heard on every network.
+  // Cyclone silently accepts half a document, and takes any other text for the name of a file. In
+  // both cases it would use its defaults, which publish on every network.
   if (configuration.find_first_not_of(" \t\r\n") != configuration.find('<') ||
       configuration.find("</CycloneDDS>") == std::string::npos) {
     throw DdsError(where + ": found \"" + configuration.substr(0, 40) +
                    "\", expected an XML document <CycloneDDS> ... </CycloneDDS>");
   }
   static_cast<void>(takeWarnings());
-  dds_set_log_sink(hear, nullptr);
+  dds_set_log_sink(onLog, nullptr);
   const auto fail = [&](const char* what, dds_return_t code) {
-    const std::string said = takeWarnings();
+    const std::string warnings = takeWarnings();
     throw DdsError(where + ": " + what + " (DDS domain " + std::to_string(id) +
-                   "): " + (said.empty() ? dds_strretcode(-code) : said));
+                   "): " + (warnings.empty() ? dds_strretcode(-code) : warnings));
   };
   const auto number = static_cast<dds_domainid_t>(id);
   const dds_entity_t domain = dds_create_domain(number, configuration.c_str());
@@ -78,7 +79,7 @@ Domain::Domain(int id, const std::string& configuration, const std::string& wher
 }
 
 std::string takeWarnings() {
-  auto& [mutex, lines, malformed] = complaints();
+  auto& [mutex, lines, malformed] = cycloneWarnings();
   const std::lock_guard lock(mutex);
   std::string text;
   for (const std::string& line : lines) text += (text.empty() ? "" : "\n") + line;
@@ -87,8 +88,8 @@ std::string takeWarnings() {
 }
 
 std::int64_t malformedReceived() {
-  const std::lock_guard lock(complaints().mutex);
-  return complaints().malformed;
+  const std::lock_guard lock(cycloneWarnings().mutex);
+  return cycloneWarnings().malformed;
 }
 
 }  // namespace lab::dds

@@ -1,4 +1,4 @@
-/// This process in a DDS domain.
+/// A participant of this process in a DDS domain.
 #pragma once
 
 #include <dds/dds.h>
@@ -8,7 +8,7 @@
 
 namespace lab::dds {
 
-/// A DDS entity that ends with the object, and all it made with it.
+/// Owns a DDS entity; deletes it, with the entities it has created, when the object ends.
 class Entity {
  public:
   Entity() = default;
@@ -39,13 +39,14 @@ class Entity {
   dds_entity_t handle_ = 0;
 };
 
-/// One participant in one domain, with a configuration of its own: $CYCLONEDDS_URI is not read, as
-/// a file written for another version of Cyclone would end us. One a domain and process.
+/// One participant in one domain, with its own configuration. $CYCLONEDDS_URI is not read, because
+/// a file for another version of Cyclone would end the process. There may be one per domain and
+/// process.
 class Domain {
  public:
-  /// @param configuration XML, whole; as localConfiguration()
-  /// @param where names it in errors: "gateway.configuration (my.xml)"
-  /// @throws DdsError with what Cyclone complained about.
+  /// @param configuration complete XML, as from localConfiguration()
+  /// @param where source of the configuration, for errors: "gateway.configuration (my.xml)"
+  /// @throws DdsError with Cyclone's warnings
   Domain(int id, const std::string& configuration, const std::string& where);
 
   [[nodiscard]] dds_entity_t participant() const { return participant_.get(); }
@@ -57,12 +58,11 @@ class Domain {
   Entity participant_;
 };
 
-/// What Cyclone said since the last call (warnings and errors, each text once, at most a hundred),
-/// one a line: it says a lot on no channel of ours.
+/// Cyclone's warnings and errors since the last call, one per line, each text once, at most 100.
 [[nodiscard]] std::string takeWarnings();
 
-/// Payloads that are no message of the topic's type, and packets that are no RTPS, since the
-/// process started. A reliable writer sends what was not understood again, and each time counts.
+/// Number of payloads that are not messages of the topic's type and of packets that are not RTPS,
+/// since the start of the process. A reliable writer repeats such payloads; each repetition counts.
 [[nodiscard]] std::int64_t malformedReceived();
 
 }  // namespace lab::dds

@@ -24,7 +24,7 @@ QosHandle made(const Qos& qos) {
   dds_qset_history(q, DDS_HISTORY_KEEP_LAST, qos.depth);
   if (qos.latched) {
     dds_qset_durability(q, DDS_DURABILITY_TRANSIENT_LOCAL);
-    // As rmw does: what late joiners get is this history, not the writer's own.
+    // As rmw does: late joiners receive this history, not the writer's own.
     dds_qset_durability_service(q, 0, DDS_HISTORY_KEEP_LAST,
                                 qos.latched_depth > 0 ? qos.latched_depth : qos.depth,
                                 DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
@@ -41,8 +41,9 @@ QosHandle made(const Qos& qos) {
 
 Entity checked(dds_entity_t handle, const std::string& topic, const char* what) {
   if (handle >= 0) return Entity(handle);
-  const std::string said = takeWarnings();
-  throw DdsError(topic + ": " + what + ": " + (said.empty() ? dds_strretcode(-handle) : said));
+  const std::string warnings = takeWarnings();
+  throw DdsError(topic + ": " + what + ": " +
+                 (warnings.empty() ? dds_strretcode(-handle) : warnings));
 }
 
 Entity topicOf(const Domain& domain, const dds_topic_descriptor_t& type, const std::string& name) {
@@ -50,7 +51,7 @@ Entity topicOf(const Domain& domain, const dds_topic_descriptor_t& type, const s
                  name, "no topic could be made");
 }
 
-/// Samples that are Cyclone's, given back even when a handler throws.
+/// Samples in Cyclone's memory; returns them even if a handler throws.
 class Loan {
  public:
   Loan(dds_entity_t reader, void** samples, int count)
@@ -67,7 +68,7 @@ class Loan {
   int count_;
 };
 
-/// DDSI-RTPS names of the policies that can keep two endpoints apart.
+/// DDSI-RTPS names of the policies that can prevent a match of two endpoints.
 std::string policyName(std::uint32_t id) {
   switch (id) {
     case DDS_DURABILITY_QOS_POLICY_ID:
@@ -129,7 +130,7 @@ Reader::Reader(const Domain& domain, const dds_topic_descriptor_t& type, const s
                const Qos& qos, const Waker& waker)
     : name_(topic), topic_(topicOf(domain, type, topic)) {
   const QosHandle handle = made(qos);
-  // Cyclone takes void* and hands it back.
+  // Cyclone takes void* and passes it back unchanged.
   const ListenerHandle listener(dds_create_listener(const_cast<Waker*>(&waker)),
                                 dds_delete_listener);
   dds_lset_data_available(listener.get(), [](dds_entity_t /*reader*/, void* argument) {

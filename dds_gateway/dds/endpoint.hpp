@@ -1,4 +1,4 @@
-/// Writers and readers of one topic each.
+/// Writers and readers, each of one topic.
 #pragma once
 
 #include <dds/dds.h>
@@ -12,22 +12,22 @@
 
 namespace lab::dds {
 
-/// What is asked of and offered to the other side. XCDR1 always: ROS 2 speaks nothing else.
+/// Quality of service, requested or offered. The data representation is always XCDR1, as in ROS 2.
 struct Qos {
   bool reliable = true;
-  bool latched = false;             ///< TRANSIENT_LOCAL: late joiners get the last ones
-  int depth = 10;                   ///< KEEP_LAST, of each key
-  int latched_depth = 0;            ///< what late joiners get, 0: as depth
-  double max_blocking_time = 0.01;  ///< [s] a write may wait, reliable ones only
+  bool latched = false;             ///< TRANSIENT_LOCAL: late joiners get the last samples
+  int depth = 10;                   ///< KEEP_LAST, for each key
+  int latched_depth = 0;            ///< number of samples for late joiners, 0: depth
+  double max_blocking_time = 0.01;  ///< [s] maximal duration of a write; reliable writers only
   std::string user_data;            ///< "typehash=RIHS01_...;"
 };
 
-/// How an endpoint fares; the counts since it was made.
+/// Matches of an endpoint; counts since its creation.
 struct Matching {
   int peers = 0;             ///< matched now
-  std::int64_t joined = 0;   ///< ever matched
-  std::int64_t refused = 0;  ///< of the same topic and type, whose QoS does not fit
-  std::string why;           ///< the policy that did not fit last: "durability"
+  std::int64_t joined = 0;   ///< matched since creation
+  std::int64_t refused = 0;  ///< same topic and type, but incompatible QoS
+  std::string why;           ///< the last incompatible policy: "durability"
 };
 
 class Writer {
@@ -38,11 +38,11 @@ class Writer {
          const Qos& qos);
 
   /// @param sample of the descriptor's C type; copied
-  /// @return false when the time ran out: not sent, counted
-  /// @throws DdsError for anything else
+  /// @return false after a timeout: not sent, and counted
+  /// @throws DdsError for other errors
   bool write(const void* sample);
 
-  /// Whether all readers that are there have all that was written; reliable ones only.
+  /// Whether all matched reliable readers have received all samples.
   [[nodiscard]] bool acknowledged() const;
 
   [[nodiscard]] std::int64_t written() const { return written_; }
@@ -57,19 +57,19 @@ class Writer {
   std::int64_t timeouts_ = 0;
 };
 
-/// Who sent a sample. Changes with each start of the sender.
+/// Identifies the writer of a sample. Changes with each start of the writer.
 using WriterId = std::uint64_t;
 
 class Reader {
  public:
-  /// @param waker rung on each arrival; outlives the reader
+  /// @param waker signalled on each arrival; outlives the reader
   /// @throws DdsError
   Reader(const Domain& domain, const dds_topic_descriptor_t& type, const std::string& topic,
          const Qos& qos, const Waker& waker);
 
-  /// Calls `handler` with each sample that has arrived, at most `most` of them; the sample lives
-  /// only during the call. Disposals and the like are skipped.
-  /// @return how many there were; `most` when more may wait (ring the waker again)
+  /// Calls `handler` with each sample that has arrived, at most `most`; the sample is valid only
+  /// during the call. Samples without data (disposals) are skipped.
+  /// @return number of samples; `most` if more may be waiting (signal the waker again)
   int take(int most, const std::function<void(const void* sample, WriterId writer)>& handler);
 
   [[nodiscard]] std::int64_t received() const { return received_; }

@@ -4,7 +4,7 @@
 
 namespace lab::dds {
 
-/// DDS cannot do what is asked of it: what, what it said, and the way out.
+/// An operation of DDS failed. The text says which, the reason given by DDS, and how to fix it.
 class DdsError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;

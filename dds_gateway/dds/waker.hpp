@@ -1,13 +1,13 @@
-/// From Cyclone's threads to our loop.
+/// Wakes the loop from Cyclone's threads.
 #pragma once
 
 namespace lab::dds {
 
-/// A file descriptor that is readable while something has arrived: for DescriptorWatcher::watch().
-/// The loop's thread does all the work; Cyclone's threads only ring.
+/// A file descriptor, for DescriptorWatcher::watch(), that is readable after ring(). All work is
+/// done on the loop's thread; Cyclone's threads only call ring().
 class Waker {
  public:
-  /// @throws std::system_error without file descriptors.
+  /// @throws std::system_error if there is no free file descriptor
   Waker();
   ~Waker();
   Waker(const Waker&) = delete;
@@ -15,10 +15,10 @@ class Waker {
 
   [[nodiscard]] int fileDescriptor() const { return descriptor_; }
 
-  /// From any thread.
+  /// Signals the loop. May be called from any thread.
   void ring() const;
 
-  /// Before everything that may have arrived is taken.
+  /// Clears the signal. Call it before reading, so that later arrivals signal again.
   void quiet() const;
 
  private:

@@ -23,21 +23,21 @@
 namespace lab::gateway {
 namespace {
 
-using Packed = lab_link_Packet;
-using Signed = lab_link_Sign;
+using WirePacket = lab_link_Packet;
+using WireHeartbeat = lab_link_Sign;
 
-constexpr std::int64_t kPingPeriod = 250'000;   // [us] four chances to be heard within a second
-constexpr std::int64_t kTickPeriod = 50'000;    // [us]
-constexpr int kMostAtOnce = 1000;               // of a flood, so that timers get their turn
-constexpr std::int64_t kPatience = 10'000'000;  // [us] before peers that never came are missed
+constexpr std::int64_t kPingPeriod = 250'000;  // [us] four pings per second
+constexpr std::int64_t kTickPeriod = 50'000;   // [us]
+constexpr int kMostAtOnce = 1000;  // samples per call, so that timers run during a flood
+constexpr std::int64_t kDiscoveryTime = 10'000'000;  // [us] then missing peers are reported
 
-/// Of each stream, for a peer that is away: ten seconds of 100 Hz. Cyclone gives a peer up after
-/// that time. What is acknowledged is kept no longer, but for the last one.
+/// Messages kept of each stream for a peer that is away: ten seconds at 100 Hz, after which Cyclone
+/// gives the peer up. Of acknowledged messages only the last one is kept.
 constexpr int kKept = 1000;
-/// A write that waited longer is counted and given up: a peer that has stopped reading costs the
-/// others this much at most.
+/// Maximal duration of a write, after which it is counted and given up. A peer that has stopped
+/// reading delays the others by this at most.
 constexpr double kMostBlocking = 0.002;  // [s]
-/// What waits for a peer's clock to be known.
+/// Limits of the packets that are held until the clock of their peer is known.
 constexpr std::size_t kMostHeld = 2000;
 constexpr std::size_t kMostHeldBytes = 16'000'000;
 
@@ -50,9 +50,9 @@ dds::Qos packetQos() {
   return qos;
 }
 
-dds::Qos signQos() {
+dds::Qos heartbeatQos() {
   dds::Qos qos;
-  qos.reliable = false;  // one that is late says less than the next
+  qos.reliable = false;  // the next heartbeat is better than a late one
   qos.depth = 64;
   return qos;
 }
@@ -61,13 +61,13 @@ std::string topicOf(const BusLinkOptions& options, const std::string& what) {
   return "lab/link/" + options.key + "/" + what;
 }
 
-/// Those of another contract never meet: their topic has another name.
+/// The name contains the message contract, so gateways of different contracts are not matched.
 std::string packetTopic(const BusLinkOptions& options) {
-  return topicOf(options, "packets/" + std::to_string(options.edition.contract) + "/" +
-                              options.edition.fingerprints);
+  return topicOf(options, "packets/" + std::to_string(options.protocol.contract) + "/" +
+                              options.protocol.fingerprints);
 }
 
-/// Cyclone's C structs take char*, and only read.
+/// Cyclone's C structs take char* but do not write to it.
 char* text(const std::string& words) { return const_cast<char*>(words.c_str()); }
 
 struct Held {
@@ -79,7 +79,7 @@ struct Held {
   std::vector<std::uint8_t> data;
 };
 
-void sayState(const LinkPeer& peer) {
+void logState(const LinkPeer& peer) {
   switch (peer.state) {
     case PeerState::kJoined:
       spdlog::info("link: joined with {}, whose clock is {:+.3f} ms off ours (+-{:.3f} ms)",
@@ -116,20 +116,20 @@ struct BusLink::Implementation {
 
   [[nodiscard]] std::int64_t now() const { return options.clock ? options.clock() : loop.now(); }
 
-  void passOn(const Packet& packet);
+  void forwardPacket(const Packet& packet);
   [[nodiscard]] bool isOwn(const Packet& packet) const;
   [[nodiscard]] bool waitsForPeers();
-  void passOnEarly();
+  void forwardEarly();
   void noteOwn(const Packet& packet);
   [[nodiscard]] bool isForwarding();
   void takeAll();
-  void take(const Packed& packed);
-  void take(const Signed& sign);
+  void take(const WirePacket& packed);
+  void take(const WireHeartbeat& heartbeat);
   void deliver(const std::string& host, const ClockOffset& clock, const Held& packet, Bytes data);
   void release();
-  void send(const LinkHeartbeat& sign);
+  void send(const LinkHeartbeat& heartbeat);
   void tick();
-  void tell();
+  void publishStatus();
   void reportMissingPeers();
 
   Node& node;
@@ -140,21 +140,21 @@ struct BusLink::Implementation {
   LinkCore core;
   LinkPeers peers;
   std::map<std::string, std::int64_t> sent;      ///< packets, by host
-  std::map<std::string, PeerState> said;         ///< in the log
+  std::map<std::string, PeerState> logged;       ///< last logged state, by host
   std::map<std::string, std::deque<Held>> held;  ///< by host
   std::size_t held_bytes = 0;
   std::vector<std::pair<std::string, std::vector<std::uint8_t>>> early;  ///< channel, message
-  bool all_were_there = false;
-  bool missed = false;
-  bool leaving = false;     ///< the node has said its last, which counts what there is of it
-  bool heard_last = false;  ///< that has come back from the bus
+  bool all_peers_found = false;
+  bool reported_missing = false;
+  bool leaving = false;     ///< the node has published its closing messages
+  bool heard_last = false;  ///< the last of them has come back from the bus
 
   dds::Waker waker;
   dds::Domain domain;
   dds::Writer packets_out;
-  dds::Writer signs_out;
+  dds::Writer heartbeats_out;
   dds::Reader packets_in;
-  dds::Reader signs_in;
+  dds::Reader heartbeats_in;
   std::unique_ptr<DescriptorWatcher::Watch> watch;
 };
 
@@ -167,7 +167,7 @@ BusLink::Implementation::Implementation(Node& its_node, Loop& its_loop,
       gateway(node.identity().instance),
       started(loop.now()),
       core(gateway),
-      peers(options.host, gateway, options.edition, options.most_offset),
+      peers(options.host, gateway, options.protocol, options.max_offset),
       domain(options.domain,
              dds::networkConfiguration({.address = options.address,
                                         .peers = options.peers,
@@ -176,14 +176,14 @@ BusLink::Implementation::Implementation(Node& its_node, Loop& its_loop,
                                         .unthrottled_writers = true}),
              "link"),
       packets_out(domain, lab_link_Packet_desc, packetTopic(options), packetQos()),
-      signs_out(domain, lab_link_Sign_desc, topicOf(options, "signs"), signQos()),
+      heartbeats_out(domain, lab_link_Sign_desc, topicOf(options, "signs"), heartbeatQos()),
       packets_in(domain, lab_link_Packet_desc, packetTopic(options), packetQos(), waker),
-      signs_in(domain, lab_link_Sign_desc, topicOf(options, "signs"), signQos(), waker) {
+      heartbeats_in(domain, lab_link_Sign_desc, topicOf(options, "signs"), heartbeatQos(), waker) {
   watch = descriptors.watch(waker.fileDescriptor(), [this] { takeAll(); });
-  node.subscribeAll([this](const Packet& packet) { passOn(packet); });
+  node.subscribeAll([this](const Packet& packet) { forwardPacket(packet); });
   loop.every(kPingPeriod, loop.now(), [this] { send(peers.ping(now())); });
   loop.every(kTickPeriod, loop.now() + kTickPeriod, [this] { tick(); });
-  loop.every(units::kSecond_us, loop.now() + units::kSecond_us, [this] { tell(); });
+  loop.every(units::kSecond_us, loop.now() + units::kSecond_us, [this] { publishStatus(); });
 }
 
 bool BusLink::Implementation::isOwn(const Packet& packet) const {
@@ -191,31 +191,32 @@ bool BusLink::Implementation::isOwn(const Packet& packet) const {
   return header && header->instance == gateway && header->sender == node.identity().name;
 }
 
-/// Our first words come before anybody can hear them, and would be missing in the others' counts.
+/// Whether the first messages of this gateway still wait for the readers of its peers; otherwise
+/// they would count as lost there.
 bool BusLink::Implementation::waitsForPeers() {
-  if (all_were_there) return false;
-  all_were_there = leaving || loop.now() - started > kPatience ||
-                   packets_out.matching().peers >= static_cast<int>(options.peers.size());
-  return !all_were_there;
+  if (all_peers_found) return false;
+  all_peers_found = leaving || loop.now() - started > kDiscoveryTime ||
+                    packets_out.matching().peers >= static_cast<int>(options.peers.size());
+  return !all_peers_found;
 }
 
-void BusLink::Implementation::passOnEarly() {
+void BusLink::Implementation::forwardEarly() {
   if (early.empty() || waitsForPeers()) return;
-  for (const auto& [channel, data] : std::exchange(early, {})) passOn({channel, data, 0});
+  for (const auto& [channel, data] : std::exchange(early, {})) forwardPacket({channel, data, 0});
 }
 
-void BusLink::Implementation::passOn(const Packet& packet) {
-  if (!all_were_there && isOwn(packet)) {
+void BusLink::Implementation::forwardPacket(const Packet& packet) {
+  if (!all_peers_found && isOwn(packet)) {
     if (waitsForPeers()) {
       early.emplace_back(packet.channel, std::vector(packet.data.begin(), packet.data.end()));
       return;
     }
-    passOnEarly();
+    forwardEarly();
   }
   const auto outgoing = core.hear(loop.now(), packet.channel, packet.data);
   if (!outgoing) return;
   const std::string channel(packet.channel);
-  Packed packed{};
+  WirePacket packed{};
   packed.gateway = gateway;
   packed.slot = outgoing->slot;
   packed.stream = outgoing->stream;
@@ -233,7 +234,7 @@ void BusLink::Implementation::passOn(const Packet& packet) {
   }
 }
 
-/// Each closing message says how many there will have been.
+/// Each closing message contains the total number of messages.
 void BusLink::Implementation::noteOwn(const Packet& packet) {
   service_status_t status{};
   if (packet.channel != channels::kServiceStatus || !isOwn(packet)) return;
@@ -252,28 +253,28 @@ bool BusLink::Implementation::isForwarding() {
 
 void BusLink::Implementation::takeAll() {
   waker.quiet();
-  const int signs = signs_in.take(kMostAtOnce, [this](const void* sample, dds::WriterId) {
-    take(*static_cast<const Signed*>(sample));
+  const int heartbeats = heartbeats_in.take(kMostAtOnce, [this](const void* sample, dds::WriterId) {
+    take(*static_cast<const WireHeartbeat*>(sample));
   });
-  // What waited for a peer's clock goes before what comes now: numbers rise within a stream.
+  // Held packets are delivered before new ones, because numbers rise within a stream.
   release();
   const int packets = packets_in.take(kMostAtOnce, [this](const void* sample, dds::WriterId) {
-    take(*static_cast<const Packed*>(sample));
+    take(*static_cast<const WirePacket*>(sample));
   });
-  if (signs == kMostAtOnce || packets == kMostAtOnce) waker.ring();
+  if (heartbeats == kMostAtOnce || packets == kMostAtOnce) waker.ring();
   release();
 }
 
-void BusLink::Implementation::take(const Signed& sample) {
-  LinkHeartbeat sign{
+void BusLink::Implementation::take(const WireHeartbeat& sample) {
+  LinkHeartbeat heartbeat{
       sample.host,     sample.gateway, {sample.contract, sample.fingerprints, sample.version},
       sample.to,       sample.sent,    sample.there,
       sample.answered, sample.refusal};
   LinkHeartbeat answer;
-  if (peers.hear(now(), sign, answer)) send(answer);
+  if (peers.hear(now(), heartbeat, answer)) send(answer);
 }
 
-void BusLink::Implementation::take(const Packed& packed) {
+void BusLink::Implementation::take(const WirePacket& packed) {
   const std::string host = packed.host;
   peers.alive(now(), host, packed.gateway);
   const LinkPeer* peer = peers.find(host, packed.gateway);
@@ -291,7 +292,7 @@ void BusLink::Implementation::take(const Packed& packed) {
   packet.data.assign(data.begin(), data.end());
   held_bytes += data.size();
   waiting.push_back(std::move(packet));
-  // The oldest go. Their streams have a gap then, which counts as lost.
+  // Drops the oldest packets. The gaps in their streams count as losses.
   while (waiting.size() > 1 && (waiting.size() > kMostHeld || held_bytes > kMostHeldBytes)) {
     held_bytes -= waiting.front().data.size();
     waiting.pop_front();
@@ -300,7 +301,7 @@ void BusLink::Implementation::take(const Packed& packed) {
 
 void BusLink::Implementation::deliver(const std::string& host, const ClockOffset& clock,
                                       const Held& packet, Bytes data) {
-  // A stop of a host whose clock is not known is carried out whatever its age.
+  // A stop is obeyed at any age, even if the clock of its host is not known.
   const double offset = std::isnan(clock.offset) ? 0 : clock.offset;
   const std::int64_t age = now() + units::microseconds(offset) - packet.heard;
   const Verdict verdict = core.receive(loop.now(), host, packet.gateway, packet.stream,
@@ -319,7 +320,7 @@ void BusLink::Implementation::release() {
     const LinkPeer& from = peer->second;
     for (const Held& packet : entry->second) {
       held_bytes -= packet.data.size();
-      // Of an earlier start of that gateway: it is not there any more, and its numbers are not.
+      // Skips packets of an earlier start of that gateway, whose numbers are no longer valid.
       if (packet.gateway != from.gateway || from.state != PeerState::kJoined) continue;
       deliver(from.host, from.clock, packet, packet.data);
     }
@@ -327,26 +328,26 @@ void BusLink::Implementation::release() {
   }
 }
 
-void BusLink::Implementation::send(const LinkHeartbeat& sign) {
-  Signed sample{};
-  sample.host = text(sign.host);
-  sample.gateway = sign.gateway;
-  sample.contract = sign.edition.contract;
-  sample.fingerprints = text(sign.edition.fingerprints);
-  sample.version = text(sign.edition.version);
-  sample.to = sign.to;
-  sample.sent = sign.sent;
-  sample.there = sign.there;
-  sample.answered = sign.answered;
-  sample.refusal = text(sign.refusal);
-  signs_out.write(&sample);
+void BusLink::Implementation::send(const LinkHeartbeat& heartbeat) {
+  WireHeartbeat sample{};
+  sample.host = text(heartbeat.host);
+  sample.gateway = heartbeat.gateway;
+  sample.contract = heartbeat.protocol.contract;
+  sample.fingerprints = text(heartbeat.protocol.fingerprints);
+  sample.version = text(heartbeat.protocol.version);
+  sample.to = heartbeat.to;
+  sample.sent = heartbeat.sent;
+  sample.there = heartbeat.there;
+  sample.answered = heartbeat.answered;
+  sample.refusal = text(heartbeat.refusal);
+  heartbeats_out.write(&sample);
 }
 
 void BusLink::Implementation::tick() {
-  passOnEarly();
-  if (peers.tick(now())) tell();
+  forwardEarly();
+  if (peers.tick(now())) publishStatus();
   release();
-  // Until its clock is known a new peer is asked in quick succession.
+  // Sends frequent pings until the clock of a new peer is known.
   for (const auto& [host, peer] : peers.all()) {
     if (peer.state != PeerState::kNew) continue;
     send(peers.ping(now()));
@@ -356,8 +357,8 @@ void BusLink::Implementation::tick() {
 }
 
 void BusLink::Implementation::reportMissingPeers() {
-  if (missed || loop.now() - started < kPatience) return;
-  missed = true;
+  if (reported_missing || loop.now() - started < kDiscoveryTime) return;
+  reported_missing = true;
   if (peers.all().size() >= options.peers.size()) return;
   std::string addresses;
   for (const std::string& address : options.peers) addresses += " " + address;
@@ -372,11 +373,11 @@ void BusLink::Implementation::reportMissingPeers() {
   node.noteError("link: " + trouble);
 }
 
-void BusLink::Implementation::tell() {
+void BusLink::Implementation::publishStatus() {
   if (leaving) return;
   link_status_t status{};
   status.host = options.host;
-  status.allowed_clock_offset = options.most_offset;
+  status.allowed_clock_offset = options.max_offset;
   status.foreign = core.foreign();
   status.timeouts = packets_out.timeouts();
   for (const auto& [host, peer] : peers.all()) {
@@ -402,12 +403,12 @@ void BusLink::Implementation::tell() {
                     "a network.ttl that lets LCM itself reach " +
                     host + "?";
     }
-    PeerState& before = said[host];
+    PeerState& before = logged[host];
     if (before != peer.state) {
       before = peer.state;
-      sayState(peer);
+      logState(peer);
     }
-    // A peer that is not joined is seen in LINK_STATUS, and whoever watches that says so.
+    // A peer that is not joined is reported by the programs that read LINK_STATUS.
     if (peer.state == PeerState::kJoined && !row.trouble.empty()) {
       node.noteError("link: " + row.trouble);
     }

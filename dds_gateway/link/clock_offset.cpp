@@ -6,9 +6,9 @@
 namespace lab::gateway {
 namespace {
 
-/// Clocks of computers part by up to 100 ppm: 1 ms in this time [us].
+/// Clocks of computers drift by up to 100 ppm: 1 ms in this time [us].
 constexpr std::int64_t kOldest = 10'000'000;
-/// No round trip that ends takes longer [us]: keeps the sums below from overflowing.
+/// Upper limit of a round trip [us]; prevents overflow of the sums below.
 constexpr std::int64_t kLongest = 60'000'000;
 
 bool within(std::int64_t from, std::int64_t to) {
@@ -24,7 +24,7 @@ void ClockOffsetEstimator::add(std::int64_t sent, std::int64_t there, std::int64
   if (delay < 0) return;
   const double offset =
       0.5 * (static_cast<double>(there - sent) + static_cast<double>(answered - came));
-  // Old ones go when there are others: a clock that was known stays so.
+  // Old round trips are removed only if there are others, so a known offset stays known.
   while (last_.size() >= kWindow ||
          (last_.size() >= kEnough && came - last_.front().came > kOldest)) {
     last_.pop_front();

@@ -1,4 +1,4 @@
-/// The clock of another host against ours.
+/// Offset between the clock of another host and ours.
 #pragma once
 
 #include <cstdint>
@@ -7,23 +7,24 @@
 
 namespace lab::gateway {
 
-/// Its clock minus ours. nan: not known yet.
+/// The other clock minus ours. nan: not known yet.
 struct ClockOffset {
-  double offset = std::numeric_limits<double>::quiet_NaN();      ///< [s]
-  double error = std::numeric_limits<double>::quiet_NaN();       ///< [s] a bound, not a deviation
+  double offset = std::numeric_limits<double>::quiet_NaN();  ///< [s]
+  double error =
+      std::numeric_limits<double>::quiet_NaN();  ///< [s] an upper bound, not a standard deviation
   double round_trip = std::numeric_limits<double>::quiet_NaN();  ///< [s] median of the last ones
 };
 
-/// NTP's formula (RFC 5905, section 8) on the fastest of the last round trips: whatever delays a
-/// message on one way shows in its round trip, and the true offset is within half of that.
+/// NTP's formula (RFC 5905, section 8) on the fastest of the last round trips. A delay on one way
+/// appears in the round trip, so the true offset is within half of the round trip.
 class ClockOffsetEstimator {
  public:
   static constexpr std::size_t kWindow = 16;  ///< round trips that are kept
-  static constexpr std::size_t kEnough = 6;   ///< before anything is said
+  static constexpr std::size_t kEnough = 6;   ///< round trips before estimate() gives a result
 
-  /// Our request left at `sent`, came there at `there`, was answered at `answered`, and the answer
-  /// came here at `came`; the middle two by the other clock [us since 1970]. What cannot have
-  /// happened (an answer before its request) is ignored.
+  /// Our request left at `sent` and arrived there at `there`; the answer left at `answered` and
+  /// arrived here at `came`; the middle two by the other clock [us since 1970]. Impossible times
+  /// (an answer before its request) are ignored.
   void add(std::int64_t sent, std::int64_t there, std::int64_t answered, std::int64_t came);
 
   [[nodiscard]] ClockOffset estimate() const;

@@ -10,7 +10,7 @@
 namespace lab::gateway {
 namespace {
 
-/// Measurements: of use when they are complete, not to who comes later.
+/// Measurements, which late joiners do not get: single old samples are of no use.
 constexpr std::array kMeasurements{channels::kTrackedFrame,  channels::kTrackedDetails,
                                    channels::kRobotSteps,    channels::kLightSeen,
                                    channels::kLightDelivery, channels::kAnalysis,
@@ -23,8 +23,8 @@ bool isCommand(std::string_view channel) {
          channel == channels::kRobotStop;  // its release: see isStop()
 }
 
-/// @return the header of a message of the lab that is passed between hosts. A type that is not ours
-///   is not: what it has in the header's place would be anything.
+/// @return the header if it is a message of the lab. Other types may hold anything at the place of
+///   the header.
 std::optional<MessageHeader> passed(std::string_view channel, Bytes data) {
   if (channel.size() > 63) return std::nullopt;  // LCM's limit
   const std::optional<MessageHeader> header = peekHeader(data);
@@ -73,7 +73,7 @@ LinkCore::Home* LinkCore::homeOn(const std::string& host, std::int64_t now,
   }
   if (home->host.empty() && now - home->heard > home_holds_) *home = {host, now};
   if (home->host != host) return nullptr;
-  // Echoes that our own socket lost are not waited for.
+  // Does not wait for echoes that our own socket lost.
   if (now - home->heard > kEchoLost) home->brought = 0;
   home->heard = now;
   return home;
@@ -108,7 +108,7 @@ Verdict LinkCore::receive(std::int64_t now, const std::string& host, std::int64_
     return Verdict::kForeign;
   }
   From& from = hosts_[host];
-  if (from.gateway != gateway) {  // it has been started again and counts from 1
+  if (from.gateway != gateway) {  // it was restarted and counts from 1
     from.gateway = gateway;
     from.counts = {};
     from.last.clear();

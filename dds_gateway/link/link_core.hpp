@@ -1,5 +1,4 @@
-/// What passes between the buses of two hosts, and what does not. Numbers in, numbers out: no bus,
-/// no DDS, no clock.
+/// Decides which packets pass between the buses of two hosts. Without bus, DDS and clock.
 #pragma once
 
 #include <cstdint>
@@ -16,24 +15,24 @@
 
 namespace lab::gateway {
 
-/// A packet of our bus that is passed on.
+/// A packet of our bus that is forwarded.
 struct Outgoing {
-  std::int32_t stream = 0;  ///< of this gateway's, from 1; channel, sender and instance decide
-  std::int64_t number = 0;  ///< in this stream, from 1
-  std::int32_t slot = 0;    ///< below kMostStreams: of this stream until another one takes it
+  std::int32_t stream = 0;  ///< number of the stream (channel, sender, instance) here, from 1
+  std::int64_t number = 0;  ///< of the packet in this stream, from 1
+  std::int32_t slot = 0;    ///< below kMostStreams: of this stream until another one reuses it
 };
 
-/// What becomes of a packet that another gateway sent.
+/// Decision on a packet from another gateway.
 enum class Verdict : std::int8_t {
-  kDeliver,   ///< put it on our bus
-  kForeign,   ///< not the lab's, or of a channel that is not passed
-  kRepeated,  ///< came before
+  kDeliver,   ///< publish it on our bus
+  kForeign,   ///< not a message of the lab, or of a channel that is not forwarded
+  kRepeated,  ///< was received before
   kStale,     ///< a command that took too long
-  kHistory,   ///< a measurement from before we listened: only states are kept for late joiners
-  kClash,     ///< its sender is at home here or on a third host
+  kHistory,   ///< a measurement from before we joined: late joiners get only states
+  kClash,     ///< its sender belongs to this host or to a third one
 };
 
-/// Of one other gateway, since it started.
+/// Counts for one other gateway, since its start.
 struct LinkCounts {
   std::int64_t received = 0;  ///< delivered
   std::int64_t lost = 0;
@@ -42,50 +41,51 @@ struct LinkCounts {
   std::int64_t clashing = 0;
 };
 
-/// Every message is passed on by one gateway only, that of the bus on which it was first heard. The
-/// home of its sender (sender, instance) is learned at first sight; what came through the link is
-/// heard again on our bus, once, and goes no further. Within a stream numbers rise: what repeats is
-/// dropped, what is missing is counted.
+/// Exactly one gateway forwards a message: that of the bus on which its sender (sender, instance)
+/// was first received, the sender's home. A message from the link comes back once from our bus as
+/// an echo and is not forwarded again. Numbers rise within a stream: repetitions are dropped, gaps
+/// counted.
 ///
-/// Two gateways on one bus must not send packets in circles: a sender that is heard more often than
-/// we put it there is at home here. A home here is given up when the sender has not been heard here
-/// for a while and comes from elsewhere, after a time that differs from gateway to gateway: one of
-/// the two brings it then, and the other hears that.
+/// Two gateways on one bus must not send packets in circles. If a sender is received more often
+/// than the link has published it here, its home is here. This home is given up if the sender has
+/// not been received here for some time and comes from another host. The time differs between
+/// gateways, so one of the two forwards the sender then, and the other one receives it.
 class LinkCore {
  public:
-  /// A command that is older is not carried out [us].
+  /// Maximal age of a command [us].
   static constexpr std::int64_t kFreshCommand = 1'000'000;
-  /// Of a bus. A busy lab has a hundred; those that are quiet for the longest are forgotten.
+  /// Maximal number of streams of a bus. A busy lab has a hundred. The least recent are forgotten.
   static constexpr std::size_t kMostStreams = 1000;
-  /// A sender that was not heard here for one to two of these may be at home elsewhere [us].
+  /// A sender that was silent here for one to two times this may change its home [us].
   static constexpr std::int64_t kHomeTimeout = 2'000'000;
 
-  /// @param gateway ours, any number that differs from gateway to gateway
+  /// @param gateway of this host; any number that differs between gateways
   explicit LinkCore(std::int64_t gateway)
       : home_holds_(kHomeTimeout + (gateway % kHomeTimeout + kHomeTimeout) % kHomeTimeout) {}
 
-  /// A packet of our own bus, ours and those we put there included.
-  /// @param now [us] of a clock that does not jump
-  /// @return nothing when it is not passed on.
+  /// A packet from our own bus, including our own packets and those that the link published there.
+  /// @param now [us] of a steady clock
+  /// @return nothing if it is not forwarded
   [[nodiscard]] std::optional<Outgoing> hear(std::int64_t now, std::string_view channel,
                                              Bytes data);
 
-  /// A packet of another gateway.
-  /// @param host, gateway of the one that sent it, and when that one was started (any number that
-  ///   differs from start to start)
-  /// @param age [us] since it was heard there, by one clock
+  /// A packet from another gateway.
+  /// @param host,gateway of the sending gateway; `gateway` is any number that differs between
+  /// starts
+  /// @param age [us] since it was received there, by one clock
   [[nodiscard]] Verdict receive(std::int64_t now, const std::string& host, std::int64_t gateway,
                                 std::int32_t stream, std::int64_t number, std::int64_t age,
                                 std::string_view channel, Bytes data);
 
-  /// Whether it passes even where nothing else does. The release of a stop is no stop.
+  /// Whether the packet is a stop, which passes even between refused peers. The release of a stop
+  /// is not a stop.
   [[nodiscard]] static bool isStop(std::string_view channel, Bytes data);
 
-  /// Packets on our bus or from others that are none of the lab's.
+  /// Packets, from our bus or from others, that are not messages of the lab.
   [[nodiscard]] std::int64_t foreign() const { return foreign_; }
-  /// Of this start of that host's gateway.
+  /// Counts since the last start of that host's gateway.
   [[nodiscard]] LinkCounts counts(const std::string& host) const;
-  /// Everything that is kept, for tests of its bounds.
+  /// Number of stored entries, for tests of its bounds.
   [[nodiscard]] std::size_t size() const;
 
  private:
@@ -95,9 +95,9 @@ class LinkCore {
     auto operator<=>(const Sender&) const = default;
   };
   struct Home {
-    std::string host;          ///< empty: here
-    std::int64_t heard;        ///< there, or from there [us]
-    std::int64_t brought = 0;  ///< put on our bus and not heard there yet
+    std::string host;          ///< empty: this host
+    std::int64_t heard;        ///< time of the last message [us]
+    std::int64_t brought = 0;  ///< published on our bus, whose echo has not come back yet
   };
   using StreamName = std::tuple<std::string, std::string, std::int64_t>;
   struct Sent {
@@ -108,15 +108,16 @@ class LinkCore {
   struct From {
     std::int64_t gateway = 0;
     LinkCounts counts;
-    // Twice what the sender keeps: none of those it keeps is ever forgotten here.
+    // Twice the number that the sender stores, so no stored stream is forgotten here.
     LruMap<std::int32_t, std::int64_t> last{2 * kMostStreams};  ///< number of each stream
   };
   static constexpr std::size_t kMostSenders = 4 * kMostStreams;
   static constexpr std::size_t kMostHosts = 100;
 
-  /// Whether it is our own bus that this sender, just heard there, is at home on.
+  /// Whether a sender that was just received from our own bus has its home here.
   bool isAtHome(std::int64_t now, const MessageHeader& header);
-  /// @return of this sender, just heard from there; nullptr when it is at home elsewhere.
+  /// @return the home of a sender that was just received from `host`; nullptr if it has another
+  /// home
   Home* homeOn(const std::string& host, std::int64_t now, const MessageHeader& header);
 
   std::int64_t home_holds_;

@@ -12,12 +12,12 @@
 namespace lab::gateway {
 namespace {
 
-/// Refused clocks are taken again when they are better than needed: no flutter at the limit.
+/// A refused clock is accepted again below this share of the limit: hysteresis.
 constexpr double kBetterThanNeeded = 0.9;
-/// Without an answer for so long there is no way back [us].
+/// Without an answer for this time the way back is considered closed [us].
 constexpr std::int64_t kNoAnswer = 3'000'000;
 
-/// FNV-1a, 64 bit: the same list gives the same number on every host.
+/// FNV-1a, 64 bit: gives the same number for the same list on every host.
 std::string digest(const std::string& text) {
   std::uint64_t hash = 14695981039346656037U;
   for (const char letter : text) {
@@ -28,7 +28,7 @@ std::string digest(const std::string& text) {
   return digits.data();
 }
 
-std::string inWords(double seconds) {
+std::string asText(double seconds) {
   std::array<char, 400> text{};
   if (seconds < 1) {
     std::snprintf(text.data(), text.size(), "%.3g ms", seconds * 1e3);
@@ -38,9 +38,9 @@ std::string inWords(double seconds) {
   return text.data();
 }
 
-std::string inWords(const ProtocolVersion& edition) {
-  return "message contract " + std::to_string(edition.contract) + " (types " +
-         edition.fingerprints + ", version " + edition.version + ")";
+std::string asText(const ProtocolVersion& protocol) {
+  return "message contract " + std::to_string(protocol.contract) + " (types " +
+         protocol.fingerprints + ", version " + protocol.version + ")";
 }
 
 }  // namespace
@@ -49,57 +49,57 @@ ProtocolVersion ProtocolVersion::own() {
   return {kContractVersion, digest(fingerprintList()), kVersion};
 }
 
-LinkPeers::LinkPeers(std::string host, std::int64_t gateway, ProtocolVersion edition,
-                     double most_offset)
+LinkPeers::LinkPeers(std::string host, std::int64_t gateway, ProtocolVersion protocol,
+                     double max_offset)
     : host_(std::move(host)),
       gateway_(gateway),
-      edition_(std::move(edition)),
-      most_offset_(most_offset) {}
+      protocol_(std::move(protocol)),
+      max_offset_(max_offset) {}
 
 LinkHeartbeat LinkPeers::ping(std::int64_t now) const {
-  LinkHeartbeat sign;
-  sign.host = host_;
-  sign.gateway = gateway_;
-  sign.edition = edition_;
-  sign.sent = now;
-  return sign;
+  LinkHeartbeat heartbeat;
+  heartbeat.host = host_;
+  heartbeat.gateway = gateway_;
+  heartbeat.protocol = protocol_;
+  heartbeat.sent = now;
+  return heartbeat;
 }
 
-LinkPeer* LinkPeers::admit(std::int64_t now, const LinkHeartbeat& sign) {
-  const auto found = peers_.find(sign.host);
+LinkPeer* LinkPeers::admit(std::int64_t now, const LinkHeartbeat& heartbeat) {
+  const auto found = peers_.find(heartbeat.host);
   if (found == peers_.end() && peers_.size() >= kMostPeers) return nullptr;
   if (found != peers_.end()) {
     LinkPeer& old = found->second;
-    if (old.gateway == sign.gateway) return &old;
-    // Started again, or a second one of the same name: the later start counts while both live.
-    if (sign.gateway < old.gateway && now - old.heard <= kSilent) {
+    if (old.gateway == heartbeat.gateway) return &old;
+    // A restart, or a second gateway of the same name: the later start counts while both are alive.
+    if (heartbeat.gateway < old.gateway && now - old.heard <= kSilent) {
       old.double_heard = now;
       return nullptr;
     }
   }
-  LinkPeer& peer = peers_[sign.host] = {};
-  peer.host = sign.host;
-  peer.gateway = sign.gateway;
+  LinkPeer& peer = peers_[heartbeat.host] = {};
+  peer.host = heartbeat.host;
+  peer.gateway = heartbeat.gateway;
   peer.met = now;
   changed_ = true;
   return &peer;
 }
 
-bool LinkPeers::hear(std::int64_t now, const LinkHeartbeat& sign, LinkHeartbeat& answer) {
-  if (sign.gateway == gateway_ && sign.host == host_) return false;  // ourselves
-  LinkPeer* peer = admit(now, sign);
+bool LinkPeers::hear(std::int64_t now, const LinkHeartbeat& heartbeat, LinkHeartbeat& answer) {
+  if (heartbeat.gateway == gateway_ && heartbeat.host == host_) return false;  // ourselves
+  LinkPeer* peer = admit(now, heartbeat);
   if (peer == nullptr) return false;
   peer->heard = now;
-  peer->edition = sign.edition;
-  if (sign.to == gateway_) {
-    peer->round_trips.add(sign.sent, sign.there, sign.answered, now);
+  peer->protocol = heartbeat.protocol;
+  if (heartbeat.to == gateway_) {
+    peer->round_trips.add(heartbeat.sent, heartbeat.there, heartbeat.answered, now);
     peer->clock = peer->round_trips.estimate();
-    peer->refusal = sign.refusal;
+    peer->refusal = heartbeat.refusal;
   }
-  judge(now, *peer);
-  if (sign.to != 0) return false;
-  answer = ping(sign.sent);
-  answer.to = sign.gateway;
+  updateState(now, *peer);
+  if (heartbeat.to != 0) return false;
+  answer = ping(heartbeat.sent);
+  answer.to = heartbeat.gateway;
   answer.there = now;
   answer.answered = now;
   answer.refusal = refusalOf(*peer);
@@ -110,17 +110,17 @@ void LinkPeers::alive(std::int64_t now, const std::string& host, std::int64_t ga
   const auto found = peers_.find(host);
   if (found == peers_.end() || found->second.gateway != gateway) return;
   found->second.heard = now;
-  judge(now, found->second);
+  updateState(now, found->second);
 }
 
 bool LinkPeers::tick(std::int64_t now) {
-  // After a pause of our own nobody has been silent: what they said waits to be read.
+  // After a pause of this process the peers were not silent: their messages wait to be read.
   const bool slept = ticked_ != 0 && now - ticked_ > kSilent / 2;
   ticked_ = now;
   for (auto& [host, peer] : peers_) {
     if (slept && peer.state != PeerState::kSilent)
       peer.heard = std::max(peer.heard, now - kSilent / 2);
-    judge(now, peer);
+    updateState(now, peer);
   }
   return std::exchange(changed_, false);
 }
@@ -128,12 +128,13 @@ bool LinkPeers::tick(std::int64_t now) {
 std::string LinkPeers::clockTrouble(const LinkPeer& peer) const {
   if (std::isnan(peer.clock.offset)) return "";
   const bool refused = peer.state == PeerState::kRefused;
-  const double most = refused ? kBetterThanNeeded * most_offset_ : most_offset_;
-  // Only what is surely too much: a slow way there says little about a clock.
+  const double most = refused ? kBetterThanNeeded * max_offset_ : max_offset_;
+  // Refuses only an offset above the limit by more than its error: a slow network is no clock
+  // error.
   if (std::abs(peer.clock.offset) - peer.clock.error <= most) return "";
-  return "the clock of " + peer.host + " is " + inWords(std::abs(peer.clock.offset)) +
+  return "the clock of " + peer.host + " is " + asText(std::abs(peer.clock.offset)) +
          (peer.clock.offset > 0 ? " ahead of" : " behind") + " that of " + host_ + " (known to " +
-         inWords(peer.clock.error) + "), expected at most " + inWords(most_offset_) +
+         asText(peer.clock.error) + "), expected at most " + asText(max_offset_) +
          " (link.max_clock_offset_ms). Set both by the network and start the run again: sudo "
          "systemctl start chrony on " +
          peer.host + " and on " + host_;
@@ -144,14 +145,14 @@ std::string LinkPeers::refusalOf(const LinkPeer& peer) const {
     return "two hosts call themselves " + host_ +
            ": each needs a name of its own (--link-host, [hosts.NAME])";
   }
-  if (!edition_.fits(peer.edition)) {
-    return peer.host + " speaks " + inWords(peer.edition) + ", " + host_ + " speaks " +
-           inWords(edition_) + ": install the same version of the lab on both";
+  if (!protocol_.fits(peer.protocol)) {
+    return peer.host + " speaks " + asText(peer.protocol) + ", " + host_ + " speaks " +
+           asText(protocol_) + ": install the same version of the lab on both";
   }
   return clockTrouble(peer);
 }
 
-void LinkPeers::judge(std::int64_t now, LinkPeer& peer) {
+void LinkPeers::updateState(std::int64_t now, LinkPeer& peer) {
   std::string trouble = refusalOf(peer);
   PeerState state = PeerState::kRefused;
   if (trouble.empty() && !peer.refusal.empty()) {

@@ -1,5 +1,5 @@
-/// The gateways of the other hosts: who lives, whose clock is right, who speaks our language. No
-/// DDS, no bus, no clock.
+/// State of the gateways of the other hosts: whether they answer, their clock, their version.
+/// Without DDS, bus and clock.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,11 @@
 
 namespace lab::gateway {
 
-/// What a message of the lab looks like to a program.
+/// Version of the messages of a program.
 struct ProtocolVersion {
   std::int32_t contract = 0;  ///< kContractVersion
   std::string fingerprints;   ///< of all types
-  std::string version;        ///< of the software, for people
+  std::string version;        ///< of the software, for display
 
   /// Of this program.
   [[nodiscard]] static ProtocolVersion own();
@@ -24,16 +24,16 @@ struct ProtocolVersion {
   }
 };
 
-/// A sign of life: a ping to all, or the answer (pong) to one of them.
+/// A heartbeat: a ping to all gateways, or the answer (pong) to one.
 struct LinkHeartbeat {
   std::string host;
   std::int64_t gateway = 0;  ///< new at each start
-  ProtocolVersion edition;
-  std::int64_t to = 0;        ///< the gateway whose ping this answers, 0: a ping
-  std::int64_t sent = 0;      ///< the ping's, by the clock of who asked [us since 1970]
-  std::int64_t there = 0;     ///< a pong's: when the ping came, by the clock of who answers
-  std::int64_t answered = 0;  ///< a pong's: when it left
-  std::string refusal;        ///< a pong's: why nothing passes, empty: it does
+  ProtocolVersion protocol;
+  std::int64_t to = 0;     ///< the gateway whose ping this answers, 0: a ping
+  std::int64_t sent = 0;   ///< time of the ping, by the clock of its sender [us since 1970]
+  std::int64_t there = 0;  ///< of a pong: arrival of the ping, by the clock of the answering host
+  std::int64_t answered = 0;  ///< of a pong: when it left
+  std::string refusal;        ///< of a pong: why messages are refused; empty: they pass
 };
 
 enum class PeerState : std::int8_t { kNew, kJoined, kSilent, kRefused };
@@ -41,54 +41,55 @@ enum class PeerState : std::int8_t { kNew, kJoined, kSilent, kRefused };
 struct LinkPeer {
   std::string host;
   std::int64_t gateway = 0;
-  ProtocolVersion edition;
-  PeerState state = PeerState::kNew;  ///< new: alive, its clock not known yet
-  std::int64_t heard = 0;             ///< the last sign of life [us since 1970]
+  ProtocolVersion protocol;
+  PeerState state = PeerState::kNew;  ///< new: it answers, its clock is not known yet
+  std::int64_t heard = 0;             ///< the last heartbeat or packet [us since 1970]
   std::int64_t met = 0;               ///< the first one
-  std::int64_t double_heard = 0;      ///< the last sign of another gateway of this name
-  std::string trouble;                ///< empty: all is well
-  std::string refusal;                ///< why it refuses us, as it says
+  std::int64_t double_heard = 0;      ///< the last heartbeat of another gateway of this name
+  std::string trouble;                ///< the problem and what to do; empty: none
+  std::string refusal;                ///< why it refuses us, as it reports
   ClockOffset clock;
   ClockOffsetEstimator round_trips;
 };
 
 class LinkPeers {
  public:
-  /// Without a sign of life for so long a peer is silent [us].
+  /// A peer without a heartbeat or packet for this time is silent [us].
   static constexpr std::int64_t kSilent = 1'000'000;
   static constexpr std::size_t kMostPeers = 64;
 
-  /// @param most_offset [s] between two clocks
-  LinkPeers(std::string host, std::int64_t gateway, ProtocolVersion edition, double most_offset);
+  /// @param max_offset [s] between two clocks
+  LinkPeers(std::string host, std::int64_t gateway, ProtocolVersion protocol, double max_offset);
 
-  /// What to ask all others, a few times a second.
+  /// The ping to send to all others, a few times a second.
   [[nodiscard]] LinkHeartbeat ping(std::int64_t now) const;
 
-  /// A sign of another gateway.
-  /// @param answer what to send back, when the result says so
+  /// A heartbeat of another gateway.
+  /// @param answer the pong to send, if the result is true
   /// @return whether there is an answer
-  [[nodiscard]] bool hear(std::int64_t now, const LinkHeartbeat& sign, LinkHeartbeat& answer);
+  [[nodiscard]] bool hear(std::int64_t now, const LinkHeartbeat& heartbeat, LinkHeartbeat& answer);
 
-  /// Anything else that came from a peer: a sign of life, too.
+  /// A packet from a peer, which also shows that it is alive.
   void alive(std::int64_t now, const std::string& host, std::int64_t gateway);
 
-  /// Time passes; several times a second. @return whether a state has changed since the last call.
+  /// Updates all states; call it several times a second. @return whether a state has changed since
+  /// the last call
   [[nodiscard]] bool tick(std::int64_t now);
 
-  /// @return nullptr for a gateway that is not known: it has not said which it is.
+  /// @return nullptr for a gateway that has not sent a heartbeat
   [[nodiscard]] const LinkPeer* find(const std::string& host, std::int64_t gateway) const;
   [[nodiscard]] const std::map<std::string, LinkPeer>& all() const { return peers_; }
 
  private:
-  LinkPeer* admit(std::int64_t now, const LinkHeartbeat& sign);
-  void judge(std::int64_t now, LinkPeer& peer);
+  LinkPeer* admit(std::int64_t now, const LinkHeartbeat& heartbeat);
+  void updateState(std::int64_t now, LinkPeer& peer);
   [[nodiscard]] std::string refusalOf(const LinkPeer& peer) const;
   [[nodiscard]] std::string clockTrouble(const LinkPeer& peer) const;
 
   std::string host_;
   std::int64_t gateway_;
-  ProtocolVersion edition_;
-  double most_offset_;
+  ProtocolVersion protocol_;
+  double max_offset_;
   std::map<std::string, LinkPeer> peers_;  ///< by host
   std::int64_t ticked_ = 0;
   bool changed_ = false;

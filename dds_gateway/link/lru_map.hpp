@@ -8,13 +8,13 @@
 
 namespace lab::gateway {
 
-/// A map of bounded size: what was not asked for the longest goes first.
+/// A map of bounded size, which removes the least recently used entry first.
 template <class Key, class Value>
 class LruMap {
  public:
   explicit LruMap(std::size_t most) : most_(most) {}
 
-  /// @return the value of this key, used now; nullptr when there is none.
+  /// @return the value of this key, marked as used; nullptr if there is none
   template <class Wanted>
   [[nodiscard]] Value* find(const Wanted& key) {
     const auto found = places_.find(key);
@@ -23,8 +23,8 @@ class LruMap {
     return &found->second->second;
   }
 
-  /// Adds a key that is not there.
-  /// @return what had to go for it.
+  /// Adds a key that is not in the map.
+  /// @return the value that was removed to make room
   std::optional<Value> add(const Key& key, Value value) {
     std::optional<Value> gone;
     if (entries_.size() >= most_) {

@@ -5,14 +5,14 @@
 namespace lab::gateway {
 namespace {
 
-constexpr std::int64_t kLabAlive_us = 2'000'000;   // it repeats its commands at 5 Hz
+constexpr std::int64_t kLabAlive_us = 2'000'000;   // the lab repeats its commands at 5 Hz
 constexpr std::int64_t kStopAlive_us = 500'000;    // a stop is repeated at 10 Hz
 constexpr std::int64_t kDriveSpacing_us = 20'000;  // one message a tick
 constexpr std::int64_t kDriveRepeat_us = 100'000;
 constexpr std::int32_t kDriveLease_ms = 500;
 constexpr std::int64_t kOrderRepeat_us = 500'000;
 constexpr std::int32_t kOrderLease_ms = 2000;
-constexpr std::int32_t kEndLease_ms = 1;     // the lab's next command is obeyed again
+constexpr std::int32_t kEndLease_ms = 1;     // then robots obey the lab's next command
 constexpr std::size_t kMostOrdersATick = 4;  // the burst budget, lcmtypes/README.md
 
 void add(robot_order_t& order, std::int32_t robot) {
@@ -136,7 +136,7 @@ void CommandArbiter::take(const robot_command_t& command, std::int64_t now) {
     for (const std::int32_t robot : order.robot_ids) {
       if (!robots_.contains(robot)) continue;
       lab_[robot] = {order.mode, now};
-      // Silently: what the lab has just said must not be spoilt by a last word of ours.
+      // No release is sent: it would override the lab's command that has just arrived.
       if (order.mode != robot_order_t::TABLE) holds_.erase(robot);
     }
   }

@@ -1,4 +1,5 @@
-/// Who outside the lab may drive which robot, and what the robots are told: no bus, no clock.
+/// Decides which ROS 2 publisher may drive which robot, and makes the commands for the robots.
+/// Without bus and clock.
 #pragma once
 
 #include <cstdint>
@@ -16,36 +17,39 @@
 
 namespace lab::gateway {
 
-/// What became of a wish.
+/// The result of a request.
 enum class Answer {
   kTaken,
-  kClamped,     ///< taken, slowed down to what the wheels can do
+  kClamped,     ///< taken, slowed down to the limit of the wheels
   kNotFinite,   ///< a number is nan or infinite
-  kOutOfRange,  ///< a number makes no sense
-  kNoRobot,     ///< the experiment has no such robot, or nobody may drive it from here
+  kOutOfRange,  ///< a number is outside its range
+  kNoRobot,     ///< the experiment has no such robot, or does not allow driving it
   kNoProgram,   ///< the experiment has no such program
-  kOwned,       ///< somebody else holds it
+  kOwned,       ///< another publisher holds it
   kStopped,     ///< ROBOT_STOP is in force
-  kLabHolds,    ///< the lab itself makes the robot stand or drives it
-  kFlood,       ///< more messages than anybody reads
+  kLabHolds,    ///< the lab itself stops or drives the robot
+  kFlood,       ///< more messages per second than are processed
 };
 inline constexpr int kAnswers = 10;
 
 /// "held by another publisher"
 [[nodiscard]] std::string textOf(Answer answer);
 
-/// The rule, from the strongest say to the weakest:
+/// Priorities, the highest first:
 ///
-/// 1. ROBOT_STOP: what holds a robot is forgotten, nothing is taken for it until it is released.
-/// 2. ROBOT_COMMAND of another sender that makes a robot stand or drives it (the lab's handshake,
-///    its end): the same.
-/// 3. One publisher. The first that speaks for a robot holds it, until it has been silent for
-///    `timeout`. Meanwhile nobody else is heard for that robot.
+/// 1. ROBOT_STOP: the robot's hold ends, and requests for it are refused until the stop is
+/// released.
+/// 2. ROBOT_COMMAND of another sender that stops or drives the robot (the lab's handshake, the end
+/// of
+///    the run): the same.
+/// 3. One publisher. The first publisher that commands a robot holds it until it has been silent
+/// for
+///    `timeout`. Meanwhile other publishers are refused for that robot.
 /// 4. The lab's light table.
 ///
-/// A robot that is driven stands when its publisher has been silent for `timeout`, and is given
-/// back to the lab when the silence has lasted for kGiveBack_us. A robot that was given a program,
-/// or told to stand, keeps it until somebody gives it back or drives it.
+/// A driven robot is stopped when its publisher has been silent for `timeout`, and released to the
+/// lab when the silence has lasted for kGiveBack_us. A robot with a commanded program, or with the
+/// command to stand, keeps it until it is released or driven.
 class CommandArbiter {
  public:
   static constexpr std::int64_t kGiveBack_us = 5'000'000;
@@ -55,29 +59,29 @@ class CommandArbiter {
       : robots_(std::move(robots)), wheels_(wheels), timeout_us_(timeout_us) {}
 
   Answer drive(std::int32_t robot, dds::WriterId writer, const ros::Twist& twist, std::int64_t now);
-  /// @param order what they shall do, of mode STAND or TABLE
-  /// @param robots whose orders count as one; each must be one that may be driven
-  /// @return for the first that refuses; the others obey
+  /// @param order of mode STAND or TABLE
+  /// @param robots their orders have one seq; each must be one that may be driven
+  /// @return the answer for the first refused robot; the others obey
   Answer command(const std::vector<std::int32_t>& robots, dds::WriterId writer,
                  const robot_order_t& order, std::int64_t now);
-  /// Back to the lab.
+  /// Returns the robots to the lab.
   Answer release(const std::vector<std::int32_t>& robots, dds::WriterId writer, std::int64_t now);
 
-  /// ROBOT_COMMAND of anybody else.
+  /// ROBOT_COMMAND of another sender.
   void take(const robot_command_t& command, std::int64_t now);
   void take(const robot_status_t& status);
   void take(const robot_stop_t& stop, std::int64_t now);
 
-  /// The watchdog. To be called at least every 20 ms.
+  /// The watchdog. Call it at least every 20 ms.
   void tick(std::int64_t now);
 
-  /// What is to be sent now: new orders at once, at most 50 times a second, and repeats. Headers
-  /// are left empty but for seq.
+  /// The commands to send now: new orders at once, at most 50 times a second, and repeats. Of the
+  /// headers only seq is set.
   [[nodiscard]] std::vector<robot_command_t> due(std::int64_t now);
 
   [[nodiscard]] const std::set<std::int32_t>& robots() const { return robots_; }
   [[nodiscard]] std::size_t held() const { return holds_.size(); }
-  /// How often a driven robot was made to stand because its publisher had fallen silent.
+  /// How often a driven robot was stopped because its publisher was silent.
   [[nodiscard]] std::int64_t silences() const { return silences_; }
 
  private:
@@ -85,9 +89,9 @@ class CommandArbiter {
     dds::WriterId writer = 0;
     std::int64_t heard_utime = 0;
     bool driven = false;
-    bool silent = false;   ///< driven, and made to stand
+    bool silent = false;   ///< driven, and stopped by silence
     robot_order_t order;   ///< without its robots
-    std::int64_t seq = 0;  ///< of an order that is no drive
+    std::int64_t seq = 0;  ///< of an order other than driving
     std::int64_t sent_utime = 0;
   };
   struct LabOrder {

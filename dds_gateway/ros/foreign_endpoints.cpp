@@ -18,18 +18,18 @@ dds::Entity watched(const dds::Domain& domain, dds_entity_t topic) {
   return dds::Entity(reader);
 }
 
-constexpr std::size_t kMost = 4096;  // endpoints that are looked at
+constexpr std::size_t kMost = 4096;  // endpoints per read
 
-/// Calls `look` with what `get` (dds_read_mask, dds_take_mask) finds.
-template <class Get, class Look>
-void forEach(Get get, const dds::Entity& reader, std::uint32_t mask, const Look& look) {
+/// Calls `handler` with each endpoint that `get` (dds_read_mask, dds_take_mask) returns.
+template <class Get, class Handler>
+void forEach(Get get, const dds::Entity& reader, std::uint32_t mask, const Handler& handler) {
   std::vector<void*> samples(kMost);
   std::vector<dds_sample_info_t> infos(kMost);
   const dds_return_t count = get(reader.get(), samples.data(), infos.data(), kMost,
                                  static_cast<std::uint32_t>(kMost), mask);
   if (count <= 0) return;
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    if (infos[i].valid_data) look(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
+    if (infos[i].valid_data) handler(*static_cast<const dds_builtintopic_endpoint_t*>(samples[i]));
   }
   dds_return_loan(reader.get(), samples.data(), count);
 }
@@ -40,16 +40,16 @@ ForeignEndpoints::ForeignEndpoints(const dds::Domain& domain)
     : publications_(watched(domain, DDS_BUILTIN_TOPIC_DCPSPUBLICATION)),
       subscriptions_(watched(domain, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION)) {}
 
-void ForeignEndpoints::look(const std::multimap<std::string, std::string>& types) {
+void ForeignEndpoints::update(const std::multimap<std::string, std::string>& types) {
   count_ = 0;
-  look(publications_, types);
-  look(subscriptions_, types);
+  update(publications_, types);
+  update(subscriptions_, types);
 }
 
-void ForeignEndpoints::look(const dds::Entity& reader,
-                            const std::multimap<std::string, std::string>& types) {
-  // Those that have ended are let go; the others stay to be read again, as a topic of ours may come
-  // later than they.
+void ForeignEndpoints::update(const dds::Entity& reader,
+                              const std::multimap<std::string, std::string>& types) {
+  // Endpoints that have ended are taken out. The others are only read, because a topic of ours may
+  // be opened after them.
   forEach(dds_take_mask, reader,
           DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_NOT_ALIVE_DISPOSED_INSTANCE_STATE |
               DDS_NOT_ALIVE_NO_WRITERS_INSTANCE_STATE,

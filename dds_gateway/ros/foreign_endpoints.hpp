@@ -8,23 +8,24 @@
 
 namespace lab::gateway {
 
-/// Watches what others in the domain publish and subscribe under the names of our topics, but with
-/// another type: DDS joins them with nobody and says nothing.
+/// Finds endpoints of other participants that use the name of one of our topics with another type.
+/// DDS does not match such endpoints and does not report them.
 class ForeignEndpoints {
  public:
   /// @throws DdsError
   explicit ForeignEndpoints(const dds::Domain& domain);
 
-  /// @param types DDS's names of the types by DDS's name of each of our topics
-  void look(const std::multimap<std::string, std::string>& types);
+  /// Reads the endpoints of the domain.
+  /// @param types DDS's names of the types, by DDS's name of each of our topics
+  void update(const std::multimap<std::string, std::string>& types);
 
-  /// At the last look.
+  /// Number of such endpoints at the last update().
   [[nodiscard]] std::int64_t count() const { return count_; }
-  /// The last: "rt/lab/robot1/cmd_vel has std_msgs::msg::dds_::String_"; empty: none.
+  /// The last of them: "rt/lab/robot1/cmd_vel has std_msgs::msg::dds_::String_"; empty: none.
   [[nodiscard]] const std::string& last() const { return last_; }
 
  private:
-  void look(const dds::Entity& reader, const std::multimap<std::string, std::string>& types);
+  void update(const dds::Entity& reader, const std::multimap<std::string, std::string>& types);
 
   dds::Entity publications_;
   dds::Entity subscriptions_;

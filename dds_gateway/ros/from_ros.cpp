@@ -10,7 +10,7 @@ bool isFinite(const ros::Vector3& vector) {
   return std::isfinite(vector.x) && std::isfinite(vector.y) && std::isfinite(vector.z);
 }
 
-// Far beyond any wheel, and its squares are still finite.
+// Far above any wheel speed; its square is still finite.
 constexpr double kFast = 1e9;
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// ROS 2's wishes as the lab's.
+/// Converts ROS 2's commands to the lab's.
 #pragma once
 
 #include "dds_gateway/ros/ros_type.hpp"
@@ -21,9 +21,9 @@ struct WheelSpeeds {
 /// Whether all six numbers are finite.
 [[nodiscard]] bool isFinite(const ros::Twist& twist);
 
-/// Wheel speeds of a finite twist: linear.x [m/s] forward and angular.z [rad/s]; the others are not
-/// looked at, a robot on two wheels can do nothing about them. What is faster than a wheel can turn
-/// is slowed down as a whole, so that the path keeps its curvature.
+/// Wheel speeds of a finite twist: linear.x [m/s] forward and angular.z [rad/s]. The other
+/// components are ignored, because a robot on two wheels cannot execute them. If a wheel would
+/// exceed its limit, both speeds are scaled down, so that the path keeps its curvature.
 [[nodiscard]] WheelSpeeds toWheels(const ros::Twist& twist, const WheelLimits& limits);
 
 }  // namespace lab::gateway

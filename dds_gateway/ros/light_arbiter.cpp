@@ -7,7 +7,7 @@
 namespace lab::gateway {
 namespace {
 
-constexpr std::size_t kLongestLabel = 100;  // [byte] it goes onto the bus twice a second
+constexpr std::size_t kLongestLabel = 100;  // [byte] it is published twice a second
 
 }  // namespace
 
@@ -38,7 +38,7 @@ Answer LightArbiter::release(dds::WriterId writer, std::int64_t now) {
 std::optional<light_command_t> LightArbiter::due(std::int64_t now) {
   const bool was_shown = light_.isShown();
   std::optional<light_command_t> command = light_.due(now);
-  if (was_shown && !light_.isShown()) owner_ = 0;  // its time is up
+  if (was_shown && !light_.isShown()) owner_ = 0;  // the hold has expired
   return command;
 }
 

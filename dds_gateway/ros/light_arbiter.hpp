@@ -1,4 +1,4 @@
-/// Who outside the lab may set the light: no bus, no clock.
+/// Decides which ROS 2 publisher may set the light. Without bus and clock.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 
 namespace lab::gateway {
 
-/// One light for the whole arena, as `lab light 0.5` sets it: it outranks the experiment's script
-/// until it is given back. One publisher holds it until it has been silent for `timeout`.
+/// Uniform light on the whole arena, like `lab light 0.5`. It outranks the experiment's script
+/// until it is released. One publisher holds the light until it has been silent for `timeout`.
 class LightArbiter {
  public:
   explicit LightArbiter(std::int64_t timeout_us) : timeout_us_(timeout_us) {}
 
   /// @param intensity [1] 0..1
-  /// @param hold [s] after which it is given back, 0: until somebody gives it back
+  /// @param hold [s] after which it is released, 0: until release()
   Answer show(dds::WriterId writer, double intensity, double hold, const std::string& label,
               std::int64_t now);
   Answer release(dds::WriterId writer, std::int64_t now);
 
-  /// What is to be sent now, header left empty but for seq: at once, then at 2 Hz.
+  /// The command to send now: at once, then at 2 Hz. Of the header only seq is set.
   [[nodiscard]] std::optional<light_command_t> due(std::int64_t now);
 
  private:

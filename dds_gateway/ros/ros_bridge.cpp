@@ -18,7 +18,7 @@ namespace lab::gateway {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::int64_t kFresh_us = 1'000'000;  // of wheels, and of poses that count as here
+constexpr std::int64_t kFresh_us = 1'000'000;  // older wheel speeds and poses are not used
 constexpr const char* kTf = "/tf";
 constexpr const char* kDiagnostics = "/diagnostics";
 constexpr const char* kClock = "/clock";
@@ -59,7 +59,8 @@ RosBridge::RosBridge(const ServiceContext& context)
       images_(loadImages(experiment_, context.directory)),
       arena_(names_.arenaFrame()),
       grid_(experiment_.arena_width, experiment_.arena_height, arena_),
-      analysis_(arena_) {
+      analysis_(arena_),
+      status_(names_, publishers_, foreign_) {
   try {
     openTopics();
     if (experiment_.gateway.commands) {
@@ -79,7 +80,7 @@ void RosBridge::openTopics() {
   light_field_ = publishers_.openLatched<ros::OccupancyGrid>(names_.topic("light_field"));
   robot_list_ = publishers_.openLatched<ros::String>(names_.topic("robots"));
   if (!publishers_.trouble().empty()) throw std::runtime_error(publishers_.trouble());
-  // A rule of the mapping that makes a bad name is found now, not when the robot comes.
+  // Finds rules that make an invalid name now, not when the robot appears.
   std::vector<std::string> later{"pose", "odom", "light"};
   for (const auto& [name, program] : experiment_.programs) {
     later.push_back("analysis/" + namePart(name));
@@ -103,13 +104,9 @@ void RosBridge::subscribe() {
   node_.subscribe<analysis_t>(channels::kAnalysis,
                               [this](const analysis_t& analysis) { take(analysis); });
   node_.subscribe<clock_t>(channels::kClock, [this](const clock_t& clock) { take(clock); });
-  node_.subscribe<service_status_t>(channels::kServiceStatus,
-                                    [this](const service_status_t& status) {
-                                      // Who only says its last counts is a command by hand.
-                                      const bool ended = status.state == service_status_t::ENDED;
-                                      if (ended && !services_.contains(status.sender)) return;
-                                      services_[status.sender] = {status, loop_.now()};
-                                    });
+  node_.subscribe<service_status_t>(
+      channels::kServiceStatus,
+      [this](const service_status_t& status) { status_.take(status, loop_.now()); });
 }
 
 RosBridge::Robot* RosBridge::robot(std::int32_t id) {
@@ -164,7 +161,7 @@ void RosBridge::take(const tracked_frame_t& frame) {
   sendPoses(frame.utime);
 }
 
-/// Of every tracker together, as frames of one know nothing of the robots of another.
+/// The poses of all trackers together: the frames of one tracker lack the robots of another.
 void RosBridge::sendPoses(std::int64_t utime) {
   if (!poses_ || !poses_->admit(utime)) return;
   pose_array_.clear();
@@ -197,10 +194,10 @@ void RosBridge::take(const robot_status_t& status) {
 void RosBridge::take(const light_status_t& status) {
   if (!light_field_) return;
   light::Field field = toField(status, images_.store);
-  const bool news = !shown_ || !sameLight(*shown_, field);
-  // What is thinned now is made good by the next status: at 10 Hz it comes also while nothing
-  // moves.
-  if (!news || !light_field_->admit(status.utime)) return;
+  const bool changed = !shown_ || !sameLight(*shown_, field);
+  // If this status is thinned out, the next one replaces it: LIGHT_STATUS comes at 10 Hz even
+  // while nothing changes.
+  if (!changed || !light_field_->admit(status.utime)) return;
   if (light::validate(field.layers) || light::validate(field.previous)) {
     node_.noteError("LIGHT_STATUS of " + status.sender + " cannot be painted: ignored");
     return;
@@ -213,22 +210,22 @@ void RosBridge::take(const light_status_t& status) {
 
 void RosBridge::take(const analysis_t& analysis) {
   const std::string part = namePart(analysis.program_name);
-  RosPublishers::Handle* outlet = nullptr;
+  RosPublishers::Handle* publisher = nullptr;
   std::string topic;
   if (analysis.robot_id == analysis_t::POOL) {
-    outlet = &pool_analysis_.try_emplace(part).first->second;
+    publisher = &pool_analysis_.try_emplace(part).first->second;
     topic = names_.topic("analysis/" + part);
   } else if (Robot* known = robot(analysis.robot_id)) {
-    outlet = &known->analysis.try_emplace(part).first->second;
+    publisher = &known->analysis.try_emplace(part).first->second;
     topic = names_.topic(analysis.robot_id, "analysis/" + part);
   }
-  if (outlet == nullptr) return;
-  if (!*outlet) *outlet = publishers_.openLatched<ros::Analysis>(topic);
-  if (!*outlet || !(*outlet)->admit(analysis.utime)) return;
-  (*outlet)->write(&analysis_.make(analysis));
+  if (publisher == nullptr) return;
+  if (!*publisher) *publisher = publishers_.openLatched<ros::Analysis>(topic);
+  if (!*publisher || !(*publisher)->admit(analysis.utime)) return;
+  (*publisher)->write(&analysis_.make(analysis));
 }
 
-/// Only where the lab's time is not the clock's: with /clock there, use_sim_time has a meaning.
+/// Opens /clock only if the lab's time is not the wall clock: use_sim_time needs it then.
 void RosBridge::take(const clock_t& clock) {
   if (!clock_) clock_ = publishers_.open<ros::Clock>(kClock);
   if (!clock_ || !clock_->admit(clock.utime)) return;
@@ -242,28 +239,34 @@ void RosBridge::everySecond() {
   if (commands_) commands_->everySecond();
   std::multimap<std::string, std::string> types;
   if (commands_) {
-    for (const auto& inlet : commands_->rosSubscriptions()) {
-      types.emplace(ros::topicName(inlet->topic()), inlet->typeName());
+    for (const auto& subscription : commands_->rosSubscriptions()) {
+      types.emplace(ros::topicName(subscription->topic()), subscription->typeName());
     }
   }
-  for (const RosPublishers::Handle& outlet : publishers_.all()) {
-    types.emplace(ros::topicName(outlet->topic()), outlet->typeName());
+  for (const RosPublishers::Handle& publisher : publishers_.all()) {
+    types.emplace(ros::topicName(publisher->topic()), publisher->typeName());
   }
-  foreign_.look(types);
+  foreign_.update(types);
   if (foreign_.count() > 0) {
-    node_.noteError("somebody uses a topic of the lab with another type: " + foreign_.last());
+    node_.noteError("a topic of the lab is used with another type: " + foreign_.last());
   }
   if (!publishers_.trouble().empty()) node_.noteError(publishers_.trouble());
-  const std::string said = dds::takeWarnings();
-  if (!said.empty()) warnings_ = said;
+  const std::string warnings = dds::takeWarnings();
+  if (!warnings.empty()) status_.setWarnings(warnings);
   sendDiagnostics();
-  // Last, and only when there are more: the other complaints come again each second.
+  // This error is noted last, and only for new payloads: the others are noted again each second.
   const std::int64_t malformed = dds::malformedReceived();
   if (malformed > malformed_) {
-    node_.noteError("DDS brought what is no message of its topic, dropped: " +
-                    said.substr(0, said.find('\n')));
+    node_.noteError("DDS brought payloads that are not messages of their topic, dropped: " +
+                    warnings.substr(0, warnings.find('\n')));
   }
   malformed_ = malformed;
+}
+
+void RosBridge::sendDiagnostics() {
+  if (!diagnostics_ || !diagnostics_->admit(loop_.now())) return;
+  Diagnostics diagnostics;
+  diagnostics_->write(&status_.make(diagnostics, loop_.now(), refused_robots_, commands_.get()));
 }
 
 void RosBridge::forgetRobots() {

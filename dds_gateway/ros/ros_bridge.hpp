@@ -1,11 +1,10 @@
-/// The lab as ROS 2 sees it (docs/ros2.md).
+/// The bridge from the lab's bus to ROS 2 (docs/ros2.md).
 #pragma once
 
 #include <cstdint>
 #include <lab/clock_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_status_t.hpp>
-#include <lab/service_status_t.hpp>
 #include <map>
 #include <memory>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "common/service/service_main.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/ros/foreign_endpoints.hpp"
+#include "dds_gateway/ros/gateway_diagnostics.hpp"
 #include "dds_gateway/ros/ros_commands.hpp"
 #include "dds_gateway/ros/ros_names.hpp"
 #include "dds_gateway/ros/ros_publisher.hpp"
@@ -24,15 +24,16 @@
 
 namespace lab::gateway {
 
-/// Puts what the lab says on DDS as ROS 2 expects it, and takes ROS 2's commands where the
-/// experiment allows them. A robot's topics come with its first word, and go when it has been
-/// silent for kForget_us.
+/// Publishes the lab's messages on DDS as ROS 2 expects them, and accepts ROS 2's commands if the
+/// experiment allows them. The topics of a robot are opened with its first message and closed
+/// when it has been silent for kForget_us.
 class RosBridge {
  public:
   static constexpr std::int64_t kForget_us = 60'000'000;
   static constexpr std::size_t kMostRobots = 500;
 
-  /// @throws ExperimentError when the mapping, the configuration or the certificates cannot be used
+  /// @throws ExperimentError if the topic mapping, the configuration or the certificates are
+  /// invalid
   explicit RosBridge(const ServiceContext& context);
 
  private:
@@ -46,7 +47,7 @@ class RosBridge {
     std::int64_t tracked_utime = 0;  ///< of its frame
     Motion motion;
     std::int64_t motion_utime = 0;
-    std::int64_t heard_utime = 0;  ///< when anything came
+    std::int64_t heard_utime = 0;  ///< arrival of the last message about it
     std::int8_t origin = 0;
     std::string program;
   };
@@ -63,8 +64,6 @@ class RosBridge {
   void everySecond();
   void forgetRobots();
   void sendDiagnostics();
-  void addServices(Diagnostics& diagnostics) const;
-  void addTopics(Diagnostics& diagnostics);
   Robot* robot(std::int32_t id);
 
   Node& node_;
@@ -87,14 +86,9 @@ class RosBridge {
   LightGrid grid_;
   std::optional<light::Field> shown_;
   AnalysisMessage analysis_;
-  std::string robot_text_;  ///< of the list that was sent last
-  struct Heard {
-    service_status_t status;
-    std::int64_t utime = 0;  ///< when it came
-  };
-  std::map<std::string, Heard> services_;
-  std::string warnings_;        ///< of Cyclone, the last
-  std::int64_t malformed_ = 0;  ///< dds::malformedReceived() a second ago
+  std::string robot_text_;  ///< the list that was last published
+  GatewayDiagnostics status_;
+  std::int64_t malformed_ = 0;  ///< dds::malformedReceived() one second ago
   std::unique_ptr<RosCommands> commands_;
 };
 

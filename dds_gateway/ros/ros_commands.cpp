@@ -16,7 +16,7 @@ namespace lab::gateway {
 namespace {
 
 constexpr std::int64_t kTick_us = 20'000;
-constexpr std::int64_t kPause_us = 2'000;  // a flood rings five hundred times a second at most
+constexpr std::int64_t kPause_us = 2'000;  // limits wake-ups to 500 per second during a flood
 constexpr const char* kRelease = "release";
 constexpr const char* kStand = "stand";
 
@@ -46,20 +46,20 @@ robot_order_t standing() {
   return order;
 }
 
-/// A reader that every publisher matches, reliable or not.
+/// QoS of a reader that matches every publisher, reliable or not.
 template <class Message>
 dds::Qos anyPublisher() {
   return ros::sensorQos(ros::rosType<Message>());
 }
 
-/// What is said once must arrive: the publisher has to be reliable, as ROS 2's are by default.
+/// For commands that are sent once: the publisher must be reliable, as ROS 2's are by default.
 template <class Message>
 dds::Qos reliable() {
   return ros::defaultQos(ros::rosType<Message>());
 }
 
 template <class Message>
-Message itself(const Message& message) {
+Message unchanged(const Message& message) {
   return message;
 }
 
@@ -106,8 +106,9 @@ void RosCommands::openRobot(TopicMapping& mapping, std::int32_t robot) {
   const auto act = [this, robot](dds::WriterId writer, const ros::Twist& twist) {
     return arbiter_.drive(robot, writer, twist, loop_.now());
   };
-  open<ros::Twist, ros::Twist>(mapping, drive, anyPublisher<ros::Twist>(), itself<ros::Twist>, act);
-  // The stamp is a clock of somebody else: how old a command is, is counted from its arrival.
+  open<ros::Twist, ros::Twist>(mapping, drive, anyPublisher<ros::Twist>(), unchanged<ros::Twist>,
+                               act);
+  // The stamp comes from another clock, so the age of a command counts from its arrival.
   open<ros::TwistStamped, ros::Twist>(
       mapping, drive, anyPublisher<ros::TwistStamped>(),
       [](const ros::TwistStamped& message) { return message.twist; }, act);
@@ -190,8 +191,8 @@ void RosCommands::look() {
   watch_.reset();
   loop_.at(loop_.now() + kPause_us, [this] { watch(); });
   waker_.quiet();
-  for (const auto& inlet : ros_subscriptions_) {
-    if (inlet->read()) waker_.ring();
+  for (const auto& subscription : ros_subscriptions_) {
+    if (subscription->read()) waker_.ring();
   }
   send();
 }
@@ -205,17 +206,17 @@ void RosCommands::send() {
   if (auto light = light_.due(now)) node_.publishCommand(channels::kLightCommand, *light);
 }
 
-/// Texts without numbers: the lab's record takes each once.
+/// The texts contain no numbers, so that the lab's record takes each only once.
 void RosCommands::everySecond() {
-  for (const auto& inlet : ros_subscriptions_) {
-    inlet->newSecond();
+  for (const auto& subscription : ros_subscriptions_) {
+    subscription->newSecond();
     for (int i = 0; i < kAnswers; ++i) {
       const auto answer = static_cast<Answer>(i);
       const bool fine = answer == Answer::kTaken || answer == Answer::kClamped ||
                         answer == Answer::kOwned || answer == Answer::kLabHolds ||
                         answer == Answer::kStopped;
-      if (!fine && inlet->count(answer) > 0) {
-        node_.noteError(inlet->topic() + ": refused: " + textOf(answer));
+      if (!fine && subscription->count(answer) > 0) {
+        node_.noteError(subscription->topic() + ": refused: " + textOf(answer));
       }
     }
   }
@@ -225,26 +226,29 @@ void RosCommands::addTo(Diagnostics& diagnostics) {
   Diagnostics::Status status;
   status.name = names_.lab() + ": commands from ROS 2";
   std::int64_t refused = 0;
-  for (const auto& inlet : ros_subscriptions_) {
-    const dds::Matching matching = inlet->reader().matching();
-    if (inlet->reader().received() == 0 && matching.peers == 0 && matching.refused == 0) continue;
-    std::string text =
-        fmt::format("publishers {}, received {}", matching.peers, inlet->reader().received());
+  for (const auto& subscription : ros_subscriptions_) {
+    const dds::Matching matching = subscription->reader().matching();
+    if (subscription->reader().received() == 0 && matching.peers == 0 && matching.refused == 0)
+      continue;
+    std::string text = fmt::format("publishers {}, received {}", matching.peers,
+                                   subscription->reader().received());
     for (int i = 0; i < kAnswers; ++i) {
       const auto answer = static_cast<Answer>(i);
-      const std::int64_t count = inlet->count(answer);
+      const std::int64_t count = subscription->count(answer);
       if (count == 0) continue;
       text += fmt::format(", {}: {}", textOf(answer), count);
       if (answer != Answer::kTaken && answer != Answer::kClamped) refused += count;
     }
-    if (inlet->superseded() > 0)
-      text += fmt::format(", replaced by newer: {}", inlet->superseded());
-    if (inlet->reader().overrun() > 0) text += fmt::format(", lost: {}", inlet->reader().overrun());
+    if (subscription->superseded() > 0)
+      text += fmt::format(", replaced by newer: {}", subscription->superseded());
+    if (subscription->reader().overrun() > 0)
+      text += fmt::format(", lost: {}", subscription->reader().overrun());
     if (matching.refused > 0) {
       text += fmt::format(", publishers refused: {} (ROS side offers another {})", matching.refused,
                           matching.why);
     }
-    status.values.emplace_back(inlet->topic() + " " + inlet->typeName(), std::move(text));
+    status.values.emplace_back(subscription->topic() + " " + subscription->typeName(),
+                               std::move(text));
   }
   status.values.emplace_back("robots held", std::to_string(arbiter_.held()));
   status.values.emplace_back("made to stand by silence", std::to_string(arbiter_.silences()));

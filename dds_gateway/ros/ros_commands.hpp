@@ -1,4 +1,4 @@
-/// What ROS 2 may ask of the lab (docs/ros2.md).
+/// Commands from ROS 2 (docs/ros2.md).
 #pragma once
 
 #include <cstdint>
@@ -21,14 +21,14 @@
 
 namespace lab::gateway {
 
-/// Readers for the commands, the two desks that decide, and the lab's messages that follow.
+/// Reads the commands, lets the arbiters decide, and sends the resulting messages on the lab's bus.
 class RosCommands {
  public:
   /// @throws DdsError
   RosCommands(const ServiceContext& context, const dds::Domain& domain, TopicMapping& mapping,
               const RosNames& names);
 
-  /// To be called once a second, whoever listens: floods are counted by it, refusals reported.
+  /// Call it once a second: restarts the count of messages per second and reports refusals.
   void everySecond();
 
   void addTo(Diagnostics& diagnostics);
@@ -57,7 +57,7 @@ class RosCommands {
   RosNames names_;
   CommandArbiter arbiter_;
   LightArbiter light_;
-  robot_order_t table_;  ///< the experiment's, without its bands
+  robot_order_t table_;  ///< the experiment's light table, without its bands
   dds::Waker waker_;
   std::list<std::unique_ptr<RosSubscription>> ros_subscriptions_;
   std::unique_ptr<DescriptorWatcher::Watch> watch_;

@@ -1,4 +1,4 @@
-/// What things are called in ROS 2.
+/// Names of topics and frames in ROS 2.
 #pragma once
 
 #include <cstdint>
@@ -7,13 +7,13 @@
 
 namespace lab::gateway {
 
-/// Whether ROS 2 takes it as the full name of a topic: "/" and parts of [A-Za-z0-9_] that begin
-/// with no digit, without "__"; at most 200 characters, so that DDS's name of it is short enough
-/// for every rmw layer.
+/// Whether ROS 2 accepts it as the full name of a topic: parts of [A-Za-z0-9_] after each "/",
+/// which do not begin with a digit, without "__"; at most 200 characters, so that DDS's name is
+/// short enough for every rmw layer.
 [[nodiscard]] bool isTopicName(std::string_view name);
 
-/// One part of a name out of any text: other characters become "_", runs of them one, a digit in
-/// front gets an "_" before it, nothing becomes "_". Two texts may become the same name.
+/// Makes one part of a name from any text: sequences of other characters become one "_", a leading
+/// digit gets a "_" before it, an empty text becomes "_". Two texts may give the same name.
 [[nodiscard]] std::string namePart(std::string_view text);
 
 /// "robot7"
@@ -29,9 +29,9 @@ class RosNames {
   /// "/lab/robot7/pose"
   [[nodiscard]] std::string topic(std::int32_t robot, std::string_view what) const;
 
-  /// tf's name of the arena: origin at a corner, x along its width, z up (REP-103): "lab/arena"
+  /// Frame of the arena for tf: "lab/arena", origin at a corner, x along its width, z up (REP-103).
   [[nodiscard]] std::string arenaFrame() const { return lab_ + "/arena"; }
-  /// x forward, origin midway between the wheels: "lab/robot7"
+  /// Frame of a robot: "lab/robot7", x forward, origin midway between the wheels.
   [[nodiscard]] std::string robotFrame(std::int32_t robot) const {
     return lab_ + "/" + robotName(robot);
   }

@@ -1,4 +1,4 @@
-/// The topics that go out.
+/// Publishers of ROS 2 topics.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ class RosPublisher {
         limit_(route.rate),
         writer_(domain, *type.descriptor, ros::topicName(route.topic), qos) {}
 
-  /// Whether a message of this time is to be made at all; counts it.
+  /// Whether the rate limit lets a message of this time pass; counts it as offered.
   [[nodiscard]] bool admit(std::int64_t utime) {
     ++offered_;
     if (!limit_.admit(utime)) return false;
@@ -52,8 +52,8 @@ class RosPublisher {
   std::int64_t utime_ = 0;
 };
 
-/// Makes outlets as the mapping says. A topic that it denies, or that cannot be made, has none:
-/// null.
+/// Makes publishers by the topic mapping. Returns null for a topic that the mapping denies or that
+/// cannot be made.
 class RosPublishers {
  public:
   RosPublishers(const dds::Domain& domain, TopicMapping& mapping)
@@ -69,16 +69,16 @@ class RosPublishers {
   [[nodiscard]] Handle open(const std::string& topic) {
     return open<Message>(topic, ros::defaultQos(ros::rosType<Message>()));
   }
-  /// One that late joiners get the last message of.
+  /// A publisher whose last message late joiners receive.
   template <class Message>
   [[nodiscard]] Handle openLatched(const std::string& topic) {
     return open<Message>(topic, ros::latchedQos(ros::rosType<Message>()));
   }
 
-  /// Those in use, in the order in which they were made.
+  /// The publishers in use, in the order of their creation.
   [[nodiscard]] std::vector<Handle> all();
 
-  /// Why a topic could not be made, the last; empty: all could.
+  /// Why the last failed topic could not be made; empty: none failed.
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
 
  private:
@@ -86,10 +86,10 @@ class RosPublishers {
     try {
       const std::optional<Route> route = mapping_.route(topic);
       if (!route) return nullptr;
-      auto outlet = std::make_shared<RosPublisher>(domain_, type, *route, qos);
-      made_.push_back(outlet);
-      return outlet;
-    } catch (const std::runtime_error& error) {  // of one topic: the others go on
+      auto publisher = std::make_shared<RosPublisher>(domain_, type, *route, qos);
+      made_.push_back(publisher);
+      return publisher;
+    } catch (const std::runtime_error& error) {  // concerns one topic; the others continue
       trouble_ = error.what();
       return nullptr;
     }
@@ -102,11 +102,11 @@ class RosPublishers {
 };
 
 inline std::vector<RosPublishers::Handle> RosPublishers::all() {
-  std::erase_if(made_, [](const auto& outlet) { return outlet.expired(); });
+  std::erase_if(made_, [](const auto& publisher) { return publisher.expired(); });
   std::vector<Handle> open;
   open.reserve(made_.size());
-  for (const auto& outlet : made_) {
-    if (Handle handle = outlet.lock()) open.push_back(std::move(handle));
+  for (const auto& publisher : made_) {
+    if (Handle handle = publisher.lock()) open.push_back(std::move(handle));
   }
   return open;
 }

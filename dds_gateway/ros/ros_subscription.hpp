@@ -1,4 +1,4 @@
-/// The topics that come in.
+/// Subscriptions to ROS 2 topics.
 #pragma once
 
 #include <algorithm>
@@ -18,9 +18,9 @@ namespace lab::gateway {
 /// One topic of commands with its counts.
 class RosSubscription {
  public:
-  /// More a second than this are a flood: what is beyond is counted as refused.
+  /// Limit of messages per second; messages beyond it are counted as refused.
   static constexpr std::int64_t kMostASecond = 1000;
-  static constexpr int kDepth = 256;  ///< samples that wait between two looks
+  static constexpr int kDepth = 256;  ///< samples that may wait between two reads
 
   RosSubscription(const dds::Domain& domain, const ros::RosType& type, std::string topic,
                   dds::Qos qos, const dds::Waker& waker)
@@ -31,10 +31,10 @@ class RosSubscription {
   RosSubscription& operator=(const RosSubscription&) = delete;
   virtual ~RosSubscription() = default;
 
-  /// Acts on what has come: of each publisher the newest. @return whether more may wait
+  /// Acts on the newest message of each publisher. @return whether more may be waiting
   virtual bool read() = 0;
 
-  /// To be called once a second.
+  /// Call it once a second.
   void newSecond() { this_second_ = 0; }
 
   [[nodiscard]] const std::string& topic() const { return topic_; }
@@ -43,7 +43,7 @@ class RosSubscription {
   [[nodiscard]] std::int64_t count(Answer answer) const {
     return answers_[static_cast<std::size_t>(answer)];
   }
-  /// Replaced by a newer one of the same publisher before they were looked at.
+  /// Messages that a newer one of the same publisher replaced before they were read.
   [[nodiscard]] std::int64_t superseded() const { return superseded_; }
 
  protected:
@@ -68,7 +68,8 @@ class RosSubscription {
   std::int64_t this_second_ = 0;
 };
 
-/// Of one type of message. `Value` is what is kept of it: the message itself dies with the look.
+/// A subscription to one type of message. `Value` is the part that is kept; the message itself is
+/// valid only during the read.
 template <class Message, class Value>
 class TypedRosSubscription final : public RosSubscription {
  public:

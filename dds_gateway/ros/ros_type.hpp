@@ -1,4 +1,4 @@
-/// ROS 2's messages on DDS: their names there, their hashes, the QoS that ROS 2 gives them.
+/// ROS 2's messages on DDS: their names, their type hashes, ROS 2's QoS profiles.
 #pragma once
 
 #include <dds/dds.h>
@@ -11,8 +11,8 @@
 
 namespace lab::ros {
 
-// Strings are NUL-terminated UTF-8 and never NULL ("" for none): readers elsewhere abort on others.
-// An outgoing sequence points at memory of ours (_buffer, _length, _maximum; _release = false).
+// Strings are NUL-terminated UTF-8 and never NULL ("" for none): some readers abort on others. An
+// outgoing sequence points at our memory (_buffer, _length, _maximum; _release = false).
 using Time = builtin_interfaces_msg_dds__Time_;
 using Duration = builtin_interfaces_msg_dds__Duration_;
 using Header = std_msgs_msg_dds__Header_;
@@ -40,7 +40,7 @@ using KeyValue = diagnostic_msgs_msg_dds__KeyValue_;
 using DiagnosticStatus = diagnostic_msgs_msg_dds__DiagnosticStatus_;
 using DiagnosticArray = diagnostic_msgs_msg_dds__DiagnosticArray_;
 using Clock = rosgraph_msgs_msg_dds__Clock_;
-// The lab's own (docs/examples/ros2/active_lab_msgs).
+// The lab's own messages (docs/examples/ros2/active_lab_msgs).
 using Program = active_lab_msgs_msg_dds__Program_;
 using Estimate = active_lab_msgs_msg_dds__Estimate_;
 using Curve = active_lab_msgs_msg_dds__Curve_;
@@ -48,27 +48,27 @@ using Analysis = active_lab_msgs_msg_dds__Analysis_;
 using LightCommand = active_lab_msgs_msg_dds__LightCommand_;
 using ProgramCommand = active_lab_msgs_msg_dds__ProgramCommand_;
 
-/// A message that has topics.
+/// A type of message that is published or subscribed.
 struct RosType {
   const dds_topic_descriptor_t* descriptor;  ///< m_typename: "geometry_msgs::msg::dds_::Twist_"
   std::string_view name;                     ///< "geometry_msgs/msg/Twist"
   std::string_view hash;                     ///< "RIHS01_...", of its definition (REP 2016)
 };
 
-/// Of String, Float64, PoseStamped, PoseArray, Twist, TwistStamped, TransformStamped, TFMessage,
-/// Odometry, OccupancyGrid, Illuminance, Image, DiagnosticArray, Clock, Analysis, LightCommand,
-/// ProgramCommand.
+/// Specialised for String, Float64, PoseStamped, PoseArray, Twist, TwistStamped, TransformStamped,
+/// TFMessage, Odometry, OccupancyGrid, Illuminance, Image, DiagnosticArray, Clock, Analysis,
+/// LightCommand, ProgramCommand.
 template <class Message>
 [[nodiscard]] const RosType& rosType();
 
 /// DDS's name of a topic: "/lab/robot1/pose" -> "rt/lab/robot1/pose".
 [[nodiscard]] std::string topicName(std::string_view ros_topic);
 
-/// What an endpoint tells of its type: "typehash=RIHS01_...;". ROS 2 from Iron on warns about
-/// endpoints that say nothing.
+/// User data of an endpoint: "typehash=RIHS01_...;". ROS 2 from Iron on warns about endpoints
+/// without it.
 [[nodiscard]] std::string userData(const RosType& type);
 
-/// ROS 2's usual profiles, with the type's hash. Writers never wait longer than 10 ms.
+/// ROS 2's standard QoS profiles, with the type's hash. A write blocks at most 10 ms.
 [[nodiscard]] dds::Qos defaultQos(const RosType& type);  ///< reliable, 10 kept
 [[nodiscard]] dds::Qos latchedQos(const RosType& type,
                                   int depth = 1);       ///< late joiners get `depth`

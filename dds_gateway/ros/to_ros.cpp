@@ -26,7 +26,7 @@ ros::Header headerOf(std::int64_t utime, const std::string& frame) {
   return {stampOf(utime), cText(frame)};
 }
 
-/// A sequence of C that points at memory of ours.
+/// A C sequence that points at our memory.
 template <class Sequence, class Element>
 Sequence sequenceOf(std::vector<Element>& elements) {
   Sequence sequence{};
@@ -48,7 +48,7 @@ ros::Time stampOf(std::int64_t utime) {
   return {static_cast<std::int32_t>(seconds), static_cast<std::uint32_t>(rest * 1000)};
 }
 
-// Cyclone's structs have no const, and it does not write into what it sends.
+// Cyclone's structs have no const members, but it does not write into samples that it sends.
 char* cText(const std::string& text) { return const_cast<char*>(text.c_str()); }
 
 char* sanitizedText(std::string& text) {
@@ -112,7 +112,7 @@ ros::Illuminance RobotMessages::light(const robot_state_t& state, LightSensor se
 
 LightGrid::LightGrid(double width, double height, std::string frame) : frame_(std::move(frame)) {
   const double cell = std::max({kCell, width / kMostColumns, height / kMostRows});
-  // A length that is a whole number of cells but for rounding has no cell more.
+  // Rounding must not add a cell to a length that is a whole number of cells.
   const auto cells = [cell](double length) {
     return static_cast<std::uint32_t>(std::max(1.0, std::ceil(length / cell - 1e-6)));
   };

@@ -1,7 +1,8 @@
-/// The lab's messages as ROS 2's (REP-103: SI, x forward, z up, quaternions; REP-105: frames).
+/// Converts the lab's messages to ROS 2's (REP-103: SI, x forward, z up, quaternions; REP-105:
+/// frames).
 ///
-/// A ROS 2 message here is a C struct that points at strings and arrays of somebody else: of the
-/// object that makes it. It lives until that object makes the next one.
+/// A ROS 2 message is a C struct here. It points at strings and arrays of the object that made it
+/// and is valid until that object makes the next one.
 #pragma once
 
 #include <cstdint>
@@ -20,34 +21,34 @@ namespace lab::gateway {
 
 [[nodiscard]] ros::Time stampOf(std::int64_t utime);
 
-/// @param text of ours, valid UTF-8; lives as long as the message; without NUL
+/// @param text valid UTF-8 without NUL; must live as long as the message
 [[nodiscard]] char* cText(const std::string& text);
 
-/// The same of a text that somebody else wrote: what is no UTF-8 in it is replaced first, as Fast
-/// DDS ends a process that reads such a string.
+/// The same for a received text: first replaces invalid UTF-8, because Fast DDS ends a process that
+/// reads such a string.
 [[nodiscard]] char* sanitizedText(std::string& text);
 
-/// The turn by theta [rad] about z; w >= 0 for theta in [-pi, pi].
+/// The rotation by theta [rad] about z; w >= 0 for theta in [-pi, pi].
 [[nodiscard]] ros::Quaternion yaw(double theta);
 
-/// Flat on the floor, z = 0.
+/// The pose in the plane z = 0.
 [[nodiscard]] ros::Pose toPose(const tracked_pose_t& pose);
 
-/// x, y and yaw of the lab's upper triangle in ROS 2's row-major 6 x 6 matrix over (x, y, z, roll,
-/// pitch, yaw). What a robot on a floor cannot do is known exactly: 0.
+/// Writes x, y and yaw of the lab's upper triangle into ROS 2's row-major 6 x 6 matrix over (x, y,
+/// z, roll, pitch, yaw). z, roll and pitch of a robot on the floor are known exactly: 0.
 void setCovariance(const tracked_pose_t& pose, double (&covariance)[36]);
 
-/// How a robot moves in its own frame.
+/// Velocity of a robot in its own frame.
 struct Motion {
   double forward = 0;  ///< [m/s]
   double turn = 0;     ///< [rad/s] counter-clockwise
 };
 [[nodiscard]] Motion motionOf(double wheel_left, double wheel_right, double wheel_base);
 
-/// Variance of a twist whose wheels nobody reports [(m/s)^2, (rad/s)^2].
+/// Variance of a twist without reported wheel speeds [(m/s)^2, (rad/s)^2].
 inline constexpr double kUnknownVariance = 1e6;
 
-/// One robot's messages.
+/// The messages of one robot.
 class RobotMessages {
  public:
   /// @param arena,robot names of the frames
@@ -55,13 +56,13 @@ class RobotMessages {
       : arena_(std::move(arena)), robot_(std::move(robot)) {}
 
   [[nodiscard]] ros::PoseStamped pose(std::int64_t utime, const tracked_pose_t& pose) const;
-  /// @param motion of the wheels, null: not known
+  /// @param motion from the wheel speeds, null: not known
   [[nodiscard]] ros::Odometry odometry(std::int64_t utime, const tracked_pose_t& pose,
                                        const Motion* motion) const;
   [[nodiscard]] ros::TransformStamped transform(std::int64_t utime,
                                                 const tracked_pose_t& pose) const;
-  /// What the sensor that selects programs reads, 0 dark .. 1 projector white: not lux, which
-  /// nobody measured. Variance 0: not known.
+  /// The reading of the sensor that selects programs, 0 dark .. 1 projector white, not in lux.
+  /// Variance 0: not known.
   [[nodiscard]] ros::Illuminance light(const robot_state_t& state, LightSensor sensor) const;
 
  private:
@@ -72,11 +73,11 @@ class RobotMessages {
 /// The light field as a map: 0 dark .. 100 projector white, row 0 at the smallest y.
 class LightGrid {
  public:
-  /// @param width,height of the arena [m]; cells are squares of 1 cm, larger in an arena of more
-  /// than 1.6 m x 1.2 m, so that a grid is at most 160 x 120.
+  /// @param width,height of the arena [m]. Cells are squares of 1 cm, larger in an arena above 1.6
+  /// m x 1.2 m, so that the grid is at most 160 x 120.
   LightGrid(double width, double height, std::string frame);
 
-  /// @param since since when this light is shown [us since 1970]
+  /// @param since time at which this light was first shown [us since 1970]
   [[nodiscard]] const ros::OccupancyGrid& paint(const light::CompiledField& field,
                                                 std::int64_t utime, std::int64_t since);
 
@@ -102,7 +103,7 @@ class AnalysisMessage {
   ros::Analysis message_{};
 };
 
-/// A diagnostic_msgs/DiagnosticArray in the making.
+/// Builds a diagnostic_msgs/DiagnosticArray.
 class Diagnostics {
  public:
   enum Level : std::uint8_t { kOk = 0, kWarn = 1, kError = 2, kStale = 3 };

@@ -22,7 +22,7 @@ constexpr std::size_t kMostProblems = 20;
 constexpr double kHighestRate = 10000;
 constexpr std::int64_t kFileVersion = 1;
 
-// While the light moves LIGHT_STATUS comes with every frame of the projector, and a raster is
+// While the light changes, LIGHT_STATUS comes with every frame of the projector, and a grid is
 // large.
 constexpr const char* kBuiltIn = R"(
 fileversion = 1
@@ -33,7 +33,7 @@ rate_hz = 5
 
 }  // namespace
 
-/// Reads the rules of a file, and says all that is wrong with it.
+/// Reads the rules of a file and reports all problems.
 class TopicMappingReader {
  public:
   TopicMappingReader(std::string_view text, const std::string& name)

@@ -1,4 +1,4 @@
-/// Which topics go out, how often and under which name.
+/// Rules that define which topics pass, at which rate and under which name.
 #pragma once
 
 #include <filesystem>
@@ -11,28 +11,28 @@
 
 namespace lab::gateway {
 
-/// What becomes of a topic.
+/// Name and rate of a topic.
 struct Route {
-  std::string topic;  ///< ROS 2's name of it
-  double rate = 0;    ///< [1/s] at most, 0: all
+  std::string topic;  ///< its name in ROS 2
+  double rate = 0;    ///< [1/s] limit, 0: none
 };
 
-/// Rules in order; the first whose pattern is the whole name of a topic decides. A topic that none
-/// names passes as it is. What the rule leaves open comes from the built-in rules: the light field
-/// at 5 Hz. No two topics get one name.
+/// Rules in order. The first rule whose pattern matches the whole name of a topic decides. A topic
+/// without a matching rule passes unchanged. Values that the rule does not set come from the
+/// built-in rules: the light field at 5 Hz. Two topics cannot have the same name.
 class TopicMapping {
  public:
-  /// The built-in rules alone.
+  /// Only the built-in rules.
   TopicMapping();
 
-  /// @param name of the text, for messages
-  /// @throws ExperimentError with a line for each problem: file:line: key: found, expected
+  /// @param name name of the file, for error messages
+  /// @throws ExperimentError with one line per problem: file:line: key: found, expected
   TopicMapping(std::string_view text, const std::string& name);
 
   /// @param topic the gateway's own name, "/lab/robot1/pose"
-  /// @return nothing when the topic is denied
-  /// @throws std::runtime_error when a rename makes a name that ROS 2 does not take, or one that a
-  /// topic asked for before has
+  /// @return nothing if the topic is denied
+  /// @throws std::runtime_error if a rename gives a name that ROS 2 does not accept, or the name of
+  /// an earlier topic
   [[nodiscard]] std::optional<Route> route(const std::string& topic);
 
  private:
@@ -40,15 +40,15 @@ class TopicMapping {
     std::regex pattern;
     std::string text;  ///< of the pattern, for messages
     bool allow = true;
-    std::string rename;  ///< with $1 ..., empty: as it is
-    std::string place;   ///< of rename: "m.toml:4: rules[0].rename"
+    std::string rename;  ///< with $1 ..., empty: unchanged
+    std::string place;   ///< of rename in the file: "m.toml:4: rules[0].rename"
     std::optional<double> rate;
   };
   friend class TopicMappingReader;
 
   struct Taken {
     std::string by;     ///< the gateway's own name
-    std::string place;  ///< of the rule that made it so, empty: none
+    std::string place;  ///< of the rule that gave the name, empty: none
   };
   void take(const std::string& name, const Taken& wanted);
 
@@ -56,7 +56,7 @@ class TopicMapping {
   std::map<std::string, Taken> taken_;  ///< by ROS 2's name
 };
 
-/// @throws ExperimentError also when the file cannot be read.
+/// @throws ExperimentError also if the file cannot be read
 [[nodiscard]] TopicMapping readTopicMappingFile(const std::filesystem::path& file);
 
 }  // namespace lab::gateway

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The tests of the manual notice what they are there for: each of these pages is wrong.
+"""Shows that the tests of the manual fail: each of these pages has a mistake.
 
     in_private_network.sh can_fail_test.py PROGRAMS
 """
@@ -34,27 +34,28 @@ width_cm = 100
 cat mine.toml
 ```
 """
-WRONG = {  # what is changed in the good page, and what is said of it
+WRONG = {  # the change to the good page, and the expected message
     "a command that fails": (("--lags 1", "--lags nan"), "exit code of"),
-    "an option that is gone": (("--lags 1", "--lagz 1"), "lab theory has no option --lagz"),
+    "an option that does not exist": (("--lags 1", "--lagz 1"), "lab theory has no option --lagz"),
     "an option of a command that is not run": (("--port", "--prot"),
                                                "lab flash has no option --prot"),
-    "a command that is gone": (("lab flash", "lab flush"), "lab has no command flush"),
-    "another exit code": (("exit 2", "exit 3"), "exit code of"),
-    "no reason": (("skip needs a robot", "skip"), "say why it is not run"),
-    "an unknown mark": (("skip needs", "slip needs"), "no such mark: slip"),
-    "a mark before nothing": (("# A page\n", "# A page\n<!-- test: exit 2 -->\n\n"),
+    "a command that does not exist": (("lab flash", "lab flush"), "lab has no command flush"),
+    "a wrong exit code": (("exit 2", "exit 3"), "exit code of"),
+    "a skip without a reason": (("skip needs a robot", "skip"), "say why it is not run"),
+    "an unknown comment": (("skip needs", "slip needs"), "no such comment: slip"),
+    "a comment before no block": (("# A page\n", "# A page\n<!-- test: exit 2 -->\n\n"),
                               "before no block"),
     "a block without its language": (("```sh\n./lab theory", "```\n./lab theory"), "not marked"),
     "an unknown key": (("width_cm", "widht_cm"), "unknown key"),
-    "a file that is gone": (("# A page\n", "# A page\n`./lab check experiments/gone.toml`\n"),
+    "a file that does not exist": (("# A page\n", "# A page\n`./lab check experiments/gone.toml`\n"),
                             "there is no experiments/gone.toml"),
 }
 
 
-def said_of(page):
+def result_of(page):
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
+        (root / "docs").mkdir()
         for name in ("experiments", "docs/examples", "lcmtypes", "lab"):
             (root / name).symlink_to(ROOT / name)
         (root / "page.md").write_text(page, encoding="utf-8")
@@ -65,17 +66,17 @@ def said_of(page):
 
 
 class TestsOfTheManual(unittest.TestCase):
-    def test_let_a_good_page_pass(self):
-        code, said = said_of(GOOD)
-        self.assertEqual(code, 0, said)
+    def test_pass_a_good_page(self):
+        code, output = result_of(GOOD)
+        self.assertEqual(code, 0, output)
 
     def test_fail_on_wrong_pages(self):
         for name, ((old, new), expected) in WRONG.items():
             with self.subTest(name):
                 self.assertIn(old, GOOD)
-                code, said = said_of(GOOD.replace(old, new))
+                code, output = result_of(GOOD.replace(old, new))
                 self.assertNotEqual(code, 0)
-                self.assertIn(expected, said)
+                self.assertIn(expected, output)
 
 
 if __name__ == "__main__":

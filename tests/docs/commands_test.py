@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The manual says what works: the commands of a page are run, its experiments are checked.
+"""Runs the commands of a page of the manual and checks its experiments.
 
     in_private_network.sh commands_test.py ROOT PROGRAMS PAGE [unittest's own arguments]
 
-The words of the marks (<!-- test: ... -->) are explained in CONTRIBUTING.md.
+CONTRIBUTING.md explains the comments before blocks (<!-- test: ... -->).
 """
 import json
 import os
@@ -24,7 +24,7 @@ from markdown import Page, WORDS, logical_lines
 
 OPTION = re.compile(r"^--?[a-zA-Z][\w-]*")
 LINE_LIMIT_S = 300
-HIDDEN = {"host-agent"}          # of lab: not for people
+HIDDEN = {"host-agent"}          # of lab: hidden from users
 SCRIPT_ONLY = {"test", "package", "build"}  # of ./lab: not in the built program
 
 ROOT, PROGRAMS, PAGE = Path(), Path(), None
@@ -44,13 +44,13 @@ def subcommands(*command):
 
 def options(*command):
     shown = help_of(*command)
-    if command == ("robot_bridge",):  # its tools have a command line of their own
+    if command == ("robot_bridge",):  # its tools have their own command line
         shown += help_of("robot_bridge", "--list")
     return set(re.findall(r"(?<![\w-])--?[a-zA-Z][\w-]*", shown)) | {"--help", "-h"}
 
 
 def commands_in(line):
-    """The words of each command of a shell line; a synopsis with [brackets] is taken apart too."""
+    """The words of each command of a shell line. The brackets of a synopsis are removed."""
     if "[-" in line:
         line = line.replace("[-", " -").replace("]", " ")
     lexer = shlex.shlex(line, posix=True, punctuation_chars=True)
@@ -62,15 +62,15 @@ def commands_in(line):
                 commands.append([])
             else:
                 commands[-1].append(word)
-    except ValueError:  # a quote that is not closed: prose
+    except ValueError:  # an open quote: the line is prose
         return []
     return [words for words in commands if words]
 
 
 def own_command(words):
-    """The name of the program of ours that a command starts, and its arguments; None for others."""
+    """The name and arguments of a command that starts one of our programs, else None."""
     name = words[0].removeprefix("./").removeprefix("build/release/bin/")
-    name = "lab" if name == "active-lab" else name  # as the package calls it
+    name = "lab" if name == "active-lab" else name  # its name in the package
     if "/" in name or not (PROGRAMS / name).is_file() or not os.access(PROGRAMS / name, os.X_OK):
         return None
     return name, words[1:]
@@ -81,7 +81,7 @@ def own_commands(line):
 
 
 def unknown_in(line):
-    """What a line asks for that its programs do not have; "" where they have all."""
+    """The first command or option of a line that its program does not have; "" if there is none."""
     return next(filter(None, (unknown(name, rest) for name, rest in own_commands(line))), "")
 
 
@@ -112,7 +112,7 @@ def unknown_to_script(words):
 
 
 def missing_file_in(line):
-    """Of the files of this project that a command line names."""
+    """The first file of this project that a command line names and that does not exist."""
     for word in re.findall(r"(?<![\w/.~-])(?:experiments|docs/examples|tests|lcmtypes)/[\w./-]+", line):
         if not (ROOT / word).exists():
             return f"there is no {word}"
@@ -120,12 +120,12 @@ def missing_file_in(line):
 
 
 def with_options(lines, extra):
-    """Every command of ours in a block with more options behind."""
+    """Appends options to every command of ours in a block."""
     return [f"{line} {extra}" if own_commands(line) else line for line in lines]
 
 
 class Folder:
-    """Where the commands of a page run: ./lab, experiments and examples, a home of its own."""
+    """The folder where the commands of a page run: ./lab, experiments, examples, a private home."""
 
     def __init__(self):
         self.path = Path(tempfile.mkdtemp(prefix="lab-docs-"))
@@ -159,28 +159,28 @@ class Folder:
             os.killpg(process.pid, signal.SIGKILL)
             process.wait()
             code = f"none within {limit_s} s"
-        said = said_by(process)
+        output = output_of(process)
         process.output.close()
-        return code, said
+        return code, output
 
     def remove(self):
         shutil.rmtree(self.path, ignore_errors=True)
 
 
-def said_by(process):
+def output_of(process):
     process.output.seek(0)
     return process.output.read()
 
 
 def end(folder, process):
-    """As Ctrl-C in the terminal would."""
+    """Ends the process like Ctrl-C in a terminal."""
     if process.poll() is None:
         os.killpg(process.pid, signal.SIGINT)
     return folder.finish(process, 30)
 
 
 def merged(base, piece):
-    """Tables are joined, everything else is replaced."""
+    """Merges tables; replaces all other values."""
     result = dict(base)
     for key, value in piece.items():
         joined = isinstance(value, dict) and isinstance(result.get(key), dict)
@@ -197,7 +197,7 @@ def as_toml(value):
 
 
 def whole_experiment(table):
-    """A part of an experiment file, put into a whole one; `layers` alone become its one step."""
+    """Completes a part of an experiment file. `layers` alone become the only step."""
     if "layers" in table:
         table = {"light": {"steps": [{"at_s": 0, **table}]}}
     if "fileversion" in table:
@@ -220,34 +220,34 @@ class Manual(unittest.TestCase):
         if wrong:
             self.fail("\n" + "\n".join(wrong))
 
-    def test_marks_are_understood(self):
-        wrong = [f"{PAGE.name}:{line}: a mark that stands before no block"
+    def test_comments_are_valid(self):
+        wrong = [f"{PAGE.name}:{line}: a comment before no block"
                  for line in PAGE.stray_marks]
         for block in PAGE.blocks:
-            wrong += [f"{block.place}: no such mark: {word}" for word, _ in block.marks
+            wrong += [f"{block.place}: no such comment: {word}" for word, _ in block.marks
                       if word not in WORDS]
             wrong += [f"{block.place}: say why it is not run" for reason in block.all("skip")
                       if not reason]
             if block.kind == "" and any(map(own_commands, logical_lines(block.lines))):
-                wrong.append(f"{block.place}: commands in a block that is not marked: ```sh")
+                wrong.append(f"{block.place}: commands in a block that is not marked ```sh")
         self.nothing(wrong)
 
     def test_commands_and_options_exist(self):
-        wrong, looked_at = [], []
+        wrong, checked = [], []
         for block in PAGE.blocks:
             if block.kind in ("sh", "text", "indented"):
-                looked_at += [(block.place, line) for line in logical_lines(block.lines)]
-            looked_at += [(block.place, line) for line in block.all("instead") + block.all("first")]
-        looked_at += [(f"{PAGE.name}:{line}", code) for line, code in PAGE.inline_code()
+                checked += [(block.place, line) for line in logical_lines(block.lines)]
+            checked += [(block.place, line) for line in block.all("instead") + block.all("first")]
+        checked += [(f"{PAGE.name}:{line}", code) for line, code in PAGE.inline_code()
                       if " " in code]
-        for place, line in looked_at:
+        for place, line in checked:
             problem = unknown_in(line) or missing_file_in(line)
             if problem:
                 wrong.append(f"{place}: {problem}: {line}")
         self.nothing(wrong)
 
     def test_commands_run_and_experiments_load(self):
-        """In the order of the page, in one folder: a block may use what one before it made."""
+        """In the order of the page, in one folder: a block may use files of earlier blocks."""
         for block in PAGE.blocks:
             with self.subTest(block.place):
                 if block.kind == "sh" and block.mark("skip") is None:
@@ -257,7 +257,7 @@ class Manual(unittest.TestCase):
 
     def run_block(self, block):
         lines = logical_lines(block.lines)
-        if "<<" in block.text:  # a text for another program's input is left as it is
+        if "<<" in block.text:  # a here-document is left unchanged
             lines = block.lines
         if block.mark("with") is not None:
             lines = with_options(lines, block.mark("with"))
@@ -266,30 +266,30 @@ class Manual(unittest.TestCase):
         try:
             self.prepare(block)
             begin = time.monotonic()
-            code, said = self.folder.finish(self.folder.start(text), LINE_LIMIT_S)
+            code, output = self.folder.finish(self.folder.start(text), LINE_LIMIT_S)
             print(f"{block.place}: {time.monotonic() - begin:.1f} s", file=sys.stderr)
             self.assertEqual(code, int(block.mark("exit") or 0),
-                             f"{block.place}: exit code of\n{text}\n\n{said[-3000:]}")
+                             f"{block.place}: exit code of\n{text}\n\n{output[-3000:]}")
         finally:
             if companion is not None:
-                code, said = end(self.folder, companion)
+                code, output = end(self.folder, companion)
         if companion is not None:
-            beside = f"{block.place}: beside it ran {block.mark('beside')}\n{said}"
+            beside = f"{block.place}: in parallel ran {block.mark('beside')}\n{output}"
             self.assertIn(code, (0, 3), beside)
 
     def prepare(self, block):
         for command in block.all("first"):
-            code, said = self.folder.finish(self.folder.start(command), LINE_LIMIT_S)
-            self.assertEqual(code, 0, f"{block.place}: before it: {command}\n{said[-3000:]}")
+            code, output = self.folder.finish(self.folder.start(command), LINE_LIMIT_S)
+            self.assertEqual(code, 0, f"{block.place}: before it: {command}\n{output[-3000:]}")
 
     def start_beside(self, block):
-        """A lab that runs while the block does."""
+        """Starts a lab that runs in parallel with the block."""
         companion = self.folder.start("exec " + block.mark("beside"))
         until = time.monotonic() + 60
-        while "running" not in said_by(companion):
+        while "running" not in output_of(companion):
             if companion.poll() is not None or time.monotonic() > until:
-                _, said = end(self.folder, companion)
-                self.fail(f"{block.place}: did not come up: {block.mark('beside')}\n{said}")
+                _, output = end(self.folder, companion)
+                self.fail(f"{block.place}: did not come up: {block.mark('beside')}\n{output}")
             time.sleep(0.05)
         return companion
 
@@ -306,8 +306,8 @@ class Manual(unittest.TestCase):
                            whole_experiment(table).items())
             file.write_text(text, encoding="utf-8")
             command = f"./lab check {file.name} {block.mark('with') or ''}"
-            code, said = self.folder.finish(self.folder.start(command), 60)
-            self.assertEqual(code, int(block.mark("exit") or 0), f"{block.place}:\n{text}\n{said}")
+            code, output = self.folder.finish(self.folder.start(command), 60)
+            self.assertEqual(code, int(block.mark("exit") or 0), f"{block.place}:\n{text}\n{output}")
 
 
 if __name__ == "__main__":

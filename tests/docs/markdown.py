@@ -1,4 +1,4 @@
-"""What the tests of the manual need to know of a page: its blocks, headings and links."""
+"""Reads a page of the manual: its blocks, headings and links."""
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -9,7 +9,7 @@ WORDS = {"with", "instead", "first", "beside", "exit", "skip", "saved", "paragra
 
 @dataclass
 class Block:
-    """A block of code. `kind` is what stands behind the fence; `indented` without one."""
+    """A block of code. `kind` is the word after the fence, or `indented` for a block without one."""
     page: str
     line: int
     kind: str
@@ -25,7 +25,7 @@ class Block:
         return "\n".join(self.lines)
 
     def mark(self, word):
-        """What stands behind a mark; None where the block has no such mark."""
+        """The text after the word of a comment; None if the block has no such comment."""
         return next((rest for name, rest in self.marks if name == word), None)
 
     def all(self, word):
@@ -33,12 +33,12 @@ class Block:
 
 
 class Page:
-    """A Markdown file, cut into blocks of code and prose (line number, line)."""
+    """A Markdown file, split into blocks of code and prose (line number, line)."""
 
     def __init__(self, root, name):
         self.name, self.path = name, Path(root) / name
         self.blocks, self.prose = [], []
-        self.stray_marks = []  # line numbers of marks that stand before no block
+        self.stray_marks = []  # line numbers of comments before no block
         self._cut(self.path.read_text(encoding="utf-8").split("\n"))
 
     def _cut(self, lines):
@@ -70,12 +70,12 @@ class Page:
 
     @staticmethod
     def _is_code(at, lines):
-        """After an empty line, unless what they belong to is an item of a list."""
+        """Whether indented lines are code: after an empty line, unless they continue a list item."""
         above = next((text for text in reversed(lines[:at]) if text and text[0] != " "), "")
         return lines[at - 1].strip() == "" and not re.match(r"^([-*]|\d+\.) ", above)
 
     def anchors(self):
-        """Of the headings, as GitHub makes them."""
+        """The anchors of the headings, as GitHub makes them."""
         found = set()
         for _, line in self.prose:
             heading = re.match(r"^#+ (.*)", line)
@@ -102,7 +102,7 @@ class Page:
 
 
 def logical_lines(lines):
-    """Shell lines with continuations joined and comments cut off; empty ones left out."""
+    """Shell lines: joins continuations, removes comments and empty lines."""
     joined, part = [], ""
     for line in lines:
         if line.endswith("\\"):

@@ -1,4 +1,4 @@
-// What is wrong with a configuration is said: where, what was found, what was expected.
+// Errors of a configuration name the place, what was found and what was expected.
 #include "dds_gateway/dds/configuration.hpp"
 
 #include <gmock/gmock.h>
@@ -33,7 +33,7 @@ std::string inDomain(const std::string& inside) {
   return "<CycloneDDS><Domain Id=\"any\">" + inside + "</Domain></CycloneDDS>";
 }
 
-TEST(Configuration, OursAreTaken) {
+TEST(Configuration, TheLabsConfigurationsAreAccepted) {
   EXPECT_EQ(errorOfConfiguration(localConfiguration()), "no error");
   EXPECT_EQ(errorOfConfiguration(networkConfiguration({.address = "127.0.0.1"})), "no error");
   EXPECT_EQ(errorOfConfiguration(networkConfiguration(
@@ -47,7 +47,7 @@ TEST(Configuration, UnknownElementIsNamed) {
                     HasSubstr("DDS domain 3")));
 }
 
-// Of a newer Cyclone.
+// An element of a newer Cyclone.
 TEST(Configuration, UnknownAttributeIsNamed) {
   EXPECT_THAT(
       errorOfConfiguration(inDomain("<General><Interfaces><NetworkInterface address=\"127.0.0.1\" "
@@ -61,7 +61,7 @@ TEST(Configuration, WrongValueIsNamed) {
       AllOf(HasSubstr("my.xml"), HasSubstr("MaxMessageSize"), HasSubstr("much")));
 }
 
-TEST(Configuration, WhatIsNoDocumentIsRefused) {
+TEST(Configuration, ATextThatIsNotADocumentIsRefused) {
   for (const std::string text : {"", "my.xml", "<CycloneDDS><Domain>", "\n <Other/>"}) {
     EXPECT_THAT(errorOfConfiguration(text),
                 AllOf(HasSubstr("gateway.configuration (my.xml)"), HasSubstr('"' + text + '"'),
@@ -69,12 +69,12 @@ TEST(Configuration, WhatIsNoDocumentIsRefused) {
   }
 }
 
-TEST(Configuration, AddressThatThisHostLacksIsNamed) {
+TEST(Configuration, AnAddressThatThisHostDoesNotHaveIsNamed) {
   EXPECT_THAT(errorOfConfiguration(networkConfiguration({.address = "192.0.2.7"})),
               HasSubstr("192.0.2.7"));
 }
 
-TEST(Configuration, WhatIsNoAddressIsRefused) {
+TEST(Configuration, AnInvalidAddressIsRefused) {
   for (const std::string address : {"", "robot-bench", "192.168.1", "1.2.3.4/24", "::1"}) {
     EXPECT_THAT(errorOf([&] { (void)networkConfiguration({.address = address}); }),
                 AllOf(HasSubstr('"' + address + '"'), HasSubstr("IPv4")));
@@ -84,21 +84,21 @@ TEST(Configuration, WhatIsNoAddressIsRefused) {
   }
 }
 
-TEST(Configuration, FolderOfCertificatesLacksAFile) {
+TEST(Configuration, AMissingCertificateFileIsNamed) {
   EXPECT_THAT(
       errorOf([] { (void)networkConfiguration({.address = "127.0.0.1", .security = "/nowhere"}); }),
       AllOf(HasSubstr("/nowhere/identity_ca.pem"), HasSubstr("docs/security.md")));
 }
 
-// After an error the same process can try again.
-TEST(Configuration, AnErrorLeavesNothingBehind) {
+// After an error the same process can create a domain.
+TEST(Configuration, AfterAnErrorTheProcessCanTryAgain) {
   EXPECT_NE(errorOfConfiguration(inDomain("<NoSuchThing/>")), "no error");
   EXPECT_EQ(takeWarnings(), "");
   EXPECT_EQ(errorOfConfiguration(localConfiguration()), "no error");
   EXPECT_EQ(takeWarnings(), "");
 }
 
-TEST(Configuration, WrongNameOfATopicIsNamed) {
+TEST(Configuration, AnInvalidTopicNameIsNamed) {
   const Domain dut(3, localConfiguration(), "test");
   const ros::RosType& type = ros::rosType<ros::Clock>();
   EXPECT_THAT(

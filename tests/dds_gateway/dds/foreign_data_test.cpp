@@ -1,4 +1,4 @@
-// What others may send us on our topics: bytes that are no message, messages of another type.
+// Invalid data from other participants on our topics: bytes that are not a message, other types.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -38,7 +38,7 @@ std::vector<Bad> badPoses() {
   Payload encoded = goodPose().payload();
   encoded[1] = 0x42;
   Payload swapped = goodPose().payload();
-  swapped[1] = 0;  // says big endian
+  swapped[1] = 0;  // declares big endian
   Payload noise(300);
   for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<std::uint8_t>(i * 37 + 11);
   return {{"only a header", {0, 1, 0, 0}},
@@ -65,10 +65,10 @@ class ForeignData : public testing::Test {
   const ros::RosType& type = ros::rosType<ros::PoseStamped>();
 };
 
-// A sample of an unknown encoding is where Cyclone 0.10.2 stays: its writer is not heard any more,
-// and the packets it is in are dropped whole, so that others of the same process come late. All
-// other processes are heard. The rest of what is wrong is dropped for itself.
-TEST_F(ForeignData, IsDroppedCountedAndTold) {
+// After a sample of an unknown encoding Cyclone 0.10.2 receives nothing more from its writer, and
+// it drops the whole packets that contain the sample, which delays other writers of the same
+// process. Other processes are not affected. Other invalid samples are dropped one by one.
+TEST_F(ForeignData, IsDroppedCountedAndReported) {
   int number = 0;
   for (const Bad& bad : badPoses()) {
     SCOPED_TRACE(bad.name);
@@ -98,8 +98,8 @@ TEST_F(ForeignData, IsDroppedCountedAndTold) {
   }
 }
 
-// A flood of it is told in one line, and counted one by one.
-TEST_F(ForeignData, AFloodIsOneComplaint) {
+// A flood of invalid samples gives one line; each sample is counted.
+TEST_F(ForeignData, AFloodGivesOneWarning) {
   Qos qos = ros::defaultQos(type);
   qos.depth = 1000;
   Reader reader(dut, *type.descriptor, "rt/pose", qos, waker);
@@ -115,7 +115,7 @@ TEST_F(ForeignData, AFloodIsOneComplaint) {
   EXPECT_EQ(std::ranges::count(complaints, '\n'), 0) << complaints;
 }
 
-// Another type of the same name of a topic: two strangers, whoever came first.
+// Endpoints with the same topic name and different types are not matched, in any order.
 TEST_F(ForeignData, AnotherTypeOnOurTopicIsNotMatched) {
   peer.say("writer rt/pose other_msgs::msg::dds_::Pose_");
   Reader reader(dut, *type.descriptor, "rt/pose", ros::defaultQos(type), waker);

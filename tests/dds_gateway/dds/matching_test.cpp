@@ -1,5 +1,5 @@
 // Our endpoints against those of ROS 2 nodes, as rmw_cyclonedds of Humble and of Jazzy makes them,
-// and against Fast DDS: who matches, who does not and why.
+// and against Fast DDS: which endpoints match, and why others do not.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -24,16 +24,16 @@ using ros::Float64;
 
 const ros::RosType& kType = ros::rosType<Float64>();
 
-/// How a node of one kind is started, and what it says of its types.
+/// How a kind of node is started, and what it publishes about its types.
 struct Style {
   std::string name;
   std::vector<std::string> command;
   bool hash = true;
-  bool xcdr2 = true;  ///< whether it can offer that
+  bool xcdr2 = true;  ///< whether it can offer XCDR2
 };
 
-/// With a network card, ROS 2's own setting that stays on the loopback interface, and the files
-/// that make the others do so (docs/ros2.md).
+/// On a machine with a network card: ROS 2's setting that uses only the loopback interface, and the
+/// files of docs/examples/ros2 that do the same for other versions (docs/ros2.md).
 std::vector<Style> onLoopback() {
   const std::string folder = LAB_ROOT "/docs/examples/ros2/";
   const std::string file = "file://" + folder + "cyclonedds.xml";
@@ -46,7 +46,7 @@ std::vector<Style> onLoopback() {
   return all;
 }
 
-/// These are at home on the card; without one they are met on the loopback interface too.
+/// These nodes use the network card; without a card they are found on the loopback interface too.
 std::vector<Style> onAnyInterface() {
   std::vector<Style> all = {{"Jazzy", {LAB_CYCLONE_PEER, "0", kJazzy}}};
   if (std::string_view(LAB_FASTDDS_PEER) != "") {
@@ -58,7 +58,7 @@ std::vector<Style> onAnyInterface() {
 struct Profile {
   std::string name;
   Qos qos;
-  std::string words;  ///< as the peer takes it
+  std::string words;  ///< in the form that the peer program reads
 };
 
 std::vector<Profile> profiles() {
@@ -67,13 +67,13 @@ std::vector<Profile> profiles() {
           {"latched", ros::latchedQos(kType, 3), "latched depth=3"}};
 }
 
-/// A pair of endpoints of one topic, and what shall come of it.
+/// A pair of endpoints of one topic, and the expected result.
 struct Pair {
   Profile ours;
   Profile theirs;
   std::string representation;
   std::string topic;
-  std::set<std::string> reasons;  ///< against a match, one of which is told
+  std::set<std::string> reasons;  ///< policies that prevent a match; one of them is reported
 };
 
 std::vector<Pair> pairs(bool we_write, const Style& style) {
@@ -108,7 +108,7 @@ class Match : public testing::TestWithParam<Style> {
              (GetParam().hash ? " hash=" + std::string(kType.hash) : ""));
   }
 
-  /// After this both know of each other, or of their refusal.
+  /// Waits until both know of each other or of the refusal.
   template <class Endpoint>
   void expectFate(const Pair& pair, const Endpoint& endpoint) {
     ASSERT_TRUE(eventually([&] {
@@ -131,7 +131,7 @@ class Match : public testing::TestWithParam<Style> {
   Waker waker;
 };
 
-TEST_P(Match, OurWritersTheirReaders) {
+TEST_P(Match, OurWritersMatchTheirReaders) {
   const std::vector<Pair> all = pairs(true, GetParam());
   std::vector<Writer> writers;
   for (const Pair& pair : all) {
@@ -143,7 +143,7 @@ TEST_P(Match, OurWritersTheirReaders) {
     if (!all[i].reasons.empty()) continue;
     const Float64 sample{static_cast<double>(i)};
     const std::string payload = hexOf(ros::Cdr().f64(static_cast<double>(i)).payload());
-    EXPECT_TRUE(eventually([&] {  // again and again: best effort loses what comes too early
+    EXPECT_TRUE(eventually([&] {  // repeated: best effort loses early samples
       if (peer.got(all[i].topic).empty()) static_cast<void>(writers[i].write(&sample));
       return !peer.got(all[i].topic).empty();
     })) << all[i].topic;
@@ -151,7 +151,7 @@ TEST_P(Match, OurWritersTheirReaders) {
   }
 }
 
-TEST_P(Match, TheirWritersOurReaders) {
+TEST_P(Match, TheirWritersMatchOurReaders) {
   const std::vector<Pair> all = pairs(false, GetParam());
   std::vector<std::unique_ptr<Reader>> readers;
   for (const Pair& pair : all) {
@@ -174,7 +174,7 @@ TEST_P(Match, TheirWritersOurReaders) {
   }
 }
 
-TEST_P(Match, LateReadersGetWhatIsLatched) {
+TEST_P(Match, LateReadersGetLatchedSamples) {
   Writer writer(dut, *kType.descriptor, "rt/late", ros::latchedQos(kType, 3));
   for (const double value : {1, 2, 3, 4, 5}) {
     const Float64 sample{value};
@@ -187,7 +187,7 @@ TEST_P(Match, LateReadersGetWhatIsLatched) {
   EXPECT_EQ(peer.got("rt/late"), last);
 }
 
-TEST_P(Match, OurLateReaderGetsWhatIsLatched) {
+TEST_P(Match, OurLateReaderGetsLatchedSamples) {
   theirs("writer", "rt/late", "latched depth=3");
   for (const double value : {1, 2, 3, 4, 5}) {
     peer.say("write rt/late " + hexOf(ros::Cdr().f64(value).payload()));
@@ -205,8 +205,8 @@ TEST_P(Match, OurLateReaderGetsWhatIsLatched) {
   EXPECT_THAT(got, testing::ElementsAre(3, 4, 5));
 }
 
-// A computer that went to sleep: it holds up nobody, and gets the newest when it wakes.
-TEST_P(Match, AFrozenReaderDoesNotHoldUpTheWriter) {
+// A sleeping computer delays no other reader, and gets the newest sample when it wakes.
+TEST_P(Match, AFrozenReaderDoesNotBlockTheWriter) {
   const ros::RosType& type = ros::rosType<ros::PoseArray>();
   std::vector<ros::Pose> poses(200);
   std::string frame;
@@ -235,8 +235,8 @@ TEST_P(Match, AFrozenReaderDoesNotHoldUpTheWriter) {
   }));
 }
 
-// What we say ourselves does not come back: a gateway that hears itself is a loop.
-TEST_P(Match, OurOwnSamplesAreNotHeard) {
+// A gateway must not receive its own samples, because it would forward them in a loop.
+TEST_P(Match, OurOwnSamplesAreNotReceived) {
   Reader reader(dut, *kType.descriptor, "rt/own", ros::defaultQos(kType), waker);
   Writer writer(dut, *kType.descriptor, "rt/own", ros::defaultQos(kType));
   theirs("reader", "rt/own", "");

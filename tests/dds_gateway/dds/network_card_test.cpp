@@ -1,4 +1,4 @@
-// A computer with a network card (on A of tests/two_hosts.sh): who is elsewhere is not heard.
+// A computer with a network card (A of tests/two_hosts.sh) receives nothing from other machines.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -23,7 +23,7 @@ std::string variable(const char* name) {
   return value == nullptr ? "" : value;
 }
 
-/// A node on B that calls on every participant of A ten times a second.
+/// A node on B that announces itself to every participant of A ten times a second.
 std::vector<std::string> caller() {
   return {"/usr/bin/nsenter",
           "-t",
@@ -36,7 +36,7 @@ std::vector<std::string> caller() {
               variable("ADDRESS_A") + "\"/></Peers></Discovery></Domain></CycloneDDS>"};
 }
 
-/// Whether our endpoints get to know those of the node elsewhere, within `patience`.
+/// Whether our endpoints find those of the node on the other machine, within `patience`.
 bool met(const std::string& configuration, std::chrono::milliseconds patience) {
   const Domain dut(0, configuration, "test");
   Waker waker;
@@ -49,7 +49,7 @@ bool met(const std::string& configuration, std::chrono::milliseconds patience) {
   return waitUntil([&] { return writer.matching().peers + reader.matching().peers > 0; }, patience);
 }
 
-TEST(NetworkCard, WhoIsElsewhereIsNotHeard) {
+TEST(NetworkCard, NodesOnOtherMachinesAreNotReceived) {
   ASSERT_TRUE(met(networkConfiguration({.address = variable("ADDRESS_A")}), kPatience))
       << "the caller does not call";
   EXPECT_FALSE(met(localConfiguration(), std::chrono::seconds(2)));

@@ -33,7 +33,7 @@ using testing::StartsWith;
 
 const ros::RosType& kType = ros::rosType<ros::Float64>();
 
-/// Made once for all tests here, in two calls: the second adds to the first.
+/// Certificates for all tests of this file, made in two calls; the second adds to the first.
 const fs::path& certificates() {
   static const fs::path kFolder = [] {
     std::string folder = (fs::path(testing::TempDir()) / "lab_dds_XXXXXX").string();
@@ -69,7 +69,7 @@ std::string endpoint(const std::string& what, const std::string& topic) {
   return what + " " + topic + " " + kType.descriptor->m_typename;
 }
 
-/// All hosts of a run have the same certificate; other programs have others.
+/// All hosts of a run have the same certificate; other programs have their own.
 class Secured : public testing::TestWithParam<std::string> {};
 
 TEST_P(Secured, TalkBothWays) {
@@ -93,7 +93,7 @@ TEST_P(Secured, TalkBothWays) {
 INSTANTIATE_TEST_SUITE_P(Certificates, Secured, testing::Values("ours/bench", "ours/lab"),
                          [](const auto& who) { return who.param.substr(5); });
 
-TEST(Security, OthersGetNothingAndAreNotHeard) {
+TEST(Security, ParticipantsWithoutCertificateNeitherReceiveNorAreReceived) {
   const Domain dut(0, configuration("ours/lab"), "test");
   const Waker waker;
   Writer writer(dut, *kType.descriptor, "rt/out", ros::latchedQos(kType));
@@ -109,7 +109,7 @@ TEST(Security, OthersGetNothingAndAreNotHeard) {
     one->say(endpoint("writer", "rt/alone"));
     one->say("write rt/in " + hexOf(ros::Cdr().f64(1).payload()));
   }
-  // By the time that others have met each other, they have met us or never will.
+  // When the other participants have found each other, they have found us too, or never will.
   second.say(endpoint("reader", "rt/alone"));
   ASSERT_TRUE(second.says("matched rt/alone 1"));
   Peer bench(peerAs("ours/bench"));
@@ -125,7 +125,7 @@ TEST(Security, OthersGetNothingAndAreNotHeard) {
   }
 }
 
-/// All packets on lo while it lives, in one text.
+/// Captures all packets on lo during its life, as one text.
 class Wire {
  public:
   Wire() : socket_(socket(AF_PACKET, SOCK_RAW, htons(ETH_P_IP))) {
@@ -149,7 +149,7 @@ class Wire {
   Wire(const Wire&) = delete;
   Wire& operator=(const Wire&) = delete;
 
-  /// Ends it; none may have been missed.
+  /// Ends the capture; no packet may have been missed.
   std::string seen() {
     thread_.request_stop();
     thread_.join();
@@ -166,7 +166,7 @@ class Wire {
   std::jthread thread_;
 };
 
-/// A conversation about a secret.
+/// Two participants that exchange a secret text.
 std::string wireOf(const std::string& us, const std::string& them) {
   Wire wire;
   const ros::RosType& type = ros::rosType<ros::String>();
@@ -181,7 +181,7 @@ std::string wireOf(const std::string& us, const std::string& them) {
   return wire.seen();
 }
 
-TEST(Security, NeitherDataNorNamesOfTopicsAreReadableOnTheWire) {
+TEST(Security, DataAndTopicNamesAreEncryptedOnTheWire) {
   const std::string open = wireOf("", "");
   EXPECT_NE(open.find("where the robots are"), std::string::npos);
   EXPECT_NE(open.find("hidden_topic"), std::string::npos);
@@ -191,7 +191,7 @@ TEST(Security, NeitherDataNorNamesOfTopicsAreReadableOnTheWire) {
   EXPECT_EQ(secured.find("hidden_topic"), std::string::npos);
 }
 
-TEST(Security, WhoMayOnlyWatchCannotSpeak) {
+TEST(Security, AReadOnlyParticipantCannotWrite) {
   const Domain dut(0, configuration("ours/lab"), "test");
   Writer writer(dut, *kType.descriptor, "rt/out", ros::latchedQos(kType));
   const ros::Float64 sample{0.5};

@@ -48,14 +48,14 @@ TEST(LinkCore, EachStreamIsNumberedFromOne) {
   }
 }
 
-TEST(LinkCore, WhatIsNotTheLabsStaysHereAndIsCounted) {
+TEST(LinkCore, ForeignMessagesAreCountedAndNotForwarded) {
   LinkCore core(0);
   EXPECT_FALSE(core.hear(0, channels::kClock, of<clock_t>("a")));
   EXPECT_FALSE(core.hear(0, channels::kLcmSelfTest, Data{1, 2, 3}));
   EXPECT_EQ(core.foreign(), 0);
   EXPECT_FALSE(core.hear(0, "ROBOT_STATUS", Data(200, 0)));
   Data foreign = status("a");
-  foreign[3] ^= 1;  // a type that is not ours
+  foreign[3] ^= 1;  // a foreign type
   EXPECT_FALSE(core.hear(0, "ROBOT_STATUS", foreign));
   EXPECT_FALSE(core.hear(0, "ROBOT_STATUS", Data{}));
   EXPECT_EQ(core.foreign(), 3);
@@ -66,29 +66,29 @@ TEST(LinkCore, WhatIsNotTheLabsStaysHereAndIsCounted) {
   EXPECT_EQ(core.foreign(), 6);
 }
 
-TEST(LinkCore, AnEchoGoesNoFurther) {
+TEST(LinkCore, AnEchoIsNotForwarded) {
   LinkCore core(0);
   EXPECT_EQ(receive(core, 1), Verdict::kDeliver);
   EXPECT_FALSE(core.hear(0, channels::kRobotStatus, status("robots")));
-  // Any channel of that sender is at home there; another start of it need not be.
+  // The home applies to all channels of that sender; another start of it may have another home.
   EXPECT_FALSE(core.hear(0, channels::kServiceStatus, status("robots")));
   EXPECT_TRUE(core.hear(0, channels::kRobotStatus, status("robots", 2)));
 }
 
-TEST(LinkCore, WhatRepeatsIsDroppedAndWhatIsMissingCounted) {
+TEST(LinkCore, RepetitionsAreDroppedAndGapsAreCounted) {
   LinkCore core(0);
-  EXPECT_EQ(receive(core, 4), Verdict::kDeliver);  // what was before we listened is not lost
+  EXPECT_EQ(receive(core, 4), Verdict::kDeliver);  // earlier packets do not count as lost
   EXPECT_EQ(receive(core, 4), Verdict::kRepeated);
   EXPECT_EQ(receive(core, 5), Verdict::kDeliver);
   EXPECT_EQ(receive(core, 9), Verdict::kDeliver);
-  EXPECT_EQ(receive(core, 7), Verdict::kRepeated);  // too late for its place
+  EXPECT_EQ(receive(core, 7), Verdict::kRepeated);  // too late: a later number was delivered
   const LinkCounts counts = core.counts("bench");
   EXPECT_EQ(counts.received, 3);
   EXPECT_EQ(counts.lost, 3);
   EXPECT_EQ(counts.repeated, 2);
 }
 
-TEST(LinkCore, InAnyOrderNothingIsDeliveredTwiceOrBackwards) {
+TEST(LinkCore, PacketsInAnyOrderAreDeliveredOnceAndInOrder) {
   std::mt19937 random(3);
   for (int trial = 0; trial < 200; ++trial) {
     LinkCore core(0);
@@ -105,12 +105,12 @@ TEST(LinkCore, InAnyOrderNothingIsDeliveredTwiceOrBackwards) {
     const LinkCounts counts = core.counts("bench");
     EXPECT_EQ(counts.received, delivered);
     EXPECT_EQ(counts.repeated, 100 - delivered);
-    // Every number after the first heard was delivered or is counted as lost.
+    // Every number after the first received one was delivered or is counted as lost.
     EXPECT_EQ(counts.received + counts.lost, last - numbers[0] + 1);
   }
 }
 
-TEST(LinkCore, AGatewayThatStartsAnewCountsFromOne) {
+TEST(LinkCore, ARestartedGatewayCountsFromOne) {
   LinkCore core(0);
   for (std::int64_t i = 1; i <= 10; ++i) static_cast<void>(receive(core, i));
   EXPECT_EQ(receive(core, 1, 6), Verdict::kDeliver);
@@ -119,7 +119,7 @@ TEST(LinkCore, AGatewayThatStartsAnewCountsFromOne) {
   EXPECT_EQ(core.counts("bench").lost, 0);
 }
 
-TEST(LinkCore, OldCommandsAreDroppedAndStopsNever) {
+TEST(LinkCore, OldCommandsAreDroppedButStopsAreNot) {
   constexpr std::int64_t kOld = LinkCore::kFreshCommand + 1;
   LinkCore core(0);
   std::int32_t stream = 0;
@@ -137,7 +137,7 @@ TEST(LinkCore, OldCommandsAreDroppedAndStopsNever) {
   EXPECT_EQ(core.counts("bench").lost, 0);
 }
 
-TEST(LinkCore, ALateJoinerGetsStatesButNoSingleOldMeasurement) {
+TEST(LinkCore, ALateJoinerGetsStatesButNoOldMeasurements) {
   constexpr std::int64_t kOld = 60'000'000;
   LinkCore core(0);
   EXPECT_EQ(core.receive(0, "bench", 5, 1, 90, kOld, channels::kRobotStatus, status("a")),
@@ -145,13 +145,13 @@ TEST(LinkCore, ALateJoinerGetsStatesButNoSingleOldMeasurement) {
   EXPECT_EQ(
       core.receive(0, "bench", 5, 2, 90, kOld, channels::kTrackedFrame, of<tracked_frame_t>("a")),
       Verdict::kHistory);
-  // But those that a cut wire has held up are wanted, however old.
+  // Packets that an outage has delayed are delivered at any age.
   EXPECT_EQ(
       core.receive(0, "bench", 5, 2, 91, kOld, channels::kTrackedFrame, of<tracked_frame_t>("a")),
       Verdict::kDeliver);
 }
 
-TEST(LinkCore, ASenderThatIsAtHomeElsewhereClashes) {
+TEST(LinkCore, ASenderOfAnotherHomeClashes) {
   LinkCore core(0);
   ASSERT_TRUE(core.hear(0, channels::kRobotStatus, status("robots")));
   EXPECT_EQ(receive(core, 1), Verdict::kClash);
@@ -161,7 +161,7 @@ TEST(LinkCore, ASenderThatIsAtHomeElsewhereClashes) {
             Verdict::kClash);
   EXPECT_EQ(core.counts("bench").clashing, 1);
   EXPECT_EQ(core.counts("third").clashing, 1);
-  // A home elsewhere is not given up; one here is, when nobody is heard there.
+  // A home on another host is not given up; a home here is, if the sender is silent here.
   EXPECT_EQ(core.receive(LinkCore::kHomeTimeout + 1, "third", 5, 1, 2, 0, channels::kRobotStatus,
                          status("x")),
             Verdict::kClash);
@@ -171,7 +171,7 @@ TEST(LinkCore, ASenderThatIsAtHomeElsewhereClashes) {
   EXPECT_FALSE(core.hear(LinkCore::kHomeTimeout + 1, channels::kRobotStatus, status("robots")));
 }
 
-TEST(LinkCore, WhatIsHeardMoreOftenThanItWasBroughtIsAtHomeHere) {
+TEST(LinkCore, ASenderReceivedMoreOftenThanForwardedIsAtHomeHere) {
   LinkCore core(0);
   for (std::int64_t number = 1; number <= 3; ++number) {
     EXPECT_EQ(receive(core, number), Verdict::kDeliver);
@@ -184,8 +184,8 @@ TEST(LinkCore, WhatIsHeardMoreOftenThanItWasBroughtIsAtHomeHere) {
   EXPECT_TRUE(core.hear(0, channels::kRobotStatus, status("robots")));
 }
 
-/// Buses with gateways on them; every gateway reaches every other. Everything is delivered in an
-/// order that chance decides, but for that of one stream.
+/// Buses with gateways; every gateway is connected with every other. Packets are delivered in
+/// random order, except that each stream keeps its order.
 class Mesh {
  public:
   Mesh(std::vector<std::size_t> bus_of_gateway, unsigned seed)
@@ -288,7 +288,7 @@ TEST(LinkCore, OnThreeHostsEveryMessageIsOnEveryBusOnce) {
   }
 }
 
-TEST(LinkCore, TwoGatewaysOnOneBusAreSeenAndStartNoStorm) {
+TEST(LinkCore, TwoGatewaysOnOneBusAreDetectedAndCauseNoStorm) {
   constexpr std::int64_t kMessages = 100;
   for (unsigned seed = 0; seed < 100; ++seed) {
     Mesh mesh({0, 0, 1}, seed);
@@ -299,16 +299,16 @@ TEST(LinkCore, TwoGatewaysOnOneBusAreSeenAndStartNoStorm) {
       moved += mesh.settle(100'000);
       mesh.now += 100'000;
     }
-    // Each message is heard by at most three gateways and sent by each to two; what one of those
-    // puts on a bus is heard by at most two more, which may send it, too. A few go round before it
-    // is noticed.
+    // Each message is received by at most three gateways, and each sends it to two. A gateway that
+    // publishes it on a bus is heard by at most two more, which may send it again. A few packets
+    // circulate before this is detected.
     EXPECT_LE(moved, 2 * kMessages * (3 + 6 + 2 * (2 + 4)));
     int extra = 0;
     for (const auto& bus : mesh.heard) {
       for (const auto& [data, count] : bus) extra += count - 1;
     }
     EXPECT_LE(extra, 50) << seed;
-    // One of the two on the bus has come to bring what comes from outside, and all of it goes out.
+    // One of the two gateways now brings all messages from outside, and all of ours are sent out.
     for (std::int64_t seq = kMessages - 20; seq <= kMessages; ++seq) {
       EXPECT_EQ(mesh.heard[0][numbered("there", seq)], 1) << seed << " " << seq;
       EXPECT_EQ(mesh.heard[1][numbered("here", seq)], 1) << seed << " " << seq;
@@ -333,7 +333,7 @@ TEST(LinkCore, MemoryIsBounded) {
   }
   EXPECT_EQ(slots.size(), LinkCore::kMostStreams);
   EXPECT_LE(core.size(), 11 * LinkCore::kMostStreams);
-  // A flood of host names is not believed.
+  // A flood of host names is ignored.
   for (int i = 0; i < 5000; ++i) {
     static_cast<void>(
         core.receive(0, "x" + std::to_string(i), 1, 1, 1, 0, channels::kRobotStatus, status("y")));
@@ -355,7 +355,7 @@ TEST(LinkCore, NoTwoStreamsShareASlot) {
   }
 }
 
-TEST(LinkCore, AStreamThatWasForgottenBeginsAnew) {
+TEST(LinkCore, AForgottenStreamBeginsAnew) {
   LinkCore core(0);
   const std::int32_t before = core.hear(0, channels::kRobotStatus, status("a"))->stream;
   for (std::int64_t i = 0; i < static_cast<std::int64_t>(LinkCore::kMostStreams); ++i) {

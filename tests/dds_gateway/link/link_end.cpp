@@ -1,7 +1,7 @@
-/// A gateway that has nothing but its link, and a clock that can be wrong.
+/// A gateway with only its link, and a clock that can be shifted.
 ///   link_end LCM_URL HOST ADDRESS KEY CLOCK_SHIFT_US MOST_OFFSET_S PEER...
-/// With $LINK_END_SPEAKS it is of another contract, whose types have these fingerprints; with
-/// $LINK_END_SECURITY its certificates are in that folder.
+/// $LINK_END_SPEAKS gives it another contract with these type fingerprints. $LINK_END_SECURITY is
+/// the folder of its certificates.
 #include <chrono>
 #include <csignal>
 #include <cstdint>
@@ -23,9 +23,9 @@ void run(std::span<char*> arguments) {
   options.address = arguments[3];
   options.key = arguments[4];
   const std::int64_t shift = std::atoll(arguments[5]);
-  options.most_offset = std::atof(arguments[6]);
+  options.max_offset = std::atof(arguments[6]);
   options.peers.assign(arguments.begin() + 7, arguments.end());
-  if (const char* types = std::getenv("LINK_END_SPEAKS")) options.edition = {3, types, "0.0.9"};
+  if (const char* types = std::getenv("LINK_END_SPEAKS")) options.protocol = {3, types, "0.0.9"};
   if (const char* folder = std::getenv("LINK_END_SECURITY")) options.security = folder;
   lab::AsioLoop loop;
   options.clock = [&loop, shift] { return loop.now() + shift; };

@@ -1,5 +1,5 @@
-/// The link between hosts that only a router joins (tests/two_hosts.sh --hosts 3).
-#include <gtest/gtest.h>
+/// The link between hosts that are connected only by a router (tests/two_hosts.sh --hosts 3).
+#include <gmock/gmock.h>
 
 #include <cstdint>
 #include <lab/light_command_t.hpp>
@@ -24,13 +24,13 @@ using testing::IsEmpty;
 using testing::Pair;
 using testing::SizeIs;
 
-constexpr double kLong = 10;  // [s] until something that does happen has happened
+constexpr double kLong = 10;  // [s] time limit for expected events
 
 std::vector<std::uint8_t> status(const std::string& sender, std::int64_t seq) {
   return message<robot_status_t>(sender, seq);
 }
 
-std::vector<std::int64_t> upTo(std::int64_t count) {
+std::vector<std::int64_t> receivedUntil(std::int64_t count) {
   std::vector<std::int64_t> numbers;
   for (std::int64_t i = 1; i <= count; ++i) numbers.push_back(i);
   return numbers;
@@ -68,9 +68,10 @@ TEST(LinkHosts, PassesBothWaysUnchangedOnceAndInOrder) {
       for (std::size_t i = 0; i < frames.size(); ++i) {
         EXPECT_EQ(frames[i].data, published["tracker" + origin][i]);
       }
-      EXPECT_EQ(seqs(hosts[host].of("robots" + origin, channels::kRobotStatus)), upTo(count));
+      EXPECT_EQ(seqs(hosts[host].of("robots" + origin, channels::kRobotStatus)),
+                receivedUntil(count));
     }
-    // What is said of itself is said by the gateways, which publish a few messages a second.
+    // The gateways publish a few messages per second themselves.
     const link_peer_t peer = hosts[host].status.peers.at(0);
     EXPECT_EQ(peer.lost, 0);
     EXPECT_EQ(peer.repeated, 0);
@@ -95,7 +96,7 @@ TEST(LinkHosts, AMessageOf60KilobytesPasses) {
   EXPECT_EQ(hosts[1].of("light", channels::kLightCommand)[0].data, bytes);
 }
 
-TEST(LinkHosts, WhoComesLateGetsStatesAndStopsButNoOldCommandsAndNoFragmentsOfMeasurements) {
+TEST(LinkHosts, ALateJoinerGetsStatesAndStopsButNoOldCommandsOrMeasurements) {
   Hosts hosts({"A", "B"});
   const auto a = hosts.gateway(0);
   hosts.run(0.5);
@@ -123,7 +124,7 @@ TEST(LinkHosts, WhoComesLateGetsStatesAndStopsButNoOldCommandsAndNoFragmentsOfMe
   EXPECT_THAT(seqs(hosts[1].of("tracker", channels::kTrackedFrame)), ElementsAre(4));
 }
 
-/// The cable of B is out for so long while both publish.
+/// Unplugs the cable of B for this time while both publish.
 void pullCable(double seconds, bool within_patience) {
   Hosts hosts({"A", "B"});
   const auto a = hosts.gateway(0);
@@ -153,10 +154,10 @@ void pullCable(double seconds, bool within_patience) {
               ElementsAre(Pair("hostB", link_peer_t::SILENT), Pair("hostB", link_peer_t::JOINED),
                           Pair("hostB", link_peer_t::SILENT), Pair("hostB", link_peer_t::JOINED)));
 
-  // No peer is seen to come and go meanwhile, on either side.
+  // No further peer appears or disappears meanwhile, on either side.
   EXPECT_THAT(hosts[1].states, SizeIs(4));
 
-  // Nothing twice, nothing out of order, and what is missing is counted.
+  // Nothing is delivered twice or out of order, and missing messages are counted.
   const auto honest = [&](Host& host, const std::string& other, const char* sender,
                           std::string_view channel) {
     const auto numbers = seqs(host.of(sender, channel));
@@ -176,7 +177,7 @@ void pullCable(double seconds, bool within_patience) {
   std::printf("%.0f s: missing %d states and %d frames of %d; counted lost %ld and %ld\n", seconds,
               robots, frames, sent, hosts[1].peer("hostA").lost, hosts[0].peer("hostB").lost);
 
-  // Commands of the time in the dark are not carried out, but for those of its last second.
+  // Commands from the outage are dropped, except those of its last second.
   for (const Message& command : hosts[1].of("runner", channels::kRobotCommand)) {
     const bool old = command.seq > static_cast<int>(before) && command.seq < last_in_the_dark - 200;
     EXPECT_FALSE(old && seconds > 4.5) << command.seq;
@@ -186,11 +187,11 @@ void pullCable(double seconds, bool within_patience) {
   }
 }
 
-TEST(LinkCable, OutForAFewSecondsCostsNothing) { pullCable(5, true); }
+TEST(LinkCable, AnOutageOfAFewSecondsLosesNothing) { pullCable(5, true); }
 
-TEST(LinkHostsLong, ACableOutForHalfAMinuteIsCounted) { pullCable(30, false); }
+TEST(LinkHostsLong, TheLossesOfAnOutageOfHalfAMinuteAreCounted) { pullCable(30, false); }
 
-TEST(LinkHosts, AClockThatIsTooFarOffIsRefusedAndStopsPassStill) {
+TEST(LinkHosts, AClockTooFarOffIsRefusedButStopsPass) {
   Hosts hosts({"A", "B"});
   const auto a = hosts.gateway(0);
   const auto b = hosts.gateway(1, 20'000);
@@ -227,7 +228,7 @@ TEST(LinkHosts, AClockOffsetWithinTheLimitIsMeasured) {
   EXPECT_NEAR(peer.clock_offset, 0.003, peer.clock_error);
 }
 
-TEST(LinkHosts, AnotherContractIsRefusedWithBothNamed) {
+TEST(LinkHosts, AnotherContractIsRefusedAndBothAreNamed) {
   Hosts hosts({"A", "B"});
   const auto a = hosts.gateway(0);
   setenv("LINK_END_SPEAKS", "0123456789abcdef", 1);
@@ -246,7 +247,7 @@ TEST(LinkHosts, AnotherContractIsRefusedWithBothNamed) {
   EXPECT_THAT(hosts[1].of("robots", channels::kRobotStatus), IsEmpty());
 }
 
-TEST(LinkHostsLong, StreamsThatComeAndGoTakeNoMemory) {
+TEST(LinkHostsLong, EndedStreamsTakeNoMemory) {
   Hosts hosts({"A", "B"});
   const auto a = hosts.gateway(0);
   const auto b = hosts.gateway(1);
@@ -269,7 +270,7 @@ TEST(LinkHostsLong, StreamsThatComeAndGoTakeNoMemory) {
   std::printf("%.1f and %.1f MB, after 9000 more streams %.1f and %.1f MB\n", before_a, before_b,
               a->megabytes(), b->megabytes());
   EXPECT_EQ(hosts[1].heard.size(), 15'000U);
-  // Kept for good they would take more than 1 kB each.
+  // If they were kept they would take more than 1 kB each.
   EXPECT_LT(a->megabytes() - before_a, 4);
   EXPECT_LT(b->megabytes() - before_b, 4);
 }
@@ -285,7 +286,7 @@ TEST(LinkHosts, TwoRunsDoNotMix) {
   EXPECT_THAT(hosts[1].of("robots", channels::kRobotStatus), IsEmpty());
 }
 
-TEST(LinkHosts, ThreeHostsHearEverythingOnce) {
+TEST(LinkHosts, ThreeHostsReceiveEveryMessageOnce) {
   Hosts hosts({"A", "B", "C"});
   const auto a = hosts.gateway(0);
   const auto b = hosts.gateway(1);
@@ -299,14 +300,14 @@ TEST(LinkHosts, ThreeHostsHearEverythingOnce) {
   hosts.run(1);
   for (std::size_t host = 0; host < 3; ++host) {
     for (const std::string sender : {"0", "1", "2"}) {
-      EXPECT_EQ(seqs(hosts[host].of(sender, channels::kRobotStatus)), upTo(count))
+      EXPECT_EQ(seqs(hosts[host].of(sender, channels::kRobotStatus)), receivedUntil(count))
           << "of " << sender << " on " << host;
     }
     EXPECT_EQ(hosts[host].status.foreign, 0);
   }
 }
 
-TEST(LinkHosts, AFrozenPeerCostsTheOthersNothing) {
+TEST(LinkHosts, AFrozenPeerDoesNotDelayTheOthers) {
   Hosts hosts({"A", "B", "C"});
   const auto a = hosts.gateway(0);
   const auto b = hosts.gateway(1);
@@ -323,8 +324,8 @@ TEST(LinkHosts, AFrozenPeerCostsTheOthersNothing) {
   });
   hosts.run(0.5);
   const auto heard = hosts[2].of("robots", channels::kRobotStatus);
-  EXPECT_EQ(seqs(heard), upTo(count));
-  EXPECT_EQ(seqs(hosts[2].of("light", channels::kLightCommand)), upTo(count));
+  EXPECT_EQ(seqs(heard), receivedUntil(count));
+  EXPECT_EQ(seqs(hosts[2].of("light", channels::kLightCommand)), receivedUntil(count));
   EXPECT_EQ(hosts[0].status.timeouts, 0);
   double most = 0;
   for (std::size_t i = 0; i < std::min(heard.size(), sent.size()); ++i) {
@@ -334,10 +335,10 @@ TEST(LinkHosts, AFrozenPeerCostsTheOthersNothing) {
   b->signal(SIGCONT);
   ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 2, kLong));
   hosts.run(1);
-  EXPECT_EQ(seqs(hosts[1].of("robots", channels::kRobotStatus)), upTo(count));
+  EXPECT_EQ(seqs(hosts[1].of("robots", channels::kRobotStatus)), receivedUntil(count));
 }
 
-TEST(LinkHosts, AGatewayThatStartsAnewJoinsAgainAndCountsAnew) {
+TEST(LinkHosts, ARestartedGatewayJoinsAgainAndCountsAnew) {
   Hosts hosts({"A", "B"});
   auto a = hosts.gateway(0);
   const auto b = hosts.gateway(1);

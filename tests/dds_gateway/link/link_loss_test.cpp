@@ -1,4 +1,4 @@
-/// The link over a wire that loses frames (tests/two_hosts.sh --loss 2).
+/// The link over a network that loses frames (tests/two_hosts.sh --loss 2).
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -43,7 +43,7 @@ std::vector<std::uint8_t> command(const Stream& stream, std::int64_t seq) {
   return message<robot_command_t>(stream.sender, seq);
 }
 
-/// Frames and large messages at 50 Hz, commands at 5 Hz, both ways, all delivered.
+/// Frames and large messages at 50 Hz and commands at 5 Hz, both ways: all must be delivered.
 void deliverAll(double seconds) {
   Hosts hosts({"A", "B"});
   const auto a = hosts.gateway(0, 0, 0.1);

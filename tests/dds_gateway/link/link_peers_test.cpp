@@ -1,6 +1,6 @@
 #include "dds_gateway/link/link_peers.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
 namespace lab::gateway::link_peers_test {
 namespace {
@@ -11,7 +11,7 @@ using testing::HasSubstr;
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
 constexpr std::int64_t kWay = 200;  // [us] each way
 
-/// Two gateways that ask each other, the clock of the second ahead by `offset` [us].
+/// Two gateways that ping each other; the clock of the second is ahead by `offset` [us].
 struct Pair {
   explicit Pair(std::int64_t clock_offset = 0, ProtocolVersion of_b = ProtocolVersion::own(),
                 const std::string& name_b = "bench")
@@ -48,7 +48,7 @@ struct Pair {
   int changes = 0;
 };
 
-TEST(LinkPeers, TwoMeetAndAreJoinedWhenTheClockIsKnown) {
+TEST(LinkPeers, TwoGatewaysJoinWhenTheClockIsKnown) {
   Pair pair;
   pair.run(1);
   EXPECT_EQ(pair.seen().state, PeerState::kNew);
@@ -60,7 +60,7 @@ TEST(LinkPeers, TwoMeetAndAreJoinedWhenTheClockIsKnown) {
   EXPECT_EQ(pair.changes, 2);
 }
 
-TEST(LinkPeers, ASilentPeerIsSaidAndJoinsAgain) {
+TEST(LinkPeers, ASilentPeerIsReportedAndJoinsAgain) {
   Pair pair;
   pair.run(10);
   pair.run(9, false);
@@ -73,7 +73,7 @@ TEST(LinkPeers, ASilentPeerIsSaidAndJoinsAgain) {
   EXPECT_EQ(pair.changes, 4);
 }
 
-TEST(LinkPeers, APauseOfOurOwnIsNobodysSilence) {
+TEST(LinkPeers, APauseOfThisProcessDoesNotMakePeersSilent) {
   Pair pair;
   pair.run(10);
   pair.now += 30'000'000;
@@ -81,12 +81,12 @@ TEST(LinkPeers, APauseOfOurOwnIsNobodysSilence) {
   EXPECT_EQ(pair.seen().state, PeerState::kJoined);
   pair.run(11, false);
   EXPECT_EQ(pair.seen().state, PeerState::kSilent);
-  pair.now += 30'000'000;  // nor does it wake anybody up
+  pair.now += 30'000'000;  // nor does it wake a silent peer
   EXPECT_FALSE(pair.a.tick(pair.now));
   EXPECT_EQ(pair.seen().state, PeerState::kSilent);
 }
 
-TEST(LinkPeers, AClockTooFarOffIsRefusedOnBothSidesWithTheWayOut) {
+TEST(LinkPeers, AClockTooFarOffIsRefusedOnBothSidesWithAFix) {
   for (const std::int64_t offset : {-8000L, 6000L, 3'600'000'000L}) {
     Pair pair(offset);
     pair.run(10);
@@ -110,7 +110,7 @@ TEST(LinkPeers, AnOffsetWithinTheLimitPasses) {
   }
 }
 
-TEST(LinkPeers, ThoseOfAnotherContractAreRefusedWithBothNamed) {
+TEST(LinkPeers, AnotherContractIsRefusedAndBothAreNamed) {
   Pair pair(0, {3, "0123456789abcdef", "0.0.9"});
   pair.run(10);
   EXPECT_EQ(pair.seen().state, PeerState::kRefused);
@@ -120,7 +120,7 @@ TEST(LinkPeers, ThoseOfAnotherContractAreRefusedWithBothNamed) {
                     HasSubstr(ProtocolVersion::own().fingerprints)));
 }
 
-TEST(LinkPeers, WhoIsRefusedKnowsWhy) {
+TEST(LinkPeers, ARefusedPeerKnowsWhy) {
   Pair pair;
   pair.run(10);
   LinkHeartbeat answer;
@@ -131,7 +131,7 @@ TEST(LinkPeers, WhoIsRefusedKnowsWhy) {
   EXPECT_FALSE(pair.a.hear(pair.now, pong, answer));
   EXPECT_EQ(pair.seen().state, PeerState::kRefused);
   EXPECT_EQ(pair.seen().trouble, "bench refuses us: desk smells");
-  pair.run(1);  // its own answers say otherwise
+  pair.run(1);  // its own answers contradict it
   EXPECT_EQ(pair.seen().state, PeerState::kJoined);
 }
 
@@ -142,7 +142,7 @@ TEST(LinkPeers, TwoHostsOfOneNameAreRefused) {
   EXPECT_THAT(pair.seen().trouble, HasSubstr("two hosts call themselves desk"));
 }
 
-TEST(LinkPeers, TwoGatewaysOfOneNameAreSaidAndTheLaterCounts) {
+TEST(LinkPeers, TwoGatewaysOfOneNameAreReportedAndTheLaterCounts) {
   Pair pair;
   pair.run(10);
   LinkPeers second("bench", 3, ProtocolVersion::own(), 0.005);
@@ -153,13 +153,13 @@ TEST(LinkPeers, TwoGatewaysOfOneNameAreSaidAndTheLaterCounts) {
   EXPECT_FALSE(pair.a.hear(pair.now, pair.b.ping(pair.now), answer));
   static_cast<void>(pair.a.tick(pair.now));
   EXPECT_THAT(pair.seen().trouble, HasSubstr("two gateways call themselves bench"));
-  // When the later one has fallen silent, the other is taken, whichever start came first.
+  // When the later one is silent, the other one is accepted, whichever started first.
   pair.now += 2'000'000;
   EXPECT_TRUE(pair.a.hear(pair.now, pair.b.ping(pair.now), answer));
   EXPECT_EQ(pair.seen().gateway, 2);
 }
 
-TEST(LinkPeers, WhoIsHeardButDoesNotAnswerIsSaid) {
+TEST(LinkPeers, APeerThatDoesNotAnswerIsReported) {
   Pair pair;
   LinkHeartbeat answer;
   for (int i = 0; i < 40; ++i) {
@@ -171,7 +171,7 @@ TEST(LinkPeers, WhoIsHeardButDoesNotAnswerIsSaid) {
   EXPECT_THAT(pair.seen().trouble, HasSubstr("is heard but does not answer"));
 }
 
-TEST(LinkPeers, OurOwnSignsAndThousandsOfNamesAreNotBelieved) {
+TEST(LinkPeers, OurOwnHeartbeatsAndThousandsOfNamesAreIgnored) {
   LinkPeers peers("desk", 1, ProtocolVersion::own(), 0.005);
   LinkHeartbeat answer;
   EXPECT_FALSE(peers.hear(kStart, peers.ping(kStart), answer));

@@ -1,5 +1,5 @@
-/// CDR by hand, as ROS 2 has it on the wire: XCDR1, little endian, each value aligned to its own
-/// size from the start of the data (OMG DDSI-RTPS 2.3, 10; CORBA 3.1, 15.3).
+/// A CDR encoder for ROS 2's wire format: XCDR1, little endian, each value aligned to its own size
+/// from the start of the data (OMG DDSI-RTPS 2.3, 10; CORBA 3.1, 15.3).
 #pragma once
 
 #include <bit>
@@ -22,8 +22,8 @@ class Cdr {
     return u8(0);
   }
 
-  /// What goes into a DATA submessage: the encapsulation header, whose last two bits say how many
-  /// bytes at the end are there only to fill up four.
+  /// The payload of a DATA submessage: an encapsulation header, whose last two bits give the number
+  /// of padding bytes at the end, and the data.
   [[nodiscard]] std::vector<std::uint8_t> payload() const {
     const std::size_t fill = (4 - data_.size() % 4) % 4;
     std::vector<std::uint8_t> all = {0, 1, 0, static_cast<std::uint8_t>(fill)};

@@ -1,4 +1,4 @@
-/// cyclone_peer DOMAIN CONFIGURATION: an endpoint as rmw_cyclonedds makes it (peer_loop.hpp).
+/// cyclone_peer DOMAIN CONFIGURATION: endpoints like those of rmw_cyclonedds (peer_loop.hpp).
 #include <cstdint>
 #include <iostream>
 #include <memory>

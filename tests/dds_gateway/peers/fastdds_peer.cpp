@@ -1,5 +1,5 @@
 /// fastdds_peer DOMAIN [PROFILES]: an endpoint of another vendor, over UDP (peer_loop.hpp).
-/// Payloads pass as they are on the wire: the bytes are the tests'. PROFILES goes into
+/// Payloads are passed unchanged; the tests make the bytes. PROFILES goes into
 /// $FASTRTPS_DEFAULT_PROFILES_FILE; without it every interface is used.
 #include <fastdds/rtps/transport/UDPv4TransportDescriptor.h>
 
@@ -63,7 +63,7 @@ class RawType : public fast::TopicDataType {
   }
 };
 
-/// What writers and readers have in common there.
+/// Common settings of writers and readers.
 template <class Qos>
 void set(Qos& qos, const PeerQos& wanted) {
   qos.reliability().kind =
@@ -151,13 +151,14 @@ int run(int domain, const char* profiles) {
   auto* factory = fast::DomainParticipantFactory::get_instance();
   fast::DomainParticipantQos qos;
   if (profiles != nullptr) {
-    setenv("FASTRTPS_DEFAULT_PROFILES_FILE", profiles, 1);  // by name it becomes no default
+    setenv("FASTRTPS_DEFAULT_PROFILES_FILE", profiles,
+           1);  // loading it by name would not make it the default
     if (factory->load_profiles() != ReturnCode_t::RETCODE_OK) {
       throw std::runtime_error("profiles not taken");
     }
     qos = factory->get_default_participant_qos();
   } else {
-    qos.transport().use_builtin_transports = false;  // without shared memory
+    qos.transport().use_builtin_transports = false;  // no shared memory
     qos.transport().user_transports.push_back(
         std::make_shared<eprosima::fastdds::rtps::UDPv4TransportDescriptor>());
   }
@@ -180,7 +181,7 @@ int run(int domain, const char* profiles) {
 
 #ifdef __SANITIZE_ADDRESS__
 /// Fast DDS 2.9 allocates its writers' events with one size and frees them with another
-/// (RTPSWriter::~RTPSWriter); that is theirs.
+/// (RTPSWriter::~RTPSWriter), an error in Fast DDS.
 extern "C" const char* __asan_default_options() { return "new_delete_type_mismatch=0"; }
 #endif
 

@@ -1,4 +1,4 @@
-/// The other side of DDS as a program of its own (peer_loop.hpp says what it understands).
+/// Starts a program that plays the other side of DDS (peer_loop.hpp has its protocol).
 #pragma once
 
 #include <sys/types.h>
@@ -11,15 +11,15 @@
 
 namespace lab::dds {
 
-/// Hang check, no measure: nothing waits this long when all is well.
+/// Time limit that detects hangs; no test waits this long if it succeeds.
 constexpr std::chrono::seconds kPatience{15};
 
-/// Whether `done` came true; it is asked again until then.
+/// Calls `done` repeatedly until it is true. @return whether it became true
 bool eventually(const std::function<bool()>& done);
 
 class Peer {
  public:
-  /// @throws std::runtime_error when the program does not say "ready".
+  /// @throws std::runtime_error if the program does not print "ready"
   explicit Peer(const std::vector<std::string>& command);
   ~Peer();
   Peer(const Peer&) = delete;
@@ -27,13 +27,13 @@ class Peer {
 
   void say(const std::string& line) const;
 
-  /// All it said so far.
+  /// The output so far.
   const std::vector<std::string>& heard();
 
-  /// Whether it says exactly this line, now or soon.
+  /// Whether it has printed exactly this line, or does so soon.
   bool says(const std::string& line);
 
-  /// Payloads it got of a topic, as hex.
+  /// Payloads that it received on a topic, as hex.
   std::vector<std::string> got(const std::string& topic);
 
   void freeze();
@@ -48,7 +48,7 @@ class Peer {
   std::vector<std::string> lines_;
 };
 
-/// Configurations of ROS 2 nodes that stay on their machine.
+/// Configurations of ROS 2 nodes that use only their own machine.
 /// Humble with ROS_LOCALHOST_ONLY=1.
 inline constexpr const char* kHumble =
     "<CycloneDDS><Domain><General><Interfaces><NetworkInterface address=\"127.0.0.1\"/>"

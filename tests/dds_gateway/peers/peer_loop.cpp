@@ -37,7 +37,7 @@ PeerQos qosOf(std::istringstream& words) {
   return qos;
 }
 
-/// All endpoints, and what was said of them.
+/// All endpoints, and their last reported state.
 class Endpoints {
  public:
   explicit Endpoints(const MakeEndpoint& make) : make_(make) {}

@@ -1,8 +1,9 @@
-/// Programs that play the other side of DDS in the tests: told what to do by lines on stdin, they
-/// tell on stdout what they get. One protocol, whatever the vendor.
+/// Programs that play the other side of DDS in the tests. They read commands from stdin and print
+/// what they receive to stdout. The protocol is the same for all vendors.
 ///   reader TOPIC TYPE QOS...    writer TOPIC TYPE QOS...    (TYPE:
 ///   geometry_msgs::msg::dds_::Twist_) write TOPIC HEX             the whole payload, encapsulation
-///   header first sync WORD                   answered by "synced WORD" when all before it is done
+///   header first sync WORD                   answered by "synced WORD" when all commands before it
+///   are done
 ///   -> ready | got TOPIC HEX | matched TOPIC NUMBER | refused TOPIC POLICY | error TEXT
 /// QOS: besteffort, latched, depth=N, representation=xcdr1|xcdr2|both, hash=RIHS01_...
 #pragma once
@@ -30,10 +31,10 @@ struct PeerQos {
   std::string user_data;
 };
 
-/// How an endpoint is matched.
+/// Matches of an endpoint.
 struct PeerMatch {
   int matched = 0;
-  int refused_by = 0;  ///< id of the policy that did not fit last, 0: none
+  int refused_by = 0;  ///< id of the last incompatible policy, 0: none
 
   bool operator==(const PeerMatch&) const = default;
 };
@@ -53,7 +54,7 @@ class PeerEndpoint {
 using MakeEndpoint = std::function<std::unique_ptr<PeerEndpoint>(
     bool writer, const std::string& topic, const std::string& type, const PeerQos& qos)>;
 
-/// Until stdin ends. @return the exit status
+/// Runs until stdin ends. @return the exit status
 int peerLoop(const MakeEndpoint& make);
 
 }  // namespace lab::dds

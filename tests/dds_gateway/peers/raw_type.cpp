@@ -47,7 +47,7 @@ void copyOut(const ddsi_serdata* data, std::size_t offset, std::size_t size, voi
   std::copy_n(raw(data)->on_wire.data() + offset, size, static_cast<unsigned char*>(to));
 }
 
-// No memory of its own: where the payload is encrypted, Cyclone gives back another place than this.
+// Points at no memory of its own: if the payload is encrypted, Cyclone returns another address.
 ddsi_serdata* reference(const ddsi_serdata* data, std::size_t offset, std::size_t size,
                         ddsrt_iovec_t* to) {
   to->iov_base = const_cast<unsigned char*>(raw(data)->on_wire.data()) + offset;

@@ -1,5 +1,5 @@
-/// A type of Cyclone whose samples are payloads as they are on the wire, as rmw_cyclonedds has one:
-/// nothing is checked, so that anything can be sent.
+/// A Cyclone type whose samples are unchecked payloads, as in rmw_cyclonedds, so that tests can
+/// send any bytes.
 #pragma once
 
 #include <dds/dds.h>
@@ -15,10 +15,10 @@ namespace lab::dds {
 [[nodiscard]] dds_entity_t rawTopic(dds_entity_t participant, const std::string& topic,
                                     const std::string& type);
 
-/// Of a reader of such a topic, all that has arrived.
+/// Takes all samples that have arrived at a reader of such a topic.
 [[nodiscard]] std::vector<Payload> takeRaw(dds_entity_t reader);
 
-/// @return as dds_write()
+/// Writes a payload. @return as dds_write()
 dds_return_t writeRaw(dds_entity_t writer, const Payload& payload);
 
 }  // namespace lab::dds

@@ -42,12 +42,12 @@ robot_command_t labCommand(std::int8_t mode, std::vector<std::int32_t> robots) {
   return command;
 }
 
-class CommandDeskTest : public ::testing::Test {
+class CommandArbiterTest : public ::testing::Test {
  protected:
   CommandArbiter dut_{{1, 2, 3}, {0.27, 0.075}, kTimeout};
   std::int64_t now_ = 1'000'000'000;
 
-  void passTime(std::int64_t ms) {
+  void advanceTime(std::int64_t ms) {
     for (std::int64_t i = 0; i < ms; i += 20) {
       now_ += 20 * kMs;
       dut_.tick(now_);
@@ -55,7 +55,7 @@ class CommandDeskTest : public ::testing::Test {
   }
 };
 
-TEST_F(CommandDeskTest, DrivesAtOnceAndRepeats) {
+TEST_F(CommandArbiterTest, DrivesAtOnceAndRepeats) {
   EXPECT_EQ(dut_.drive(1, kAnna, forward(0.1), now_), Answer::kTaken);
   const auto sent = dut_.due(now_);
   ASSERT_THAT(sent, SizeIs(1));
@@ -77,7 +77,7 @@ TEST_F(CommandDeskTest, DrivesAtOnceAndRepeats) {
   EXPECT_GT(other[0].seq, sent[0].seq);
 }
 
-TEST_F(CommandDeskTest, RobotsTravelInOneMessage) {
+TEST_F(CommandArbiterTest, RobotsTravelInOneMessage) {
   dut_.drive(1, kAnna, forward(0.1), now_);
   dut_.drive(2, kBert, forward(0.1), now_);
   dut_.drive(3, kBert, forward(0.2), now_);
@@ -88,7 +88,7 @@ TEST_F(CommandDeskTest, RobotsTravelInOneMessage) {
   EXPECT_THAT(sent[0].orders[1].robot_ids, ElementsAre(3));
 }
 
-TEST_F(CommandDeskTest, RefusesWhatIsNoNumber) {
+TEST_F(CommandArbiterTest, RefusesInvalidNumbers) {
   EXPECT_EQ(dut_.drive(1, kAnna, forward(std::nan("")), now_), Answer::kNotFinite);
   EXPECT_EQ(dut_.drive(1, kAnna, forward(std::numeric_limits<double>::infinity()), now_),
             Answer::kNotFinite);
@@ -97,16 +97,16 @@ TEST_F(CommandDeskTest, RefusesWhatIsNoNumber) {
   EXPECT_DOUBLE_EQ(dut_.due(now_).at(0).orders[0].wheel_left, 0.27);
 }
 
-TEST_F(CommandDeskTest, KnowsItsRobots) {
+TEST_F(CommandArbiterTest, RefusesUnknownRobots) {
   EXPECT_EQ(dut_.drive(4, kAnna, forward(0.1), now_), Answer::kNoRobot);
   EXPECT_EQ(dut_.command({2, 99}, kAnna, tableOrder(), now_), Answer::kNoRobot);
   EXPECT_EQ(dut_.held(), 1U) << "robot 2 obeys";
 }
 
-TEST_F(CommandDeskTest, TheFirstPublisherHoldsTheRobotUntilItIsSilent) {
+TEST_F(CommandArbiterTest, TheFirstPublisherHoldsTheRobotUntilItIsSilent) {
   EXPECT_EQ(dut_.drive(1, kAnna, forward(0.1), now_), Answer::kTaken);
   for (int i = 0; i < 20; ++i) {
-    passTime(60);
+    advanceTime(60);
     EXPECT_EQ(dut_.drive(1, kBert, forward(-0.2), now_), Answer::kOwned);
     EXPECT_EQ(dut_.command({1}, kBert, tableOrder(), now_), Answer::kOwned);
     EXPECT_EQ(dut_.release({1}, kBert, now_), Answer::kOwned);
@@ -120,21 +120,21 @@ TEST_F(CommandDeskTest, TheFirstPublisherHoldsTheRobotUntilItIsSilent) {
   EXPECT_EQ(dut_.drive(1, kAnna, forward(0.1), now_), Answer::kOwned);
 }
 
-TEST_F(CommandDeskTest, ASilentPublisherLeavesAStandingRobotThenTheScript) {
+TEST_F(CommandArbiterTest, ASilentPublisherStopsTheRobotAndThenReleasesIt) {
   dut_.drive(1, kAnna, forward(0.1), now_);
   static_cast<void>(dut_.due(now_));
-  passTime(400);
+  advanceTime(400);
   EXPECT_EQ(dut_.silences(), 0);
   static_cast<void>(dut_.due(now_));
-  passTime(20);
+  advanceTime(20);
   EXPECT_EQ(dut_.silences(), 1);
   const auto stand = dut_.due(now_);
   ASSERT_THAT(stand, SizeIs(1));
   EXPECT_EQ(stand[0].orders[0].mode, robot_order_t::STAND);
-  passTime(4'980);
+  advanceTime(4'980);
   EXPECT_EQ(dut_.held(), 1U);
   EXPECT_THAT(dut_.due(now_), SizeIs(1)) << "it stands, and goes on standing";
-  passTime(40);
+  advanceTime(40);
   EXPECT_EQ(dut_.held(), 0U);
   const auto last = dut_.due(now_);
   ASSERT_THAT(last, SizeIs(1));
@@ -143,12 +143,12 @@ TEST_F(CommandDeskTest, ASilentPublisherLeavesAStandingRobotThenTheScript) {
   EXPECT_EQ(dut_.silences(), 1);
 }
 
-TEST_F(CommandDeskTest, AProgramStaysWithoutRepetition) {
+TEST_F(CommandArbiterTest, AProgramStaysInForceWithoutRepetition) {
   EXPECT_EQ(dut_.command({1, 3}, kAnna, tableOrder(), now_), Answer::kTaken);
   const auto first = dut_.due(now_);
   ASSERT_THAT(first, SizeIs(1));
   EXPECT_THAT(first[0].orders.at(0).robot_ids, ElementsAre(1, 3));
-  passTime(60'000);
+  advanceTime(60'000);
   const auto later = dut_.due(now_);
   ASSERT_THAT(later, SizeIs(1));
   EXPECT_EQ(later[0].seq, first[0].seq) << "it is not begun anew";
@@ -159,7 +159,7 @@ TEST_F(CommandDeskTest, AProgramStaysWithoutRepetition) {
   EXPECT_THAT(both[0].orders.at(0).robot_ids, ElementsAre(1));
 }
 
-TEST_F(CommandDeskTest, ManyProgramsNeverMakeABurst) {
+TEST_F(CommandArbiterTest, ManyProgramsNeverMakeABurst) {
   CommandArbiter many({1, 2, 3, 4, 5, 6, 7, 8, 9}, {0.27, 0.075}, kTimeout);
   for (std::int32_t id = 1; id <= 9; ++id) many.command({id}, kAnna, tableOrder(), now_);
   std::size_t sent = 0;
@@ -171,7 +171,7 @@ TEST_F(CommandDeskTest, ManyProgramsNeverMakeABurst) {
   EXPECT_EQ(sent, 9U);
 }
 
-TEST_F(CommandDeskTest, AStopOutranksAll) {
+TEST_F(CommandArbiterTest, AStopOutranksAll) {
   dut_.drive(1, kAnna, forward(0.1), now_);
   dut_.command({2}, kAnna, tableOrder(), now_);
   robot_stop_t stop{};
@@ -180,7 +180,7 @@ TEST_F(CommandDeskTest, AStopOutranksAll) {
   EXPECT_EQ(dut_.held(), 0U);
   EXPECT_THAT(dut_.due(now_), IsEmpty());
   EXPECT_EQ(dut_.drive(1, kAnna, forward(0.1), now_), Answer::kStopped);
-  // The messages of the stop may be lost; the robots say that they stand.
+  // Messages of the stop may be lost; then the robots' status reports it.
   robot_status_t status{};
   status.robots.resize(1);
   status.robots[0].robot_id = 1;
@@ -195,7 +195,7 @@ TEST_F(CommandDeskTest, AStopOutranksAll) {
   EXPECT_EQ(dut_.drive(1, kAnna, forward(0.1), now_), Answer::kTaken);
 }
 
-TEST_F(CommandDeskTest, AStopOfOneRobotLeavesTheOthers) {
+TEST_F(CommandArbiterTest, AStopOfOneRobotLeavesTheOthers) {
   dut_.drive(1, kAnna, forward(0.1), now_);
   dut_.drive(2, kAnna, forward(0.1), now_);
   robot_stop_t stop{};
@@ -205,7 +205,7 @@ TEST_F(CommandDeskTest, AStopOfOneRobotLeavesTheOthers) {
   EXPECT_EQ(dut_.held(), 1U);
 }
 
-TEST_F(CommandDeskTest, TheLabThatHoldsARobotOutranksRos) {
+TEST_F(CommandArbiterTest, TheLabThatHoldsARobotOutranksRos) {
   dut_.take(labCommand(robot_order_t::TABLE, {1, 2, 3}), now_);
   EXPECT_EQ(dut_.drive(1, kAnna, forward(0.1), now_), Answer::kTaken);
   dut_.take(labCommand(robot_order_t::STAND, {1, 2, 3}), now_);
@@ -218,7 +218,7 @@ TEST_F(CommandDeskTest, TheLabThatHoldsARobotOutranksRos) {
   EXPECT_EQ(dut_.drive(2, kAnna, forward(0.1), now_), Answer::kTaken) << "that lab is gone";
 }
 
-TEST_F(CommandDeskTest, GivesBackWhenAsked) {
+TEST_F(CommandArbiterTest, ReleasesARobotOnRequest) {
   dut_.command({1}, kAnna, tableOrder(), now_);
   static_cast<void>(dut_.due(now_));
   EXPECT_EQ(dut_.release({1, 2}, kAnna, now_), Answer::kTaken);

@@ -25,7 +25,7 @@ TEST(FromRos, WheelsFollowFromTheTwist) {
   EXPECT_DOUBLE_EQ(left.right, 0.1 + 0.075);
 }
 
-TEST(FromRos, WhatIsTooFastKeepsItsCurvature) {
+TEST(FromRos, ATwistThatIsTooFastKeepsItsCurvature) {
   for (const auto& [v, w] : {std::pair{2.0, 5.0},
                              {0.2, -8.0},
                              {-3.0, 0.5},
@@ -48,7 +48,7 @@ TEST(FromRos, TheLimitItselfIsAllowed) {
   EXPECT_TRUE(toWheels(twist(std::nextafter(0.27, 1), 0), kLimits).clamped);
 }
 
-TEST(FromRos, EveryNumberCounts) {
+TEST(FromRos, EveryNumberMustBeFinite) {
   EXPECT_TRUE(isFinite(twist(1, 1)));
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),

@@ -1,5 +1,5 @@
-// The bytes of each message on the wire, both ways, between us and endpoints that pass payloads as
-// they are: of Cyclone as rmw_cyclonedds makes them, and of Fast DDS where it is installed.
+// The bytes of each message on the wire, both ways, between us and endpoints that pass payloads
+// unchanged: of Cyclone as in rmw_cyclonedds, and of Fast DDS if it is installed.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -38,7 +38,7 @@ class GoldenBytes : public testing::TestWithParam<std::vector<std::string>> {
   std::vector<std::string> names;
 };
 
-TEST_P(GoldenBytes, AreWhatWeSend) {
+TEST_P(GoldenBytes, AreSent) {
   std::vector<dds::Writer> writers;
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const RosType& type = *messages[i].type;
@@ -55,8 +55,8 @@ TEST_P(GoldenBytes, AreWhatWeSend) {
   }
 }
 
-// What we made of bytes is written again: it can only be the same bytes when every field was
-// understood, as those of our own samples are the golden ones.
+// A decoded message is written again. It gives the same bytes only if every field was decoded
+// correctly, because our own samples give the golden bytes.
 TEST_P(GoldenBytes, AreUnderstood) {
   std::vector<dds::Writer> writers;
   std::vector<std::unique_ptr<dds::Reader>> readers;
@@ -75,8 +75,8 @@ TEST_P(GoldenBytes, AreUnderstood) {
     ASSERT_TRUE(peer.says("matched " + names[i] + "/back 1"));
     ASSERT_TRUE(dds::eventually(
         [&] { return writers[i].matching().peers == 1 && readers[i]->matching().peers == 1; }));
-    // Said again until it is heard: a volatile reader whose first heartbeat comes before the first
-    // sample takes that for history.
+    // Repeated until it arrives: a volatile reader treats a sample as history if the first
+    // heartbeat arrives before it.
     int looks = 0;
     ASSERT_TRUE(dds::eventually([&] {
       constexpr int kLooksAWrite = 200;

@@ -28,7 +28,7 @@ void fill(Sequence& sequence, std::initializer_list<Element> elements) {
   sequence._release = false;
 }
 
-/// std::vector<bool> has no memory of bools.
+/// A std::vector<bool> does not store an array of bool.
 template <class Sequence>
 void fillBools(Sequence& sequence, std::initializer_list<bool> elements) {
   static std::deque<std::vector<std::uint8_t>> all;
@@ -132,7 +132,7 @@ GoldenMessage analysis() {
   return golden(message, bytes);
 }
 
-/// Those of few fields.
+/// The messages with few fields.
 std::vector<GoldenMessage> small() {
   Cdr stamped;
   Cdr twisted;

@@ -1,4 +1,4 @@
-/// One sample of each message, and its bytes by hand.
+/// One sample of each message, and its bytes, computed by hand.
 #pragma once
 
 #include <cstdint>

@@ -2,15 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
-namespace lab::gateway::light_desk_test {
+namespace lab::gateway::light_arbiter_test {
 namespace {
 
 constexpr std::int64_t kTimeout = 400'000;
 constexpr std::int64_t kNow = 1'000'000'000;
 
-TEST(LightArbiter, ShowsAtOnceAndRepeatsUntilItIsGivenBack) {
+TEST(LightArbiter, ShowsAtOnceAndRepeatsUntilItIsReleased) {
   LightArbiter dut(kTimeout);
   EXPECT_FALSE(dut.due(kNow));
   EXPECT_EQ(dut.show(1, 0.5, 0, "x", kNow), Answer::kTaken);
@@ -45,7 +46,7 @@ TEST(LightArbiter, ALongOrBrokenLabelIsCutAndRepaired) {
   EXPECT_EQ(dut.due(kNow + 500'000)->label, "a\xEF\xBF\xBD");
 }
 
-TEST(LightArbiter, HoldsAsLongAsAsked) {
+TEST(LightArbiter, HoldsForTheRequestedTime) {
   LightArbiter dut(kTimeout);
   dut.show(1, 0.5, 2, "x", kNow);
   EXPECT_EQ(dut.due(kNow)->release, 0);
@@ -53,7 +54,7 @@ TEST(LightArbiter, HoldsAsLongAsAsked) {
   EXPECT_EQ(dut.due(kNow + 2'500'000)->release, 1);
 }
 
-TEST(LightArbiter, RefusesWhatIsNoLight) {
+TEST(LightArbiter, RefusesAnInvalidLight) {
   LightArbiter dut(kTimeout);
   EXPECT_EQ(dut.show(1, std::nan(""), 0, "", kNow), Answer::kNotFinite);
   EXPECT_EQ(dut.show(1, 1.01, 0, "", kNow), Answer::kOutOfRange);
@@ -82,4 +83,4 @@ TEST(LightArbiter, TheSameLightAgainIsTheSameCommand) {
 }
 
 }  // namespace
-}  // namespace lab::gateway::light_desk_test
+}  // namespace lab::gateway::light_arbiter_test

@@ -11,7 +11,7 @@ int admitted(RateLimit& dut, std::int64_t from, std::int64_t period, int count) 
   return passed;
 }
 
-TEST(RateLimit, OfZeroPassesAll) {
+TEST(RateLimit, ARateOfZeroPassesAll) {
   RateLimit dut(0);
   EXPECT_EQ(admitted(dut, 0, 1, 100), 100);
 }
@@ -20,7 +20,7 @@ TEST(RateLimit, KeepsTheMeanRate) {
   RateLimit five(5);
   EXPECT_EQ(admitted(five, 1'000'000'000, 16'667, 600), 50);  // 60 Hz for 10 s
   RateLimit seven(7);
-  EXPECT_EQ(admitted(seven, 1'000'000'000, 20'000, 500), 70);  // 50 Hz: no divisor of it
+  EXPECT_EQ(admitted(seven, 1'000'000'000, 20'000, 500), 70);  // 7 Hz does not divide 50 Hz
 }
 
 TEST(RateLimit, LetsSlowMessagesPass) {
@@ -28,7 +28,7 @@ TEST(RateLimit, LetsSlowMessagesPass) {
   EXPECT_EQ(admitted(dut, 0, 250'000, 40), 40);
 }
 
-TEST(RateLimit, OwesNothingAfterAPause) {
+TEST(RateLimit, DoesNotCatchUpAfterAPause) {
   RateLimit dut(10);
   EXPECT_TRUE(dut.admit(0));
   EXPECT_TRUE(dut.admit(10'000'000));
@@ -37,7 +37,7 @@ TEST(RateLimit, OwesNothingAfterAPause) {
   EXPECT_TRUE(dut.admit(10'100'000));
 }
 
-TEST(RateLimit, BeginsAnewWhereTimeJumpsBack) {
+TEST(RateLimit, RestartsWhenTimeJumpsBack) {
   RateLimit dut(1);
   EXPECT_TRUE(dut.admit(50'000'000));
   EXPECT_TRUE(dut.admit(10'000'000));

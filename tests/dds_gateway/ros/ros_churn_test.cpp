@@ -1,4 +1,4 @@
-// ROS 2 tools come and go for hours: the gateway's memory must not follow them, and every topic
+// ROS 2 tools connect and disconnect for hours: the gateway's memory must not grow, and every topic
 // must still work afterwards.
 #include <gtest/gtest.h>
 
@@ -21,7 +21,7 @@ namespace {
 constexpr int kRobots = 66;  // with pose, odom and light: 198 topics, and the lab's own
 constexpr int kReaders = 20;
 
-/// [kB] of memory that is really there.
+/// [kB] resident memory.
 long residentMemory(pid_t pid) {
   std::ifstream stream("/proc/" + std::to_string(pid) + "/status");
   for (std::string line; std::getline(stream, line);) {
@@ -58,7 +58,7 @@ std::unique_ptr<Reading> readerOf(const dds::Domain& domain, int robot, int kind
 
 class RosChurn : public ::testing::Test {
  protected:
-  /// Twenty readers of 200 topics; each `period` [s] the oldest five go and five new ones come.
+  /// Twenty readers of 200 topics; each `period` [s] replaces the oldest five by new ones.
   void churn(double seconds, double period) {
     double next = 0;
     dut_.spinActing(seconds, std::min(0.1, period), [&] {
@@ -90,8 +90,8 @@ class RosChurn : public ::testing::Test {
   std::int64_t received_ = 0;
   int made_ = 0;
 
-  /// Memory after a warm-up, and what came on top within so many seconds [kB]. Memory that is used
-  /// again and again needs some 4500 readers to reach its size.
+  /// Memory after a warm-up, and its growth within the given time [kB]. Reused memory reaches its
+  /// size after about 4500 readers.
   void run(double warm_up, double warm_up_period, double seconds, long most_growth) {
     churn(warm_up, warm_up_period);
     const long before = residentMemory(dut_.gatewayPid());
@@ -125,7 +125,8 @@ class RosChurn : public ::testing::Test {
 
 TEST_F(RosChurn, Short) { run(10, 0.5, 10, 1024); }
 
-// Ten minutes, 6000 readers, after 7000 in a hurry: a leak of 100 bytes each would be 600 kB.
+// Ten minutes with 6000 readers, after 7000 in the warm-up: a leak of 100 bytes each would be 600
+// kB.
 TEST_F(RosChurn, Long) { run(75, 0.05, 600, 512); }
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// A gateway at work, the lab's side of it and ROS 2's: programs in a private network.
+/// Runs a gateway in a private network and plays both its sides, the lab and ROS 2.
 #pragma once
 
 #include <signal.h>
@@ -37,7 +37,7 @@
 
 namespace lab::gateway {
 
-/// A program that ends with the object.
+/// A child process that ends with the object.
 class Program {
  public:
   explicit Program(std::vector<std::string> words) {
@@ -103,14 +103,14 @@ left_cm_s = 2
 right_cm_s = 2
 )";
 
-/// kTwoRobots with a line more in its [gateway].
+/// kTwoRobots with an additional line in its [gateway].
 inline std::string withGatewayLine(const std::string& line) {
   std::string text = kTwoRobots;
   const std::string mark = "[gateway]\n";
   return text.insert(text.find(mark) + mark.size(), line + "\n");
 }
 
-/// ROS 2's reader of one topic; keeps what the last look brought.
+/// ROS 2's reader of one topic; keeps the samples of the last read.
 template <class Message>
 class RosReader {
  public:
@@ -119,7 +119,7 @@ class RosReader {
                 latched ? ros::latchedQos(ros::rosType<Message>())
                         : ros::defaultQos(ros::rosType<Message>()),
                 waker_) {}
-  /// Calls `look` with everything that has come. @return how many
+  /// Calls `look` with every sample that has arrived. @return their number
   int take(const std::function<void(const Message&)>& look) {
     return reader_.take(1000, [&look](const void* sample, dds::WriterId) {
       look(*static_cast<const Message*>(sample));
@@ -146,7 +146,7 @@ class RosWriter {
   dds::Writer writer_;
 };
 
-/// The gateway, if wanted sim_svc, and a lab that orders the light table at 5 Hz.
+/// The gateway, optionally sim_svc, and a lab that orders the light table at 5 Hz.
 class RosGatewayFixture {
  public:
   /// @param mapping text of mapping.toml, if the experiment names one
@@ -175,7 +175,7 @@ class RosGatewayFixture {
     if (!up) throw std::runtime_error("the programs do not get ready");
   }
 
-  /// Lets time pass until `done` or so many seconds are over. @return whether it was done
+  /// Runs until `done` or for at most `seconds`. @return whether it was done
   bool spin(
       double seconds, const std::function<bool()>& done = [] { return false; }) {
     const std::int64_t end = loop_.now() + static_cast<std::int64_t>(seconds * 1e6);
@@ -193,7 +193,7 @@ class RosGatewayFixture {
     return true;
   }
 
-  /// Calls `act` every so many seconds meanwhile.
+  /// The same, and calls `act` periodically.
   bool spinActing(
       double seconds, double period, const std::function<void()>& act,
       const std::function<bool()>& done = [] { return false; }) {
@@ -225,7 +225,7 @@ class RosGatewayFixture {
     return states_[id].program.kind == program_t::ABP && states_[id].robot_id == id;
   }
 
-  /// All that /diagnostics says within `seconds`, as "name: message {key: value}" lines; the last.
+  /// The last /diagnostics within `seconds`, as "name: message {key: value}" lines.
   std::string diagnostics(double seconds = 2.5) {
     RosReader<ros::DiagnosticArray> reader(domain_, "/diagnostics");
     std::string text;
@@ -246,7 +246,7 @@ class RosGatewayFixture {
     return text;
   }
 
-  /// What `lab mark` says as it ends.
+  /// Publishes a closing SERVICE_STATUS as `lab mark` does.
   void endCommandByHand() { Node(bus_, loop_, {"lab_mark", 0, loop_.now()}).close(); }
 
   [[nodiscard]] const dds::Domain& domain() const { return domain_; }
@@ -277,7 +277,7 @@ class RosGatewayFixture {
   std::unique_ptr<Program> sim_;
 };
 
-/// One frame with robots 1 .. count in a row.
+/// A frame with robots 1 .. count in a row.
 inline tracked_frame_t frameOf(int count, std::int64_t utime, std::int64_t number) {
   tracked_frame_t frame{};
   frame.utime = utime;

@@ -1,5 +1,5 @@
-// What ROS 2 sees of a gateway at work, and what it may do. ROS 2's side is Cyclone as rmw uses it:
-// keyless @final types, XCDR1, rmw's QoS.
+// A running gateway seen from ROS 2: topics and commands. ROS 2's side is Cyclone as rmw uses it:
+// @final types without keys, XCDR1, rmw's QoS.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -30,14 +30,14 @@ ros::Twist forward(double v) {
 TEST(RosGateway, ALateJoinerGetsLightRobotsAndPosesAtOnce) {
   RosGatewayFixture dut;
   const std::int64_t utime = 1'700'000'000'000'000;
-  // Each once: LCM's listeners would have to wait for the next.
+  // Each is sent once; a listener on LCM would have to wait for the next.
   auto frame = frameOf(2, utime, 1);
   dut.node().publish(channels::kTrackedFrame, frame);
   auto status = statusOf(2, utime);
   dut.node().publish(channels::kRobotStatus, status);
   auto light = uniformLight(0.25, utime);
   dut.node().publish(channels::kLightStatus, light);
-  dut.spin(2.5);  // the list of robots follows once a second
+  dut.spin(2.5);  // the list of robots is published once a second
 
   RosReader<ros::OccupancyGrid> field(dut.domain(), "/lab/light_field", true);
   RosReader<ros::String> robots(dut.domain(), "/lab/robots", true);
@@ -69,7 +69,7 @@ TEST(RosGateway, ALateJoinerGetsLightRobotsAndPosesAtOnce) {
   EXPECT_THAT(list, HasSubstr(R"("namespace":"/lab/robot2")"));
 }
 
-TEST(RosGateway, ShowsMotionLightAndItself) {
+TEST(RosGateway, PublishesMotionLightAndDiagnostics) {
   RosGatewayFixture dut;
   RosReader<ros::Odometry> odometry(dut.domain(), "/lab/robot1/odom");
   RosReader<ros::TFMessage> tf(dut.domain(), "/tf");
@@ -123,7 +123,7 @@ TEST(RosGateway, CmdVelDrivesASimulatedRobotAndSilenceStopsIt) {
   EXPECT_FALSE(dut.inScript(1));
   EXPECT_TRUE(dut.spin(10, [&] { return dut.inScript(1); })) << "and is given back";
 
-  // Newer ROS 2 programs send the stamped form; too fast a wish is slowed down.
+  // Newer ROS 2 programs send the stamped form; a command that is too fast is slowed down.
   RosWriter<ros::TwistStamped> stamped(dut.domain(), "/lab/robot2/cmd_vel");
   static char no_frame[] = "";
   ros::TwistStamped message{};
@@ -152,7 +152,7 @@ TEST(RosGateway, OnePublisherHoldsARobot) {
       << "the first is silent";
 }
 
-TEST(RosGateway, NanAndForeignTypesAreRefusedAndSaid) {
+TEST(RosGateway, NanAndForeignTypesAreRefusedAndReported) {
   RosGatewayFixture dut(kTwoRobots, true);
   RosWriter<ros::Twist> teleop(dut.domain(), "/lab/robot1/cmd_vel");
   RosWriter<ros::String> foreign(dut.domain(), "/lab/robot2/cmd_vel");
@@ -164,16 +164,16 @@ TEST(RosGateway, NanAndForeignTypesAreRefusedAndSaid) {
     moved += dut.state(1).robot_id == 1 && !dut.inScript(1) ? 1 : 0;
   });
   EXPECT_LE(moved, 20) << "until the first light table";
-  const std::string said = dut.diagnostics(2.5);
-  EXPECT_THAT(said, HasSubstr("nan or infinite: "));
-  EXPECT_THAT(said, HasSubstr("rt/lab/robot2/cmd_vel has std_msgs::msg::dds_::String_"));
+  const std::string report = dut.diagnostics(2.5);
+  EXPECT_THAT(report, HasSubstr("nan or infinite: "));
+  EXPECT_THAT(report, HasSubstr("rt/lab/robot2/cmd_vel has std_msgs::msg::dds_::String_"));
   EXPECT_THAT(dut.lastError(),
               ::testing::AnyOf(HasSubstr("nan or infinite"), HasSubstr("with another type")));
   EXPECT_TRUE(dut.inScript(1));
   EXPECT_TRUE(dut.inScript(2));
 }
 
-TEST(RosGateway, AFloodOnOneTopicLeavesTheOthersAlone) {
+TEST(RosGateway, AFloodOnOneTopicDoesNotDelayTheOthers) {
   RosGatewayFixture dut(kTwoRobots, true);
   RosWriter<ros::Twist> calm(dut.domain(), "/lab/robot2/cmd_vel");
   ASSERT_TRUE(dut.spinActing(
@@ -183,7 +183,7 @@ TEST(RosGateway, AFloodOnOneTopicLeavesTheOthersAlone) {
   std::thread flood([&] {
     RosWriter<ros::Twist> writer(dut.domain(), "/lab/robot1/cmd_vel", false);
     const auto start = std::chrono::steady_clock::now();
-    while (!over) {  // 50 000 a second, as far as the machine can
+    while (!over) {  // 50 000 per second, if the machine is fast enough
       const std::chrono::duration<double> since = std::chrono::steady_clock::now() - start;
       const auto due = static_cast<std::int64_t>(since.count() * 50'000);
       for (; sent < due && !over; ++sent) writer.write(forward(0.1));
@@ -265,7 +265,7 @@ TEST(RosGateway, ProgramsAndLightFollowTheirCommands) {
   EXPECT_EQ(light->sender, "dds_gateway");
   EXPECT_EQ(light->priority, light_command_t::MANUAL);
   EXPECT_EQ(light->layers.at(0).intensity, 0.75);
-  dut.spin(0.5);  // another publisher may speak now
+  dut.spin(0.5);  // another publisher may command now
   ros::LightCommand back{};
   back.label = release;
   back.release = true;
@@ -273,19 +273,19 @@ TEST(RosGateway, ProgramsAndLightFollowTheirCommands) {
   EXPECT_TRUE(dut.spin(3, [&] { return light->release == 1; }));
 }
 
-/// What the gateway says when it ends with "bad input"; empty when it ends otherwise.
+/// The output of a gateway that ends with "bad input"; empty if it ends otherwise.
 std::string refusal(const std::string& experiment, const std::string& name,
                     const std::string& file) {
   TemporaryFolder folder;
   std::ofstream(folder / "e.toml") << experiment;
   if (!name.empty()) std::ofstream(folder / name) << file;
-  const std::string said = (folder / "said").string();
+  const std::string output = (folder / "output").string();
   Program program({"/bin/sh", "-c",
                    "exec timeout 20 " + std::string(LAB_PROGRAMS) + "/dds_gateway --experiment " +
                        (folder / "e.toml").string() + " --lcm-url '" + lcmUrl(7902) + "' 2> " +
-                       said});
+                       output});
   if (program.wait() != 2) return "";
-  std::ifstream stream(said);
+  std::ifstream stream(output);
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
@@ -295,7 +295,7 @@ TEST(RosGateway, RefusesFilesThatItCannotUse) {
     const std::string commands = "commands = true\n";
     return text.replace(text.find(commands), commands.size(), line + "\n");
   };
-  // An element of a newer Cyclone than ours.
+  // An element of a newer Cyclone.
   EXPECT_THAT(refusal(with("configuration = \"c.xml\""), "c.xml",
                       "<CycloneDDS><Domain><Nonsense>1</Nonsense></Domain></CycloneDDS>"),
               ::testing::AllOf(HasSubstr("gateway.configuration"), HasSubstr("c.xml"),

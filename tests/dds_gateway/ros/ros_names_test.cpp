@@ -5,7 +5,7 @@
 namespace lab::gateway {
 namespace {
 
-TEST(RosNames, OfTopicsAreWhatRosTakes) {
+TEST(RosNames, OfTopicsAreThoseThatRosAccepts) {
   for (const char* good : {"/tf", "/lab/robot1/pose", "/a/b_c", "/_x", "/A9"}) {
     EXPECT_TRUE(isTopicName(good)) << good;
   }
@@ -19,7 +19,7 @@ TEST(RosNames, OfTopicsAreWhatRosTakes) {
   EXPECT_FALSE(isTopicName("/" + std::string(200, 'a')));
 }
 
-TEST(RosNames, PartsAreMadeOfAnyText) {
+TEST(RosNames, PartsAreMadeFromAnyText) {
   EXPECT_EQ(namePart("abp"), "abp");
   EXPECT_EQ(namePart("run-and-tumble (2)"), "run_and_tumble_2_");
   EXPECT_EQ(namePart("7th"), "_7th");
@@ -30,7 +30,7 @@ TEST(RosNames, PartsAreMadeOfAnyText) {
   }
 }
 
-TEST(RosNames, OfALab) {
+TEST(RosNames, OfALabHaveItsPrefix) {
   const RosNames dut("lab");
   EXPECT_EQ(dut.topic("light_field"), "/lab/light_field");
   EXPECT_EQ(dut.topic(7, "pose"), "/lab/robot7/pose");

@@ -1,5 +1,5 @@
-// Topics that come and go by what the lab says and the mapping allows, and bytes on them that are
-// no message: a gateway at work.
+// A running gateway: topics that follow the lab's messages and the topic mapping, and invalid bytes
+// on topics.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -23,7 +23,7 @@ using ::testing::Not;
 
 constexpr std::int64_t kThen = 1'700'000'000'000'000;  // [us]
 
-TEST(RosTopics, ClockIsTheLabsTimeWhereItHasOne) {
+TEST(RosTopics, ClockCarriesTheLabsTime) {
   RosGatewayFixture dut;
   RosReader<ros::Clock> reader(dut.domain(), "/clock");
   EXPECT_FALSE(dut.spin(1.5, [&] { return reader.matching().peers > 0; })) << "in real time none";
@@ -78,7 +78,7 @@ analysis_t analysisOf(std::int32_t robot, double d_r) {
 
 TEST(RosTopics, ALateReaderGetsTheLastAnalysis) {
   RosGatewayFixture dut;
-  for (const double d_r : {0.5, 0.75}) {  // the last counts
+  for (const double d_r : {0.5, 0.75}) {  // the last one counts
     for (const std::int32_t robot : {-1, 2}) {
       analysis_t analysis = analysisOf(robot, d_r);
       dut.node().publish(channels::kAnalysis, analysis);
@@ -167,8 +167,8 @@ allow = false
                     Not(HasSubstr("/lab/robot1/pose")), Not(HasSubstr("/lab/robot2/odom"))));
 }
 
-TEST(RosTopics, TwoRobotsOfOneNameAreSaidAndTheOthersGoOn) {
-  // The experiment has one robot: what the second makes wrong is only seen when it comes.
+TEST(RosTopics, TwoTopicsOfOneNameAreReportedAndTheOthersContinue) {
+  // The experiment has one robot; the conflict of the second appears when it is first seen.
   std::string experiment = withGatewayLine("mapping = \"mapping.toml\"");
   const std::size_t second = experiment.find("[[robots]]\nid = 2");
   experiment.erase(second, experiment.find("[programs.abp]") - second);
@@ -199,7 +199,7 @@ rename = "/pose"
                         "/lab/robot2/pose both become \"/pose\""));
 }
 
-TEST(RosTopics, GarbageOnOneRobotsTopicLeavesTheOtherAlone) {
+TEST(RosTopics, GarbageOnOneRobotsTopicDoesNotAffectTheOther) {
   RosGatewayFixture dut(kTwoRobots, true);
   const std::string topic = "rt/lab/robot1/cmd_vel";
   dds::Peer stranger({LAB_CYCLONE_PEER, "41", dds::kHumble});
@@ -211,7 +211,7 @@ TEST(RosTopics, GarbageOnOneRobotsTopicLeavesTheOtherAlone) {
       10, 0.05, [&] { teleop.write(forward); },
       [&] { return dut.driven(2, 0.05) && dut.inScript(1); }));
   ASSERT_TRUE(stranger.says("matched " + topic + " 1"));
-  EXPECT_THAT(dut.lastError(), Not(HasSubstr("no message of its topic")));
+  EXPECT_THAT(dut.lastError(), Not(HasSubstr("not messages of their topic")));
 
   dds::Payload noise(300);
   for (std::size_t i = 0; i < noise.size(); ++i) noise[i] = static_cast<std::uint8_t>(i * 37 + 11);
@@ -221,12 +221,12 @@ TEST(RosTopics, GarbageOnOneRobotsTopicLeavesTheOtherAlone) {
                                           ros::Cdr().text("forward").payload()};
   int sent = 0;
   int away = 0;
-  std::string said;
+  std::string error;
   dut.spinActing(
       3, 0.05,
       [&] {
         teleop.write(forward);
-        // At the end what stops Cyclone from hearing the stranger at all.
+        // Last, bytes after which Cyclone receives nothing more from this participant.
         const dds::Payload& one =
             sent < 40 ? garbage[static_cast<std::size_t>(sent) % garbage.size()] : noise;
         stranger.say("write " + topic + " " + dds::hexOf(one));
@@ -234,23 +234,23 @@ TEST(RosTopics, GarbageOnOneRobotsTopicLeavesTheOtherAlone) {
         away += dut.driven(2, 0.05) && dut.inScript(1) ? 0 : 1;
       },
       [&] {
-        if (said.empty() && dut.lastError().find("no message") != std::string::npos) {
-          said = dut.lastError();
+        if (error.empty() && dut.lastError().find("not messages") != std::string::npos) {
+          error = dut.lastError();
         }
         return false;
       });
   EXPECT_GE(sent, 45);
   EXPECT_EQ(away, 0) << "of " << sent;
-  EXPECT_THAT(said, AllOf(HasSubstr("no message of its topic, dropped: "),
-                          HasSubstr("deserialization " + topic)));
+  EXPECT_THAT(error, AllOf(HasSubstr("not messages of their topic, dropped: "),
+                           HasSubstr("deserialization " + topic)));
   const std::string text = dut.diagnostics();
   const std::string row = "malformed, dropped: ";
   ASSERT_THAT(text, HasSubstr(row));
   EXPECT_GE(std::stoi(text.substr(text.find(row) + row.size())), 40);
-  EXPECT_THAT(text, HasSubstr("somebody sends what is no message of its topic"));
+  EXPECT_THAT(text, HasSubstr("received payloads that are not messages of their topic"));
   EXPECT_THAT(text, HasSubstr("Cyclone DDS: malformed packet"));
 
-  // Whoever speaks properly is heard on the same topic.
+  // A valid publisher is received on the same topic.
   RosWriter<ros::Twist> proper(dut.domain(), "/lab/robot1/cmd_vel");
   EXPECT_TRUE(dut.spinActing(
       10, 0.05, [&] { proper.write(forward); }, [&] { return dut.driven(1, 0.05); }));

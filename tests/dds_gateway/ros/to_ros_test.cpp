@@ -40,18 +40,18 @@ TEST(ToRos, YawTurnsAboutZ) {
     EXPECT_EQ(q.x, 0);
     EXPECT_EQ(q.y, 0);
     EXPECT_NEAR(q.z * q.z + q.w * q.w, 1, 1e-15);
-    // The x axis, turned: REP-103's formula of yaw.
+    // The rotated x axis, by REP-103's formula of yaw.
     EXPECT_NEAR(1 - 2 * q.z * q.z, std::cos(theta), 1e-15);
     EXPECT_NEAR(2 * q.w * q.z, std::sin(theta), 1e-15);
     EXPECT_GE(q.w, 0);
   }
 }
 
-TEST(ToRos, CovarianceStandsWhereRosReadsIt) {
+TEST(ToRos, CovarianceIsWhereRosReadsIt) {
   ros::Odometry message{};
   setCovariance(poseAt(0, 0, 0), message.pose.covariance);
   const auto& c = message.pose.covariance;
-  // Row-major over x, y, z, roll, pitch, yaw; the lab: xx, xy, xt, yy, yt, tt.
+  // ROS 2: row-major over x, y, z, roll, pitch, yaw. The lab: xx, xy, xt, yy, yt, tt.
   const std::map<int, double> expected{{0, 1}, {1, 2},  {6, 2},  {5, 3}, {30, 3},
                                        {7, 4}, {11, 5}, {31, 5}, {35, 6}};
   for (int i = 0; i < 36; ++i) {
@@ -92,7 +92,7 @@ TEST(ToRos, FramesFollowRep105) {
   EXPECT_EQ(transform.transform.translation.x, 0.3);
 }
 
-TEST(ToRos, LightIsTheReadingThatSelects) {
+TEST(ToRos, LightIsTheReadingThatSelectsPrograms) {
   const RobotMessages dut("lab/arena", "lab/robot7");
   robot_state_t state{};
   state.utime = 2'000'000;
@@ -200,7 +200,7 @@ TEST(ToRos, DiagnosticsPointAtTheirTexts) {
   EXPECT_EQ(message.status._buffer[1].values._length, 0U);
 }
 
-TEST(ToRos, TextsOfOthersAreUtf8WhateverTheyWrote) {
+TEST(ToRos, ReceivedTextsBecomeValidUtf8) {
   Diagnostics diagnostics;
   diagnostics.add({Diagnostics::kOk, "a\xFF", "b\xFF", "c\xFF", {{"d\xFF", "e\xFF"}}});
   const ros::DiagnosticStatus& status = diagnostics.make(0).status._buffer[0];

@@ -54,7 +54,7 @@ topic = "/lab/robot3/odom"
   EXPECT_TRUE(dut.route("/tf"));
 }
 
-TEST(TopicMapping, WhatARuleLeavesOpenStays) {
+TEST(TopicMapping, ValuesThatARuleDoesNotSetStay) {
   TopicMapping dut(R"(
 fileversion = 1
 [[rules]]
@@ -66,7 +66,7 @@ rename = "/map"
   EXPECT_EQ(dut.route("/lab/light_field")->rate, 5);
 }
 
-TEST(TopicMapping, ARenameThatRosDoesNotTakeIsRefused) {
+TEST(TopicMapping, ARenameThatRosDoesNotAcceptIsRefused) {
   TopicMapping dut(R"(
 fileversion = 1
 [[rules]]
@@ -86,7 +86,7 @@ rename = "/$1/pose"
       std::runtime_error);
 }
 
-/// What is said when these topics are asked for in turn; empty: nothing.
+/// The error when these topics are requested in turn; empty: none.
 std::string clashOf(const std::string& rules, const std::vector<std::string>& topics) {
   TopicMapping dut("fileversion = 1\n" + rules, "m.toml");
   try {
@@ -103,7 +103,7 @@ TEST(TopicMapping, TwoTopicsOfOneNameAreRefused) {
   EXPECT_THAT(clashOf(both, {"/lab/robot1/pose", "/tf", "/lab/robot2/pose"}),
               StartsWith("m.toml:4: rules[0].rename: found that /lab/robot1/pose and "
                          "/lab/robot2/pose both become \"/fleet/pose\", expected a name of its"));
-  // The name of a topic that no rule renames, whichever is asked for first.
+  // A rename to the name of an unrenamed topic fails, whichever is requested first.
   const std::string odom =
       "[[rules]]\ntopic = \"/lab/robot1/pose\"\nrename = \"/lab/robot1/odom\"\n";
   for (const auto& topics : {std::vector<std::string>{"/lab/robot1/pose", "/lab/robot1/odom"},
@@ -111,14 +111,14 @@ TEST(TopicMapping, TwoTopicsOfOneNameAreRefused) {
     EXPECT_THAT(clashOf(odom, topics), StartsWith("m.toml:4: rules[0].rename: found that " +
                                                   topics[0] + " and " + topics[1]));
   }
-  // A topic may be asked for again, and one that is denied has no name.
+  // A topic may be requested again, and a denied topic has no name.
   EXPECT_EQ(clashOf(both, {"/lab/robot1/pose", "/lab/robot1/pose"}), "");
   EXPECT_EQ(clashOf("[[rules]]\ntopic = \"/lab/robot2/.*\"\nallow = false\n" + both,
                     {"/lab/robot1/pose", "/lab/robot2/pose"}),
             "");
 }
 
-TEST(TopicMapping, SaysWhatIsWrongWhere) {
+TEST(TopicMapping, ErrorsNameLineAndKey) {
   EXPECT_THAT(problemsOf(R"(fileversion = 2
 [[rules]]
 topic = "("
@@ -143,7 +143,7 @@ rename = "x"
   EXPECT_THAT(problemsOf("fileversion = "), ElementsAre(StartsWith("m.toml:1")));
 }
 
-TEST(TopicMapping, AFileThatIsNotThereIsNamed) {
+TEST(TopicMapping, AMissingFileIsNamed) {
   EXPECT_THROW(static_cast<void>(readTopicMappingFile("/nowhere/m.toml")), ExperimentError);
 }
 

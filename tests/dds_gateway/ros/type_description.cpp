@@ -13,7 +13,7 @@
 namespace lab::ros {
 namespace {
 
-/// Of type_description_interfaces/msg/FieldType; arrays and sequences are offset from these.
+/// Values of type_description_interfaces/msg/FieldType; arrays and sequences have an offset.
 const std::map<std::string, int> kIds = {
     {"int8", 2},   {"uint8", 3}, {"int16", 4},  {"uint16", 5},   {"int32", 6},
     {"uint32", 7}, {"int64", 8}, {"uint64", 9}, {"float32", 10}, {"float64", 11},

@@ -43,7 +43,7 @@ TYPED_TEST(TypeHash, NamesFitTogether) {
   EXPECT_EQ(type.descriptor->type_information.sz, 0U);
 }
 
-// What ROS 2 itself prints (ros2 topic info -v) for its own messages.
+// The hashes that ROS 2 prints for its own messages (ros2 topic info -v).
 TEST(TypeHashes, AreThoseOfRos2) {
   const std::map<std::string_view, std::string_view> known = {
       {rosType<String>().hash, "df668c740482bbd48fb39d76a70dfd4bd59db1288021743503259e948f6b1a18"},
@@ -71,7 +71,7 @@ TEST(TypeHashes, AreThoseOfRos2) {
   for (const auto& [ours, theirs] : known) EXPECT_EQ(ours, "RIHS01_" + std::string(theirs));
 }
 
-// Who builds docs/examples/ros2/active_lab_msgs has the same messages, by name, order and hash.
+// docs/examples/ros2/active_lab_msgs defines the same messages, by name, order and hash.
 TEST(TypeHashes, MsgFilesDefineOurMessages) {
   const std::string package = "active_lab_msgs";
   int files = 0;
@@ -86,7 +86,7 @@ TEST(TypeHashes, MsgFilesDefineOurMessages) {
   EXPECT_EQ(files, structs);
 }
 
-TEST(TypeHashes, DependOnEachFieldAndWhatItRefersTo) {
+TEST(TypeHashes, DependOnEachFieldAndItsType) {
   const std::string name = "nav_msgs/msg/OccupancyGrid";
   const std::string hash = typeHash(idl(), name);
   Definitions changed = idl();
@@ -97,7 +97,7 @@ TEST(TypeHashes, DependOnEachFieldAndWhatItRefersTo) {
   EXPECT_NE(typeHash(changed, name), hash);
 }
 
-TEST(RosNames, AreDdsNamesWithThePrefixOfTopics) {
+TEST(RosNames, OnDdsHaveThePrefixOfTopics) {
   EXPECT_EQ(topicName("/lab/robot1/pose"), "rt/lab/robot1/pose");
   EXPECT_EQ(userData(rosType<Clock>()),
             "typehash=RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564;");

@@ -234,7 +234,7 @@ TEST(ProtocolPage, GivesTheLoadOfTheLine) {
   forEachMessage([&](const char* name, const auto& message) {
     frame_of[name] = payloadSize<std::remove_cvref_t<decltype(message)>>() + kFrameOverhead;
   });
-  for (const Row& row : tableBelow("## How much of the line")) {
+  for (const Row& row : tableBelow("## Load of the line")) {
     std::smatch match;
     const std::regex name("[A-Z]{4,}");
     ASSERT_TRUE(std::regex_search(row[0], match, name)) << row[0];
