@@ -8,6 +8,7 @@
 #include "analyzer/laws.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/projector_file.hpp"
+#include "common/experiment/experiment_describe.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "runner/commands/commands.hpp"

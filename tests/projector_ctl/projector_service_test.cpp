@@ -16,7 +16,7 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
-#include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
@@ -79,6 +79,7 @@ class ProjectorServiceTest : public testing::Test {
   }
 
   VirtualLoop loop;
+  TemporaryFolder folder;
   MemoryBus bus{[this] { return loop.now(); }};
   Node node{bus, loop, {"projector_ctl", 2, 1}};
   Node sender{bus, loop, {"lab", 0, 5}};

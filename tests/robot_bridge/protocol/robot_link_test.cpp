@@ -13,7 +13,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr std::int64_t kStart = 1'000'000'000;  // [us]
+constexpr std::int64_t kStartTime = 1'000'000'000;  // [us]
 
 /// A RobotLink whose line ends in this test: it decodes the frames and can answer them.
 class RobotLinkTest : public testing::Test {
@@ -100,7 +100,7 @@ class RobotLinkTest : public testing::Test {
     return found;
   }
 
-  std::int64_t now = kStart;
+  std::int64_t now = kStartTime;
   RobotLink dut{LinkSettings{}};
 };
 
