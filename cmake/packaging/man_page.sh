@@ -44,7 +44,7 @@ format() {  # whole|part
     }'
 }
 
-say_help() {  # words: the help of a subcommand, without parts that depend on the user
+print_help() {  # words: the help of a subcommand, without parts that depend on the user
   env -u LCM_DEFAULT_URL "$program" "$@" --help | sed -E "s#active-lab-ports-[0-9]+#active-lab-ports-UID#; s#\{false\}##g"
 }
 

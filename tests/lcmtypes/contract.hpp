@@ -217,7 +217,7 @@ class Filler {
       value = "text " + std::to_string(++number_);
     } else if constexpr (std::is_bounded_array_v<Type>) {
       for (auto& element : value) (*this)(element);
-    } else if constexpr (isVector<Type>) {
+    } else if constexpr (kIsVector<Type>) {
       if (count_) count_(length_);
       value.resize(length_);
       const auto count = count_;
@@ -230,7 +230,7 @@ class Filler {
 
  private:
   template <class Type>
-  static constexpr bool isVector = requires(Type v) {
+  static constexpr bool kIsVector = requires(Type v) {
     v.push_back(v.front());
   }
   &&!std::same_as<Type, std::string>;

@@ -22,10 +22,10 @@ class BenchBoard final : public Board {
   static constexpr std::size_t kQueue = 127;
   static constexpr double kBytesPerMs = 3.84;
 
-  void setMotors(int16_t left, int16_t right) override {
-    left_ = left;
-    right_ = right;
-    ++motor_changes_;
+  void setMotors(int16_t left_duty, int16_t right_duty) override {
+    left = left_duty;
+    right = right_duty;
+    ++motor_changes;
   }
   bool send(const uint8_t* bytes, uint8_t size) override {
     if (queue_.size() + size > kQueue) return false;
@@ -33,10 +33,10 @@ class BenchBoard final : public Board {
     return true;
   }
   bool lineIdle() const override { return queue_.empty(); }
-  uint8_t readStore(uint16_t address) const override { return store_.at(address); }
+  uint8_t readStore(uint16_t address) const override { return store.at(address); }
   void writeStore(uint16_t address, uint8_t byte) override {
-    ++store_writes_;
-    if (!store_dead_) store_.at(address) = byte;
+    ++store_writes;
+    if (!store_dead) store.at(address) = byte;
   }
   uint16_t stackLeft() const override { return 320; }
 
@@ -55,12 +55,12 @@ class BenchBoard final : public Board {
 
   void blockLine() { queue_.assign(kQueue, 0); }
 
-  int16_t left_ = 99;
-  int16_t right_ = 99;
-  int motor_changes_ = 0;
-  int store_writes_ = 0;
-  bool store_dead_ = false;
-  std::array<uint8_t, 1024> store_ = [] {
+  int16_t left = 99;
+  int16_t right = 99;
+  int motor_changes = 0;
+  int store_writes = 0;
+  bool store_dead = false;
+  std::array<uint8_t, 1024> store = [] {
     std::array<uint8_t, 1024> blank{};
     blank.fill(0xFF);
     return blank;
@@ -83,7 +83,7 @@ class RobotOnBench {
   explicit RobotOnBench(uint32_t t0 = 0) : now_(t0) {}
 
   /// A robot with these settings in its EEPROM.
-  explicit RobotOnBench(const Settings& settings) { encodeStore(settings, board_.store_.data()); }
+  explicit RobotOnBench(const Settings& settings) { encodeStore(settings, board_.store.data()); }
 
   void boot(uint8_t reset_cause = wire::kResetPower) {
     BootFacts facts;
@@ -196,7 +196,7 @@ class RobotOnBench {
   dynamics::Sensors& sensors() { return sensors_; }
   uint32_t now() const { return now_; }
   std::vector<Heard>& heard() { return heard_; }
-  bool stands() const { return board_.left_ == 0 && board_.right_ == 0; }
+  bool stands() const { return board_.left == 0 && board_.right == 0; }
 
  private:
   void hear() {

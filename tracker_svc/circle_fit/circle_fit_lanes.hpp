@@ -101,17 +101,17 @@ LAB_INLINE void totalEach(const Lanes (&v)[kCount], double* out) {
 /// error 5e-5 (derivative 2e-3); constant outside.
 LAB_INLINE void edgeProfile(const Lanes& z, Lanes& share, Lanes& slope) {
   constexpr float kEnd = 3.0F;
-  constexpr float c[6] = {0.39874916F,     -0.065853863F, 0.0093591116F,
-                          -0.00092187574F, 5.48147e-5F,   -1.4486048e-6F};
+  constexpr float kC[6] = {0.39874916F,     -0.065853863F, 0.0093591116F,
+                           -0.00092187574F, 5.48147e-5F,   -1.4486048e-6F};
   const Lanes near = clamped(z, -kEnd, kEnd);
   // Pairs of terms first: a shorter dependency chain than Horner's, which determines the time here.
   const Lanes q = near * near;
   const Lanes q2 = q * q;
   const Lanes q4 = q2 * q2;
-  const Lanes odd = (c[0] + q * c[1]) + q2 * (c[2] + q * c[3]) + q4 * (c[4] + q * c[5]);
+  const Lanes odd = (kC[0] + q * kC[1]) + q2 * (kC[2] + q * kC[3]) + q4 * (kC[4] + q * kC[5]);
   share = 0.5F + near * odd;
-  const Lanes even = (c[0] + q * (3 * c[1])) + q2 * (5 * c[2] + q * (7 * c[3])) +
-                     q4 * (9 * c[4] + q * (11 * c[5]));
+  const Lanes even = (kC[0] + q * (3 * kC[1])) + q2 * (5 * kC[2] + q * (7 * kC[3])) +
+                     q4 * (9 * kC[4] + q * (11 * kC[5]));
   slope = near == z ? even : Lanes{};
 }
 

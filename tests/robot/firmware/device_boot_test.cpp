@@ -20,7 +20,7 @@ TEST(Boot, SendsHelloWithMotorsOff) {
   RobotOnBench robot(withUid(0x51000007));
   robot.boot(wire::kResetBrownOut);
   EXPECT_TRUE(robot.stands());
-  EXPECT_EQ(robot.board().motor_changes_, 1) << "motors are switched off explicitly";
+  EXPECT_EQ(robot.board().motor_changes, 1) << "motors are switched off explicitly";
   robot.run(20);
   const wire::Hello hello = robot.last<wire::Hello>();
   EXPECT_EQ(hello.schema, wire::kSchema);
@@ -99,13 +99,13 @@ TEST(Boot, IdsDifferEvenIfThePowerFailsWhileTheyAreCounted) {
   // At every carry, the low byte is written and the high byte is not.
   for (int high = 0; high < 256; ++high) {
     RobotOnBench robot(withUid(3));
-    robot.board().store_[kBootCounterAddress] = 0xFE;
-    robot.board().store_[kBootCounterAddress + 1] = static_cast<uint8_t>(high);
+    robot.board().store[kBootCounterAddress] = 0xFE;
+    robot.board().store[kBootCounterAddress + 1] = static_cast<uint8_t>(high);
     robot.boot();
     robot.run(20);
     const uint16_t before = robot.last<wire::Hello>().boot_id;
     robot.boot();
-    robot.board().store_[kBootCounterAddress + 1] = static_cast<uint8_t>(high);
+    robot.board().store[kBootCounterAddress + 1] = static_cast<uint8_t>(high);
     robot.boot();
     robot.heard().clear();
     robot.run(60);
@@ -134,14 +134,14 @@ TEST(Boot, NeverMovesBeforeSettingsAndLease) {
   order.mode = wire::Order::kTable;
   EXPECT_EQ(robot.command(order).status, wire::kOk);
   robot.run(1000);
-  EXPECT_EQ(robot.board().motor_changes_, 1);
+  EXPECT_EQ(robot.board().motor_changes, 1);
 
   // Settings without a lease.
   RobotOnBench other;
   other.boot();
   EXPECT_EQ(other.configure(twoPrograms()).status, wire::kOk);
   other.run(3000);
-  EXPECT_EQ(other.board().motor_changes_, 1);
+  EXPECT_EQ(other.board().motor_changes, 1);
   EXPECT_TRUE(other.stands());
 }
 

@@ -225,8 +225,8 @@ TEST(Order, DrivesTheWheels) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   EXPECT_EQ(robot.command(robot.order(wire::Order::kDrive, 60000, 77)).status, wire::kOk);
-  EXPECT_EQ(robot.board().left_, dynamics::dutyForSpeed(100000, dynamics::kMaxWheelUmS));
-  EXPECT_EQ(robot.board().right_, dynamics::dutyForSpeed(-50000, dynamics::kMaxWheelUmS));
+  EXPECT_EQ(robot.board().left, dynamics::dutyForSpeed(100000, dynamics::kMaxWheelUmS));
+  EXPECT_EQ(robot.board().right, dynamics::dutyForSpeed(-50000, dynamics::kMaxWheelUmS));
   robot.run(100);
   EXPECT_EQ(robot.last<wire::Telemetry>().order_id, 77);
   EXPECT_EQ(robot.last<wire::Telemetry>().left_um_s, 100000);
@@ -236,8 +236,8 @@ TEST(Order, DrivesTheWheels) {
   order.left_um_s = INT32_MAX;
   order.right_um_s = INT32_MIN;
   EXPECT_EQ(robot.command(order).status, wire::kOk);
-  EXPECT_EQ(robot.board().left_, 255);
-  EXPECT_EQ(robot.board().right_, -255);
+  EXPECT_EQ(robot.board().left, 255);
+  EXPECT_EQ(robot.board().right, -255);
   robot.run(100);
   EXPECT_TRUE(robot.last<wire::Telemetry>().flags & dynamics::kSaturated);
 }
@@ -326,9 +326,9 @@ TEST(Param, ForAWheelTakesEffectAtOnce) {
   startPrograms(robot, 60000);
   robot.command(robot.order(wire::Order::kDrive, 60000));
   robot.send(param(wire::kGainLeft, 800000));
-  EXPECT_EQ(robot.board().left_, std::lround(100000 * 255 / (270000 * 0.8)));
+  EXPECT_EQ(robot.board().left, std::lround(100000 * 255 / (270000 * 0.8)));
   robot.send(param(wire::kDeadBandRight, 55));
-  EXPECT_EQ(robot.board().right_, -55 - std::lround(50000 * 200 / 270000.0));
+  EXPECT_EQ(robot.board().right, -55 - std::lround(50000 * 200 / 270000.0));
 }
 
 TEST(Commit, WritesOneBytePerMillisecondAndAnswersAfterReadingBack) {
@@ -336,10 +336,10 @@ TEST(Commit, WritesOneBytePerMillisecondAndAnswersAfterReadingBack) {
   robot.boot();
   robot.command(param(wire::kUid, 0x51000007));
   robot.command(param(wire::kGainLeft, 1100000));
-  const int before = robot.board().store_writes_;
+  const int before = robot.board().store_writes;
   const uint8_t seq = robot.send(wire::Commit{});
   for (int i = 0; i < 20; ++i) {
-    EXPECT_LE(robot.board().store_writes_, before + i);
+    EXPECT_LE(robot.board().store_writes, before + i);
     robot.run(1);
   }
   robot.run(60);
@@ -363,20 +363,20 @@ TEST(Commit, OfUnchangedSettingsWritesNothing) {
   RobotOnBench robot;
   robot.boot();
   EXPECT_EQ(robot.command(wire::Commit{}).status, wire::kOk);
-  const int writes = robot.board().store_writes_;
+  const int writes = robot.board().store_writes;
   EXPECT_EQ(robot.command(wire::Commit{}).status, wire::kOk);
-  EXPECT_EQ(robot.board().store_writes_, writes);
+  EXPECT_EQ(robot.board().store_writes, writes);
 }
 
 TEST(Commit, WaitsUntilTheWheelsStand) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
-  const int writes = robot.board().store_writes_;
+  const int writes = robot.board().store_writes;
   EXPECT_EQ(robot.command(wire::Commit{}).status, wire::kBusy);
-  EXPECT_EQ(robot.board().store_writes_, writes);
+  EXPECT_EQ(robot.board().store_writes, writes);
   robot.command(robot.order(wire::Order::kStand, 60000));
   EXPECT_EQ(robot.command(wire::Commit{}).status, wire::kOk);
-  EXPECT_GT(robot.board().store_writes_, writes);
+  EXPECT_GT(robot.board().store_writes, writes);
 }
 
 TEST(Commit, RepeatedDuringWritingIsAnsweredOnceAtTheEnd) {
@@ -402,7 +402,7 @@ TEST(Commit, RepeatedDuringWritingIsAnsweredOnceAtTheEnd) {
 TEST(Commit, ToADefectiveEepromIsReported) {
   RobotOnBench robot;
   robot.boot();
-  robot.board().store_dead_ = true;
+  robot.board().store_dead = true;
   EXPECT_EQ(robot.command(wire::Commit{}).status, wire::kStoreFailed);
 }
 

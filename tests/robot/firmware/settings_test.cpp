@@ -22,13 +22,13 @@ Settings settingsOf(uint32_t uid) {
 /// Writes until finished. @return the number of bytes written
 int storeAll(BenchBoard& board, SettingsStore& store, const Settings& settings,
              SettingsStore::Progress expected = SettingsStore::kWritten) {
-  const int before = board.store_writes_;
+  const int before = board.store_writes;
   store.begin(settings);
   SettingsStore::Progress progress = store.step();
   while (progress == SettingsStore::kWriting) progress = store.step();
   EXPECT_EQ(progress, expected);
   EXPECT_EQ(store.step(), SettingsStore::kIdle);
-  return board.store_writes_ - before;
+  return board.store_writes - before;
 }
 
 Settings loaded(BenchBoard& board, uint8_t* bank = nullptr) {
@@ -48,11 +48,11 @@ TEST(Settings, OfABlankChipAreTheDefaults) {
 
 TEST(Settings, AreReadFromAnImage) {
   BenchBoard board;
-  encodeStore(settingsOf(0x51000007), board.store_.data());
+  encodeStore(settingsOf(0x51000007), board.store.data());
   uint8_t bank = 9;
   EXPECT_EQ(loaded(board, &bank), settingsOf(0x51000007));
   EXPECT_EQ(bank, 0);
-  EXPECT_EQ(board.store_[0], 0xFF) << "address 0 is not used";
+  EXPECT_EQ(board.store[0], 0xFF) << "address 0 is not used";
 }
 
 TEST(Settings, AlternateBetweenTheBanks) {
@@ -95,8 +95,8 @@ TEST(Settings, NewestBankIsFoundAcrossTheWrapOfTheSequence) {
 TEST(Settings, WithAnotherLayoutOrOutOfRangeAreNotUsed) {
   const auto loadedWithChangedByte = [](std::size_t offset, uint8_t byte) {
     BenchBoard board;
-    encodeStore(settingsOf(1), board.store_.data());
-    uint8_t* bank = board.store_.data() + kBankAddress[0];
+    encodeStore(settingsOf(1), board.store.data());
+    uint8_t* bank = board.store.data() + kBankAddress[0];
     bank[offset] = byte;
     const uint16_t crc = wire::crc16(bank, kBankSize - 2);
     bank[kBankSize - 2] = static_cast<uint8_t>(crc & 0xFF);
@@ -113,8 +113,8 @@ TEST(Settings, WithAnotherLayoutOrOutOfRangeAreNotUsed) {
 TEST(Settings, EverySingleBitErrorIsDetected) {
   for (std::size_t bit = 0; bit < kBankSize * 8; ++bit) {
     BenchBoard board;
-    encodeStore(settingsOf(1), board.store_.data());
-    board.store_[kBankAddress[0] + bit / 8] ^= static_cast<uint8_t>(1U << (bit % 8));
+    encodeStore(settingsOf(1), board.store.data());
+    board.store[kBankAddress[0] + bit / 8] ^= static_cast<uint8_t>(1U << (bit % 8));
     ASSERT_EQ(loaded(board), Settings()) << bit;
   }
 }
@@ -131,7 +131,7 @@ class FailingBoard {
     const BenchBoard before_all = board_;
     BenchBoard before = before_all;
     while (store.step() == SettingsStore::kWriting) {
-      if (board_.store_writes_ - before_all.store_writes_ == cut_at) {
+      if (board_.store_writes - before_all.store_writes == cut_at) {
         spoil(before, garbage);
         cut_ = true;
         return;
@@ -144,8 +144,8 @@ class FailingBoard {
 
  private:
   void spoil(const BenchBoard& before, uint8_t garbage) {
-    for (std::size_t i = 0; i < board_.store_.size(); ++i) {
-      if (board_.store_[i] != before.store_[i]) board_.store_[i] = garbage;
+    for (std::size_t i = 0; i < board_.store.size(); ++i) {
+      if (board_.store[i] != before.store[i]) board_.store[i] = garbage;
     }
   }
   BenchBoard board_;
@@ -189,7 +189,7 @@ TEST(Settings, ADefectiveEepromIsReported) {
   BenchBoard board;
   SettingsStore store(board);
   storeAll(board, store, settingsOf(1));
-  board.store_dead_ = true;
+  board.store_dead = true;
   storeAll(board, store, settingsOf(2), SettingsStore::kFailed);
   EXPECT_EQ(store.bank(), 0);
   EXPECT_EQ(loaded(board), settingsOf(1));

@@ -129,7 +129,7 @@ TEST_F(LogPlaybackTest, JumpsWhilePausedAndStaysPaused) {
   EXPECT_EQ(playback_.status(now_).phase, experiment_status_t::PLAY_PAUSED);
   EXPECT_DOUBLE_EQ(playback_.status(now_).elapsed, 10);
   EXPECT_EQ(request(experiment_command_t::RESUME), "");
-  EXPECT_THAT(request(experiment_command_t::RESUME), HasSubstr("already"));
+  EXPECT_THAT(request(experiment_command_t::RESUME), HasSubstr("not paused"));
   EXPECT_THAT(playTo(30.6), ElementsAre("F105"));
 }
 
@@ -159,8 +159,8 @@ TEST_F(LogPlaybackTest, RefusesInvalidPlacesAndSpeeds) {
 }
 
 TEST_F(LogPlaybackTest, RefusesWhatOnlyARunningLabCanDo) {
-  EXPECT_THAT(request(experiment_command_t::MARK), HasSubstr("a recorded run"));
-  EXPECT_THAT(request(99), HasSubstr("a recorded run"));
+  EXPECT_THAT(request(experiment_command_t::MARK), HasSubstr("this is a replay"));
+  EXPECT_THAT(request(99), HasSubstr("this is a replay"));
 }
 
 TEST_F(LogPlaybackTest, PausesAtItsEndAndRestartsOnResume) {

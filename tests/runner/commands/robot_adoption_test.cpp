@@ -81,7 +81,7 @@ TEST_F(RobotAdoptionTest, AssignsAUidThatTheRobotStores) {
 TEST_F(RobotAdoptionTest, KeepsTheUidOfARobot) {
   firmware::Settings settings;
   settings.uid = 77;
-  firmware::encodeStore(settings, board_.store_.data());
+  firmware::encodeStore(settings, board_.store.data());
   switchOn();
   const RobotAdoption::Result result = adopt(0xA1B2C3D4);
   EXPECT_TRUE(result.ok) << result.problem;
@@ -100,7 +100,7 @@ TEST_F(RobotAdoptionTest, RepeatsLostMessages) {
 TEST_F(RobotAdoptionTest, RequestsHelloFromARobotThatHasAHost) {
   firmware::Settings settings;
   settings.uid = 78;
-  firmware::encodeStore(settings, board_.store_.data());
+  firmware::encodeStore(settings, board_.store.data());
   switchOn();
   loop_.at(loop_.now() + 1, [this] {  // after a message from a host it sends no HELLO by itself
     wire::Frame frame;
@@ -114,7 +114,7 @@ TEST_F(RobotAdoptionTest, RequestsHelloFromARobotThatHasAHost) {
 }
 
 TEST_F(RobotAdoptionTest, ReportsAFailingEeprom) {
-  board_.store_dead_ = true;
+  board_.store_dead = true;
   switchOn();
   const RobotAdoption::Result result = adopt(5);
   EXPECT_FALSE(result.ok);

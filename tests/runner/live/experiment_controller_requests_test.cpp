@@ -299,9 +299,9 @@ TEST_F(ExperimentControllerRequests, RefusesInvalidRequestsWithAReason) {
   request(experiment_command_t::PAUSE);
   EXPECT_THAT(status().refusal, HasSubstr("paused already"));
   request(experiment_command_t::SEEK);
-  EXPECT_THAT(status().refusal, HasSubstr("only a played log"));
+  EXPECT_THAT(status().refusal, HasSubstr("only the replay of a log"));
   request(experiment_command_t::SPEED);
-  EXPECT_THAT(status().refusal, HasSubstr("only a played log"));
+  EXPECT_THAT(status().refusal, HasSubstr("only the replay of a log"));
   request(99);
   EXPECT_THAT(status().refusal, HasSubstr("unknown"));
   request(experiment_command_t::MARK);

@@ -128,7 +128,7 @@ inline Measured measure(const std::filesystem::path& run_folder, const std::stri
 
   measured.msd.assign(lags.size(), 0);
   measured.angular_msd.assign(lags.size(), 0);
-  const auto rateOf = [&clocks](int robot) {  // a robot without a step log has an exact clock
+  const auto clock_rate = [&clocks](int robot) {  // a robot without a step log has an exact clock
     const auto clock = clocks.find(robot);
     return clock == clocks.end() ? 1.0 : clock->second.rate();
   };
@@ -136,7 +136,7 @@ inline Measured measure(const std::filesystem::path& run_folder, const std::stri
     const analysis::BlockSums sums = accumulator.data().total();
     // Skips incomplete pieces. At the shortest lag nearly every frame has a window.
     if (sums.lags.front().windows < size.least * size.film * curves.set.fps) continue;
-    const analysis::ExactLaw law(withClock(curves.set.law, rateOf(key.first)));
+    const analysis::ExactLaw law(withClock(curves.set.law, clock_rate(key.first)));
     for (std::size_t i = 0; i < lags.size(); ++i) {
       curves.msd[i].add(sums.lags[i].r2 / sums.lags[i].windows);
       curves.angular_msd[i].add(sums.lags[i].a2 / sums.lags[i].angular_windows);
