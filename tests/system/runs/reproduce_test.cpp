@@ -61,7 +61,7 @@ TEST(Reproduce, AveragesAnEnsemble) {
       run("lab reproduce --hours 0.01 --panels 2b --ensemble 3 --out " + out.string());
   ASSERT_EQ(dut.exit_code, 0) << dut.output;
   EXPECT_THAT(readFile(out / "reproduction.html"), HasSubstr("3 recordings each"));
-  EXPECT_THAT(readFile(out / "estimates.csv"), HasSubstr("mean of 3 films"));
+  EXPECT_THAT(readFile(out / "estimates.csv"), HasSubstr("mean of 3 recordings"));
 }
 
 TEST(Reproduce, RefusesBeforeItStarts) {
