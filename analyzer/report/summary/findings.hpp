@@ -31,8 +31,8 @@ struct Finding {
 /// Reservations and remarks, one sentence each: contacts, reversals, selection, lost frames, noise.
 [[nodiscard]] std::vector<std::string> reservations(const analysis::ProgramResult& result);
 
-/// The estimate that characterises the model: D_t (BP), gamma (RTP), D_r (ABP), else v. nullptr if
-/// it was not estimated.
+/// The estimate that characterises the model: D_t (BP), gamma (RTP), v (no model), else D_r.
+/// nullptr if it was not estimated.
 [[nodiscard]] const analysis::Estimate* characteristicEstimate(
     const analysis::ProgramResult& result);
 
