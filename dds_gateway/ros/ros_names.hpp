@@ -12,8 +12,9 @@ namespace lab::gateway {
 /// short enough for every rmw layer.
 [[nodiscard]] bool isTopicName(std::string_view name);
 
-/// Makes one part of a name from any text: sequences of other characters become one "_", a leading
-/// digit gets a "_" before it, an empty text becomes "_". Two texts may give the same name.
+/// Makes one part of a name from any text. Each run of characters outside [A-Za-z0-9] becomes one
+/// "_". A leading digit gets a "_" before it. An empty text becomes "_". Two texts may give the
+/// same name.
 [[nodiscard]] std::string namePart(std::string_view text);
 
 /// "robot7"
