@@ -1,5 +1,5 @@
 #!/bin/sh
-# Copies the texts of a package and replaces `./lab` by `active-lab`, except in the two commands that only
+# Copies the texts of a package and replaces `./lab` by `active-lab`, except in the three commands that only
 # a clone has.
 #   stage_texts.sh SOURCE FOLDER
 set -eu

@@ -33,19 +33,28 @@ SERVICES = ("robot_bridge", "projector_ctl", "tracker_svc", "sim_svc", "analyzer
 # Folders of a service whose headers others include, each with its reason (docs/architecture.md).
 SHARED_FOLDERS = ("robot_bridge/calibration/", "projector_ctl/calibration/", "tracker_svc/calibration/",
                   "dds_gateway/dds/")
+# Folders that .gitignore names.
+LEFT_BEHIND = ("build", "runs", "tests/benchmarks/results")
 # The named exceptions to "no service includes another" (docs/architecture.md).
 SERVICE_EXCEPTIONS = {("dashboard", "analyzer")}
 
 
 def files_of(root, endings):
-    """Paths of the tree below root, relative to it: what git tracks or could, or everything without git."""
-    listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard"],
-                            capture_output=True, text=True)
-    if listed.returncode == 0:
+    """Paths of the tree below root, relative to it: what git tracks or could. In a copy without git,
+    everything but what builds and runs leave behind."""
+    listed = None
+    if shutil.which("git"):
+        listed = subprocess.run(["git", "-C", root, "ls-files", "-co", "--exclude-standard"],
+                                capture_output=True, text=True)
+    if listed is not None and listed.returncode == 0:
         names = listed.stdout.split("\n")
     else:
-        names = [os.path.relpath(os.path.join(folder, name), root)
-                 for folder, _, found in os.walk(root) for name in found]
+        names = []
+        for folder, folders, found in os.walk(root):
+            folders[:] = [name for name in folders
+                          if name not in (".git", "__pycache__") and
+                          os.path.relpath(os.path.join(folder, name), root) not in LEFT_BEHIND]
+            names += [os.path.relpath(os.path.join(folder, name), root) for name in found]
     return sorted(name for name in names
                   if name.endswith(endings) and os.path.isfile(os.path.join(root, name)))
 
