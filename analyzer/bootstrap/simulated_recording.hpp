@@ -9,7 +9,7 @@
 namespace lab::analysis {
 
 /// xoshiro256++ seeded by SplitMix64 (Blackman and Vigna 2019), for simulated recordings. Not
-/// common/random.hpp: results must keep their bits, and this one has a fast normal().
+/// common/math/random.hpp: results must keep their bits, and this one has a fast normal().
 class Random {
  public:
   explicit Random(std::uint64_t seed);

@@ -23,9 +23,6 @@ std::vector<std::uint8_t> encode(const Message& message) {
   return bytes;
 }
 
-/// Longest packet [bytes]: the decoder counts in an int, with up to eight bytes per packet byte.
-inline constexpr std::size_t kMostBytes = (std::size_t{1} << 28) - 1;
-
 template <class Message>
 bool decode(Bytes data, Message& message) noexcept {
   static_assert(CheckedMessage<Message>, "add_lcm_types() makes the check of a message's encoding");

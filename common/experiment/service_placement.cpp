@@ -39,8 +39,6 @@ bool usesPorts(std::string_view service) {
   return service == "robot_bridge" || service == "tracker_svc" || service == "sim_svc";
 }
 
-bool runsInVirtualTime(std::string_view service) { return service != "dds_gateway"; }
-
 std::vector<std::string> hostsInUse(const Experiment& experiment) {
   std::set<std::string> hosts;
   for (const std::string& name : neededServices(experiment)) {

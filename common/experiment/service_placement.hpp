@@ -27,10 +27,6 @@ inline constexpr std::string_view kObserverService = "dashboard";
 /// Whether the command line of the service has --ports.
 [[nodiscard]] bool usesPorts(std::string_view service);
 
-/// Whether the service runs in virtual time: dds_gateway connects the lab to other programs and
-/// hosts, which run in real time.
-[[nodiscard]] bool runsInVirtualTime(std::string_view service);
-
 /// The other hosts on which the experiment places services that it needs, each once, sorted.
 [[nodiscard]] std::vector<std::string> hostsInUse(const Experiment& experiment);
 

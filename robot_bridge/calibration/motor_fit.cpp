@@ -23,9 +23,9 @@ using Slopes = Eigen::Matrix<double, 2, kParameters>;
 constexpr int kEvaluations = 60;
 constexpr double kConverged = 1e-12;       // relative reduction of chi^2
 constexpr double kSingular = 1e-9;         // smallest scaled eigenvalue of the information
-constexpr double kOutlierChi2 = 30;        // of two degrees of freedom: once in 3 million
+constexpr double kOutlierChi2 = 30;        // two degrees of freedom: probability 1 in 3 million
 constexpr double kMuchMoreThanNoise = 4;   // chi^2 per degree of freedom
-constexpr double kMedianOfTwoDof = 1.386;  // of chi^2
+constexpr double kMedianOfTwoDof = 1.386;  // median of chi^2 with two degrees of freedom
 
 Parameters parametersOf(const Motors& motors, double lateral) {
   Parameters p;
@@ -38,7 +38,7 @@ Motors motorsOf(const Parameters& p) {
   return {{p[kGainLeft], p[kBandLeft]}, {p[kGainRight], p[kBandRight]}, p[kBase]};
 }
 
-/// Speed and turn of the tracked point, and their slopes.
+/// Speed and turning rate of the tracked point, and their derivatives.
 struct Prediction {
   Eigen::Vector2d value;
   Slopes slopes = Slopes::Zero();
@@ -153,7 +153,7 @@ Solution solve(const std::vector<UsableSegment>& segments, const Parameters& sta
   return solution;
 }
 
-/// Fits, leaves out the worst outlier, and so on.
+/// Fits repeatedly and excludes the worst outlier each time.
 Solution solveRobustly(std::vector<UsableSegment>& segments, const Parameters& start, double max,
                        SegmentCounts& counts) {
   for (;;) {
@@ -164,7 +164,8 @@ Solution solveRobustly(std::vector<UsableSegment>& segments, const Parameters& s
     const auto worst = std::max_element(chi2.begin(), chi2.end());
     const auto index = worst - chi2.begin();
     const double worst_chi2 = *worst;
-    // Motors that are not quite like the model miss it everywhere: that makes no outliers.
+    // Deviations of the motors from the model increase the residuals of all segments; scaling by
+    // the median avoids that these are taken for outliers.
     const double scale = std::max(1.0, medianOf(chi2) / kMedianOfTwoDof);
     const bool too_few = 2 * static_cast<int>(segments.size()) <= kParameters + 2;
     if (worst_chi2 <= kOutlierChi2 * scale || too_few) return solution;
@@ -216,7 +217,7 @@ std::string fewSegments(const SegmentCounts& counts, int needed) {
 
 std::string refusalOf(const MotorFit& fit, double nominal_base, const FitLimits& limits) {
   const Motors& motors = fit.motors;
-  // Of a coarse tracker the residual is noise.
+  // With a coarse tracker, a large residual may only be noise.
   if (fit.residual > limits.residual && fit.chi2_per_dof > kMuchMoreThanNoise) {
     return fmt::format(
         "the wheels miss the fitted speeds by {:.1f} % (rms), allowed {:g}: do they slip, or does "

@@ -69,7 +69,7 @@ void becomeProgram(const std::string& program, char** argv) {
       "this command needs {}, which {}: {}", path,
       error == ENOENT ? "is not there"
                       : std::string("cannot be executed (") + std::strerror(error) + ")",
-      installation().installHint(program, "./lab builds it when it is called with this command")));
+      installation().installHint(program, "./lab build builds everything")));
 }
 
 int runCommands(int argc, char** argv, const AddCommands& add) {

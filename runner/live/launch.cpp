@@ -47,11 +47,11 @@ void requireParts(const Experiment& experiment, bool virtual_time) {
     const fs::path file = installation().programs / name;
     if (fs::exists(file)) continue;
     const bool chip = name.starts_with("robot_emulator") || name.starts_with("robot_firmware");
-    throw UserError(fmt::format(
-        "this experiment needs {}, which is not there: {}", file.string(),
-        installation().installHint(
-            name, chip ? "install gcc-avr, avr-libc, libsimavr-dev and build again"
-                       : "build it again: ./lab run FILE builds what its experiment needs")));
+    throw UserError(
+        fmt::format("this experiment needs {}, which is not there: {}", file.string(),
+                    installation().installHint(
+                        name, chip ? "install gcc-avr, avr-libc, libsimavr-dev and build again"
+                                   : "./lab build builds everything")));
   }
 }
 

@@ -115,14 +115,6 @@ LAB_INLINE void edgeProfile(const Lanes& z, Lanes& share, Lanes& slope) {
   slope = near == z ? even : Lanes{};
 }
 
-/// Phi(z) without the derivative.
-LAB_INLINE Lanes edgeShare(const Lanes& z) {
-  Lanes share;
-  Lanes unused;
-  edgeProfile(z, share, unused);
-  return share;
-}
-
 template <std::size_t kCount>
 struct LaneSums {
   static constexpr std::size_t kPairs = kCount * (kCount + 1) / 2;

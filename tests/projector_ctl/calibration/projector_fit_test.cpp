@@ -1,4 +1,4 @@
-// Fits of simulated projectors whose lens is known.
+// Fits of simulated projectors with known lenses.
 #include "projector_ctl/calibration/projector_fit.hpp"
 
 #include <gmock/gmock.h>
@@ -31,7 +31,7 @@ bool isLit(const Pixel& pixel) {
          pixel.y < kPlane.rows - 0.5;
 }
 
-/// Sights every 2 cm with a noise of `sigma` [px] that the fit is told `told` about.
+/// Observations every 2 cm with noise `sigma` [px]; the fit gets the noise `told`.
 std::vector<ProjectorObservation> observationsOf(const ProjectorModel& real, double sigma,
                                                  Random& random, double told = 0.05) {
   std::vector<ProjectorObservation> observations;
@@ -46,7 +46,7 @@ std::vector<ProjectorObservation> observationsOf(const ProjectorModel& real, dou
   return observations;
 }
 
-/// [m] rms over the arena between where light is wanted and where it falls.
+/// [m] rms distance over the arena between commanded and actual positions of light.
 double trueError(const optics::CameraParameters& lens, const ProjectorModel& real) {
   const ProjectorModel believed(lens, optics::kSensorHeight);
   double sum = 0;
@@ -63,9 +63,9 @@ double trueError(const optics::CameraParameters& lens, const ProjectorModel& rea
   return std::sqrt(sum / count);
 }
 
-TEST(ProjectorFit, ClaimsWhatIsTrueForManyLenses) {
-  // Of one fit the error is a draw of some ten numbers; of many, its mean square is what was
-  // claimed.
+TEST(ProjectorFit, ClaimedErrorIsCorrectForManyLenses) {
+  // The error of one fit depends on about ten random numbers; the mean square over many fits must
+  // equal the claim.
   double claimed = 0;
   double found = 0;
   int fits = 0;
@@ -100,8 +100,8 @@ TEST(ProjectorFit, FindsTheLensItselfWithoutNoise) {
   EXPECT_NEAR(fit.covered, 1, 1e-12);
 }
 
-TEST(ProjectorFit, ErrorOfTheCameraIsPartOfTheClaim) {
-  // A camera that stretches by 0.05 % along x: places are measured so much off.
+TEST(ProjectorFit, ClaimedErrorIncludesTheCamera) {
+  // A camera with a scale error of 0.05 % along x.
   Random random(1);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
   std::vector<ProjectorObservation> observations = observationsOf(real, 0.1, random);
@@ -117,8 +117,8 @@ TEST(ProjectorFit, ErrorOfTheCameraIsPartOfTheClaim) {
   EXPECT_NEAR(fit.accuracy / trueError(fit.lens, real), 1, 0.2);
 }
 
-TEST(ProjectorFit, WhatNoLensDoesIsClaimedAsMisfit) {
-  // A board that waves by some 0.2 mm across.
+TEST(ProjectorFit, DeviationsFromTheLensModelAreReportedAsMisfit) {
+  // A board with waves of about 0.2 mm.
   Random random(1);
   const ProjectorModel real = projector({0.1, 0.05, 0, 0});
   std::vector<ProjectorObservation> observations;
@@ -130,7 +130,7 @@ TEST(ProjectorFit, WhatNoLensDoesIsClaimedAsMisfit) {
   }
   const ProjectorFit fit = fitProjector(observations, kPlane);
   EXPECT_EQ(fit.refusal, "");
-  // The projector really lights the waved places.
+  // The projector lights the positions with the waves.
   const ProjectorModel believed(fit.lens, optics::kSensorHeight);
   double sum = 0;
   int count = 0;
@@ -145,7 +145,7 @@ TEST(ProjectorFit, WhatNoLensDoesIsClaimedAsMisfit) {
   EXPECT_NEAR(fit.accuracy / std::sqrt(sum / count), 1, 0.2);
 }
 
-TEST(ProjectorFit, ShadowsAndGlareAreLeftOut) {
+TEST(ProjectorFit, ShadowsAndGlareAreExcluded) {
   Random random(3);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
   std::vector<ProjectorObservation> observations = observationsOf(real, 0.1, random);
@@ -161,7 +161,7 @@ TEST(ProjectorFit, ShadowsAndGlareAreLeftOut) {
   EXPECT_LT(trueError(fit.lens, real), 0.05e-3);
 }
 
-TEST(ProjectorFit, PictureSeenInAMirrorOrUpsideDown) {
+TEST(ProjectorFit, HandlesMirroredAndRotatedPictures) {
   Random random(4);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
   for (const bool mirrored : {false, true}) {
@@ -176,7 +176,7 @@ TEST(ProjectorFit, PictureSeenInAMirrorOrUpsideDown) {
   }
 }
 
-TEST(ProjectorFit, RefusalsSayWhy) {
+TEST(ProjectorFit, RefusalsGiveTheReason) {
   Random random(5);
   const ProjectorModel real = projector({0.15, 0.08, 0, 0});
   std::vector<ProjectorObservation> observations = observationsOf(real, 0.1, random);
@@ -192,7 +192,7 @@ TEST(ProjectorFit, RefusalsSayWhy) {
   // A picture that is shifted away from two corners.
   EXPECT_THAT(fitProjector(observationsOf(projector({0, 0, 0.04, 0}), 0.1, random), kPlane).refusal,
               HasSubstr("corner (0, 0) cm and (0, 90) cm: move"));
-  // A board that nobody keeps flat.
+  // A board that is not flat.
   for (ProjectorObservation& observation : observations) {
     observation.place.x +=
         3e-3 * std::sin(25 * observation.place.x) * std::cos(20 * observation.place.y);
@@ -213,7 +213,7 @@ TEST(LensFromCorners, LightsTheCornersWithThesePixels) {
       corners[i] = {place(i).x / kWidth * 1919 + 100 * (2 * random.uniform() - 1),
                     (1 - place(i).y / kHeight) * 1079 + 60 * (2 * random.uniform() - 1)};
     }
-    if (n % 2 == 1) {  // in a mirror
+    if (n % 2 == 1) {  // mirrored
       std::swap(corners[0], corners[1]);
       std::swap(corners[2], corners[3]);
     }
@@ -230,7 +230,7 @@ TEST(LensFromCorners, LightsTheCornersWithThesePixels) {
       far += miss > 0.01 ? 1 : 0;
     }
   }
-  // Corners that hardly any lens makes of a rectangle.
+  // Corners to which hardly any lens maps a rectangle.
   EXPECT_LE(far, 4 * 4);
   EXPECT_LE(none, 2);
 }

@@ -1,10 +1,8 @@
-// Structured light, shown and seen without any noise but rounding: a light that is not proportional
-// to what is asked for, and one that is.
+// Structured light without noise except rounding, with linear and nonlinear projectors.
 #include "projector_ctl/calibration/projector_patterns.hpp"
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <stdexcept>
@@ -68,7 +66,7 @@ PatternReader read(const Scene& scene) {
   return reader;
 }
 
-/// [px] of the projector: largest error of any sight.
+/// Largest error of any observation, in pixels of the projector.
 double worst(const PatternReader& reader, const optics::ProjectorModel& real) {
   double most = 0;
   for (const ProjectorObservation& observation : reader.observations()) {
@@ -78,7 +76,7 @@ double worst(const PatternReader& reader, const optics::ProjectorModel& real) {
   return most;
 }
 
-TEST(ProjectorPatterns, EveryOneCanBePainted) {
+TEST(ProjectorPatterns, AllAreValidFields) {
   const auto patterns = projectorPatterns(kWidth, kHeight);
   EXPECT_EQ(patterns.size(), 26U);
   for (const LightPattern& pattern : patterns) {
@@ -86,7 +84,7 @@ TEST(ProjectorPatterns, EveryOneCanBePainted) {
   }
 }
 
-TEST(ProjectorPatterns, AreReadToASmallPartOfAPixel) {
+TEST(ProjectorPatterns, AreDecodedToASmallFractionOfAPixel) {
   const optics::ProjectorModel bent =
       optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {0.15, 0.08, 0, 0});
   for (const optics::ProjectorModel& real :
@@ -95,8 +93,8 @@ TEST(ProjectorPatterns, AreReadToASmallPartOfAPixel) {
     scene.real = real;
     const PatternReader reader = read(scene);
     EXPECT_GT(reader.observations().size(), 100U);
-    // Rounding to whole grey steps makes 0.03 px in the middle of a square; the rest is room for
-    // it.
+    // Rounding to grey levels causes 0.03 px in the middle of a square; the limit leaves some
+    // margin.
     EXPECT_LT(worst(reader, real), 0.15);
   }
 }
@@ -109,7 +107,7 @@ TEST(ProjectorPatterns, GammaCancels) {
   EXPECT_LT(worst(reader, scene.real), 0.2);
 }
 
-TEST(ProjectorPatterns, FloorIsCorrectedWhereTheProjectorIsKnown) {
+TEST(ProjectorPatterns, FloorIsCorrectedIfTheProjectorPositionIsKnown) {
   Scene scene;
   scene.surface = 0;
   EXPECT_THROW(read(scene), std::invalid_argument);
@@ -117,7 +115,7 @@ TEST(ProjectorPatterns, FloorIsCorrectedWhereTheProjectorIsKnown) {
   EXPECT_LT(worst(read(scene), scene.real), 0.15);
 }
 
-TEST(ProjectorPatterns, CountsWhatSaysNothing) {
+TEST(ProjectorPatterns, CountsUnusablePoints) {
   Scene scene;
   const PatternCount good = read(scene).count();
   EXPECT_GT(good.pixels, 30'000);

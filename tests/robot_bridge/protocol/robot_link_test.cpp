@@ -233,6 +233,25 @@ TEST_F(RobotLinkTest, ARobotThatRestartsStandsUntilANewOrder) {
   EXPECT_EQ(dut.counters().reboots, 1);
 }
 
+TEST_F(RobotLinkTest, AnOrderBeyondTheWheelsIsRejectedAndThePreviousOneStays) {
+  plug();
+  answerAll();
+  command(7, drive(0.1));
+  answerAll();
+
+  // Longer than the spacing of repeated orders, shorter than the silence after which a link is
+  // stale.
+  now += 120'000;
+  command(8, drive(0.5));
+  const std::optional<wire::Order> order = orderIn(takeSent());
+
+  EXPECT_TRUE(dut.isRejected());
+  EXPECT_EQ(dut.commandSeq(), 8) << "the refusal is the answer to the command";
+  ASSERT_TRUE(order);
+  EXPECT_EQ(order->left_um_s, 100'000);
+  EXPECT_THAT(dut.takeNotes(), Contains(HasSubstr("refuses ROBOT_COMMAND 8")));
+}
+
 TEST_F(RobotLinkTest, AfterARefusalOfItsSettingsNothingIsSentUntilANewOrder) {
   plug();
   answerAll();

@@ -1,6 +1,5 @@
 /// Accuracy limits of some kinds of pictures, with few pictures each, and the limits themselves.
-/// All kinds with more pictures are a long test: benchmarks/tracker_kinds.
-/// pictures, are a long test: benchmarks/tracker_kinds.
+/// The benchmark tests/benchmarks/tracker_kinds has all kinds with more pictures.
 #include <gtest/gtest.h>
 
 #include <cstdint>
