@@ -124,6 +124,18 @@ std::string lockHolder(const struct stat& file) {
   return {};
 }
 
+/// The entries of a folder of /proc; none where it is not readable (processes of other users) or
+/// where the process ends meanwhile.
+std::vector<fs::path> entriesOf(const fs::path& folder) {
+  std::vector<fs::path> entries;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    entries.push_back(entry->path());
+  }
+  return entries;
+}
+
 }  // namespace
 
 int makeRaw(int descriptor, int baud) {
@@ -176,17 +188,15 @@ std::string lineHolder(const std::string& path) {
   if (stat(path.c_str(), &file) != 0) return {};
   std::string holder = lockHolder(file);
   if (!holder.empty()) return holder;
-  std::error_code ignored;
-  for (const auto& process : fs::directory_iterator("/proc", ignored)) {
-    const std::string pid = process.path().filename();
+  for (const auto& process : entriesOf("/proc")) {
+    const std::string pid = process.filename();
     if (pid.find_first_not_of("0123456789") != std::string::npos ||
         pid == std::to_string(getpid())) {
       continue;
     }
-    std::error_code hidden;  // processes of other users are not readable
-    for (const auto& entry : fs::directory_iterator(process.path() / "fd", hidden)) {
+    for (const auto& descriptor : entriesOf(process / "fd")) {
       struct stat open_file {};
-      if (stat(entry.path().c_str(), &open_file) == 0 && open_file.st_rdev == file.st_rdev &&
+      if (stat(descriptor.c_str(), &open_file) == 0 && open_file.st_rdev == file.st_rdev &&
           open_file.st_ino == file.st_ino && open_file.st_dev == file.st_dev) {
         return describeProcess(pid);
       }

@@ -7,7 +7,7 @@
 
 #include <cstdlib>
 #include <fstream>
-#include <iterator>
+#include <sstream>
 #include <stdexcept>
 
 namespace lab::system_test {
@@ -76,10 +76,11 @@ std::vector<pid_t> processesWith(const std::string& text) {
   for (const auto& entry : fs::directory_iterator("/proc")) {
     const std::string name = entry.path().filename().string();
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    std::ifstream stream(entry.path() / "cmdline", std::ios::binary);
-    const std::string line{std::istreambuf_iterator<char>(stream),
-                           std::istreambuf_iterator<char>()};
-    if (line.find(text) != std::string::npos && std::stoi(name) != getpid()) {
+    // The process may end between the listing and the read, which then fails. `<<` marks the
+    // stream, where an iterator over its buffer would throw.
+    std::ostringstream line;
+    line << std::ifstream(entry.path() / "cmdline", std::ios::binary).rdbuf();
+    if (line.str().find(text) != std::string::npos && std::stoi(name) != getpid()) {
       found.push_back(std::stoi(name));
     }
   }
