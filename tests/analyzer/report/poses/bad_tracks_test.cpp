@@ -12,6 +12,7 @@
 #include <sstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analyzer/report/poses/pose_run.hpp"
@@ -63,12 +64,12 @@ RunRecord analysed(const std::string& csv, analysis::Depth depth = analysis::Dep
                  {depth});
 }
 
-const analysis::Estimate& numberOf(const RunRecord& record, const std::string& name) {
+const analysis::Estimate& numberOf(const RunRecord& record, std::string_view name) {
   const analysis::Estimate* found = nullptr;
   for (const analysis::Estimate& estimate : record.results.front().result.estimates) {
     if (estimate.name == name) found = &estimate;
   }
-  if (found == nullptr) throw std::logic_error("no estimate of " + name);
+  if (found == nullptr) throw std::logic_error("no estimate of " + std::string(name));
   return *found;
 }
 
