@@ -60,8 +60,8 @@ void LineSession::checkVersion() {
 void LineSession::countErrors() {
   const wire::DecoderCounts& counts = decoder_.counts();
   const auto all = static_cast<std::uint16_t>(counts.crc + counts.malformed + counts.version);
-  errors_ += static_cast<std::uint16_t>(all - errors_seen_);
-  errors_seen_ = all;
+  errors_ += static_cast<std::uint16_t>(all - errors_counted_);
+  errors_counted_ = all;
 }
 
 std::string LineSession::reason(int baud) const {

@@ -18,7 +18,7 @@ constexpr double kTouch = 0.006;       // [m] gap below which two caps may touch
 constexpr double kLost = 0.5;          // [s] without detection
 constexpr double kLostReach = 0.15;    // [m]
 // [1] times the highest mean speed so far: a robot may have been held by a wall
-constexpr double kShownFaster = 2;
+constexpr double kSpeedMargin = 2;
 // [s] over which a mean speed is taken, to average the noise of places
 constexpr double kStride = 0.5;
 constexpr double kBriefly = 1;       // [s] for which a track with few detections is kept at least
@@ -27,8 +27,8 @@ constexpr double kNewCaps = 1e-3;    // [1/s] rate at which caps are put into th
 constexpr double kNewAtOnce = 1e-5;  // [1] minimum probability per picture
 // Probability that a cap is missed again, by the number of pictures since its last detection: a
 // visible cap is rarely missed, a hidden one tends to stay hidden.
-constexpr double kMissed[] = {0.05, 0.5, 0.95};
-constexpr int kMissedLong = 5;           // pictures
+constexpr double kStaysUndetected[] = {0.05, 0.5, 0.95};
+constexpr int kUndetectedLong = 5;       // pictures
 constexpr float kFlippedQuality = 0.4F;  // [1] low enough to be excluded from analysis
 
 bool isDegraded(const detector::Detection& detection) {
@@ -54,14 +54,14 @@ struct CapTracker::TrackState {
   detector::Detection detection;  ///< of this picture, or predicted
   double first = 0;               ///< [s] of the first detection
   double last = 0;                ///< [s] of the last detection
-  bool seen = true;
+  bool detected = true;
   Wheels speeds;            ///< [m/s] from the cap's motion
   int votes = 1;            ///< pictures that agree with the heading, minus those that do not
-  int misses = 0;           ///< lit pictures without it since its last detection
+  int undetected = 0;       ///< lit pictures without it since its last detection
   int blanks = 0;           ///< pictures without it since its last detection, lit or not
   dynamics::Pose begun_at;  ///< start of the current stride
   double begun = 0;         ///< [s] start of the current stride
-  double shown = 0;         ///< [m/s] highest mean speed of a stride
+  double top_speed = 0;     ///< [m/s] highest mean speed of a stride
   int chosen = -1;          ///< index of its detection in this picture
   IdentityEvidence evidence;
 };
@@ -73,37 +73,37 @@ CapTracker::CapTracker(const TrackerSettings& settings, std::vector<std::int32_t
 
 CapTracker::~CapTracker() = default;
 
-void CapTracker::take(std::span<const WheelReport> wheels) {
+void CapTracker::addReports(std::span<const WheelReport> wheels) {
   for (const WheelReport& report : wheels) {
-    binding_.take(report.robot_id, report.time, report.left, report.right);
+    binding_.addReport(report.robot_id, report.time, report.left, report.right);
   }
 }
 
-double CapTracker::reachOf(double unseen) const {
-  return kFaster * settings_.max_wheel_speed * unseen + kPlaceSlack;
+double CapTracker::reachOf(double elapsed) const {
+  return kFaster * settings_.max_wheel_speed * elapsed + kPlaceSlack;
 }
 
 /// Median over the caps of their highest speeds; ignores single caps carried by hand.
 double CapTracker::usualSpeed() const {
   if (track_states_.empty()) return 0;
   std::vector<double> speeds;
-  for (const TrackState& follow : track_states_) speeds.push_back(follow.shown);
+  for (const TrackState& follow : track_states_) speeds.push_back(follow.top_speed);
   return medianOf(speeds);
 }
 
 /// [m] distance from its last detection within which a cap counts as the same.
 double CapTracker::returnOf(const TrackState& follow, double time, double usual) const {
-  const double unseen = std::max(0.0, time - follow.last);
-  const double by_hand = 2 * reachOf(unseen);
+  const double elapsed = std::max(0.0, time - follow.last);
+  const double by_hand = 2 * reachOf(elapsed);
   // Without a picture in between the cap was not missed: recordings may have one picture per
   // second.
-  if (!settings_.caps_may_be_replaced || follow.blanks == 0 || unseen <= kLost) return by_hand;
-  const double speed = std::max(follow.shown, usual);
-  return std::min(by_hand, kShownFaster * speed * unseen + settings_.robot_radius);
+  if (!settings_.caps_may_be_replaced || follow.blanks == 0 || elapsed <= kLost) return by_hand;
+  const double speed = std::max(follow.top_speed, usual);
+  return std::min(by_hand, kSpeedMargin * speed * elapsed + settings_.robot_radius);
 }
 
-double CapTracker::turnOf(double unseen) const {
-  return kFaster * 2 * settings_.max_wheel_speed / settings_.wheel_base * unseen + 0.1;
+double CapTracker::turnOf(double elapsed) const {
+  return kFaster * 2 * settings_.max_wheel_speed / settings_.wheel_base * elapsed + 0.1;
 }
 
 Reckoning CapTracker::reckon(const TrackState& follow, double time) {
@@ -123,14 +123,14 @@ Reckoning CapTracker::reckon(const TrackState& follow, double time) {
 const std::vector<detector::Expected>& CapTracker::expect(double time) {
   expected_.clear();
   for (const TrackState& follow : track_states_) {
-    const double unseen = std::max(0.0, time - follow.last);
+    const double elapsed = std::max(0.0, time - follow.last);
     const dynamics::Pose pose = reckon(follow, time).pose;
     const double moved = std::hypot(pose.x - follow.pose.x, pose.y - follow.pose.y);
     const double turned = std::abs(pose.theta - follow.pose.theta);
-    const double largest = unseen > kLost ? kLostReach : settings_.robot_radius;
+    const double largest = elapsed > kLost ? kLostReach : settings_.robot_radius;
     expected_.push_back({pose.x, pose.y, wrapped(pose.theta),
-                         std::min(reachOf(unseen) + moved, largest),
-                         std::min(turnOf(unseen) + turned, kPi)});
+                         std::min(reachOf(elapsed) + moved, largest),
+                         std::min(turnOf(elapsed) + turned, kPi)});
   }
   return expected_;
 }
@@ -144,9 +144,9 @@ const std::vector<Track>& CapTracker::update(double time,
   const bool lit = 2 * found_.size() >= track_states_.size() && !found_.empty();
   for (TrackState& follow : track_states_) {
     if (follow.chosen >= 0) {
-      see(follow, time, found_[static_cast<std::size_t>(follow.chosen)]);
+      noteDetected(follow, time, found_[static_cast<std::size_t>(follow.chosen)]);
     } else {
-      miss(follow, time, lit);
+      noteUndetected(follow, time, lit);
     }
   }
   giveUp(time);
@@ -224,17 +224,19 @@ void CapTracker::matchRest(double time) {
   assignment_.reset(rows.size(), columns.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const TrackState& follow = track_states_[rows[i]];
-    const ReappearanceDensity outlook(follow.pose, reckon(follow, time),
-                                      reachOf(std::max(0.0, time - follow.last)),
-                                      kFaster * settings_.max_wheel_speed);
-    const double missed = kMissed[follow.misses == 0 ? 0 : follow.misses < kMissedLong ? 1 : 2];
-    assignment_.setAlone(i, -std::log(missed));
+    const ReappearanceDensity reappearance(follow.pose, reckon(follow, time),
+                                           reachOf(std::max(0.0, time - follow.last)),
+                                           kFaster * settings_.max_wheel_speed);
+    const double undetected = kStaysUndetected[follow.undetected == 0                ? 0
+                                               : follow.undetected < kUndetectedLong ? 1
+                                                                                     : 2];
+    assignment_.setAlone(i, -std::log(undetected));
     const double farthest = returnOf(follow, time, usual);
     for (std::size_t j = 0; j < columns.size(); ++j) {
       if (distance2(follow.pose, found_[columns[j]]) > farthest * farthest) continue;
-      const double density = outlook.logDensity(found_[columns[j]]);
+      const double density = reappearance.logDensity(found_[columns[j]]);
       if (density > -100) {
-        assignment_.allow(i, j, -std::log(1 - missed) - density + std::log(new_density));
+        assignment_.allow(i, j, -std::log(1 - undetected) - density + std::log(new_density));
       }
     }
   }
@@ -255,7 +257,7 @@ void CapTracker::doubt(TrackState& follow) {
   follow.evidence.forget();
 }
 
-void CapTracker::see(TrackState& follow, double time, detector::Detection detection) {
+void CapTracker::noteDetected(TrackState& follow, double time, detector::Detection detection) {
   // A degraded pose has the expected heading and a less accurate place.
   const bool sharp = !isDegraded(detection);
   if (sharp) correctFlip(follow, time, detection);
@@ -277,7 +279,7 @@ void CapTracker::see(TrackState& follow, double time, detector::Detection detect
     follow.begun_at = pose;
   } else if (sharp && time - follow.begun >= kStride) {
     const double travel = std::hypot(pose.x - follow.begun_at.x, pose.y - follow.begun_at.y);
-    follow.shown = std::max(follow.shown, travel / (time - follow.begun));
+    follow.top_speed = std::max(follow.top_speed, travel / (time - follow.begun));
     follow.begun = time;
     follow.begun_at = pose;
   }
@@ -285,21 +287,21 @@ void CapTracker::see(TrackState& follow, double time, detector::Detection detect
   follow.covariance = detection.covariance;
   follow.detection = detection;
   follow.last = time;
-  follow.seen = true;
-  follow.misses = 0;
+  follow.detected = true;
+  follow.undetected = 0;
   follow.blanks = 0;
 }
 
 void CapTracker::correctFlip(TrackState& follow, double time, detector::Detection& detection) {
-  const double unseen = std::max(0.0, time - follow.last);
-  double limit = turnOf(unseen);
+  const double elapsed = std::max(0.0, time - follow.last);
+  double limit = turnOf(elapsed);
   double from = follow.pose.theta;
   if (limit > 0.4 * kPi) {
     // It may really have turned round: only its own wheel reports can tell.
     const Reckoning reckoning = reckon(follow, time);
     limit = 4 * std::sqrt(reckoning.covariance[5]) + 0.1;
     from = reckoning.pose.theta;
-    if (reckoning.known < 0.9 * unseen || limit > 0.4 * kPi) return;
+    if (reckoning.known < 0.9 * elapsed || limit > 0.4 * kPi) return;
   }
   limit += 4 * std::sqrt(detection.covariance[5] + follow.covariance[5]);
   const double turned = std::abs(wrapped(detection.theta - from));
@@ -321,7 +323,7 @@ void CapTracker::correctFlip(TrackState& follow, double time, detector::Detectio
   detection.quality = std::min(detection.quality, kFlippedQuality);
 }
 
-void CapTracker::miss(TrackState& follow, double time, bool lit) {
+void CapTracker::noteUndetected(TrackState& follow, double time, bool lit) {
   const Reckoning reckoning = reckon(follow, time);
   detector::Detection& detection = follow.detection;
   detection.x = reckoning.pose.x;
@@ -331,8 +333,8 @@ void CapTracker::miss(TrackState& follow, double time, bool lit) {
   detection.quality = 0;
   detection.used = 0;
   detection.spacing = 0;
-  follow.seen = false;
-  if (lit) ++follow.misses;
+  follow.detected = false;
+  if (lit) ++follow.undetected;
   ++follow.blanks;
 }
 
@@ -352,10 +354,10 @@ void CapTracker::start(double time, const detector::Detection& detection) {
 
 void CapTracker::giveUp(double time) {
   const auto isLost = [&](const TrackState& follow) {
-    if (follow.seen) return false;
-    const double patience = std::min(kGiveUp, kBriefly + follow.last - follow.first);
+    if (follow.detected) return false;
+    const double timeout = std::min(kGiveUp, kBriefly + follow.last - follow.first);
     const detector::Detection& at = follow.detection;
-    return time - follow.last > patience || at.x < -kOutside || at.y < -kOutside ||
+    return time - follow.last > timeout || at.x < -kOutside || at.y < -kOutside ||
            at.x > settings_.arena_width + kOutside || at.y > settings_.arena_height + kOutside;
   };
   const auto end = std::remove_if(track_states_.begin(), track_states_.end(), isLost);
@@ -382,7 +384,7 @@ void CapTracker::compareMotion(double time) {
   evidence_.clear();
   for (TrackState& follow : track_states_) {
     IdentityEvidence& evidence = follow.evidence;
-    evidence.placed = follow.seen && !isDegraded(follow.detection);
+    evidence.placed = follow.detected && !isDegraded(follow.detection);
     evidence.place = follow.pose;
     const double half_base = settings_.wheel_base / 2;
     evidence.variance = (follow.covariance[0] + follow.covariance[3]) / 2 +
@@ -407,7 +409,7 @@ bool CapTracker::bind(std::int32_t robot_id, double x, double y, double reach) {
   place.y = y;
   for (TrackState& follow : track_states_) {
     const double distance = distance2(follow.pose, place);
-    if (!follow.seen || isDegraded(follow.detection) || distance > least) continue;
+    if (!follow.detected || isDegraded(follow.detection) || distance > least) continue;
     least = distance;
     nearest = &follow;
   }
@@ -432,7 +434,7 @@ void CapTracker::publish(double time) {
   for (std::size_t i = 0; i < track_states_.size(); ++i) {
     const TrackState& follow = track_states_[i];
     tracks_[i] = {follow.number, binding_.idOf(follow.evidence.robot), follow.detection,
-                  follow.seen, follow.seen ? 0 : time - follow.last};
+                  follow.detected, follow.detected ? 0 : time - follow.last};
   }
 }
 
