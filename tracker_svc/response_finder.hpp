@@ -48,7 +48,7 @@ class ResponseFinder {
  private:
   enum class By { kBoth, kLinear, kEncoded };
   struct Paint {
-    double x = 0;  // [m] where it was seen
+    double x = 0;  // [m] place of the cap
     double y = 0;
     double white = 0;  // [DN] in the picture without decoding
     double ratio = 0;  // [1] black over white, without decoding

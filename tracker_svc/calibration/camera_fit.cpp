@@ -382,8 +382,8 @@ CameraFit fitCamera(const CameraObservations& observations,
   fit = summary(observations, fitted);
   fit.refusal = fitted.solution.determined
                     ? refusalOf(observations, fit, limits)
-                    : "the camera cannot be told from this: more caps over all of the arena, or a "
-                      "board in several poses, are needed";
+                    : "these data do not determine the camera: more caps all over the arena, or "
+                      "pictures of a board in several poses, are needed";
   return fit;
 }
 

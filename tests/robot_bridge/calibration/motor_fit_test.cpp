@@ -161,7 +161,7 @@ TEST(MotorFit, RefusesWheelsWithANonlinearResponse) {
     segments.push_back(SyntheticRobot(at_this_duty, {}, random.next()).drive(step, {}));
   }
   const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
-  EXPECT_THAT(fit.refusal, HasSubstr("miss the fitted speeds"));
+  EXPECT_THAT(fit.refusal, HasSubstr("differ from the fitted ones"));
 }
 
 TEST(MotorFit, RefusesATrackerThatIsTooInaccurate) {
