@@ -108,18 +108,18 @@ class CapTracker {
   void clean(std::span<const detector::Detection> detections);
   void matchSure(double time);
   void matchRest(double time);
-  void noteDetected(TrackState& follow, double time, detector::Detection detection);
-  void correctFlip(TrackState& follow, double time, detector::Detection& detection);
-  void noteUndetected(TrackState& follow, double time, bool lit);
+  void noteDetected(TrackState& track, double time, detector::Detection detection);
+  void correctFlip(TrackState& track, double time, detector::Detection& detection);
+  void noteUndetected(TrackState& track, double time, bool lit);
   void start(double time, const detector::Detection& detection);
   void giveUp(double time);
-  void doubt(TrackState& follow);
+  void doubt(TrackState& track);
   void compareMotion(double time);
-  [[nodiscard]] bool isTouching(const TrackState& follow) const;
+  [[nodiscard]] bool isTouching(const TrackState& track) const;
   void publish(double time);
-  [[nodiscard]] Reckoning reckon(const TrackState& follow, double time);
+  [[nodiscard]] Reckoning reckon(const TrackState& track, double time);
   [[nodiscard]] double reachOf(double elapsed) const;
-  [[nodiscard]] double returnOf(const TrackState& follow, double time, double usual) const;
+  [[nodiscard]] double returnOf(const TrackState& track, double time, double usual) const;
   [[nodiscard]] double usualSpeed() const;
   [[nodiscard]] double turnOf(double elapsed) const;
 
