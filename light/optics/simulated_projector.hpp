@@ -47,7 +47,7 @@ class ProjectorWarp {
   /// Whether no light is displaced, ignoring the picture's edge.
   [[nodiscard]] bool isIdentity() const { return !assumed_; }
 
-  /// The place for which the light was computed that falls on `place`, both at sensor height; empty
+  /// The place for which the picture was computed that lights `place`, both at sensor height; empty
   /// outside the picture.
   [[nodiscard]] std::optional<Place> source(Place place) const;
 

@@ -221,8 +221,7 @@ std::string refusalOf(const MotorFit& fit, double nominal_base, const FitLimits&
   if (fit.residual > limits.residual && fit.chi2_per_dof > kMuchMoreThanNoise) {
     return fmt::format(
         "the wheel speeds differ from the fitted ones by {:.1f} % (rms), allowed {:g}: do the "
-        "wheels slip, or does "
-        "something block them?",
+        "wheels slip, or does something block them?",
         100 * fit.residual, 100 * limits.residual);
   }
   if (std::string text = wheelRefusal("left", motors.left, fit.error.left, limits); !text.empty())

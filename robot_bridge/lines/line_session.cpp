@@ -81,8 +81,7 @@ std::string LineSession::reason(int baud) const {
       }
       return fmt::format(
           "{} bytes received, but none from a robot; is this another device, or is its speed not "
-          "{} "
-          "baud?",
+          "{} baud?",
           bytes_, baud);
     case Verdict::kWaiting:
     case Verdict::kRobot:

@@ -15,7 +15,7 @@ struct Vec {
   double y = 0;
 };
 
-/// The light on the arena at the simulated sensors.
+/// The light on the arena, for the simulated sensors.
 class LightSampler {
  public:
   virtual ~LightSampler() = default;
