@@ -313,14 +313,14 @@ std::vector<Scene*> ProjectorCore::scenes() const {
   return all;
 }
 
-void ProjectorCore::take(ObservedFrame frame) {
+void ProjectorCore::addFrame(ObservedFrame frame) {
   if (!waiting_.empty() && frame.instance != waiting_.back().instance) waiting_.clear();
   waiting_.push_back(std::move(frame));
 }
 
 /// Uses the waiting camera frames if a scene needs poses. Otherwise recent frames are kept, so that
 /// a scene that begins to follow robots has their tracks at once.
-void ProjectorCore::takeFrames() {
+void ProjectorCore::useWaitingFrames() {
   const std::vector<Scene*> all = scenes();
   const bool used = std::ranges::any_of(all, [](const Scene* one) { return one->needsPoses(); });
   shown_.tracked_frames.clear();
@@ -335,8 +335,8 @@ void ProjectorCore::takeFrames() {
   for (const ObservedFrame& frame : waiting_) {
     shown_.tracker_instance = frame.instance;
     shown_.tracked_frames.push_back(frame.number);
-    robots_.take(frame);
-    for (Scene* scene : all) scene->take(frame, robots_);
+    robots_.add(frame);
+    for (Scene* scene : all) scene->addFrame(frame, robots_);
   }
   waiting_.clear();
 }
@@ -354,7 +354,7 @@ const ShownFrame& ProjectorCore::frame(std::int64_t decided_utime, std::int64_t 
     sync_turn_ = decided_utime;
   }
   if (!isFading(now_)) previous_ = nullptr;
-  takeFrames();
+  useWaitingFrames();
   shown_.changed = is_new || turns || was_fading || tracker != shown_.tracker_instance;
   if (shown_.changed || !target_->isStill()) {
     light::Field field = fieldAt({now_, shown_utime});

@@ -75,8 +75,8 @@ struct ShownFrame {
 /// Layers that change by themselves (scene.hpp) are resolved for each frame, for the time at which
 /// the frame is on the arena. A cross-fade resolves both of its fields; if it is interrupted, its
 /// present state is frozen as the start of the next one. A scene begins when its command first
-/// controls the light, and lives as long as the command: its trails continue while another command
-/// covers it.
+/// controls the light, and exists as long as the command: its trails continue while another command
+/// controls the light.
 class ProjectorCore {
  public:
   struct Config {
@@ -96,20 +96,20 @@ class ProjectorCore {
   /// @throws std::invalid_argument if the safe field is invalid or the timeout is not above 0.
   explicit ProjectorCore(Config config);
 
-  /// Takes a command that arrived at `received_utime`. Its image layers must have their pixels.
+  /// Processes a command that arrived at `received_utime`. Its image layers must have their pixels.
   Answer apply(const LightCommand& command, std::int64_t received_utime);
 
-  /// Takes a camera frame for the next picture. Only the frames of one tracker are used at a time;
+  /// Adds a camera frame for the next picture. Only the frames of one tracker are used at a time;
   /// those of another tracker replace them.
-  void take(ObservedFrame frame);
+  void addFrame(ObservedFrame frame);
 
-  /// Takes the program that a robot reports.
+  /// Stores the program that a robot reports.
   void report(std::int32_t robot, const std::string& program, std::int64_t utime) {
     robots_.report(robot, program, utime);
   }
 
   /// The frame decided at `decided_utime`, valid until the next call. Calls must be in order of
-  /// time, after all earlier input was taken.
+  /// time, after all earlier input.
   const ShownFrame& frame(std::int64_t decided_utime) {
     return frame(decided_utime, decided_utime + latency_us_);
   }
@@ -146,7 +146,7 @@ class ProjectorCore {
   light::Field fieldAt(const FrameTimes& times);
   const std::vector<light::Layer>& layersOf(Scene& scene, const FrameTimes& times);
   [[nodiscard]] std::vector<Scene*> scenes() const;
-  void takeFrames();
+  void useWaitingFrames();
 
   Config config_;
   std::int64_t timeout_us_;

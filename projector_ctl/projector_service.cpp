@@ -96,8 +96,8 @@ ProjectorService::ProjectorService(const ServiceContext& context, std::filesyste
     }
     frames_.push_back({toObservedFrame(message), loop_.now()});
   });
-  node_.subscribe<robot_status_t>(channels::kRobotStatus,
-                                  [this](const robot_status_t& message) { takePrograms(message); });
+  node_.subscribe<robot_status_t>(
+      channels::kRobotStatus, [this](const robot_status_t& message) { reportPrograms(message); });
   loop_of_frames_ = std::make_unique<FrameLoop>(
       loop_, clock_,
       FrameLoop::Callbacks{
@@ -124,18 +124,18 @@ void ProjectorService::applyUntil(std::int64_t utime) {
     ++applied;
   }
   arrivals_.erase(arrivals_.begin(), arrivals_.begin() + static_cast<std::ptrdiff_t>(applied));
-  takeFrames(utime);
+  passFrames(utime);
 }
 
 /// A LIGHT_STATUS names the frames of one tracker only. Frames of another tracker wait for the next
 /// picture.
-void ProjectorService::takeFrames(std::int64_t utime) {
+void ProjectorService::passFrames(std::int64_t utime) {
   if (frames_.empty()) return;
   const std::int64_t instance =
       entered_.empty() ? frames_.front().frame.instance : entered_tracker_;
   std::erase_if(frames_, [&](FrameArrival& arrival) {
     const bool takes = arrival.utime <= utime && arrival.frame.instance == instance;
-    if (takes) core_.take(std::move(arrival.frame));
+    if (takes) core_.addFrame(std::move(arrival.frame));
     return takes;
   });
   publish_ = publish_ || std::ranges::any_of(frames_, [&](const FrameArrival& arrival) {
@@ -143,7 +143,7 @@ void ProjectorService::takeFrames(std::int64_t utime) {
              });
 }
 
-void ProjectorService::takePrograms(const robot_status_t& status) {
+void ProjectorService::reportPrograms(const robot_status_t& status) {
   for (const robot_state_t& robot : status.robots) {
     core_.report(robot.robot_id, programName(experiment_, robot.program), robot.utime);
   }

@@ -29,7 +29,7 @@ class ProjectorService final : public Service {
   /// Subscribes, and shows its first frame at the next frame boundary.
   /// @param pictures folder in which each new field is saved as light_<first shown utime>.png at
   /// the
-  ///        end of its cross-fade, with kPictureColumns columns; empty: not saved
+  ///   end of its cross-fade, with kPictureColumns columns; empty: not saved
   /// @param presenter the display; null: headless
   /// @throws std::runtime_error if an image of the experiment cannot be read
   explicit ProjectorService(const ServiceContext& context, std::filesystem::path pictures = {},
@@ -49,8 +49,8 @@ class ProjectorService final : public Service {
   const light::Field& decide(std::int64_t swap_utime);
   void frameShown(const FrameLoop::SwappedFrame& swapped);
   void applyUntil(std::int64_t utime);
-  void takeFrames(std::int64_t utime);
-  void takePrograms(const robot_status_t& status);
+  void passFrames(std::int64_t utime);
+  void reportPrograms(const robot_status_t& status);
   void noteEntered(const ShownFrame& shown);
   void publish(const ShownFrame& shown);
   void savePicture(const ShownFrame& shown);

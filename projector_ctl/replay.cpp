@@ -22,11 +22,11 @@ std::int64_t trailMomentOf(const ShownRecord& status) {
 
 }  // namespace
 
-void Replay::take(const LightCommand& command) {
+void Replay::add(const LightCommand& command) {
   commands_.try_emplace({command.sender, command.instance, command.seq}, command);
 }
 
-void Replay::take(ObservedFrame frame) {
+void Replay::add(ObservedFrame frame) {
   const std::pair key{frame.instance, frame.number};
   frames_.insert_or_assign(key, std::move(frame));
   if (frames_.size() <= kMostFrames) return;
@@ -45,8 +45,8 @@ bool Replay::play(const ShownRecord& status) {
       complete = false;
       continue;
     }
-    robots_.take(frame->second);
-    for (auto& [key, played] : scenes_) played.scene->take(frame->second, robots_);
+    robots_.add(frame->second);
+    for (auto& [key, played] : scenes_) played.scene->addFrame(frame->second, robots_);
     frames_.erase(frame);
   }
   return complete;

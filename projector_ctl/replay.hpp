@@ -27,18 +27,18 @@ struct ShownRecord {
   std::vector<light::Layer> layers{};  ///< as shown; used for the times of trails
 };
 
-/// Takes commands, camera frames and reports in the order of the log, and computes the layers of
+/// Receives commands, camera frames and reports in the order of the log, and computes the layers of
 /// every LIGHT_STATUS. Layers that are gated by programs depend on ROBOT_STATUS as well, and
-/// LIGHT_STATUS does not tell which of those had arrived. In a live run a frame may therefore
-/// differ if two messages crossed.
+/// LIGHT_STATUS does not tell which of those had arrived. So a frame of a live run may differ if a
+/// ROBOT_STATUS arrived at about the time of the frame.
 class Replay {
  public:
   /// @param scene_context as in the projector; must outlive this object
   explicit Replay(const SceneContext& scene_context) : scene_context_(scene_context) {}
 
   /// @param command as the projector used it, with a from_utime
-  void take(const LightCommand& command);
-  void take(ObservedFrame frame);
+  void add(const LightCommand& command);
+  void add(ObservedFrame frame);
   void report(std::int32_t robot, const std::string& program, std::int64_t utime) {
     robots_.report(robot, program, utime);
   }

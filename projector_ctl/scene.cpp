@@ -208,7 +208,7 @@ const std::vector<std::int32_t>& Scene::followed(const Drive& drive) const {
   return drive.robots.empty() ? scene_context_->robots : drive.robots;
 }
 
-void Scene::take(const ObservedFrame& frame, const RobotTracks& robots) {
+void Scene::addFrame(const ObservedFrame& frame, const RobotTracks& robots) {
   for (Entry& entry : entries_) {
     if (!entry.trail || frame.utime < from_utime_) continue;
     const Drive& drive = entry.driven.drive;

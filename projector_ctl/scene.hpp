@@ -32,8 +32,8 @@ struct FrameTimes {
 };
 
 /// Deterministic: the same layers, camera frames and reports in the same order give the same
-/// picture at the same time, whatever other pictures were requested before. The `seed` of a trail's
-/// grid, which grids do not use otherwise, holds the time [us since 1970] that it is for.
+/// picture at the same time, whatever other pictures were requested before. A trail becomes a layer
+/// of kind kGrid, which does not use `seed`; `seed` contains the time of the trail [us since 1970].
 class Scene {
  public:
   /// Two lists of this size in a LIGHT_STATUS stay below the limit of 60 KB per message.
@@ -53,7 +53,7 @@ class Scene {
   [[nodiscard]] static std::optional<std::string> problem(
       const std::vector<light::DrivenLayer>& layers, const SceneContext& scene_context);
 
-  /// Upper bound of the size of the layers in a LIGHT_STATUS, bytes.
+  /// Upper bound of the size of the layers in a LIGHT_STATUS [bytes].
   [[nodiscard]] static std::size_t bytesOf(const std::vector<light::Layer>& layers);
 
   /// @param layers must be valid, see problem()
@@ -73,7 +73,7 @@ class Scene {
 
   /// Extends the trails by a camera frame that was just added to `robots`. Frames from before
   /// from_utime are ignored.
-  void take(const ObservedFrame& frame, const RobotTracks& robots);
+  void addFrame(const ObservedFrame& frame, const RobotTracks& robots);
 
   /// The picture at the times of a frame, valid until the next call.
   const Picture& at(const FrameTimes& times, const RobotTracks& robots);

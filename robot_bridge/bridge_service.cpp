@@ -68,11 +68,11 @@ BridgeService::BridgeService(const ServiceContext& context)
       port_manager_(context.loop, context.ports, portSettings(context.experiment), byUid(),
                     [this](const std::string& text) { note(text); }) {
   node_.subscribe<robot_command_t>(channels::kRobotCommand,
-                                   [this](const robot_command_t& command) { take(command); });
+                                   [this](const robot_command_t& command) { handle(command); });
   node_.subscribe<robot_stop_t>(channels::kRobotStop,
-                                [this](const robot_stop_t& stop) { take(stop); });
+                                [this](const robot_stop_t& stop) { handle(stop); });
   node_.subscribe<robot_calibration_t>(
-      channels::kRobotCalibration, [this](const robot_calibration_t& request) { take(request); });
+      channels::kRobotCalibration, [this](const robot_calibration_t& request) { handle(request); });
   const auto period_us = std::llround(1e6 / experiment_.hardware.status_rate);
   loop_.every(kTick_us, loop_.now() + kTick_us, [this] { tick(); });
   loop_.every(period_us, loop_.now() + period_us, [this] { publish(); });
@@ -96,7 +96,7 @@ PortManager::Robots BridgeService::byUid() {
   return by_uid;
 }
 
-void BridgeService::take(const robot_command_t& command) {
+void BridgeService::handle(const robot_command_t& command) {
   const std::int64_t now = loop_.now();
   for (const robot_order_t& order : command.orders) {
     for (const std::int32_t id : order.robot_ids) {
@@ -108,7 +108,7 @@ void BridgeService::take(const robot_command_t& command) {
   port_manager_.flush();
 }
 
-void BridgeService::take(const robot_stop_t& stop) {
+void BridgeService::handle(const robot_stop_t& stop) {
   const std::int64_t now = loop_.now();
   const bool stops_all = stop.robot_ids.empty();
   for (auto& [id, robot] : robots_) {
@@ -121,7 +121,7 @@ void BridgeService::take(const robot_stop_t& stop) {
 
 // Writing takes several messages to the robot, so the answer to a request follows when the request
 // is repeated; it lists the robots that are ready by then.
-void BridgeService::take(const robot_calibration_t& request) {
+void BridgeService::handle(const robot_calibration_t& request) {
   robot_calibration_t answer{};
   answer.seq = request.seq;
   for (const motor_calibration_t& requested : request.robots) {

@@ -34,9 +34,9 @@ class BridgeService final : public Service {
     bool silent = false;  ///< already reported
   };
 
-  void take(const robot_command_t& command);
-  void take(const robot_stop_t& stop);
-  void take(const robot_calibration_t& request);
+  void handle(const robot_command_t& command);
+  void handle(const robot_stop_t& stop);
+  void handle(const robot_calibration_t& request);
   void tick();
   void publish();
   void note(const std::string& text);

@@ -38,22 +38,22 @@ SimService::SimService(const ServiceContext& context)
       images_(loadImages(context.experiment, context.directory)),
       world_(worldSettings(context.experiment), simulatedRobots(context.experiment)),
       warp_(projectorWarpOf(context.experiment, context.directory)),
-      light_(warp_, tonesOf(context.experiment, context.directory)),
+      light_(warp_, projectorTonesOf(context.experiment, context.directory)),
       tracker_(context.experiment.camera, context.experiment.seed),
       bus_robots_(world_, robotsWithBody(context.experiment, Body::kSim),
                   context.experiment.hardware.sensor_period),
       external_robots_(world_, context.ports, [this] { follow(loop_.now()); }),
-      camera_(isPainted(experiment_.camera)
-                  ? std::make_unique<PaintedCamera>(experiment_, context.cameras, loop_, warp_,
-                                                    tonesOf(experiment_, context.directory))
-                  : nullptr),
+      camera_(isPainted(experiment_.camera) ? std::make_unique<PaintedCamera>(
+                                                  experiment_, context.cameras, loop_, warp_,
+                                                  projectorTonesOf(experiment_, context.directory))
+                                            : nullptr),
       start_utime_(context.loop.now()),
       // The robots boot before the start, each at its own time.
       origin_utime_(start_utime_ - units::microseconds(world_.settings().boot_spread)),
       kinematic_robots_(world_, context.experiment, context.directory, start_utime_) {
   world_.setLight(&light_);
   const MotorCalibrations motors = activeMotors(context.experiment, context.directory);
-  bus_robots_.take(toMessage(motors));
+  bus_robots_.handle(toMessage(motors));
   addExternalRobots(context, motors);
   advance(start_utime_);
   subscribe();
@@ -90,19 +90,19 @@ void SimService::addExternalRobots(const ServiceContext& context, const MotorCal
 void SimService::subscribe() {
   node_.subscribe<robot_command_t>(channels::kRobotCommand, [this](const robot_command_t& command) {
     follow(loop_.now());
-    const std::string refusal = bus_robots_.take(command);
+    const std::string refusal = bus_robots_.handle(command);
     if (!refusal.empty()) {
       node_.noteError("ROBOT_COMMAND of " + command.sender + ": " + refusal);
     }
   });
   node_.subscribe<robot_stop_t>(channels::kRobotStop, [this](const robot_stop_t& stop) {
     follow(loop_.now());
-    bus_robots_.take(stop);
+    bus_robots_.handle(stop);
   });
   node_.subscribe<robot_calibration_t>(
       channels::kRobotCalibration, [this](const robot_calibration_t& calibration) {
         follow(loop_.now());
-        auto held = bus_robots_.take(calibration);
+        auto held = bus_robots_.handle(calibration);
         if (held) node_.publishCommand(channels::kCalibrationStatus, *held);
       });
   node_.subscribe<light_status_t>(channels::kLightStatus,
@@ -111,7 +111,7 @@ void SimService::subscribe() {
   // This also receives the service's own frames, but they contain no real robots.
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& frame) {
     follow(loop_.now());
-    kinematic_robots_.see(frame, loop_.now());
+    kinematic_robots_.update(frame, loop_.now());
   });
 }
 
@@ -184,7 +184,7 @@ void SimService::sampleFrames(std::int64_t until_utime) {
 }
 
 void SimService::trackFrame(std::int64_t exposure) {
-  for (std::size_t i = 0; i < world_.size(); ++i) tracker_.see(world_.id(i), world_.pose(i));
+  for (std::size_t i = 0; i < world_.size(); ++i) tracker_.observe(world_.id(i), world_.pose(i));
   kinematic_robots_.addTracked(exposure, tracker_);
   loop_.at(exposure + units::microseconds(experiment_.camera.delay),
            [this, frame = tracker_.frame()]() mutable {

@@ -37,7 +37,7 @@ class SimService final : public Service {
   explicit SimService(const ServiceContext& context);
 
  private:
-  /// The projected light field as the sensors see it.
+  /// The projected light field, for the simulated sensors.
   class ShownLight final : public LightSampler {
    public:
     ShownLight(const optics::ProjectorWarp& warp, const optics::ProjectorTones& tones)

@@ -173,7 +173,7 @@ void World::scan(std::size_t i) {
   const SensorScan readings = sensors_.scan(disks_, i, robot.light_gains, robot.light_noise);
   robot.sensors = readings.all;
   robot.core.sense(static_cast<std::uint32_t>(robot.local_ms),
-                   robot.sees_robots ? readings.all : readings.walls_only);
+                   robot.reverses_from_robots ? readings.all : readings.walls_only);
 }
 
 // Applies the next motor change of an external robot.

@@ -22,22 +22,22 @@ namespace lab::sim {
 struct WorldSettings {
   Arena arena;
   std::uint64_t seed = 1;
-  double radius = 0.0375;         ///< Of a robot, m.
-  double wheel_base = 0.075;      ///< d, m.
-  double max_wheel_speed = 0.27;  ///< At full duty, m/s.
+  double radius = 0.0375;         ///< Of a robot [m].
+  double wheel_base = 0.075;      ///< d [m].
+  double max_wheel_speed = 0.27;  ///< At full duty [m/s].
   bool pwm_steps = true;          ///< 256 levels, rounded to nearest; false: ideal wheels.
   double wheel_gain_error = 0;    ///< Of each wheel's speed, relative.
   double wheel_base_error = 0;    ///< Of the distance between the wheels, relative.
   double motor_dead_band = 0;     ///< Of all wheels, as a share of full duty.
-  double speed_noise = 0;         ///< Random forward displacement of a moving robot, m/sqrt(s).
-  double turn_noise = 0;          ///< Random rotation of a moving robot, rad/sqrt(s).
+  double speed_noise = 0;         ///< Random forward displacement of a moving robot [m/sqrt(s)].
+  double turn_noise = 0;          ///< Random rotation of a moving robot [rad/sqrt(s)].
   double clock_error = 0.005;     ///< Of each robot's clock rate, relative.
-  double boot_spread = 1;         ///< Robots boot at random times between 0 and this, s.
-  double ir_range = 0.05;         ///< From the rim, m.
-  double light_offset = 0.03;     ///< Distance of the light sensors before and behind the axle, m.
-  double light_noise = 0;         ///< Of a light reading, counts.
+  double boot_spread = 1;         ///< Robots boot at random times between 0 and this [s].
+  double ir_range = 0.05;         ///< From the rim [m].
+  double light_offset = 0.03;     ///< Distance of the light sensors before and behind the axle [m].
+  double light_noise = 0;         ///< Of a light reading [counts].
   double light_gain_error = 0;    ///< Of each light sensor's gain, relative.
-  std::int64_t tick_us = 10000;   ///< Longest step, microseconds.
+  std::int64_t tick_us = 10000;   ///< Longest step [us].
 };
 
 /// One robot at the start.
@@ -49,7 +49,7 @@ struct RobotSetup {
 
 /// A change of the motor duties of an external robot.
 struct MotorChange {
-  std::int64_t at_us = 0;  ///< World time, microseconds.
+  std::int64_t at_us = 0;  ///< World time [us].
   std::int16_t left = 0;   ///< Signed duty, -255..255.
   std::int16_t right = 0;  ///< Signed duty, -255..255.
 };
@@ -60,17 +60,17 @@ struct RobotState {
   bool external = false;            ///< Driven from outside; core, wheels and program are not set.
   dynamics::Pose pose;              ///< True pose; theta is not wrapped.
   double sampled_at = 0;            ///< When the sensors were last read.
-  double wheel_left = 0;            ///< As commanded now, m/s.
-  double wheel_right = 0;           ///< As commanded now, m/s.
-  double program_left = 0;          ///< Held by the program, also while it is paused, m/s.
-  double program_right = 0;         ///< Held by the program, also while it is paused, m/s.
+  double wheel_left = 0;            ///< As commanded now [m/s].
+  double wheel_right = 0;           ///< As commanded now [m/s].
+  double program_left = 0;          ///< Held by the program, also while it is paused [m/s].
+  double program_right = 0;         ///< Held by the program, also while it is paused [m/s].
   dynamics::CoreReport core;        ///< Its times are in the robot's own milliseconds.
   double program_start = 0;         ///< When the running program (or standing) began.
   double reversal_start = 0;        ///< When the last reversal began; valid if reversal_count > 0.
   double reversal_end = 0;          ///< When the last finished reversal ended.
-  double run_time = 0;              ///< Time in runs of run-and-tumble, s of the robot's clock.
+  double run_time = 0;              ///< Time in runs of run-and-tumble [s of the robot's clock].
   dynamics::Sensors sensors;        ///< Includes other robots even if the core ignores them.
-  double battery = 0;               ///< V.
+  double battery = 0;               ///< Voltage [V].
   bool contact_robot = false;       ///< Touched another robot in the last step.
   bool contact_wall = false;        ///< Touched a wall in the last step.
   std::int64_t robot_contacts = 0;  ///< Contacts with robots begun since the start.
@@ -86,21 +86,21 @@ struct RobotState {
 /// Robots move one after the other, in the order of their setups. Each moves through the whole step
 /// along exact arcs; events of its core happen at the exact time of its own clock inside the step.
 /// A move stops where the robot would touch another robot or a wall (nothing is pushed and nothing
-/// slides), while the rotation continues; so robots never overlap. During its move a robot meets
-/// the others at their present positions, which are at most one tick old (2.7 mm at full speed).
+/// slides), while the rotation continues; so robots never overlap. For the move of a robot, the
+/// others stand at their present positions, which are at most one tick old (2.7 mm at full speed).
 ///
 /// Kinematic disks are disks that are moved from outside: real robots that a camera sees, or
-/// recorded ones. Robots touch and sense them like each other, and are pushed away by them: see
-/// moveKinematicDisk().
+/// recorded ones. For the sensors and contacts of robots they are like robots. They push robots
+/// away: see moveKinematicDisk().
 ///
-/// A robot boots at a random time: before it, its sensors give no readings, and as no light band is
-/// known, no program starts. Cores also need settings and a lease: see order().
+/// Each robot boots at a random time. Before that time its sensors give no readings; so no light
+/// band is known, and no program starts. Cores also need settings and a lease: see order().
 class World {
  public:
   /// @throws std::invalid_argument if the robots do not fit or two have the same id (placeRobots)
   World(const WorldSettings& settings, const std::vector<RobotSetup>& robots);
 
-  /// Sets the light on the arena; nullptr is dark. It must outlive its use here.
+  /// Sets the light on the arena; nullptr is dark. It must outlive the world or the next call.
   void setLight(const LightSampler* light) { sensors_.setLight(light); }
 
   /// Gives an order to the core of robot i (not an external one): `give` is called with the core
@@ -114,7 +114,9 @@ class World {
   }
 
   /// Whether robot i reverses from other robots too (as on hardware), or from walls only.
-  void setRobotsSeen(std::size_t i, bool seen) { electronics_[i].sees_robots = seen; }
+  void setReversesFromRobots(std::size_t i, bool reverses) {
+    electronics_[i].reverses_from_robots = reverses;
+  }
 
   /// Sets the motors of an external robot at a time that may lie in future steps. Changes must come
   /// in the order of their times; a late one takes effect now.
@@ -122,7 +124,7 @@ class World {
 
   /// Stores a motor calibration in robot i (not an external one), which corrects its duties by it.
   /// The initial calibration has no dead band and gain 1.
-  /// @param wheel_base m, used by callers that convert an order into wheel speeds
+  /// @param wheel_base [m], used by callers that convert an order into wheel speeds
   void setCalibration(std::size_t i, const dynamics::WheelCalibration& left,
                       const dynamics::WheelCalibration& right, double wheel_base);
 
@@ -134,7 +136,7 @@ class World {
     return electronics_[i].right_calibration;
   }
 
-  /// The wheel base stored in robot i, m.
+  /// The wheel base stored in robot i [m].
   [[nodiscard]] double storedWheelBase(std::size_t i) const {
     return electronics_[i].stored_wheel_base;
   }
@@ -178,7 +180,7 @@ class World {
   }
   [[nodiscard]] const RobotClock& clock(std::size_t i) const { return electronics_[i].clock; }
 
-  /// When robot i is switched on, world s.
+  /// When robot i is switched on [s of world time].
   [[nodiscard]] double bootTime(std::size_t i) const { return electronics_[i].boot; }
 
   /// Contacts between two robots begun since the start.
@@ -188,7 +190,7 @@ class World {
   struct Electronics {
     std::int32_t id = 0;
     bool external = false;
-    bool sees_robots = true;
+    bool reverses_from_robots = true;
     dynamics::WheelSpeedsUmS wheels;  ///< As commanded now.
     std::int64_t local_ms = 0;        ///< The robot's time of the last event or order.
     std::int64_t next_event_ms = 0;
@@ -197,16 +199,16 @@ class World {
     RobotClock clock;
     dynamics::Sensors sensors;
     dynamics::RobotCore core;
-    double boot = 0;  ///< World s.
+    double boot = 0;  ///< World time [s].
     WheelMotor left_motor;
     WheelMotor right_motor;
-    double wheel_base = 0;  ///< True value, m.
+    double wheel_base = 0;  ///< True value [m].
     dynamics::WheelCalibration left_calibration;
     dynamics::WheelCalibration right_calibration;
-    double stored_wheel_base = 0;      ///< From the calibration, m.
+    double stored_wheel_base = 0;      ///< From the calibration [m].
     std::vector<MotorChange> changes;  ///< Of an external robot, in order of time.
     std::size_t next_change = 0;       ///< Index of the first change still to come.
-    double battery_full = 0;           ///< V.
+    double battery_full = 0;           ///< Voltage [V].
     Random noise{0};
     Random light_noise{0};
     LightGains light_gains;
@@ -226,7 +228,8 @@ class World {
   std::int64_t time_us_ = 0;
   DiskArena disks_;
   SensorModel sensors_;
-  std::vector<double> next_event_;  ///< Per robot, world s; apart from Electronics for the cache.
+  std::vector<double>
+      next_event_;  ///< Per robot [s of world time]; not in Electronics, for the cache.
   std::vector<Electronics> electronics_;
 };
 

@@ -29,12 +29,12 @@ constexpr std::size_t kLine = 64;  // [bytes] of a cache line
 
 double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
-bool isThere(const Detection& seen, const Expected& expected, double& square) {
-  const double dx = seen.x - expected.x;
-  const double dy = seen.y - expected.y;
+bool isThere(const Detection& cap, const Expected& expected, double& square) {
+  const double dx = cap.x - expected.x;
+  const double dy = cap.y - expected.y;
   square = dx * dx + dy * dy;
   return square <= expected.reach * expected.reach &&
-         std::abs(wrapped(seen.theta - expected.theta)) <= expected.turn;
+         std::abs(wrapped(cap.theta - expected.theta)) <= expected.turn;
 }
 
 }  // namespace
@@ -111,14 +111,14 @@ void Detector::setGamma(double gamma) {
   steps_->response = optics::CameraResponse(imaging);
 }
 
-const std::vector<Detection>& Detector::search(const optics::GreyView& seen,
+const std::vector<Detection>& Detector::search(const optics::GreyView& grey,
                                                std::vector<Rejection>* rejected,
                                                std::span<const Expected> expected) {
   Steps& steps = *steps_;
   if (rejected != nullptr) rejected->clear();
   steps.found.clear();
-  if (!steps.canRead(seen)) return steps.found;
-  const optics::GreyView picture = steps.response.linear(seen);
+  if (!steps.canRead(grey)) return steps.found;
+  const optics::GreyView picture = steps.response.linear(grey);
   const Region all{0, 0, picture.width - 1, picture.height - 1};
   steps.known.clear();
   steps.look(picture, {&all, 1}, rejected);
@@ -127,13 +127,13 @@ const std::vector<Detection>& Detector::search(const optics::GreyView& seen,
   return steps.found;
 }
 
-const std::vector<Detection>& Detector::follow(const optics::GreyView& seen,
+const std::vector<Detection>& Detector::follow(const optics::GreyView& grey,
                                                std::span<const Expected> expected) {
   Steps& steps = *steps_;
   std::vector<Detection>& found = steps.found;
   found.assign(expected.size(), Detection{});
-  if (!steps.canRead(seen)) return found;
-  const optics::GreyView picture = steps.response.linear(seen);
+  if (!steps.canRead(grey)) return found;
+  const optics::GreyView picture = steps.response.linear(grey);
   steps.regions.clear();
   steps.known.clear();
   steps.search.aimAt(picture);
@@ -162,7 +162,7 @@ const std::vector<Detection>& Detector::follow(const optics::GreyView& seen,
   struct Match {
     double square;  // of their distance [m^2]
     std::size_t expected;
-    std::size_t seen;
+    std::size_t known;
   };
   const std::vector<Detection>& known = steps.known.caps();
   std::vector<Match> matches;
@@ -173,13 +173,13 @@ const std::vector<Detection>& Detector::follow(const optics::GreyView& seen,
     }
   }
   std::sort(matches.begin(), matches.end(), [](const Match& a, const Match& b) {
-    return std::tie(a.square, a.expected, a.seen) < std::tie(b.square, b.expected, b.seen);
+    return std::tie(a.square, a.expected, a.known) < std::tie(b.square, b.expected, b.known);
   });
   std::vector<bool> given(known.size(), false);
   for (const Match& match : matches) {
-    if (given[match.seen] || found[match.expected].quality > 0) continue;
-    given[match.seen] = true;
-    found[match.expected] = known[match.seen];
+    if (given[match.known] || found[match.expected].quality > 0) continue;
+    given[match.known] = true;
+    found[match.expected] = known[match.known];
   }
   const auto missing = [](const Detection& cap) { return cap.quality <= 0; };
   if (std::ranges::any_of(found, missing)) {
@@ -278,7 +278,7 @@ void Detector::Steps::explainTheRest(std::vector<Rejection>& rejected) const {
   for (const RejectedSpot& spot : rejected_spots) {
     rejected.push_back({{static_cast<double>(spot.x), static_cast<double>(spot.y)},
                         Reason::kSize,
-                        spot.seen,
+                        spot.found,
                         spot.wanted});
   }
 }

@@ -15,7 +15,7 @@ constexpr double kCm = 100;
 std::int64_t numberOf(const detector::Detection& detection, const std::vector<Track>& tracks) {
   // Compared by pixel position: a track may have corrected the pose.
   for (const Track& track : tracks) {
-    if (track.seen && track.pose.middle.x == detection.middle.x &&
+    if (track.detected && track.pose.middle.x == detection.middle.x &&
         track.pose.middle.y == detection.middle.y) {
       return track.number;
     }
@@ -25,9 +25,9 @@ std::int64_t numberOf(const detector::Detection& detection, const std::vector<Tr
 
 }  // namespace
 
-const std::vector<FilmRow>& FilmTracking::take(std::int64_t number, double time,
-                                               const optics::GreyView& picture,
-                                               std::vector<detector::Rejection>* rejected) {
+const std::vector<FilmRow>& FilmTracking::process(std::int64_t number, double time,
+                                                  const optics::GreyView& picture,
+                                                  std::vector<detector::Rejection>* rejected) {
   tracker_time_ = total_.frames == 0 ? time : std::max(time, tracker_time_ + kMoment);
   found_ = detector_.search(picture, rejected, tracker_.expect(tracker_time_));
   if (most_robots_ > 0 && found_.size() > most_robots_) {

@@ -49,9 +49,9 @@ class FilmTracking {
   ///   pictures, tracking starts anew a moment later
   /// @param rejected if not null, receives the rejected candidates
   /// @return the robots in it, by id; valid until the next call
-  const std::vector<FilmRow>& take(std::int64_t number, double time,
-                                   const optics::GreyView& picture,
-                                   std::vector<detector::Rejection>* rejected = nullptr);
+  const std::vector<FilmRow>& process(std::int64_t number, double time,
+                                      const optics::GreyView& picture,
+                                      std::vector<detector::Rejection>* rejected = nullptr);
 
   [[nodiscard]] FilmSummary summary() const;
 

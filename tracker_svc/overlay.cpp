@@ -22,7 +22,7 @@ using optics::Pixel;
 constexpr Colour kGood{60, 235, 90};
 constexpr Colour kEdge{90, 190, 255};
 constexpr Colour kDegraded{255, 165, 0};
-constexpr Colour kUnseen{170, 170, 170};
+constexpr Colour kUndetected{170, 170, 170};
 constexpr Colour kRefused{255, 70, 70};
 constexpr Colour kCaption{255, 255, 255};
 
@@ -146,7 +146,7 @@ class Drawing {
   }
 
   static Colour colourOf(const Mark& mark) {
-    if (!mark.seen) return kUnseen;
+    if (!mark.detected) return kUndetected;
     if (mark.pose.quality < kDegradedBelow) return kDegraded;
     return (mark.pose.used & detector::kUsedEdge) != 0 ? kEdge : kGood;
   }
@@ -165,7 +165,7 @@ class Drawing {
   void outline(const Mark& mark) {
     const Colour colour = colourOf(mark);
     circle(mark.pose, 0, cap_.cap_radius, colour, 32);
-    if (mark.seen) {
+    if (mark.detected) {
       if ((mark.pose.used & detector::kUsedBig) != 0) {
         circle(mark.pose, cap_.big_offset, cap_.big_radius, colour, 16);
       }
@@ -284,7 +284,7 @@ std::vector<Mark> marksOf(std::span<const Track> tracks) {
     marks.push_back({track.pose,
                      track.robot_id >= 0 ? fmt::format("R{}", track.robot_id)
                                          : fmt::format("#{}", track.number),
-                     track.seen});
+                     track.detected});
   }
   return marks;
 }

@@ -16,8 +16,8 @@ namespace lab::tracker {
 /// One cap to draw.
 struct Mark {
   detector::Detection pose;
-  std::string label;  ///< text beside it
-  bool seen = true;   ///< false: predicted position of a track that was not seen
+  std::string label;     ///< text beside it
+  bool detected = true;  ///< false: predicted position of a track
 };
 
 /// Labels of tracks: "R3" if bound to a robot, else "#12", the number of the track.

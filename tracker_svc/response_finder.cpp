@@ -56,7 +56,7 @@ void ResponseFinder::setCompressed(bool compressed) {
   encoded_.setCompressed(compressed);
 }
 
-void ResponseFinder::take(const optics::GreyView& picture) {
+void ResponseFinder::examine(const optics::GreyView& picture) {
   if (settled_) return;
   const std::int64_t number = pictures_++;
   if (number % std::clamp<std::int64_t>(number / kAllOf, 1, kOneIn) != 0) return;
@@ -68,8 +68,8 @@ void ResponseFinder::take(const optics::GreyView& picture) {
   for (const Detection& cap : encoded) {
     if (!isAmong(cap, linear)) add(paintOf(cap, video_, By::kEncoded));
   }
-  const auto bright =
-      std::ranges::count_if(seen_, [](const Paint& seen) { return seen.white > kBrightEnough; });
+  const auto bright = std::ranges::count_if(
+      samples_, [](const Paint& sample) { return sample.white > kBrightEnough; });
   settled_ = static_cast<std::size_t>(bright) >= kEnough;
 }
 
@@ -84,22 +84,22 @@ ResponseFinder::Paint ResponseFinder::paintOf(const Detection& cap,
 
 void ResponseFinder::add(const Paint& paint) {
   const auto before =
-      std::ranges::find_if(seen_, [&](const Paint& seen) { return isAt(seen, paint); });
-  if (before != seen_.end()) {
+      std::ranges::find_if(samples_, [&](const Paint& sample) { return isAt(sample, paint); });
+  if (before != samples_.end()) {
     if (paint.white < kBrighter * before->white) return;
-    seen_.erase(before);
+    samples_.erase(before);
   }
-  const auto place =
-      std::ranges::find_if(seen_, [&](const Paint& seen) { return seen.white < paint.white; });
-  seen_.insert(place, paint);
+  const auto place = std::ranges::find_if(
+      samples_, [&](const Paint& sample) { return sample.white < paint.white; });
+  samples_.insert(place, paint);
 }
 
 std::span<const ResponseFinder::Paint> ResponseFinder::brightest() const {
-  if (seen_.empty()) return {};
-  const double bright = kAsBright * seen_[std::min(kThird, seen_.size() - 1)].white;
+  if (samples_.empty()) return {};
+  const double bright = kAsBright * samples_[std::min(kThird, samples_.size() - 1)].white;
   const auto end =
-      std::ranges::find_if(seen_, [&](const Paint& seen) { return seen.white < bright; });
-  return {seen_.begin(), end};
+      std::ranges::find_if(samples_, [&](const Paint& sample) { return sample.white < bright; });
+  return {samples_.begin(), end};
 }
 
 std::int64_t ResponseFinder::lead() const {
@@ -119,7 +119,7 @@ double ResponseFinder::ratio() const {
 
 std::optional<double> ResponseFinder::gamma() const {
   if (const std::int64_t more = lead(); more != 0) return more > 0 ? optics::kVideoGamma : 1;
-  if (seen_.empty() || seen_.front().white < kBright) return std::nullopt;
+  if (samples_.empty() || samples_.front().white < kBright) return std::nullopt;
   return ratio() > kMostLinear ? optics::kVideoGamma : 1;
 }
 

@@ -33,7 +33,7 @@ class ResponseFinder {
 
   /// Examines a picture unless the question is settled. Each call costs two searches, so pictures
   /// are examined less and less often while the result stays open.
-  void take(const optics::GreyView& picture);
+  void examine(const optics::GreyView& picture);
 
   /// Imaging::gamma: 1 or optics::kVideoGamma; empty while the caps do not tell.
   [[nodiscard]] std::optional<double> gamma() const;
@@ -48,7 +48,7 @@ class ResponseFinder {
  private:
   enum class By { kBoth, kLinear, kEncoded };
   struct Paint {
-    double x = 0;  // [m] where it was seen
+    double x = 0;  // [m] place of the cap
     double y = 0;
     double white = 0;  // [DN] in the picture without decoding
     double ratio = 0;  // [1] black over white, without decoding
@@ -71,7 +71,7 @@ class ResponseFinder {
   double black_;
   bool settled_ = false;
   std::int64_t pictures_ = 0;
-  std::vector<Paint> seen_;  // brightest first
+  std::vector<Paint> samples_;  // brightest first
 };
 
 }  // namespace lab::detector

@@ -134,7 +134,7 @@ TrackerService::TrackerService(const ServiceContext& context)
   status_.state = tracker_status_t::WAITING;
   status_.calibration_id = calibration_.id;
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
-                                  [this](const robot_status_t& status) { take(status); });
+                                  [this](const robot_status_t& status) { handle(status); });
   node_.subscribe<tracked_frame_t>(
       channels::kTrackedFrame, [this](const tracked_frame_t& frame) { watchOtherTracker(frame); });
   if (experiment_.projector.sync_patch > 0) {
@@ -142,12 +142,12 @@ TrackerService::TrackerService(const ServiceContext& context)
     node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
       if (status.sync < 0) return;
       // The instance and the sequence number together identify a new light command.
-      sync_->shown(seconds(status.utime), status.sync, status.command_instance ^ status.command_seq,
-                   status.moving == 0);
+      sync_->reportChange(seconds(status.utime), status.sync,
+                          status.command_instance ^ status.command_seq, status.moving == 0);
     });
   }
   source_ = context.cameras.open(experiment_.camera.source, wantedFormat(experiment_.camera),
-                                 {.frame = [this](const CameraFrame& frame) { take(frame); },
+                                 {.frame = [this](const CameraFrame& frame) { handle(frame); },
                                   .trouble = [this](const std::string& what) { trouble(what); },
                                   .end = [this](const std::string& problem) { ended(problem); }});
   loop_.every(kReportEvery_us, loop_.now() + kReportEvery_us, [this] { report(); });
@@ -158,12 +158,12 @@ double TrackerService::seconds(std::int64_t utime) const {
   return units::seconds(utime - origin_utime_);
 }
 
-void TrackerService::take(const robot_status_t& status) {
+void TrackerService::handle(const robot_status_t& status) {
   wheels_.clear();
   for (const robot_state_t& robot : status.robots) {
     wheels_.push_back({robot.robot_id, seconds(robot.utime), robot.wheel_left, robot.wheel_right});
   }
-  tracker_.take(wheels_);
+  tracker_.addReports(wheels_);
 }
 
 void TrackerService::watchOtherTracker(const tracked_frame_t& frame) {
@@ -178,7 +178,7 @@ void TrackerService::watchOtherTracker(const tracked_frame_t& frame) {
        ") publishes in this lab: this one stays silent until that one is stopped");
 }
 
-void TrackerService::take(const CameraFrame& frame) {
+void TrackerService::handle(const CameraFrame& frame) {
   const optics::CameraParameters& camera = calibration_.camera;
   if (frame.grey.width != camera.width || frame.grey.height != camera.height) {
     trouble("pictures of " + sizeText(frame.grey.width, frame.grey.height) +
@@ -219,7 +219,7 @@ void TrackerService::take(const CameraFrame& frame) {
 
 void TrackerService::findResponse(const optics::GreyView& picture) {
   if (!response_) return;
-  response_->take(picture);
+  response_->examine(picture);
   const double gamma = response_->gamma().value_or(gamma_);
   if (std::exchange(gamma_, gamma) != gamma) detector_.setGamma(gamma);
   if (response_->isSettled()) response_.reset();
@@ -232,7 +232,7 @@ const std::vector<Track>& TrackerService::track(const optics::GreyView& picture,
   const std::int64_t now = loop_.now();
   std::vector<detector::Rejection> rejected;
   const std::vector<detector::Detection>* found = nullptr;
-  if (draw || !all_seen_ || now >= next_search_) {
+  if (draw || !all_detected_ || now >= next_search_) {
     found = &detector_.search(picture, draw ? &rejected : nullptr, expected);
     next_search_ = now + kSearchEvery_us;
   } else {
@@ -241,28 +241,28 @@ const std::vector<Track>& TrackerService::track(const optics::GreyView& picture,
     if (std::ranges::any_of(*found, missing)) found = &detector_.search(picture, nullptr, expected);
   }
   const std::vector<Track>& tracks = tracker_.update(time, *found);
-  std::size_t seen = 0;
+  std::size_t detected = 0;
   for (const Track& one : tracks) {
-    if (!one.seen) continue;
-    ++seen;
+    if (!one.detected) continue;
+    ++detected;
     if (addSpacing(spacing_, time, one.pose, calibration_.cap.spacing())) ++status_.spacings;
   }
-  all_seen_ = seen >= robots_ && seen == tracks.size();
-  blind_.add(time, exposure, seen > 0 || robots_ == 0);
+  all_detected_ = detected >= robots_ && detected == tracks.size();
+  blind_.add(time, exposure, detected > 0 || robots_ == 0);
   if (draw) {
     debug_->show(picture, tracks, rejected,
-                 std::to_string(seen) + " caps of " + std::to_string(robots_));
+                 std::to_string(detected) + " caps of " + std::to_string(robots_));
   }
   return tracks;
 }
 
 void TrackerService::publish(const CameraFrame& frame, std::int64_t utime,
                              const std::vector<Track>& tracks) {
-  std::vector<const Track*> seen;
+  std::vector<const Track*> detected;
   for (const Track& track : tracks) {
-    if (track.seen) seen.push_back(&track);
+    if (track.detected) detected.push_back(&track);
   }
-  std::ranges::stable_sort(seen, [](const Track* a, const Track* b) {
+  std::ranges::stable_sort(detected, [](const Track* a, const Track* b) {
     const bool bound_a = a->robot_id >= 0;
     const bool bound_b = b->robot_id >= 0;
     if (bound_a != bound_b) return bound_a;
@@ -275,7 +275,7 @@ void TrackerService::publish(const CameraFrame& frame, std::int64_t utime,
   message.frame = frame.number;
   const double fps = source_ ? source_->format().fps : 0;
   message.frame_period = 1 / (fps > 0 ? fps : experiment_.camera.fps);
-  for (const Track* track : seen) {
+  for (const Track* track : detected) {
     (track->robot_id >= 0 ? message.robots : message.unidentified).push_back(toPose(*track));
     details.caps.push_back(toDetail(*track));
   }
@@ -292,13 +292,13 @@ void TrackerService::publish(const CameraFrame& frame, std::int64_t utime,
 
 void TrackerService::readSync(const CameraFrame& frame, std::int64_t utime) {
   if (!sync_) return;
-  const std::optional<SyncSeen> seen = sync_->look(frame.grey, seconds(utime));
-  if (!seen) return;
+  const std::optional<SyncReading> reading = sync_->look(frame.grey, seconds(utime));
+  if (!reading) return;
   light_seen_t message{};
   message.utime = utime;
   message.frame = frame.number;
-  message.level = seen->level;
-  message.sync = seen->sync;
+  message.level = reading->level;
+  message.sync = reading->sync;
   node_.publish(channels::kLightSeen, message);
 }
 
@@ -317,7 +317,7 @@ void TrackerService::trouble(const std::string& what) {
     return;
   }
   status_.state = tracker_status_t::GONE;
-  all_seen_ = false;
+  all_detected_ = false;
   warn(what);
 }
 

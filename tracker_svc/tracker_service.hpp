@@ -27,9 +27,9 @@ namespace lab::tracker {
 /// Publishes TRACKED_FRAME (caps bound to robots, and unidentified caps) and TRACKED_DETAILS for
 /// every picture, and TRACKER_STATUS, which includes a continuous check of the calibration.
 ///
-/// Searches near expected caps, and the whole picture once a second and whenever a cap is
-/// missing; both give the same poses. ROBOT_STATUS reports the wheel motion of each robot;
-/// comparing it with the motion of caps tells which cap is which robot.
+/// Searches near expected caps. Once a second, and whenever a cap is missing, it searches the whole
+/// picture; both give the same poses. ROBOT_STATUS reports the wheel motion of each robot. The
+/// comparison with the motion of the caps tells which cap is which robot.
 ///
 /// A second tracker in the same lab stays silent and reports that.
 class TrackerService final : public Service {
@@ -39,8 +39,8 @@ class TrackerService final : public Service {
   explicit TrackerService(const ServiceContext& context);
 
  private:
-  void take(const robot_status_t& status);
-  void take(const CameraFrame& frame);
+  void handle(const robot_status_t& status);
+  void handle(const CameraFrame& frame);
   void findResponse(const optics::GreyView& picture);
   void readSync(const CameraFrame& frame, std::int64_t utime);
   void trouble(const std::string& what);
@@ -75,7 +75,7 @@ class TrackerService final : public Service {
   std::int64_t file_utime_ = 0;  ///< utime of a recording's first frame on this host
   std::int64_t last_utime_ = 0;
   std::int64_t next_search_ = 0;
-  bool all_seen_ = false;
+  bool all_detected_ = false;
   std::int64_t other_until_;  ///< until then another tracker may be alive
   bool silent_ = false;       ///< because of another tracker
   tracker_status_t status_{};

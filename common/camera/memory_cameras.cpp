@@ -51,7 +51,7 @@ struct MemoryCameras::Shared {
       Slot& place = slot(frame);
       if (place.shown != frame) return;
       if (reader->open && fits(*reader)) {
-        reader->gaps.got(place.number);
+        reader->gaps.add(place.number);
         const std::shared_ptr<CameraHandlers> handlers = reader->handlers;
         handlers->frame({place.number,
                          place.utime,

@@ -263,7 +263,7 @@ class Link : public std::enable_shared_from_this<Link> {
     if (!fits_) return;
     const std::uint8_t* pixels = ring_->hold(notice);
     if (pixels == nullptr) return;  // painted over; counted by the gap in the numbers
-    gaps_.got(notice.number);
+    gaps_.add(notice.number);
     const CameraFormat& format = ring_->format();
     handlers_.frame(
         {notice.number, notice.utime, {pixels, format.width, format.height, format.width}});

@@ -50,7 +50,7 @@ inline void checkPaintable(const CameraFormat& format) {
 /// Counts missing frames from gaps in the numbers.
 class GapCounter {
  public:
-  void got(std::int64_t number) {
+  void add(std::int64_t number) {
     if (last_ && number > *last_ + 1) missing_ += number - *last_ - 1;
     last_ = number;
   }

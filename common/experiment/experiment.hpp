@@ -27,7 +27,7 @@ enum class Body : std::int8_t {
   kWire,      ///< the firmware's program compiled for the host, on a simulated line
 };
 
-/// Whether robot_bridge drives such a robot.
+/// Whether robot_bridge controls such a robot.
 [[nodiscard]] constexpr bool isOnWire(Body body) {
   return body == Body::kSerial || body == Body::kFirmware || body == Body::kWire;
 }
@@ -156,8 +156,9 @@ struct LayerSpec {
 enum class Region : std::int8_t { kNone = 0, kCircle = 1, kRectangle = 2 };
 enum class Who : std::int8_t { kAny = 0, kAll = 1 };
 
-/// A condition that ends a light step early: one of region, estimate and tumbles.
-struct Until {
+/// A condition that ends a light step early, or in a StopRule the run: a region, an estimate or a
+/// number of tumbles.
+struct EndCondition {
   Region region = Region::kNone;
   Who who = Who::kAny;  ///< which robots must be in the region, if `robot` is 0
   double x = 0;         ///< [m] centre of the region
@@ -170,27 +171,27 @@ struct Until {
   std::string program;        ///< of the estimate
   double relative_error = 0;  ///< [1] standard error over value
 
-  std::int64_t tumbles = 0;  ///< number since the step began, 0: no such condition
-  std::int32_t robot = 0;    ///< 0: any or all of them
+  std::int64_t tumbles = 0;  ///< since the step began; 0: no such condition
+  std::int32_t robot = 0;    ///< 0: see `who` for a region; else all robots together
 
   [[nodiscard]] bool given() const {
     return region != Region::kNone || !estimate.empty() || tumbles != 0;
   }
-  bool operator==(const Until&) const = default;
+  bool operator==(const EndCondition&) const = default;
 };
 
-/// A rule that ends a run early: an estimate is known well enough.
+/// A rule that ends a run early when an estimate is precise enough.
 struct StopRule {
-  Until until;          ///< a condition on an estimate
+  EndCondition until;   ///< a condition on an estimate
   double at_least = 0;  ///< [s] time of the script before which the rule is ignored
 
   bool operator==(const StopRule&) const = default;
 };
 
-/// Whether all rules must hold or any.
+/// Which rules must hold: all of them or any.
 enum class StopOn : std::int8_t { kAll = 0, kAny = 1 };
 
-/// What follows a step whose condition is not met in time.
+/// What happens when the condition of a step is not met in time.
 enum class IfNot : std::int8_t {
   kNext = 0,  ///< the next step
   kEnd = 1,   ///< the run's end
@@ -198,12 +199,12 @@ enum class IfNot : std::int8_t {
 };
 
 struct LightStep {
-  double at = 0;    ///< [s] start since the start of the script; the latest start if times are open
+  double at = 0;    ///< [s] start, from the start of the script; the latest one if !isPlanned()
   double ramp = 0;  ///< [s] cross-fade into this step
   std::string label;
   std::vector<LayerSpec> layers;
-  double hold = 0;  ///< [s] longest duration if isPlanned() is false; else 0
-  Until until;
+  double hold = 0;  ///< [s] longest duration if !isPlanned(); else 0
+  EndCondition until;
   IfNot if_not = IfNot::kNext;
   std::string back_to;  ///< label of an earlier step or this one, empty: continue
   std::int64_t times =
@@ -216,7 +217,7 @@ struct LightScript {
   double frame_rate = 60;     ///< [1/s]
   double safe_intensity = 0;  ///< [1] shown while no command is valid
   std::vector<LightStep> steps;
-  double length = 0;  ///< [s] of one pass if the script repeats; largest value if times are open
+  double length = 0;  ///< [s] of one pass if the script repeats; the longest one if !isPlanned()
   bool repeat = false;
 
   /// Whether all times are known beforehand: no step has a condition or back_to.

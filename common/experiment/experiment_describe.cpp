@@ -265,7 +265,7 @@ std::string describeEnd(const LightStep& step) {
     const char* otherwise = step.if_not == IfNot::kNext  ? "the script goes on"
                             : step.if_not == IfNot::kEnd ? "the run ends"
                                                          : "the safe light, and the run ends";
-    text += "; until " + untilText(step.until) + ", at most " + numberText(step.hold) +
+    text += "; until " + conditionText(step.until) + ", at most " + numberText(step.hold) +
             " s, if not: " + otherwise;
   }
   if (!step.back_to.empty()) {
@@ -324,7 +324,7 @@ std::string describeStop(const Experiment& e) {
   for (const StopRule& rule : e.stop_when) {
     const bool first = text.empty();
     std::string what = first ? "" : e.stop_on == StopOn::kAll ? "and " : "or ";
-    what += untilText(rule.until);
+    what += conditionText(rule.until);
     if (rule.at_least > 0) what += ", not before " + numberText(rule.at_least) + " s";
     text += line(first ? "stop when" : "", what);
   }

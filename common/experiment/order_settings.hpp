@@ -11,7 +11,7 @@
 
 namespace lab {
 
-/// The settings that an order makes.
+/// The settings that a robot needs for an order.
 struct OrderSettings {
   dynamics::CoreSettings core;
   std::vector<program_t> programs;  ///< by slot, as in the order

@@ -54,7 +54,7 @@ bool mayEndEarly(const Experiment& experiment) {
   return !experiment.stop_when.empty() || mayEndEarly(experiment.light);
 }
 
-std::string untilText(const Until& until) {
+std::string conditionText(const EndCondition& until) {
   const std::string robot = until.robot == 0 ? "" : "robot " + std::to_string(until.robot);
   if (!until.estimate.empty()) {
     return until.estimate + " of " + (robot.empty() ? "" : robot + " running ") + until.program +
@@ -79,7 +79,7 @@ ScriptCursor::ScriptCursor(const LightScript& script)
     : steps_(script.steps.size()),
       repeat_(script.repeat),
       groups_(groupsOf(script)),
-      shown_(groups_.size(), 0) {}
+      repetitions_(groups_.size(), 0) {}
 
 const StepGroup* ScriptCursor::groupEndingHere() const {
   const auto group = std::ranges::find(groups_, index_, &StepGroup::last);
@@ -90,12 +90,12 @@ bool ScriptCursor::isLast() const {
   if (repeat_ || index_ + 1 < steps_) return false;
   const StepGroup* group = groupEndingHere();
   return group == nullptr ||
-         shown_[static_cast<std::size_t>(group - groups_.data())] + 1 >= group->times;
+         repetitions_[static_cast<std::size_t>(group - groups_.data())] + 1 >= group->times;
 }
 
 void ScriptCursor::advance() {
   if (const StepGroup* group = groupEndingHere()) {
-    std::int64_t& shown = shown_[static_cast<std::size_t>(group - groups_.data())];
+    std::int64_t& shown = repetitions_[static_cast<std::size_t>(group - groups_.data())];
     if (++shown < group->times) {
       index_ = group->first;
       return;

@@ -19,37 +19,40 @@ struct StepGroup {
   bool operator==(const StepGroup&) const = default;
 };
 
-/// The groups of a script that has passed the checks, in the order of their last steps.
+/// The groups of a script that has passed the checks, sorted by their last steps.
 [[nodiscard]] std::vector<StepGroup> groupsOf(const LightScript& script);
 
-/// The latest time of the first start of each step in the first pass [s]; the last element is the
-/// end of the pass. Rounded to the microsecond.
-/// @param holds [s] largest hold time of each step
+/// For each step, the latest time [s] at which it can first start. One more element is the latest
+/// time at which the script ends, before any repetition of the whole script. Times are rounded to
+/// the microsecond.
+/// @param holds longest hold time of each step [s]
 [[nodiscard]] std::vector<double> latestStartTimes(const std::vector<double>& holds,
                                                    const std::vector<StepGroup>& groups);
 
-/// Whether the script may end the run early: after the last step of a script with open times, or
-/// because a condition is not met in time.
+/// Whether the script can end the run before its duration is over. Only a script whose times are
+/// not known beforehand can (!LightScript::isPlanned()): after its last step, if it does not
+/// repeat, or when a condition with if_not = end or safe is not met in time.
 [[nodiscard]] bool mayEndEarly(const LightScript& script);
 
-/// Whether the run may end early, by its script or by a stop rule.
+/// Whether the run can end before its duration is over, by its script or by a stop rule.
 [[nodiscard]] bool mayEndEarly(const Experiment& experiment);
 
 /// A condition as a sentence without full stop: "D_r of abp is known to 5 %".
-[[nodiscard]] std::string untilText(const Until& until);
+[[nodiscard]] std::string conditionText(const EndCondition& until);
 
-/// Iterates over the steps of a script in the order in which they are shown, with repetitions.
+/// Iterates over the steps of a script in the order in which they are shown, with the repetitions
+/// of groups and of the whole script.
 class ScriptCursor {
  public:
   explicit ScriptCursor(const LightScript& script);
 
   [[nodiscard]] std::size_t index() const { return index_; }  ///< into LightScript::steps
-  [[nodiscard]] std::int64_t pass() const { return pass_; }   ///< of the whole script, from 0
+  [[nodiscard]] std::int64_t pass() const { return pass_; }   ///< through the script, from 0
 
   /// Whether no step follows the present one.
   [[nodiscard]] bool isLast() const;
 
-  /// Advances to the next step. Not allowed if isLast().
+  /// Not allowed if isLast().
   void advance();
 
  private:
@@ -58,7 +61,8 @@ class ScriptCursor {
   std::size_t steps_;
   bool repeat_;
   std::vector<StepGroup> groups_;
-  std::vector<std::int64_t> shown_;  ///< by group: completed repetitions
+  std::vector<std::int64_t>
+      repetitions_;  ///< by group: how often it has been completed; 0 again when it ends
   std::size_t index_ = 0;
   std::int64_t pass_ = 0;
 };

@@ -36,8 +36,7 @@ inline constexpr std::string_view kObserverService = "dashboard";
 /// The other hosts on which the file places services, needed or not, each once, sorted.
 [[nodiscard]] std::vector<std::string> otherHosts(const Experiment& experiment);
 
-/// The host's entry in the file. Without one the name is what ssh knows the host by. `ssh` is never
-/// empty.
+/// The host's entry in the file. A host without an entry is named as in ssh. `ssh` is never empty.
 [[nodiscard]] HostSpec hostSpec(const Experiment& experiment, const std::string& host);
 
 /// Whether the dashboard listens on a loopback address only.

@@ -170,7 +170,7 @@ FileLocation TomlDocument::place(const std::string& path) const {
   return place(*node);
 }
 
-std::string shown(std::string_view text) {
+std::string displayText(std::string_view text) {
   std::string cut(text.substr(0, kMostShown));
   for (char& letter : cut) {
     if (static_cast<unsigned char>(letter) < ' ') letter = ' ';
@@ -178,10 +178,10 @@ std::string shown(std::string_view text) {
   return '"' + cut + (text.size() > kMostShown ? "...\"" : "\"");
 }
 
-std::string shown(const toml::node& node) {
+std::string displayText(const toml::node& node) {
   switch (node.type()) {
     case toml::node_type::string:
-      return shown(std::string_view(node.ref<std::string>()));
+      return displayText(std::string_view(node.ref<std::string>()));
     case toml::node_type::integer:
       return std::to_string(node.ref<std::int64_t>());
     case toml::node_type::floating_point:
@@ -197,6 +197,8 @@ std::string shown(const toml::node& node) {
   }
 }
 
-std::string shownKey(std::string_view key) { return isBare(key) ? std::string(key) : shown(key); }
+std::string displayKey(std::string_view key) {
+  return isBare(key) ? std::string(key) : displayText(key);
+}
 
 }  // namespace lab::keys

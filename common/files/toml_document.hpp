@@ -41,13 +41,13 @@ class TomlDocument {
   toml::table root_;
 };
 
-/// A value as shown in messages: in one line, cut to about 60 characters.
-[[nodiscard]] std::string shown(const toml::node& node);
+/// A value as text for messages: in one line, cut to about 60 characters.
+[[nodiscard]] std::string displayText(const toml::node& node);
 
-/// A text as shown in messages: in quotes, in one line, cut to about 60 characters.
-[[nodiscard]] std::string shown(std::string_view text);
+/// A text for messages: in quotes, in one line, cut to about 60 characters.
+[[nodiscard]] std::string displayText(std::string_view text);
 
 /// A key as written in a path: in quotes unless it is a bare key.
-[[nodiscard]] std::string shownKey(std::string_view key);
+[[nodiscard]] std::string displayKey(std::string_view key);
 
 }  // namespace lab::keys

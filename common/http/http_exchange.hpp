@@ -13,8 +13,8 @@
 
 namespace lab {
 
-/// The server's side. It serves one request per connection, so that bytes which follow a refused
-/// request are never taken for another one. There is no compression and no partial content: the
+/// The server's side. It serves one request per connection. So bytes that follow a refused request
+/// are never read as another request. There is no compression and no partial content: the
 /// headers Accept-Encoding, Range and Expect are ignored.
 class HttpExchange {
  public:

@@ -64,9 +64,8 @@ class SerialPorts {
   [[nodiscard]] virtual std::vector<std::string> matching(const std::string& pattern) const = 0;
 
   /// Opens a line exclusively and discards received bytes.
-  /// @throws SerialError if it does not exist, is in use, does not support the speed, or permission
-  /// is
-  ///   missing
+  /// @throws SerialError if it does not exist, is in use or does not support the speed, or if
+  ///   permission is missing
   [[nodiscard]] virtual std::unique_ptr<SerialPort> open(const std::string& path, int baud) = 0;
 
   /// Creates a line, listed by offered() until the returned port is destroyed, and returns the

@@ -14,7 +14,7 @@ namespace lab {
 
 /// Requests that robots stop or continue, repeats the request until every robot reports that it
 /// complies, and tracks the requests of others. The last request is in force. If robots report that
-/// they are stopped although no request is known, a request to all was missed, and is inferred.
+/// they are stopped although no request is known, it assumes that a request to all was lost.
 /// Replayed robots take no requests and are not counted. Has neither bus nor clock: the caller
 /// publishes due(). Times are us since 1970.
 class StopCoordinator {

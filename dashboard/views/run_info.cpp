@@ -66,7 +66,7 @@ Json scriptJson(const Experiment& experiment) {
     script.push_back({{"label", step.label},
                       {"at_s", number(step.at)},
                       {"ramp_s", number(step.ramp)},
-                      {"until", step.until.given() ? untilText(step.until) : ""}});
+                      {"until", step.until.given() ? conditionText(step.until) : ""}});
   }
   return script;
 }

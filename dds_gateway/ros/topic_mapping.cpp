@@ -51,7 +51,7 @@ class TopicMappingReader {
     if (const toml::node* node = document_.root().get("rules")) {
       const toml::array* array = node->as_array();
       if (array == nullptr || !array->is_homogeneous(toml::node_type::table)) {
-        problems_.add("rules", "found " + keys::shown(*node) + ", expected [[rules]] tables");
+        problems_.add("rules", "found " + keys::displayText(*node) + ", expected [[rules]] tables");
       } else {
         for (std::size_t i = 0; i < array->size(); ++i) {
           rules.push_back(readRule(*(*array)[i].as_table(), fmt::format("rules[{}]", i)));
@@ -65,7 +65,7 @@ class TopicMappingReader {
  private:
   static std::string foundAt(const toml::table& table, const std::string& key) {
     const toml::node* node = table.get(key);
-    return node == nullptr ? "nothing" : keys::shown(*node);
+    return node == nullptr ? "nothing" : keys::displayText(*node);
   }
 
   void checkKeys(const toml::table& table, const std::string& path,
@@ -75,7 +75,7 @@ class TopicMappingReader {
       std::string expected;
       for (const std::string& name : known) expected += (expected.empty() ? "" : ", ") + name;
       problems_.addAt(document_.place(key, node),
-                      (path.empty() ? "" : path + ".") + keys::shownKey(key.str()),
+                      (path.empty() ? "" : path + ".") + keys::displayKey(key.str()),
                       "found an unknown key, expected one of " + expected);
     }
   }
@@ -87,7 +87,8 @@ class TopicMappingReader {
     if (const toml::node* node = table.get("allow")) {
       const auto allow = node->value<bool>();
       if (!node->is_boolean() || !allow) {
-        problems_.add(path + ".allow", "found " + keys::shown(*node) + ", expected true or false");
+        problems_.add(path + ".allow",
+                      "found " + keys::displayText(*node) + ", expected true or false");
       } else {
         rule.allow = *allow;
       }
@@ -95,7 +96,7 @@ class TopicMappingReader {
     if (const toml::node* node = table.get("rename")) {
       const auto rename = node->value<std::string>();
       if (!rename || rename->empty() || rename->front() != '/') {
-        problems_.add(path + ".rename", "found " + keys::shown(*node) +
+        problems_.add(path + ".rename", "found " + keys::displayText(*node) +
                                             ", expected the new name of the topic, as "
                                             "\"/fleet/$1/pose\" ($1: the first group of topic)");
       } else {
@@ -108,7 +109,7 @@ class TopicMappingReader {
       if (!rate || !(*rate >= 0 && *rate <= kHighestRate)) {
         problems_.add(path + ".rate_hz",
                       fmt::format("found {}, allowed 0 (every message) to {:g} Hz",
-                                  keys::shown(*node), kHighestRate));
+                                  keys::displayText(*node), kHighestRate));
       } else {
         rule.rate = *rate;
       }
@@ -128,7 +129,7 @@ class TopicMappingReader {
     try {
       rule.pattern = std::regex(*text, std::regex::ECMAScript | std::regex::optimize);
     } catch (const std::regex_error& error) {
-      problems_.add(path, "found " + keys::shown(std::string_view(*text)) +
+      problems_.add(path, "found " + keys::displayText(std::string_view(*text)) +
                               ", expected a regular expression (ECMAScript): " + error.what());
     }
   }

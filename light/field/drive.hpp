@@ -33,14 +33,14 @@ enum class Follow : std::int8_t {
 enum class WhenLost : std::int8_t {
   kRemove = 0,  ///< the layer disappears with its robot
   kHold = 1,    ///< it stays at the robot's last pose
-  kSafe = 2,    ///< the safe field is shown until the robot is seen again
+  kSafe = 2,    ///< the safe field is shown until the robot is detected again
 };
 
 enum class Gate : std::int8_t {
   kOpen = 0,
   kProgram = 1,  ///< the robot runs `gate_program`
-  kInside = 2,   ///< the robot's axis is in the circle
-  kOutside = 3,
+  kInside = 2,   ///< the robot's centre is in the circle
+  kOutside = 3,  ///< the robot's centre is outside the circle
 };
 
 struct Drive {
@@ -51,8 +51,8 @@ struct Drive {
 
   Waveform waveform = Waveform::kSteady;
   double period = 1;  ///< [s]
-  double low = 0;     ///< [1]
-  double start = 0;   ///< [1] of a period
+  double low = 0;     ///< [1] intensity at m = 0
+  double start = 0;   ///< [1] phase at time 0, as a fraction of the period
   std::uint64_t seed = 0;
 
   double image_rate = 1;  ///< [1/s] rate of an image sequence

@@ -15,17 +15,17 @@ constexpr int kBorderSteps = 256;      // along each side of the arena
 double reach(const CameraParameters& lens, double width, double height) {
   const CameraModel model(lens);
   double most = 0;
-  const auto see = [&](double x, double y) {
+  const auto include = [&](double x, double y) {
     const Pixel pixel = model.project(x, y, kSensorHeight);
     most = std::max({most, std::abs(pixel.x - lens.cx) / (lens.width / 2.0),
                      std::abs(pixel.y - lens.cy) / (lens.height / 2.0)});
   };
   for (int i = 0; i <= kBorderSteps; ++i) {
     const double along = static_cast<double>(i) / kBorderSteps;
-    see(along * width, 0);
-    see(along * width, height);
-    see(0, along * height);
-    see(width, along * height);
+    include(along * width, 0);
+    include(along * width, height);
+    include(0, along * height);
+    include(width, along * height);
   }
   return most;
 }
@@ -68,10 +68,10 @@ ProjectorModel simulatedProjector(double width, double height, int columns, int 
   return {p, kSensorHeight};
 }
 
-ProjectorWarp::ProjectorWarp(const ProjectorModel& believed, const ProjectorModel& real) {
-  if (believed.isNominal() && real.isNominal()) return;
-  believed_ = believed;
-  real_ = real;
+ProjectorWarp::ProjectorWarp(const ProjectorModel& assumed, const ProjectorModel& actual) {
+  if (assumed.isNominal() && actual.isNominal()) return;
+  assumed_ = assumed;
+  actual_ = actual;
 }
 
 std::optional<Place> ProjectorWarp::source(Place place) const {
@@ -82,13 +82,13 @@ std::optional<Place> ProjectorWarp::source(Place place) const {
 
 std::optional<Place> ProjectorWarp::sourceUnclipped(Place place) const {
   if (isIdentity()) return place;
-  return believed_->placeOf(real_->pixelOf(place));
+  return assumed_->placeOf(actual_->pixelOf(place));
 }
 
 double ProjectorWarp::marginInside(Place place) const {
-  const Pixel pixel = real_->pixelOf(place);
-  return std::min(std::min(pixel.x + 0.5, real_->columns() - 0.5 - pixel.x),
-                  std::min(pixel.y + 0.5, real_->rows() - 0.5 - pixel.y));
+  const Pixel pixel = actual_->pixelOf(place);
+  return std::min(std::min(pixel.x + 0.5, actual_->columns() - 0.5 - pixel.x),
+                  std::min(pixel.y + 0.5, actual_->rows() - 0.5 - pixel.y));
 }
 
 }  // namespace lab::optics

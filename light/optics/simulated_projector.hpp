@@ -15,8 +15,9 @@ inline constexpr double kSensorHeight = 0.05;
 /// A distorted picture is zoomed about the arena's middle until it just covers the arena, as in a
 /// careful set-up; the offsets are applied after that and may leave corners dark.
 struct ProjectorFaults {
-  /// Relative excess of the picture's width at y = 0, the side away from the projector, over that
-  /// at y = height, at sensor height: a tilt about the x axis, before barrel and zoom.
+  /// Width of the picture at y = 0, the side away from the projector, relative to its width at
+  /// y = height, minus 1. At sensor height, before barrel and zoom. Caused by a tilt about the x
+  /// axis.
   double keystone = 0;
   /// Relative displacement of a picture's corner towards the middle, before the tilt: k1 of the
   /// lens is barrel / ((1 - barrel)^3 r^2), r the corner's radius.
@@ -33,21 +34,21 @@ struct ProjectorFaults {
 [[nodiscard]] ProjectorModel simulatedProjector(double width, double height, int columns, int rows,
                                                 const ProjectorFaults& faults);
 
-/// Displacement of light if the assumed model of a projector is wrong.
+/// Displacement of light if the assumed model of a projector differs from the actual projector.
 class ProjectorWarp {
  public:
   /// No displacement.
   ProjectorWarp() = default;
 
-  /// @param believed model used to paint the picture
-  /// @param real true model
-  ProjectorWarp(const ProjectorModel& believed, const ProjectorModel& real);
+  /// @param assumed model by which the picture is painted
+  /// @param actual model of the projector that shows it
+  ProjectorWarp(const ProjectorModel& assumed, const ProjectorModel& actual);
 
   /// Whether no light is displaced, ignoring the picture's edge.
-  [[nodiscard]] bool isIdentity() const { return !believed_; }
+  [[nodiscard]] bool isIdentity() const { return !assumed_; }
 
-  /// The wanted place of the light that falls on `place`, both at sensor height; empty outside the
-  /// picture.
+  /// The place for which the picture was computed that lights `place`, both at sensor height; empty
+  /// outside the picture.
   [[nodiscard]] std::optional<Place> source(Place place) const;
 
   /// The same without testing the picture's edge.
@@ -57,8 +58,8 @@ class ProjectorWarp {
   [[nodiscard]] double marginInside(Place place) const;
 
  private:
-  std::optional<ProjectorModel> believed_;
-  std::optional<ProjectorModel> real_;
+  std::optional<ProjectorModel> assumed_;
+  std::optional<ProjectorModel> actual_;
 };
 
 }  // namespace lab::optics

@@ -215,7 +215,8 @@ LightFit fitLight(const std::vector<LightSample>& samples, double width, double 
   }
   if (!(fit.residual <= limits.residual)) {
     fit.refusal = fmt::format(
-        "readings miss the model by {:.2f} % of full scale, allowed {:.2f} %: is there other "
+        "readings differ from the model by {:.2f} % of full scale, allowed {:.2f} %: is there "
+        "other "
         "light, "
         "does something shade the robots, is the geometric calibration in force?",
         100 * fit.residual, 100 * limits.residual);

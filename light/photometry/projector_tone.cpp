@@ -47,17 +47,16 @@ constexpr double kCurved = 1.0 / 64;  // has an error below 1e-6 for any exponen
 }  // namespace
 
 ToneTable::ToneTable(const ProjectorTones& tones)
-    : tones_(tones), exponent_(tones.real.gamma() / tones.believed.gamma()), powers_(kSteps + 1) {
+    : tones_(tones), exponent_(tones.actual.gamma() / tones.assumed.gamma()), powers_(kSteps + 1) {
   for (int i = 0; i <= kSteps; ++i) {
     powers_[static_cast<std::size_t>(i)] = std::pow(static_cast<double>(i) / kSteps, exponent_);
   }
 }
 
 double ToneTable::light(double intensity, Place source, Place place) const {
-  const ProjectorTone& believed = tones_.believed;
-  const double share =
-      std::clamp(intensity * believed.weakest() / believed.white(source), 0.0, 1.0);
-  const double white = tones_.real.white(place);
+  const ProjectorTone& assumed = tones_.assumed;
+  const double share = std::clamp(intensity * assumed.weakest() / assumed.white(source), 0.0, 1.0);
+  const double white = tones_.actual.white(place);
   if (share < kCurved) return white * std::pow(share, exponent_);
   const double at = share * kSteps;
   const auto i = std::min(static_cast<std::size_t>(at), powers_.size() - 2);

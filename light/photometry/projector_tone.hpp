@@ -1,4 +1,4 @@
-/// Converts wanted light to a projector's pixel values, and back.
+/// Converts light to a projector's pixel values, and back.
 #pragma once
 
 #include <array>
@@ -48,18 +48,18 @@ class ProjectorTone {
   double weakest_ = 1;
 };
 
-/// The true tone of a projector, and the assumed one.
+/// The tone by which pixel values are computed, and the tone of the projector that shows them.
 struct ProjectorTones {
-  ProjectorTone believed;
-  ProjectorTone real;
+  ProjectorTone assumed;
+  ProjectorTone actual;
 
-  /// Whether the light on the arena equals the wanted light.
-  [[nodiscard]] bool areIdentity() const { return believed.isIdentity() && real.isIdentity(); }
+  /// Whether the light on the arena equals the commanded light.
+  [[nodiscard]] bool areIdentity() const { return assumed.isIdentity() && actual.isIdentity(); }
 
-  /// Light on `place` if `intensity` was wanted at `source`.
+  /// Light on `place` from the pixel whose value was computed for `intensity` at `source`.
   [[nodiscard]] double light(double intensity, Place source, Place place) const {
     if (areIdentity()) return intensity;
-    return real.light(believed.value(intensity, source), place);
+    return actual.light(assumed.value(intensity, source), place);
   }
 };
 

@@ -152,7 +152,7 @@ TonePictures::TonePictures(const optics::CameraParameters& camera, double width,
   }
 }
 
-void TonePictures::take(std::size_t light, const optics::GreyView& grey) {
+void TonePictures::add(std::size_t light, const optics::GreyView& grey) {
   ++pictures_.at(light);
   for (Patch& patch : patches_) {
     patch.sum[light] += meanOf(grey, patch.x0, patch.y0, patch.x1, patch.y1, patch.saturated);

@@ -29,7 +29,7 @@ class TonePictures {
 
   /// @param grey a picture of the camera's size
   /// @throws std::out_of_range for an invalid light
-  void take(std::size_t light, const optics::GreyView& grey);
+  void add(std::size_t light, const optics::GreyView& grey);
 
   /// Patches that lie completely in the picture.
   [[nodiscard]] std::vector<ToneObservation> observations() const;

@@ -58,7 +58,7 @@ void AdjustService::look() {
     }
     if (event == DisplayEvent::kEscape) escape_utime_ = loop_.now();
     if (event == DisplayEvent::kEnter && save()) return loop_.stop();
-    corners_.take(event);
+    corners_.handle(event);
     moved = true;
   }
   if (moved) show();

@@ -49,7 +49,7 @@ CornerAdjustment::CornerAdjustment(const calibration::ProjectorPlane& plane) : p
   pixels_ = {optics::Pixel{left, bottom}, {right, bottom}, {right, top}, {left, top}};
 }
 
-void CornerAdjustment::take(DisplayEvent event) {
+void CornerAdjustment::handle(DisplayEvent event) {
   optics::Pixel& corner = pixels_[selected_];
   switch (event) {
     case DisplayEvent::kTab:

@@ -21,7 +21,7 @@ class CornerAdjustment {
   explicit CornerAdjustment(const calibration::ProjectorPlane& plane);
 
   /// Handles a key: arrows move the selected corner, Tab selects the next; others are ignored.
-  void take(DisplayEvent event);
+  void handle(DisplayEvent event);
 
   /// The pixels of (0, 0), (width, 0), (width, height) and (0, height).
   [[nodiscard]] const std::array<optics::Pixel, 4>& pixels() const { return pixels_; }

@@ -24,7 +24,7 @@ constexpr double kLeastSigma = 1e-4;  // [px]
 /// a mean by up to 0.03 mm.
 class SquareFit {
  public:
-  void take(int x, int y, double value) {
+  void add(int x, int y, double value) {
     const double a = x - kMiddle;
     const double b = y - kMiddle;
     sum_ += value;
@@ -92,7 +92,7 @@ std::vector<LightPattern> projectorPatterns(double arena_width, double arena_hei
 }
 
 PatternReader::PatternReader(const PatternView& view, const std::vector<LightPattern>& patterns)
-    : view_(view), camera_(view.camera), patterns_(patterns), taken_(patterns.size()) {
+    : view_(view), camera_(view.camera), patterns_(patterns), pictures_(patterns.size()) {
   if (view.projector) {
     if (!((*view.projector)[2] > std::max(view.surface, view.plane.height))) {
       throw std::invalid_argument("the projector is not above the lit surface");
@@ -122,13 +122,13 @@ PatternReader::PatternReader(const PatternView& view, const std::vector<LightPat
   }
 }
 
-void PatternReader::take(std::size_t index, const optics::GreyView& grey) {
+void PatternReader::add(std::size_t index, const optics::GreyView& grey) {
   if (grey.width != view_.camera.width || grey.height != view_.camera.height) {
     throw std::invalid_argument(
         "a picture whose size differs from that of the camera's calibration");
   }
   const LightPattern& pattern = patterns_.at(index);
-  ++taken_[index];
+  ++pictures_[index];
   const auto c = static_cast<float>(std::cos(pattern.phase));
   const auto s = static_cast<float>(std::sin(pattern.phase));
   std::size_t at = 0;
@@ -153,7 +153,7 @@ bool PatternReader::isClear(std::size_t at) const {
 
 /// Empty if the waves are not clear.
 std::optional<optics::Pixel> PatternReader::projectorPixel(std::size_t at) const {
-  const double frames = std::max(1, taken_.front());
+  const double frames = std::max(1, pictures_.front());
   const double contrast = static_cast<double>(bright_[at] - dark_[at]) / frames;
   if (contrast < kLeastContrast) return std::nullopt;
   std::array<double, 2> found{};
@@ -176,7 +176,7 @@ std::optional<optics::Pixel> PatternReader::projectorPixel(std::size_t at) const
     }
     found[axis] = along;
   }
-  return view_.believed.pixelOf(
+  return view_.assumed.pixelOf(
       {view_.plane.arena_width / 2 + found[0], view_.plane.arena_height / 2 + found[1]});
 }
 
@@ -221,8 +221,8 @@ std::vector<ProjectorObservation> PatternReader::observations() const {
       for (int y = 0; y < kBlock; ++y) {
         for (int x = 0; x < kBlock; ++x) {
           const optics::Pixel pixel = *projectorPixel(index(x0 + x, y0 + y));
-          across.take(x, y, pixel.x);
-          down.take(x, y, pixel.y);
+          across.add(x, y, pixel.x);
+          down.add(x, y, pixel.y);
         }
       }
       const auto place = placeOf({x0 + (kBlock - 1) / 2.0, y0 + (kBlock - 1) / 2.0});
@@ -240,7 +240,7 @@ std::vector<ProjectorObservation> PatternReader::observations() const {
 
 PatternCount PatternReader::count() const {
   PatternCount count;
-  const double frames = std::max(1, taken_.front());
+  const double frames = std::max(1, pictures_.front());
   for (std::size_t at = 0; at < in_arena_.size(); ++at) {
     if (!in_arena_[at]) continue;
     ++count.pixels;

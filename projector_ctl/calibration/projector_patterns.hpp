@@ -46,7 +46,7 @@ struct PatternView {
   std::optional<std::array<double, 3>> projector;
   ProjectorPlane plane;
   /// The projector model in use while the patterns are shown: relates pattern places to pixels.
-  optics::ProjectorModel believed{1.2, 0.9, 1920, 1080};
+  optics::ProjectorModel assumed{1.2, 0.9, 1920, 1080};
 };
 
 /// Camera pixels on the arena, and reasons why some are not usable.
@@ -66,7 +66,7 @@ class PatternReader {
 
   /// Adds one picture of pattern `index`. Each pattern must be added equally often.
   /// @throws std::invalid_argument if its size is not the camera's
-  void take(std::size_t index, const optics::GreyView& grey);
+  void add(std::size_t index, const optics::GreyView& grey);
 
   /// One observation for the middle of each square of kBlock camera pixels, if all its pixels and
   /// neighbours are usable, by a paraboloid; sigmas follow from its residuals.
@@ -86,7 +86,7 @@ class PatternReader {
   PatternView view_;
   optics::CameraModel camera_;
   std::vector<LightPattern> patterns_;
-  std::vector<int> taken_;
+  std::vector<int> pictures_;
   std::vector<float> dark_, bright_;                ///< sums
   std::array<std::vector<float>, kWaves> cosines_;  ///< sums, multiplied by the phases' cosines
   std::array<std::vector<float>, kWaves> sines_;

@@ -98,17 +98,16 @@ std::string projectorReport(const ProjectorFit& fit, const ProjectorPlane& plane
   fmt::format_to(out, "picture   {} x {} px\n", plane.columns, plane.rows);
   fmt::format_to(out, "lens      k1 {:.4f}, k2 {:.4f}, p1 {:.5f}, p2 {:.5f}\n", p.k1, p.k2, p.p1,
                  p.p2);
-  fmt::format_to(out, "sights    {} used, {} left out, over {:.0f} % of the arena\n",
+  fmt::format_to(out, "positions {} used, {} left out, on {:.0f} % of the arena\n",
                  fit.observations, fit.outlying, 100 * fit.covered);
   if (fit.squares.empty()) return text;
   text += mapText(fit);
   const SquareResidual& worst = fit.squares[fit.worst];
-  fmt::format_to(
-      out,
-      "\nresidual  {:.3f} mm (rms), of which {:.3f} mm differ from sight to sight; worst "
-      "square {:.3f} mm, about ({:.0f}, {:.0f}) cm\n",
-      kMilli * fit.residual, kMilli * fit.noise, kMilli * fit.worstResidual(), kCenti * worst.x,
-      kCenti * worst.y);
+  fmt::format_to(out,
+                 "\nresidual  {:.3f} mm (rms), of which {:.3f} mm are random; worst "
+                 "square {:.3f} mm, about ({:.0f}, {:.0f}) cm\n",
+                 kMilli * fit.residual, kMilli * fit.noise, kMilli * fit.worstResidual(),
+                 kCenti * worst.x, kCenti * worst.y);
   fmt::format_to(
       out,
       "light falls where it is wanted to {:.4f} cm (rms over the arena, at {:g} cm height): "

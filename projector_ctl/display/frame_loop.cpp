@@ -46,7 +46,7 @@ void FrameLoop::schedule() {
 void FrameLoop::begin(std::int64_t swap_utime) {
   target_ = swap_utime;
   if (presenter_ && waiting_) {
-    if (const auto result = presenter_->poll()) take(*result);
+    if (const auto result = presenter_->poll()) finishJob(*result);
   }
   const light::Field& field = callbacks_.decide(swap_utime);
   if (!presenter_ || waiting_) return finish(swap_utime);
@@ -59,7 +59,7 @@ void FrameLoop::begin(std::int64_t swap_utime) {
 
 void FrameLoop::poll() {
   if (const auto result = presenter_->poll()) {
-    take(*result);
+    finishJob(*result);
     return finish(result->swap_utime != 0 ? result->swap_utime : target_);
   }
   const std::int64_t now = loop_.now();
@@ -70,7 +70,7 @@ void FrameLoop::poll() {
   loop_.at(std::max(target_ + kPoll / 4, now + kPoll), [this] { poll(); });
 }
 
-void FrameLoop::take(const ScreenResult& result) {
+void FrameLoop::finishJob(const ScreenResult& result) {
   waiting_ = false;
   answers_ = true;
   state_ = result.state;

@@ -60,7 +60,7 @@ class FrameLoop {
   void begin(std::int64_t swap_utime);
   void poll();
   void finish(std::int64_t swap_utime);
-  void take(const ScreenResult& result);
+  void finishJob(const ScreenResult& result);
   [[nodiscard]] std::int64_t nextSwap() const;
   /// Whether the display determines the times of frames.
   [[nodiscard]] bool paced() const {

@@ -12,8 +12,7 @@ namespace lab::projector {
 
 /// @param directory of the experiment file, which the calibration is relative to
 /// @param loop must run in real time, because the display's thread calls its now(), and must
-/// outlive
-///        the screen
+///   outlive the screen
 [[nodiscard]] Screen::Setup screenSetup(const Experiment& experiment,
                                         const std::filesystem::path& directory, const Loop& loop,
                                         OpenDisplay open);

@@ -23,7 +23,7 @@ class ScreenPainter {
 
   /// @param model its columns and rows are the size of the picture. Pixels that do not fall onto
   /// the
-  ///        arena stay dark.
+  ///   arena stay dark.
   /// @param tone null: the identity
   explicit ScreenPainter(const optics::ProjectorModel& model,
                          std::shared_ptr<const Tone> tone = nullptr);
@@ -31,7 +31,7 @@ class ScreenPainter {
   /// Paints `field`, whose layers must pass validate().
   /// @return the parts that changed since the last call, at first the whole picture; valid until
   /// the
-  ///         next call
+  ///   next call
   std::span<const Box> paint(const light::Field& field);
 
   [[nodiscard]] optics::GreyView picture() const { return picture_.view(); }

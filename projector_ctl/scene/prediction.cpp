@@ -47,14 +47,14 @@ bool Track::reaches(const Pose& from, const Pose& to) {
   return way <= kFastest * time + noise && turn <= kFastestTurn * time + turn_noise;
 }
 
-void Track::see(const ObservedRobot& robot, std::int64_t utime) {
+void Track::add(const ObservedRobot& robot, std::int64_t utime) {
   const auto usable = [](double variance) { return std::isfinite(variance) && variance >= 0; };
   if (!usable(robot.variance) || !usable(robot.turn_variance)) return;
   Pose pose{utime,
             {robot.x, robot.y, robot.theta},
             1 / std::max(robot.variance, kLeastVariance),
             1 / std::max(robot.turn_variance, kLeastTurnVariance)};
-  if (!seen()) {
+  if (!hasPose()) {
     append(pose);
     return;
   }
@@ -64,8 +64,8 @@ void Track::see(const ObservedRobot& robot, std::int64_t utime) {
   if (std::abs(since) > kLongestGap) {
     poses_.clear();
   } else if (!reaches(poses_.back(), pose)) {
-    const bool believed = !outlier_.empty() && reaches(outlier_.back(), pose);
-    if (!believed) {
+    const bool agrees = !outlier_.empty() && reaches(outlier_.back(), pose);
+    if (!agrees) {
       outlier_ = {pose};
       return;
     }
@@ -76,7 +76,7 @@ void Track::see(const ObservedRobot& robot, std::int64_t utime) {
 }
 
 void Track::append(Pose pose) {
-  if (seen()) {
+  if (hasPose()) {
     const double before = poses_.back().place.theta;
     pose.place.theta = before + std::remainder(pose.place.theta - before, 2 * std::numbers::pi);
   }
@@ -145,12 +145,12 @@ RobotPose Track::predicted(std::int64_t utime) const {
   return {fitted_.x + speed_ * step.x, fitted_.y + speed_ * step.y, fitted_.theta + turn_ * time};
 }
 
-void RobotTracks::take(const ObservedFrame& frame) {
+void RobotTracks::add(const ObservedFrame& frame) {
   for (const ObservedRobot& robot : frame.robots) {
     // Written so that NaN counts as too small.
     if (!(robot.confidence >= kLeastConfidence)) continue;
     if (!std::isfinite(robot.x) || !std::isfinite(robot.y) || !std::isfinite(robot.theta)) continue;
-    tracks_[robot.id].see(robot, frame.utime);
+    tracks_[robot.id].add(robot, frame.utime);
   }
 }
 
@@ -163,7 +163,7 @@ void RobotTracks::report(std::int32_t id, const std::string& program, std::int64
 
 const Track* RobotTracks::track(std::int32_t id) const {
   const auto found = tracks_.find(id);
-  return found != tracks_.end() && found->second.seen() ? &found->second : nullptr;
+  return found != tracks_.end() && found->second.hasPose() ? &found->second : nullptr;
 }
 
 bool RobotTracks::runs(std::int32_t id, const std::string& program, std::int64_t utime,

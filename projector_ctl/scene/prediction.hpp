@@ -47,14 +47,14 @@ class Track {
   static constexpr double kFastest = 0.5;     ///< [m/s] faster motion is an outlier
   static constexpr double kFastestTurn = 12;  ///< [rad/s]
 
-  /// Takes a pose; it is ignored if it is not later than the last one. A pose that the robot cannot
+  /// Adds a pose; it is ignored if it is not later than the last one. A pose that the robot cannot
   /// have reached is only accepted when the next one agrees with it; then a new track begins there.
-  void see(const ObservedRobot& robot, std::int64_t utime);
+  void add(const ObservedRobot& robot, std::int64_t utime);
 
   /// Whether there is a pose.
-  [[nodiscard]] bool seen() const { return !poses_.empty(); }
+  [[nodiscard]] bool hasPose() const { return !poses_.empty(); }
 
-  /// Time of the last pose [us since 1970]; seen() must be true.
+  /// Time of the last pose [us since 1970]; hasPose() must be true.
   [[nodiscard]] std::int64_t lastUtime() const { return poses_.back().utime; }
 
   /// The last observed pose.
@@ -96,15 +96,15 @@ class RobotTracks {
  public:
   static constexpr double kLeastConfidence = 0.5;  ///< poses below are not used
 
-  void take(const ObservedFrame& frame);
+  void add(const ObservedFrame& frame);
 
   /// Forgets all camera frames.
   void forgetPoses() { tracks_.clear(); }
 
-  /// Takes the program that a robot reports.
+  /// Stores the program that a robot reports.
   void report(std::int32_t id, const std::string& program, std::int64_t utime);
 
-  /// Null if the robot was never seen.
+  /// Null if there is no pose of the robot.
   [[nodiscard]] const Track* track(std::int32_t id) const;
 
   /// Whether the robot's last report is of this program and not older than `stale` [s] at `utime`.

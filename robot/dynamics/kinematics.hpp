@@ -7,7 +7,7 @@
 namespace lab {
 namespace dynamics {
 
-/// Position in metres in the arena frame; heading in rad, counter-clockwise from x, not wrapped.
+/// Position in the arena frame [m]; heading counter-clockwise from x, not wrapped [rad].
 struct Pose {
   double x = 0;
   double y = 0;
@@ -17,16 +17,16 @@ struct Pose {
 /// A motion at constant wheel speeds over a fixed time, in the robot's frame at its start. It can
 /// be computed once and applied to many steps of equal length.
 struct Arc {
-  double dx = 0;        ///< Forward, m.
-  double dy = 0;        ///< To the left, m.
-  double dtheta = 0;    ///< rad.
+  double dx = 0;        ///< Forward [m].
+  double dy = 0;        ///< To the left [m].
+  double dtheta = 0;    ///< Rotation [rad].
   double cos_turn = 1;  ///< cos(dtheta).
   double sin_turn = 0;  ///< sin(dtheta).
 };
 
-/// The exact arc of the unicycle x' = v cos theta, y' = v sin theta, theta' = w over dt seconds;
-/// speed v in m/s, turn w in rad/s. Exact up to rounding for all turns including 0. Inline because
-/// the simulation spends most of its time here.
+/// The exact arc of the unicycle x' = v cos theta, y' = v sin theta, theta' = w over the time dt
+/// [s], with the speed v [m/s] and the turning rate w [rad/s]. Exact up to rounding for all turning
+/// rates including 0. Inline because the simulation spends most of its time here.
 [[nodiscard]] inline Arc makeArcOf(double speed, double turn, double dt) {
   Arc arc;
   arc.dtheta = turn * dt;
@@ -55,7 +55,7 @@ struct Arc {
   return arc;
 }
 
-/// The same for wheel speeds in m/s and a wheel base d in m: v = (v_l + v_r) / 2 and
+/// The same for wheel speeds [m/s] and a wheel base d [m]: v = (v_l + v_r) / 2 and
 /// w = (v_r - v_l) / d (paper, eq. 1).
 [[nodiscard]] Arc makeArc(double left, double right, double wheel_base, double dt);
 
@@ -65,11 +65,11 @@ struct Arc {
 /// One wheel with its motor driver.
 struct WheelModel {
   bool ideal = false;         ///< True: no quantisation by the pulse width modulation.
-  double gain = 1;            ///< Real over commanded speed (an uncalibrated wheel is not 1).
-  int32_t max_um_s = 270000;  ///< Speed at full duty, micrometre/s.
+  double gain = 1;            ///< Actual over commanded speed; not 1 for an uncalibrated wheel.
+  int32_t max_um_s = 270000;  ///< Speed at full duty [um/s].
 };
 
-/// The real speed (m/s) of a wheel that is commanded um_s: clamped, quantised to the nearest duty
+/// The actual speed [m/s] of a wheel for the command um_s: clamped, quantised to the nearest duty
 /// 0..255 unless ideal, times the gain.
 [[nodiscard]] double wheelSpeed(int32_t um_s, const WheelModel& wheel);
 

@@ -26,7 +26,7 @@ enum LightReading : uint8_t { kMeanLight = 0, kFrontLight = 1, kBackLight = 2 };
 struct LightSettings {
   LightBand bands[kSlots];
   uint8_t count = 0;
-  uint16_t hysteresis = 0;  ///< The current band is widened by this at both edges, counts.
+  uint16_t hysteresis = 0;  ///< The current band is widened by this at both edges [counts].
   LightReading reading = kMeanLight;
 };
 
@@ -69,13 +69,13 @@ inline bool isValid(const LightSettings& settings) {
 /// reading becomes the current one; without such a band no slot is selected and the robot stands.
 class LightTable {
  public:
-  /// Takes new settings and forgets the current band.
+  /// Sets the settings and forgets the current band.
   void configure(const LightSettings& settings) {
     settings_ = settings;
     current_ = kNoSlot;
   }
 
-  /// Updates the current band from the readings of both sensors (counts). Returns the selected slot
+  /// Updates the current band from the readings of both sensors [counts]. Returns the selected slot
   /// or kNoSlot.
   uint8_t update(uint16_t front, uint16_t back) {
     const uint16_t counts = reading(front, back);

@@ -40,7 +40,7 @@ inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s) {
 /// The calibration of one wheel, see `lab calibrate motors`. The wheel stands up to the dead band;
 /// above it, its speed is max * gain * (duty - dead_band) / (255 - dead_band).
 struct WheelCalibration {
-  int32_t gain_ppm = 1000000L;  ///< Real over nominal speed at full duty, millionths.
+  int32_t gain_ppm = 1000000L;  ///< Actual over nominal speed at full duty, millionths.
   uint8_t dead_band = 0;        ///< Duty.
 };
 

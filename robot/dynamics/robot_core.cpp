@@ -285,7 +285,7 @@ void RobotCore::beginReversal(uint32_t now_ms, int8_t direction) {
   reversal_due_ms_ = now_ms + reversalMs(settings_.reversal);
   ++report_.reversal_count;
   report_.reversal_start_ms = now_ms;
-  resetFloors();
+  resetBaselines();
 }
 
 void RobotCore::endReversal(uint32_t now_ms) {
@@ -293,23 +293,24 @@ void RobotCore::endReversal(uint32_t now_ms) {
   reversal_direction_ = 0;
   hold_end_ms_ = now_ms + hold_remaining_ms_;
   report_.reversal_end_ms = now_ms;
-  resetFloors();
+  resetBaselines();
 }
 
-void RobotCore::resetFloors() {
+void RobotCore::resetBaselines() {
   for (uint8_t i = 0; i < kIrSensors; ++i) {
-    floor_[i] = sensors_.ir[i];
+    baseline_[i] = sensors_.ir[i];
   }
 }
 
-// Lowers the floors to lower readings and returns a bit mask of the approaching sensors.
+// Lowers the baselines to lower readings. Returns a bit mask of the sensors that detect an
+// approach.
 uint8_t RobotCore::approachingSensors() {
   uint8_t mask = 0;
   for (uint8_t i = 0; i < kIrSensors; ++i) {
-    if (sensors_.ir[i] < floor_[i]) {
-      floor_[i] = sensors_.ir[i];
+    if (sensors_.ir[i] < baseline_[i]) {
+      baseline_[i] = sensors_.ir[i];
     }
-    if (sensors_.ir[i] > floor_[i] + settings_.reversal.ir_margin) {
+    if (sensors_.ir[i] > baseline_[i] + settings_.reversal.ir_margin) {
       mask = static_cast<uint8_t>(mask | (1U << i));
     }
   }

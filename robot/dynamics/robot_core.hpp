@@ -26,7 +26,8 @@ struct ReversalSettings {
   bool enabled = true;
   uint32_t distance_um = 400000UL;  ///< At most 4 m.
   int32_t speed_um_s = 100000L;
-  uint16_t ir_margin = 8;  ///< A reading above its floor by more than this is an approach, counts.
+  uint16_t ir_margin =
+      8;  ///< A reading above its baseline by more than this is an approach [counts].
 };
 
 /// All settings that the host sends to a robot.
@@ -40,7 +41,7 @@ struct CoreSettings {
 
 bool operator==(const CoreSettings& a, const CoreSettings& b);
 
-/// Two wheel speeds in micrometre/s.
+/// Two wheel speeds [um/s].
 struct WheelSpeedsUmS {
   int32_t left = 0;
   int32_t right = 0;
@@ -50,8 +51,8 @@ struct WheelSpeedsUmS {
 enum CoreFlag : uint16_t {
   kReversing = 1,       ///< Driving straight, away from an obstacle; the program is paused.
   kStopped = 2,         ///< The stop latch is set.
-  kLeaseExpired = 4,    ///< The host is silent, or has not sent anything yet.
-  kSaturated = 8,       ///< The held wheel speeds exceeded the limit and were clamped.
+  kLeaseExpired = 4,    ///< The lease has ended or was never given.
+  kSaturated = 8,       ///< The drawn wheel speeds were above the maximum and are clamped.
   kTumbling = 16,       ///< The hold is a tumble (also while paused by a reversal).
   kDriven = 256,        ///< The host sets the wheel speeds directly.
   kNoLightBand = 512,   ///< No band contains the light, or there was no scan yet.
@@ -82,26 +83,25 @@ struct CoreReport {
 ///
 /// The robot moves only while it is configured, has a lease and is not stopped:
 /// - The stop latch takes precedence over everything until clearStop().
-/// - The lease is the host's heartbeat. When it expires, the program ends and the wheels stand.
-/// When
-///   it is renewed, the program starts with a fresh draw, as after any stop.
-/// - Otherwise the light selects the program, or the host sets the wheel speeds directly; then
-/// there
-///   are no reversals.
+/// - The lease shows that the host is alive. When it expires, the program ends and the wheels
+/// stand.
+///   When it is renewed, the program starts with a fresh draw, as after any stop.
+/// - Otherwise the light selects the program, or the host sets the wheel speeds directly. A robot
+///   whose wheel speeds are set directly makes no reversals.
 ///
 /// A change of the light band starts the new program with a fresh draw. During a reversal the new
 /// program is drawn at once, but paused until the end of the reversal.
 ///
-/// Reversals. A sensor approaches when its reading exceeds its floor by the margin; the floor is
-/// the lowest reading since boot or since the last reset of the floors (0 once nothing was in
-/// range). With a fixed threshold, a robot that is parallel to a wall or already leaves it would be
-/// trapped. While the program drives forward (v_l + v_r > 0), an approach in front (0, +-60
-/// degrees) makes the robot drive straight back; while it drives backward, an approach at the rear
-/// makes it drive straight forward; during a tumble (v = 0) there is no reversal. Floors are reset
-/// to the present readings when a reversal begins and when it ends. A reversal ends after the
-/// distance, or early when a sensor in the direction of driving approaches. Then the program
-/// resumes with the same held speeds and the same remaining time, so the track without the
-/// reversals has the statistics of free motion.
+/// Reversals. A sensor detects an approach when its reading exceeds its baseline by the margin. The
+/// baseline is the lowest reading since boot or since the last reset of the baselines (0 once
+/// nothing was in range). With a fixed threshold, a robot that is parallel to a wall or already
+/// leaves it would be trapped. While the program drives forward (v_l + v_r > 0), an approach in
+/// front (0, +-60 degrees) makes the robot drive straight back. While it drives backward, an
+/// approach at the rear makes it drive straight forward. During a tumble (v = 0) there is no
+/// reversal. Baselines are reset to the present readings when a reversal begins and when it ends. A
+/// reversal ends after the distance, or early when a sensor in the direction of driving detects an
+/// approach. Then the program resumes with the same held speeds and the same remaining time, so the
+/// track without the reversals has the statistics of free motion.
 class RobotCore {
  public:
   /// Sets all settings. Equal settings change nothing, because commands are repeated. Other
@@ -180,7 +180,7 @@ class RobotCore {
   void beginHold(uint32_t now_ms);
   void beginReversal(uint32_t now_ms, int8_t direction);
   void endReversal(uint32_t now_ms);
-  void resetFloors();
+  void resetBaselines();
   uint8_t approachingSensors();
 
   CoreSettings settings_;
@@ -188,7 +188,7 @@ class RobotCore {
   Program program_;
   Rng rng_;
   Sensors sensors_;
-  uint16_t floor_[kIrSensors] = {1023, 1023, 1023, 1023, 1023, 1023};
+  uint16_t baseline_[kIrSensors] = {1023, 1023, 1023, 1023, 1023, 1023};
 
   bool configured_ = false;
   bool stopped_ = false;

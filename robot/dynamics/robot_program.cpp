@@ -106,79 +106,79 @@ std::string checkWheels(const RobotProgram& p, const WheelLimits& limits) {
   return reason;
 }
 
-std::string check(const RobotProgram& physics, const WheelLimits& limits) {
-  switch (physics.kind) {
+std::string check(const RobotProgram& program, const WheelLimits& limits) {
+  switch (program.kind) {
     case kNone:
       return std::string();
     case kAbp:
-      return checkAbp(physics, limits);
+      return checkAbp(program, limits);
     case kNoisyAbp:
     case kBp:
-      return checkWheelNoise(physics, limits);
+      return checkWheelNoise(program, limits);
     case kRtp:
-      return checkRtp(physics, limits);
+      return checkRtp(program, limits);
     case kWheels:
-      return checkWheels(physics, limits);
+      return checkWheels(program, limits);
   }
-  return text("program kind: found %g, allowed 0 to 5", physics.kind);
+  return text("program kind: found %g, allowed 0 to 5", program.kind);
 }
 
 }  // namespace
 
-ParamsResult toProgramParams(const RobotProgram& physics, const WheelLimits& limits) {
+ParamsResult toProgramParams(const RobotProgram& program, const WheelLimits& limits) {
   ParamsResult result;
-  result.reason = check(physics, limits);
+  result.reason = check(program, limits);
   result.ok = result.reason.empty();
   if (!result.ok) {
     return result;
   }
   ProgramParams& params = result.params;
-  params.kind = physics.kind;
-  switch (physics.kind) {
+  params.kind = program.kind;
+  switch (program.kind) {
     case kNone:
       break;
     case kAbp:
-      params.speed_um_s = microPerSecond(physics.v);
-      params.amplitude_um_s = microPerSecond(physics.eta * limits.wheel_base / 2);
-      params.hold_ms = milliseconds(physics.epsilon);
+      params.speed_um_s = microPerSecond(program.v);
+      params.amplitude_um_s = microPerSecond(program.eta * limits.wheel_base / 2);
+      params.hold_ms = milliseconds(program.epsilon);
       break;
     case kNoisyAbp:
     case kBp:
-      params.speed_um_s = microPerSecond(physics.va);
-      params.amplitude_um_s = microPerSecond(physics.V);
-      params.hold_ms = milliseconds(physics.epsilon);
+      params.speed_um_s = microPerSecond(program.va);
+      params.amplitude_um_s = microPerSecond(program.V);
+      params.hold_ms = milliseconds(program.epsilon);
       break;
     case kRtp:
-      params.speed_um_s = microPerSecond(physics.v);
-      params.mean_run_us = static_cast<uint32_t>(std::lround(1e6 / physics.gamma));
-      params.tumble_ms = milliseconds(physics.tau_t);
+      params.speed_um_s = microPerSecond(program.v);
+      params.mean_run_us = static_cast<uint32_t>(std::lround(1e6 / program.gamma));
+      params.tumble_ms = milliseconds(program.tau_t);
       params.tumble_amplitude_um_s =
           microPerSecond(kPi * limits.wheel_base / 2 / (params.tumble_ms * 1e-3));
       break;
     case kWheels:
-      params.left_um_s = microPerSecond(physics.wheel_left);
-      params.right_um_s = microPerSecond(physics.wheel_right);
+      params.left_um_s = microPerSecond(program.wheel_left);
+      params.right_um_s = microPerSecond(program.wheel_right);
       break;
   }
   return result;
 }
 
 RobotProgram toRobotProgram(const ProgramParams& params, const WheelLimits& limits) {
-  RobotProgram physics;
-  physics.kind = params.kind;
+  RobotProgram program;
+  program.kind = params.kind;
   const bool wheel_noise = params.kind == kNoisyAbp || params.kind == kBp;
-  (wheel_noise ? physics.va : physics.v) = params.speed_um_s * 1e-6;
+  (wheel_noise ? program.va : program.v) = params.speed_um_s * 1e-6;
   if (wheel_noise) {
-    physics.V = params.amplitude_um_s * 1e-6;
+    program.V = params.amplitude_um_s * 1e-6;
   } else {
-    physics.eta = params.amplitude_um_s * 1e-6 * 2 / limits.wheel_base;
+    program.eta = params.amplitude_um_s * 1e-6 * 2 / limits.wheel_base;
   }
-  physics.epsilon = params.hold_ms * 1e-3;
-  physics.gamma = params.mean_run_us == 0 ? 0.0 : 1e6 / params.mean_run_us;
-  physics.tau_t = params.tumble_ms * 1e-3;
-  physics.wheel_left = params.left_um_s * 1e-6;
-  physics.wheel_right = params.right_um_s * 1e-6;
-  return physics;
+  program.epsilon = params.hold_ms * 1e-3;
+  program.gamma = params.mean_run_us == 0 ? 0.0 : 1e6 / params.mean_run_us;
+  program.tau_t = params.tumble_ms * 1e-3;
+  program.wheel_left = params.left_um_s * 1e-6;
+  program.wheel_right = params.right_um_s * 1e-6;
+  return program;
 }
 
 }  // namespace dynamics

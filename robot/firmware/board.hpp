@@ -26,7 +26,7 @@ class Board {
   /// Whether a write is in progress.
   virtual bool storeBusy() const { return false; }
 
-  /// Smallest free RAM between stack and data since boot, bytes.
+  /// Smallest free RAM between stack and data since boot [bytes].
   virtual uint16_t stackLeft() const = 0;
 
  protected:

@@ -63,7 +63,7 @@ void Device::noteOverrun(uint16_t bytes) {
   bytes_overrun_ = static_cast<uint16_t>(bytes_overrun_ + bytes);
 }
 
-void Device::noteWatchdog(uint32_t now_ms) { note(now_ms, wire::kWatchdogBit, 0); }
+void Device::noteWatchdog(uint32_t now_ms) { note(now_ms, wire::kWatchdogRestart, 0); }
 
 bool Device::scanDue(uint32_t now_ms) const { return reached(now_ms, scan_due_ms_); }
 

@@ -28,8 +28,8 @@ enum ConfigFault : uint8_t {
   kBadKind = 1,      ///< a program kind that does not exist
   kBadTime = 2,      ///< the duration of a hold, run or tumble is 0 or too long
   kTooFast = 3,      ///< a wheel speed exceeds the limit
-  kBadBands = 4,     ///< light bands overlap, are empty or leave the converter's range
-  kBadReversal = 5,  ///< the reversal is too fast or longer than 4 m
+  kBadBands = 4,     ///< see isValid(LightSettings)
+  kBadReversal = 5,  ///< speed not above 0 or above the maximum, or longer than 4 m
   kBadLimits = 6,    ///< largest wheel speed or sensor period out of range
 };
 

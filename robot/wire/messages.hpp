@@ -118,7 +118,7 @@ struct Apply {
   }
 };
 
-/// What the robot is to do now, repeated at 5 Hz. It is also the host's heartbeat: the robot may
+/// What the robot is to do now, repeated at 5 Hz. It shows that the host is alive: the robot may
 /// move for lease_ms after its reception. Refused while other settings than `config` are in force.
 struct Order {
   static constexpr uint8_t kType = 0x14;
@@ -169,8 +169,8 @@ struct SetSeed {
   }
 };
 
-/// Sets one of the robot's own settings, see Param. The value is kept until the robot is switched
-/// off; after COMMIT it is kept permanently.
+/// Sets one of the robot's own settings, see Param. The value is kept until the next reset; after
+/// COMMIT it is kept permanently.
 struct SetParam {
   static constexpr uint8_t kType = 0x17;
   uint8_t id = 0;
@@ -362,7 +362,7 @@ struct Step {
   }
 };
 
-/// Statistics, once a second. The counts wrap around.
+/// Counters, once a second. They wrap around.
 struct Counters {
   static constexpr uint8_t kType = 0x93;
   uint32_t t_ms = 0;
@@ -397,12 +397,12 @@ enum EventCode : uint8_t {
   kLeaseOver = 2,        ///< the host is silent; the robot stands
   kStopLatched = 3,      ///< data: the stop's id
   kStopReleased = 4,     ///< data: the stop's id
-  kWatchdogBit = 5,      ///< the program hung and was restarted; the robot stands
+  kWatchdogRestart = 5,  ///< the firmware hung and the watchdog restarted it; the robot stands
   kSettingsDefault = 6,  ///< no EEPROM bank is valid; defaults are used
   kSettingsStored = 7,   ///< data: the bank
 };
 
-/// A single event. Its consequences are also visible in STATE and COUNTERS, so it may be lost.
+/// A single event. The other messages show its consequences, so it may be lost.
 struct Event {
   static constexpr uint8_t kType = 0x94;
   uint32_t t_ms = 0;
@@ -432,8 +432,8 @@ struct ParamValue {
 
 /// The robot's own settings, by number.
 enum Param : uint8_t {
-  kUid = 1,              ///< 32 bits
-  kGainLeft = 2,         ///< real over nominal speed of the wheel, millionths (500000..1500000)
+  kUid = 1,              ///< number of the electronics, 32 bits
+  kGainLeft = 2,         ///< actual over nominal wheel speed, millionths (500000..1500000)
   kGainRight = 3,        ///< as kGainLeft
   kDeadBandLeft = 4,     ///< duty below which the wheel does not turn, 0..127
   kDeadBandRight = 5,    ///< as kDeadBandLeft

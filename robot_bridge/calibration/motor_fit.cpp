@@ -220,8 +220,8 @@ std::string refusalOf(const MotorFit& fit, double nominal_base, const FitLimits&
   // With a coarse tracker, a large residual may only be noise.
   if (fit.residual > limits.residual && fit.chi2_per_dof > kMuchMoreThanNoise) {
     return fmt::format(
-        "the wheels miss the fitted speeds by {:.1f} % (rms), allowed {:g}: do they slip, or does "
-        "something block them?",
+        "the wheel speeds differ from the fitted ones by {:.1f} % (rms), allowed {:g}: do the "
+        "wheels slip, or does something block them?",
         100 * fit.residual, 100 * limits.residual);
   }
   if (std::string text = wheelRefusal("left", motors.left, fit.error.left, limits); !text.empty())

@@ -55,7 +55,7 @@ std::string checkRefusal(const SpeedCheck& after, const CheckLimits& limits) {
   const double turn = std::max(limits.turn, 4 * after.turn_noise);
   if (after.motors_speed <= speed && after.motors_turn <= turn) return "";
   return fmt::format(
-      "the check after storing misses the speeds by {:.1f} % (allowed {:.1f}) and the turns by "
+      "in the check after storing, the speeds are wrong by {:.1f} % (allowed {:.1f}), the turns by "
       "{:.1f} % (allowed {:.1f}): does the floor let the wheels slip?",
       100 * after.motors_speed, 100 * speed, 100 * after.motors_turn, 100 * turn);
 }

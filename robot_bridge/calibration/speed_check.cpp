@@ -42,19 +42,19 @@ SpeedCheck checkSpeeds(const std::vector<CheckedSegment>& segments, const Motors
     const CheckedSegment& checked = segments[segment.index];
     const Motion asked = motionOf(checked.left, checked.right, stored.wheel_base);
     const Motion rounded = motionOf(stored, segment.duty_left, segment.duty_right, max);
-    const double seen_turn = segment.motion.value[1];
-    const double seen_speed = segment.motion.value[0] + lateral * seen_turn;
+    const double measured_turn = segment.motion.value[1];
+    const double measured_speed = segment.motion.value[0] + lateral * measured_turn;
     if (std::fabs(asked.speed) > kStill) {
-      speed.add(seen_speed / asked.speed - 1);
-      motors_speed.add((seen_speed - rounded.speed) / asked.speed);
+      speed.add(measured_speed / asked.speed - 1);
+      motors_speed.add((measured_speed - rounded.speed) / asked.speed);
       speed_noise.add(std::sqrt(segment.motion.covariance(0, 0)) / asked.speed);
     }
     if (std::fabs(asked.turn) > kStill) {
-      turn.add(seen_turn / asked.turn - 1);
-      motors_turn.add((seen_turn - rounded.turn) / asked.turn);
+      turn.add(measured_turn / asked.turn - 1);
+      motors_turn.add((measured_turn - rounded.turn) / asked.turn);
       turn_noise.add(std::sqrt(segment.motion.covariance(1, 1)) / asked.turn);
     } else if (std::fabs(asked.speed) > kStill) {
-      veer.add(seen_turn / seen_speed);
+      veer.add(measured_turn / measured_speed);
     }
   }
   check.speed = speed.value();

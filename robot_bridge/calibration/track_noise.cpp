@@ -11,7 +11,7 @@ namespace {
 // Lower bounds: a tracker without noise still has rounding errors.
 constexpr double kLeastPosition = 1e-6;  // [m]
 constexpr double kLeastHeading = 1e-5;   // [rad]
-constexpr double kSeenShare = 0.5;
+constexpr double kTrackedShare = 0.5;
 // The residuals of a uniform segment exceed this with probability 1e-8.
 constexpr double kUnevenSigmas = 6;
 
@@ -65,23 +65,23 @@ TrackNoise pooledNoise(const std::vector<SegmentMotion>& motions, const TrackNoi
 UsableSegments usableSegments(const std::vector<Segment>& segments) {
   UsableSegments result;
   result.counts.driven = static_cast<int>(segments.size());
-  std::vector<std::size_t> seen;
+  std::vector<std::size_t> tracked;
   std::vector<SegmentMotion> motions;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     const Segment& segment = segments[i];
-    const bool enough = static_cast<double>(segment.track.size()) >= kSeenShare * segment.frames;
+    const bool enough = static_cast<double>(segment.track.size()) >= kTrackedShare * segment.frames;
     const auto motion = enough ? fitMotion(segment.track, {}) : std::nullopt;
     if (!motion) {
       ++result.counts.unseen;
       continue;
     }
-    seen.push_back(i);
+    tracked.push_back(i);
     motions.push_back(*motion);
   }
   if (motions.empty()) return result;
 
   result.noise = pooledNoise(motions, roughNoise(motions));
-  for (const std::size_t i : seen) {
+  for (const std::size_t i : tracked) {
     const auto motion = fitMotion(segments[i].track, result.noise);
     if (!motion || !isEven(*motion, result.noise)) {
       ++result.counts.uneven;

@@ -60,8 +60,8 @@ void LineSession::checkVersion() {
 void LineSession::countErrors() {
   const wire::DecoderCounts& counts = decoder_.counts();
   const auto all = static_cast<std::uint16_t>(counts.crc + counts.malformed + counts.version);
-  errors_ += static_cast<std::uint16_t>(all - errors_seen_);
-  errors_seen_ = all;
+  errors_ += static_cast<std::uint16_t>(all - errors_counted_);
+  errors_counted_ = all;
 }
 
 std::string LineSession::reason(int baud) const {
@@ -69,7 +69,7 @@ std::string LineSession::reason(int baud) const {
       "; update what is older: " + installation().command + " flash, or the lab itself";
   switch (verdict_) {
     case Verdict::kForeignVersion:
-      return fmt::format("a robot that speaks protocol version {}, this lab speaks {}{}",
+      return fmt::format("a robot with protocol version {}, this lab has version {}{}",
                          decoder_.foreignVersion(), wire::kProtocolVersion, update);
     case Verdict::kForeignSchema:
       return fmt::format(
@@ -80,7 +80,8 @@ std::string LineSession::reason(int baud) const {
         return "no robot answers; is it switched on, and is this its line?";
       }
       return fmt::format(
-          "{} bytes came, but no robot said HELLO; another device, or another speed than {} baud?",
+          "{} bytes received, but none from a robot; is this another device, or is its speed not "
+          "{} baud?",
           bytes_, baud);
     case Verdict::kWaiting:
     case Verdict::kRobot:

@@ -29,13 +29,13 @@ class LineSession {
     kNoRobot,         ///< no HELLO came in time
   };
 
-  /// Decodes bytes and calls `take(frame)` for each frame after the robot is identified, starting
+  /// Decodes bytes and calls `handle(frame)` for each frame after the robot is identified, starting
   /// with its HELLO.
-  template <class Take>
-  void receive(std::span<const std::uint8_t> bytes, std::int64_t now, const Take& take) {
+  template <class Handle>
+  void receive(std::span<const std::uint8_t> bytes, std::int64_t now, const Handle& handle) {
     bytes_ += static_cast<std::int64_t>(bytes.size());
     for (const std::uint8_t byte : bytes) {
-      if (decoder_.push(byte) && isForRobot(decoder_.frame(), now)) take(decoder_.frame());
+      if (decoder_.push(byte) && isForRobot(decoder_.frame(), now)) handle(decoder_.frame());
     }
     checkVersion();
     countErrors();
@@ -64,7 +64,7 @@ class LineSession {
   std::int64_t asked_utime_ = 0;
   std::int64_t bytes_ = 0;
   std::int64_t errors_ = 0;
-  std::uint16_t errors_seen_ = 0;
+  std::uint16_t errors_counted_ = 0;
   wire::Decoder decoder_;
   Verdict verdict_ = Verdict::kWaiting;
   std::optional<wire::Hello> hello_;

@@ -95,7 +95,7 @@ void PortManager::read(Entry& entry) {
     while (const std::size_t count = line.port->read(bytes)) {
       const std::int64_t errors = line.session->errors();
       line.session->receive({bytes.data(), count}, now,
-                            [&](const wire::Frame& frame) { take(entry, frame, now); });
+                            [&](const wire::Frame& frame) { handle(entry, frame, now); });
       if (line.robot != nullptr) line.robot->noteErrors(line.session->errors() - errors);
       if (count < bytes.size()) break;
     }
@@ -107,7 +107,7 @@ void PortManager::read(Entry& entry) {
   write(entry);
 }
 
-void PortManager::take(Entry& entry, const wire::Frame& frame, std::int64_t now) {
+void PortManager::handle(Entry& entry, const wire::Frame& frame, std::int64_t now) {
   Line& line = entry.second;
   if (!line.refusal.empty()) return;
   wire::Hello hello;

@@ -46,7 +46,7 @@ class PortManager {
 
  private:
   struct Line {
-    bool found = false;                ///< seen since it was last lost
+    bool found = false;                ///< whether it exists, since it was last lost
     std::unique_ptr<SerialPort> port;  ///< null: closed
     std::optional<LineSession> session;
     RobotLink* robot = nullptr;
@@ -61,7 +61,7 @@ class PortManager {
   void scan(std::int64_t now);
   void open(Entry& entry, std::int64_t now);
   void read(Entry& entry);
-  void take(Entry& entry, const wire::Frame& frame, std::int64_t now);
+  void handle(Entry& entry, const wire::Frame& frame, std::int64_t now);
   void attachRobot(Entry& entry, const wire::Hello& hello, std::int64_t now);
   void closeIfUnusable(Entry& entry, std::int64_t now);
   void write(Entry& entry);

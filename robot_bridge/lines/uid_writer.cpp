@@ -26,13 +26,13 @@ void UidWriter::read() {
   try {
     const std::size_t count = port_->read(bytes);
     session_.receive({bytes.data(), count}, loop_.now(),
-                     [this](const wire::Frame& frame) { take(frame); });
+                     [this](const wire::Frame& frame) { handle(frame); });
   } catch (const SerialError& error) {
     fail(error.what());
   }
 }
 
-void UidWriter::take(const wire::Frame& frame) {
+void UidWriter::handle(const wire::Frame& frame) {
   wire::Hello hello;
   wire::Ack ack;
   if (wire::unpack(frame, hello)) {

@@ -28,7 +28,7 @@ class UidWriter {
   enum class Step { kHello, kSet, kStore, kVerify, kDone };
 
   void read();
-  void take(const wire::Frame& frame);
+  void handle(const wire::Frame& frame);
   void start(Step step);
   void fail(const std::string& why);
   void write(const wire::Frame& frame);

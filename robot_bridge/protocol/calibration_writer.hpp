@@ -16,7 +16,7 @@ namespace lab::bridge {
 /// After a failure the sequence starts again when the request is repeated.
 class CalibrationWriter {
  public:
-  /// Takes a request, which may be a repetition.
+  /// Starts a request, unless it is a repetition of the last one.
   void request(std::int64_t seq, std::int64_t instance, const motor_calibration_t& requested);
 
   /// The robot has restarted, and values that it had not stored are lost.

@@ -24,8 +24,8 @@ class ClockEstimate {
   void add(std::int64_t sent_utime, std::int64_t came_utime, std::uint64_t robot_us,
            std::int64_t request_us, std::int64_t answer_us);
 
-  /// Uses an unsolicited reading, which only bounds the clock from one side (it was taken before it
-  /// came). Ignored once there is a round trip.
+  /// Adds an unsolicited reading. It only gives an upper bound, because it was taken at an unknown
+  /// time before its arrival. Ignored once there is a round trip.
   void addReading(std::int64_t came_utime, std::uint32_t robot_ms, std::int64_t answer_us);
 
   /// Forgets everything: the robot has restarted, or it is another one.

@@ -8,8 +8,8 @@
 
 namespace lab::bridge {
 
-/// Holds one command until it is answered. It is sent again with the same seq, so that the robot
-/// recognises the repetition, and given up after three attempts.
+/// Holds one command until it is answered. A command is sent at most three times, always with the
+/// same seq, so that the robot recognises a repetition. Then it is given up.
 class CommandSender {
  public:
   /// @param timeout_us for one attempt

@@ -28,17 +28,17 @@ struct CommandKey {
 /// the previous one in force.
 class DesiredState {
  public:
-  /// @param max_wheel_speed m/s
-  /// @param sensor_period s
+  /// @param max_wheel_speed [m/s]
+  /// @param sensor_period [s]
   DesiredState(double max_wheel_speed, double sensor_period)
       : max_wheel_speed_(max_wheel_speed), sensor_period_(sensor_period) {}
 
-  /// Takes a ROBOT_COMMAND and extends the lease. @return whether it is a new one
+  /// Stores the order of a ROBOT_COMMAND and extends the lease. @return whether it is a new one
   bool command(const CommandKey& key, std::int32_t lease_ms, const robot_order_t& order,
                std::int64_t now);
 
   /// Converts the stored order, if there is one.
-  /// @param wheel_base of the robot, m
+  /// @param wheel_base of the robot [m]
   /// @return why the order is rejected; empty if it is in force now or there was none
   std::string convert(double wheel_base);
 

@@ -46,7 +46,7 @@ void RobotLink::plug(const wire::Hello& hello, std::int64_t now) {
   wait_until_ = 0;
   order_due_ = true;
   stop_.sent_utime = 0;
-  take(hello, now);
+  handle(hello, now);
   pump(now);
 }
 
@@ -95,7 +95,7 @@ std::int32_t RobotLink::silence_ms(std::int64_t now) const {
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(silence - silence / 20, 0, kDay_ms));
 }
 
-void RobotLink::take(const wire::Hello& hello, std::int64_t now) {
+void RobotLink::handle(const wire::Hello& hello, std::int64_t now) {
   // A robot that lost its EEPROM may repeat an old boot number; then its clock shows the restart.
   const bool clock_restarted =
       latest_robot_ms_ &&
@@ -132,31 +132,32 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
   wire::Ack ack;
   wire::ParamValue param;
   const bool is_hello = wire::unpack(frame, hello);
-  if (is_hello) take(hello, now);
+  if (is_hello) handle(hello, now);
   heard_utime_ = now;
   if (is_hello) {
     // Already processed.
   } else if (identity_in_doubt_) {
     // It may refer to the state before or after the restart.
   } else if (wire::unpack(frame, telemetry)) {
-    take(telemetry, frame, now);
+    handle(telemetry, frame, now);
   } else if (wire::unpack(frame, state)) {
-    view_.take(state);
+    view_.update(state);
   } else if (wire::unpack(frame, step)) {
-    view_.take(step);
+    view_.update(step);
   } else if (wire::unpack(frame, counters)) {
-    view_.take(counters);
+    view_.update(counters);
   } else if (wire::unpack(frame, pong)) {
-    take(pong, now);
+    handle(pong, now);
   } else if (wire::unpack(frame, ack)) {
-    take(ack, frame.seq);
+    handle(ack, frame.seq);
   } else if (wire::unpack(frame, param)) {
-    take(param, frame.seq);
+    handle(param, frame.seq);
   }  // EVENT repeats what telemetry shows; other types come from a newer robot
   pump(now);
 }
 
-void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame, std::int64_t now) {
+void RobotLink::handle(const wire::Telemetry& telemetry, const wire::Frame& frame,
+                       std::int64_t now) {
   const bool jumped =
       latest_robot_ms_ && msBetween(telemetry.t_ms, *latest_robot_ms_) > kLongestJump_ms;
   const bool forgot = config_ != 0 && telemetry.config == 0;
@@ -166,7 +167,7 @@ void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame,
   }
   clock_.addReading(now, telemetry.t_ms, wire_us(wire::payloadSize<wire::Telemetry>()));
   latest_robot_ms_ = telemetry.t_ms;
-  view_.take(telemetry, frame.seq);
+  view_.update(telemetry, frame.seq);
   config_ = telemetry.config;
   if (stop_.id != 0) {
     const bool stopped = (telemetry.flags & dynamics::kStopped) != 0;
@@ -176,7 +177,7 @@ void RobotLink::take(const wire::Telemetry& telemetry, const wire::Frame& frame,
   if (desired_.isInForce(telemetry.order_id)) echo_ = desired_.active();
 }
 
-void RobotLink::take(const wire::Pong& pong, std::int64_t now) {
+void RobotLink::handle(const wire::Pong& pong, std::int64_t now) {
   const std::uint64_t token = std::uint64_t{pong.token_high} << 32U | pong.token_low;
   const auto sent = static_cast<std::int64_t>(token);
   if (sent != pinged_utime_) return;  // the answer to another PING
@@ -185,7 +186,7 @@ void RobotLink::take(const wire::Pong& pong, std::int64_t now) {
              wire_us(wire::payloadSize<wire::Ping>()), wire_us(wire::payloadSize<wire::Pong>()));
 }
 
-void RobotLink::take(const wire::Ack& ack, std::uint8_t seq) {
+void RobotLink::handle(const wire::Ack& ack, std::uint8_t seq) {
   degraded_ = false;
   if (ack.type == wire::Stop::kType) {
     if (ack.status == wire::kOk && stop_.id != 0 && seq == stop_.id) {
@@ -198,7 +199,7 @@ void RobotLink::take(const wire::Ack& ack, std::uint8_t seq) {
   if (command) finish(*command, ack);
 }
 
-void RobotLink::take(const wire::ParamValue& value, std::uint8_t seq) {
+void RobotLink::handle(const wire::ParamValue& value, std::uint8_t seq) {
   degraded_ = false;
   if (!sender_.answer(wire::GetParam::kType, seq)) return;
   if (wheel_base_ != 0) return calibration_writer_.finish(value);

@@ -134,11 +134,11 @@ class RobotLink {
 
   void restart();
   void forgetState();
-  void take(const wire::Hello& hello, std::int64_t now);
-  void take(const wire::Telemetry& telemetry, const wire::Frame& frame, std::int64_t now);
-  void take(const wire::Pong& pong, std::int64_t now);
-  void take(const wire::Ack& ack, std::uint8_t seq);
-  void take(const wire::ParamValue& value, std::uint8_t seq);
+  void handle(const wire::Hello& hello, std::int64_t now);
+  void handle(const wire::Telemetry& telemetry, const wire::Frame& frame, std::int64_t now);
+  void handle(const wire::Pong& pong, std::int64_t now);
+  void handle(const wire::Ack& ack, std::uint8_t seq);
+  void handle(const wire::ParamValue& value, std::uint8_t seq);
   void finish(const wire::Frame& command, const wire::Ack& ack);
   void finishStaging(const wire::Frame& command, const wire::Ack& ack);
   void finishApply(const wire::Frame& command, const wire::Ack& ack);

@@ -26,23 +26,23 @@ void RobotView::reset() {
   *this = std::move(fresh);
 }
 
-void RobotView::take(const wire::Telemetry& telemetry, std::uint8_t seq) {
+void RobotView::update(const wire::Telemetry& telemetry, std::uint8_t seq) {
   if (last_) {
     const auto gap = static_cast<std::uint8_t>(seq - telemetry_seq_ - 1);
     if (gap < 128) telemetry_lost_ += gap;  // else a duplicate or a late frame
     countRunTime(telemetry);
-    if (isTumbling(telemetry) && !isTumbling(*last_)) ++tumbles_seen_;
+    if (isTumbling(telemetry) && !isTumbling(*last_)) ++tumbles_reported_;
   }
   telemetry_seq_ = seq;
   last_ = telemetry;
   if (!fits(telemetry)) return;
-  program_epoch_.take(telemetry.program_epoch);
+  program_epoch_.update(telemetry.program_epoch);
   RobotSnapshot snapshot;
   snapshot.telemetry = telemetry;
   snapshot.state = *state_;
   snapshot.program_epoch = program_epoch_.value();
   snapshot.reversal_count = reversal_count_.value();
-  snapshot.tumble_count = tumble_count_.value() + tumbles_seen_;
+  snapshot.tumble_count = tumble_count_.value() + tumbles_reported_;
   snapshot.saturation_count = saturation_count_.value();
   snapshot.run_time_ms = run_time_ms_;
   if (snapshot_) {  // later messages may correct both estimates downwards; report no decrease
@@ -69,17 +69,17 @@ void RobotView::countRunTime(const wire::Telemetry& telemetry) {
   run_time_ms_ += passed * ((inRun(*last_) ? 0.5 : 0) + (inRun(telemetry) ? 0.5 : 0));
 }
 
-void RobotView::take(const wire::State& state) {
+void RobotView::update(const wire::State& state) {
   state_ = state;
-  program_epoch_.take(state.program_epoch);
-  reversal_count_.take(state.reversal_count);
-  tumble_count_.take(state.tumble_count);
-  tumbles_seen_ = 0;
+  program_epoch_.update(state.program_epoch);
+  reversal_count_.update(state.reversal_count);
+  tumble_count_.update(state.tumble_count);
+  tumbles_reported_ = 0;
 }
 
-void RobotView::take(const wire::Counters& counters) {
-  saturation_count_.take(counters.saturation_count);
-  frames_bad_.take(counters.frames_bad);
+void RobotView::update(const wire::Counters& counters) {
+  saturation_count_.update(counters.saturation_count);
+  frames_bad_.update(counters.frames_bad);
   battery_ = counters.battery_mv / 1000.0;
   // The next telemetry adds the whole time since the last one, so subtract the part of it that is
   // already in this message.
@@ -90,7 +90,7 @@ void RobotView::take(const wire::Counters& counters) {
   }
 }
 
-void RobotView::take(const wire::Step& step) {
+void RobotView::update(const wire::Step& step) {
   if (draw_count_) {
     const std::uint32_t gap = step.draw_count - *draw_count_ - 1;
     if (gap < (1U << 31U)) steps_lost_ += gap;

@@ -18,7 +18,7 @@ namespace lab::bridge {
 /// A 32-bit count of which the robot reports the low 16 bits.
 class UnwrappedCount {
  public:
-  void take(std::uint16_t low) { value_ += static_cast<std::uint16_t>(low - value_); }
+  void update(std::uint16_t low) { value_ += static_cast<std::uint16_t>(low - value_); }
   [[nodiscard]] std::uint32_t value() const { return value_; }
 
  private:
@@ -44,10 +44,10 @@ class RobotView {
   /// The robot has restarted, or it is another one. Counts of lost messages are kept.
   void reset();
 
-  void take(const wire::Telemetry& telemetry, std::uint8_t seq);
-  void take(const wire::State& state);
-  void take(const wire::Counters& counters);
-  void take(const wire::Step& step);
+  void update(const wire::Telemetry& telemetry, std::uint8_t seq);
+  void update(const wire::State& state);
+  void update(const wire::Counters& counters);
+  void update(const wire::Step& step);
 
   /// The last snapshot.
   [[nodiscard]] const std::optional<RobotSnapshot>& snapshot() const { return snapshot_; }
@@ -86,7 +86,7 @@ class RobotView {
   UnwrappedCount tumble_count_;
   UnwrappedCount saturation_count_;
   UnwrappedCount frames_bad_;
-  std::uint32_t tumbles_seen_ = 0;  ///< seen in telemetry since the last STATE
+  std::uint32_t tumbles_reported_ = 0;  ///< in telemetry since the last STATE
   double run_time_ms_ = 0;
   double battery_ = 0;
   std::int64_t telemetry_lost_ = 0;

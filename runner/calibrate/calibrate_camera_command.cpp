@@ -172,7 +172,7 @@ std::optional<double> findResponse(const std::vector<optics::GreyImage>& picture
                                    const CameraObservations& observations,
                                    optics::Imaging& imaging) {
   detector::ResponseFinder finder(optics::CameraModel(camera), observations.cap, imaging);
-  for (const optics::GreyImage& picture : pictures) finder.take(picture.view());
+  for (const optics::GreyImage& picture : pictures) finder.examine(picture.view());
   if (finder.gamma()) imaging.gamma = finder.gamma();
   fmt::print(
       "response  gamma {:g}: {}{}\n", imaging.gamma.value_or(1), finder.reason(),

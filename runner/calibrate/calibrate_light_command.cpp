@@ -104,7 +104,7 @@ std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
         return std::make_unique<ProjectorCalibrator>(
             context, controller, lights, kFrames,
             [&](std::size_t light, const optics::GreyView& grey) {
-              pictures.take(light, response.linear(grey));
+              pictures.add(light, response.linear(grey));
             },
             [&problem, done](const std::string& what) {
               problem = what;

@@ -106,8 +106,8 @@ calibration::PatternReader readerFor(const Experiment& experiment, const fs::pat
   view.plane.height = optics::kSensorHeight;
   setResolution(experiment, options, view.plane);
   view.camera = cameraOf(experiment, directory).calibration.camera;
-  view.believed = optics::ProjectorModel(experiment.arena_width, experiment.arena_height,
-                                         view.plane.columns, view.plane.rows);
+  view.assumed = optics::ProjectorModel(experiment.arena_width, experiment.arena_height,
+                                        view.plane.columns, view.plane.rows);
   try {
     return {view, calibration::projectorPatterns(experiment.arena_width, experiment.arena_height)};
   } catch (const std::invalid_argument& error) {
@@ -196,7 +196,7 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
           std::function<void()> done) {
         return std::make_unique<ProjectorCalibrator>(
             context, controller, patterns, options.frames,
-            [&](std::size_t pattern, const optics::GreyView& grey) { reader.take(pattern, grey); },
+            [&](std::size_t pattern, const optics::GreyView& grey) { reader.add(pattern, grey); },
             [&problem, done](const std::string& what) {
               problem = what;
               done();

@@ -119,8 +119,8 @@ std::vector<light::Layer> LightPreview::layers(std::size_t step, double time) {
       if (next > shown.seen) {
         start_frame_.utime = utimeAt(next);
         ++start_frame_.number;
-        shown.robots.take(start_frame_);
-        shown.scene.take(start_frame_, shown.robots);
+        shown.robots.add(start_frame_);
+        shown.scene.addFrame(start_frame_, shown.robots);
         shown.seen = next;
       }
       if (next >= time) break;

@@ -258,7 +258,7 @@ class Film {
   /// Estimates the gamma of the grey values if the calibration does not contain it.
   void findResponse(const CameraFrame& frame) {
     if (!finds_response_) return;
-    response_.take(frame.grey);
+    response_.examine(frame.grey);
     const double gamma = response_.gamma().value_or(gamma_);
     if (gamma != gamma_ && tracking_.summary().frames > 0) gamma_from_ = frame.number;
     gamma_ = gamma;
@@ -289,7 +289,7 @@ class Film {
     const bool drawn = overlay_ && overlay_->wantsNext();
     rejected_.clear();
     const std::vector<FilmRow>& rows =
-        tracking_.take(frame.number, time, frame.grey, drawn ? &rejected_ : nullptr);
+        tracking_.process(frame.number, time, frame.grey, drawn ? &rejected_ : nullptr);
     poses_.write(rows);
     for (const FilmRow& row : rows) verdict_.add(row);
     draw([&] { overlay_->add({frame.number, time, frame.grey, rows, rejected_}); });

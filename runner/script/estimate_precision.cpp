@@ -11,7 +11,7 @@
 
 namespace lab::runner {
 
-EstimatePrecision::EstimatePrecision(const Experiment& experiment, const Until& until)
+EstimatePrecision::EstimatePrecision(const Experiment& experiment, const EndCondition& until)
     : until_(until) {
   const auto program = experiment.programs.find(until.program);
   if (program != experiment.programs.end()) program_ = toMessage(program->second);

@@ -14,7 +14,7 @@ namespace lab::runner {
 class EstimatePrecision {
  public:
   /// @param until names the estimate
-  EstimatePrecision(const Experiment& experiment, const Until& until);
+  EstimatePrecision(const Experiment& experiment, const EndCondition& until);
 
   /// @return whether the message contains a value of the estimate
   bool take(const analysis_t& analysis);
@@ -28,13 +28,13 @@ class EstimatePrecision {
   /// NaN if unknown.
   [[nodiscard]] double moreData() const;
 
-  [[nodiscard]] const Until& until() const { return until_; }
+  [[nodiscard]] const EndCondition& until() const { return until_; }
 
   /// "relative error 0.12, wanted 0.05".
   [[nodiscard]] std::string progress() const;
 
  private:
-  Until until_;
+  EndCondition until_;
   program_t program_{};
   double error_ = std::numeric_limits<double>::quiet_NaN();
 };

@@ -80,7 +80,7 @@ std::string ScriptPlayer::whyUnmet() const {
                      : step().if_not == IfNot::kEnd ? "the run ends"
                                                     : "the safe light, and the run ends";
   return fmt::format("step {} \"{}\" waited {} s in vain until {}: {}; {}", number_, step().label,
-                     step().hold, untilText(step().until), condition_->progress(), next);
+                     step().hold, conditionText(step().until), condition_->progress(), next);
 }
 
 ScriptTransition ScriptPlayer::show(std::int64_t utime, std::string ended_by, std::string fault) {
@@ -110,7 +110,7 @@ std::optional<ScriptTransition> ScriptPlayer::nextTransition(std::int64_t now) {
   std::int64_t next_utime = now;
   const auto end = stepEnd();
   if (condition_ && condition_->met()) {
-    ended_by = fmt::format("{}; sample {}", untilText(step().until), *condition_->met());
+    ended_by = fmt::format("{}; sample {}", conditionText(step().until), *condition_->met());
   } else if (end && now >= *end && (condition_ || *end < end_utime_)) {
     next_utime = *end;
     if (condition_) {

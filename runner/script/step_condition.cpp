@@ -15,7 +15,7 @@ constexpr std::int64_t kPoseLifetime_us = 500'000;
 
 }  // namespace
 
-StepCondition::StepCondition(const Experiment& experiment, const Until& until,
+StepCondition::StepCondition(const Experiment& experiment, const EndCondition& until,
                              const TumbleCount& tumbles, std::int64_t utime)
     : until_(until),
       estimate_(experiment, until),

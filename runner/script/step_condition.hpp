@@ -22,7 +22,7 @@ class StepCondition {
  public:
   /// @param tumbles count at the beginning of the step
   /// @param utime beginning of the step; earlier samples are ignored
-  StepCondition(const Experiment& experiment, const Until& until, const TumbleCount& tumbles,
+  StepCondition(const Experiment& experiment, const EndCondition& until, const TumbleCount& tumbles,
                 std::int64_t utime);
 
   void take(const tracked_frame_t& frame);
@@ -40,7 +40,7 @@ class StepCondition {
   [[nodiscard]] double distance(const tracked_pose_t& pose) const;
   [[nodiscard]] bool concerns(std::int32_t robot) const;
 
-  Until until_;
+  EndCondition until_;
   EstimatePrecision estimate_;
   std::set<std::int32_t> robots_;  ///< all robots of the experiment
   std::int64_t begin_utime_;

@@ -34,7 +34,7 @@ std::optional<std::string> StopRules::met() const {
   for (const Rule& rule : rules_) {
     if (!rule.holds()) continue;
     why += fmt::format("{}{}: relative error {:.3g} after {:.0f} s, sample {}",
-                       why.empty() ? "stop_when: " : "; ", untilText(rule.estimate.until()),
+                       why.empty() ? "stop_when: " : "; ", conditionText(rule.estimate.until()),
                        rule.estimate.error(), rule.elapsed, rule.utime);
   }
   return why;
@@ -45,14 +45,14 @@ std::string StopRules::unmet() const {
       fmt::format("stop_when was not reached{}", any_ && rules_.size() > 1 ? " (any of them)" : "");
   for (const Rule& rule : rules_) {
     if (rule.holds()) continue;
-    text += fmt::format("; {}: {}", untilText(rule.estimate.until()), rule.estimate.progress());
+    text += fmt::format("; {}: {}", conditionText(rule.estimate.until()), rule.estimate.progress());
     if (rule.estimate.holds()) text += fmt::format(", but before {} s", rule.at_least);
   }
   return text;
 }
 
 std::string StopRules::progress(const Rule& rule) const {
-  const Until& until = rule.estimate.until();
+  const EndCondition& until = rule.estimate.until();
   const std::string robot = until.robot == 0 ? "" : fmt::format(" of robot {}", until.robot);
   const std::string what = fmt::format("{} of {}{}", until.estimate, until.program, robot);
   const double wanted = until.relative_error / units::kPercent;

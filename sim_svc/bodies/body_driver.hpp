@@ -21,7 +21,7 @@ class BodyDriver {
   [[nodiscard]] virtual std::size_t size() const = 0;
   [[nodiscard]] virtual std::size_t body(std::size_t k) const = 0;
 
-  /// Takes bytes that the host sends to robot k at the world's time. They reach the robot at the
+  /// Bytes that the host sends to robot k at the world's present time. They reach the robot at the
   /// line's speed.
   virtual void receive(std::size_t k, std::span<const std::uint8_t> bytes) = 0;
 

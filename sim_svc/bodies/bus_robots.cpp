@@ -31,11 +31,11 @@ BusRobots::BusRobots(World& world, const std::vector<std::size_t>& bodies, doubl
     : world_(world), sensor_period_(sensor_period) {
   for (const std::size_t body : bodies) {
     links_[world.id(body)].body = body;
-    world.setRobotsSeen(body, false);
+    world.setReversesFromRobots(body, false);
   }
 }
 
-std::string BusRobots::take(const robot_command_t& command) {
+std::string BusRobots::handle(const robot_command_t& command) {
   std::string refusal;
   for (const robot_order_t& order : command.orders) {
     std::map<double, OrderSettings> settings;  // by the wheel base stored in the robot
@@ -73,7 +73,7 @@ void BusRobots::execute(Link& link, const robot_order_t& order, const OrderSetti
   switch (order.mode) {
     case robot_order_t::TABLE:
       link.programs = settings.programs;
-      world_.setRobotsSeen(link.body, order.reverse_on == robot_order_t::REVERSE_ANY);
+      world_.setReversesFromRobots(link.body, order.reverse_on == robot_order_t::REVERSE_ANY);
       world_.order(link.body, [&settings](dynamics::RobotCore& core, std::uint32_t now_ms) {
         core.configure(now_ms, settings.core);
         core.runPrograms(now_ms);
@@ -99,7 +99,7 @@ void BusRobots::execute(Link& link, const robot_order_t& order, const OrderSetti
   }
 }
 
-void BusRobots::take(const robot_stop_t& stop) {
+void BusRobots::handle(const robot_stop_t& stop) {
   for (auto& [id, link] : links_) {
     if (!stop.robot_ids.empty() && !contains(stop.robot_ids, id)) continue;
     ++link.messages_to;
@@ -110,7 +110,7 @@ void BusRobots::take(const robot_stop_t& stop) {
   }
 }
 
-std::optional<robot_calibration_t> BusRobots::take(const robot_calibration_t& calibration) {
+std::optional<robot_calibration_t> BusRobots::handle(const robot_calibration_t& calibration) {
   robot_calibration_t held{};
   held.seq = calibration.seq;
   for (const motor_calibration_t& motors : calibration.robots) {

@@ -21,19 +21,19 @@ namespace lab::sim {
 class BusRobots {
  public:
   /// @param bodies indices of these robots in the world
-  /// @param sensor_period s
+  /// @param sensor_period [s]
   BusRobots(World& world, const std::vector<std::size_t>& bodies, double sensor_period);
 
   [[nodiscard]] bool empty() const { return links_.empty(); }
 
   /// @return why an order in it was rejected; empty if none was
-  std::string take(const robot_command_t& command);
+  std::string handle(const robot_command_t& command);
 
-  void take(const robot_stop_t& stop);
+  void handle(const robot_stop_t& stop);
 
   /// Stores the calibrations for these robots. @return the calibrations that they hold now; empty
   /// if the message is for none of them
-  std::optional<robot_calibration_t> take(const robot_calibration_t& calibration);
+  std::optional<robot_calibration_t> handle(const robot_calibration_t& calibration);
 
   /// Adds the state of every robot.
   /// @param origin_utime the utime of world time 0

@@ -149,11 +149,11 @@ void ChipRobots::step(World& world, std::int64_t until_us) {
     append(packet_, input);
     packet_.insert(packet_.end(), chip.received.begin(), chip.received.end());
   }
-  takeAnswer(world, until_us, emulator_->exchange(packet_, kStepTimeout_ms));
+  applyAnswer(world, until_us, emulator_->exchange(packet_, kStepTimeout_ms));
 }
 
-void ChipRobots::takeAnswer(World& world, std::int64_t until_us,
-                            std::span<const std::uint8_t> bytes) {
+void ChipRobots::applyAnswer(World& world, std::int64_t until_us,
+                             std::span<const std::uint8_t> bytes) {
   Parser answer(bytes);
   expect(answer, chip::Packet::kStepped, chips_.size());
   for (Chip& chip : chips_) {

@@ -67,7 +67,7 @@ class ChipRobots final : public BodyDriver {
 
   void start(std::int64_t now_us);
   void step(World& world, std::int64_t until_us);
-  void takeAnswer(World& world, std::int64_t until_us, std::span<const std::uint8_t> answer);
+  void applyAnswer(World& world, std::int64_t until_us, std::span<const std::uint8_t> answer);
   void fail(World& world, const std::string& why);
 
   std::filesystem::path program_;

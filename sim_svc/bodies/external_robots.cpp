@@ -17,12 +17,12 @@ void ExternalRobots::add(std::unique_ptr<BodyDriver> driver) {
     robot.driver = driver.get();
     robot.k = k;
     robot.port = ports_.offer(lineName(world_.id(driver->body(k))));
-    robot.port->onReadable([this, &robot] { takeBytes(robot); });
+    robot.port->onReadable([this, &robot] { readBytes(robot); });
   }
   drivers_.push_back(std::move(driver));
 }
 
-void ExternalRobots::takeBytes(Robot& robot) {
+void ExternalRobots::readBytes(Robot& robot) {
   catch_up_();
   std::array<std::uint8_t, 512> bytes{};
   while (const std::size_t count = robot.port->read(bytes)) {

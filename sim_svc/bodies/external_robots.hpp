@@ -45,7 +45,7 @@ class ExternalRobots {
     std::unique_ptr<SerialPort> port;
   };
 
-  void takeBytes(Robot& robot);
+  void readBytes(Robot& robot);
 
   World& world_;
   SerialPorts& ports_;

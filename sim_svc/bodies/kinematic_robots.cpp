@@ -28,19 +28,19 @@ KinematicRobots::KinematicRobots(World& world, const Experiment& experiment,
   }
 }
 
-void KinematicRobots::see(const tracked_frame_t& frame, std::int64_t now) {
+void KinematicRobots::update(const tracked_frame_t& frame, std::int64_t now) {
   for (const tracked_pose_t& pose : frame.robots) {
     const auto entry = real_.find(pose.robot_id);
     if (entry == real_.end()) continue;
     entry->second.there = true;
-    entry->second.seen_utime = now;
+    entry->second.pose_utime = now;
     world_.moveKinematicDisk(entry->second.disk, {pose.x, pose.y});
   }
 }
 
 void KinematicRobots::follow(std::int64_t now) {
   for (auto& [id, real] : real_) {
-    if (!real.there || now - real.seen_utime <= kLost_us) continue;
+    if (!real.there || now - real.pose_utime <= kLost_us) continue;
     real.there = false;
     world_.hideKinematicDisk(real.disk);
   }

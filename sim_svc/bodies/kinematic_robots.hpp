@@ -34,7 +34,7 @@ class KinematicRobots {
   [[nodiscard]] bool anyReplayed() const { return !replayed_.empty(); }
 
   /// Moves the real robots to their poses in a camera frame.
-  void see(const tracked_frame_t& frame, std::int64_t now);
+  void update(const tracked_frame_t& frame, std::int64_t now);
 
   /// Moves the recorded robots to their present poses, and removes robots that are gone.
   void follow(std::int64_t now);
@@ -49,7 +49,7 @@ class KinematicRobots {
  private:
   struct Real {
     std::size_t disk = 0;
-    std::int64_t seen_utime = 0;
+    std::int64_t pose_utime = 0;
     bool there = false;
   };
   struct Replayed {

@@ -18,15 +18,14 @@ struct Recording {
   };
   std::vector<Frame> frames;          ///< In order of time, no duplicates; at least two.
   std::vector<robot_state_t> states;  ///< In order of time, no duplicates; may be empty.
-  double frame_period = 0;            ///< Nominal, s.
+  double frame_period = 0;            ///< Nominal [s].
 };
 
 /// Reads a log, or the log in the folder of a run.
 /// @param robot_id of the robot in the log
-/// @param from s after the start of the log's light script (without one: after its first frame)
+/// @param from [s] after the start of the log's light script (without one: after its first frame)
 /// @throws std::runtime_error (one line) if there is no such log or no such robot, or if the
-/// robot's
-///         frames end before `from`
+///   robot's frames end before `from`
 [[nodiscard]] Recording loadRecording(const std::filesystem::path& log, std::int32_t robot_id,
                                       double from);
 

@@ -69,9 +69,9 @@ void WireRobot::advance(World& world, std::int64_t until_us) {
     if (now_us_ > until) break;
     sendUntil(now_us_);
     if (byte_first) {
-      takeByte();
+      receiveByte();
     } else {
-      takeTick(world);
+      runTick(world);
     }
   }
   now_us_ = until;
@@ -82,7 +82,7 @@ void WireRobot::advance(World& world, std::int64_t until_us) {
   changes_.clear();
 }
 
-void WireRobot::takeByte() {
+void WireRobot::receiveByte() {
   const std::uint8_t byte = incoming_.front();
   incoming_.pop_front();
   if (!incoming_.empty()) received_us_ += byte_us_;
@@ -93,7 +93,7 @@ void WireRobot::takeByte() {
                    static_cast<std::uint16_t>(std::clamp(since_us, 0.0, 999.0)), byte);
 }
 
-void WireRobot::takeTick(World& world) {
+void WireRobot::runTick(World& world) {
   const auto now_ms = static_cast<std::uint32_t>(next_ms_);
   if (next_ms_++ == 0) {
     device_->boot(0);

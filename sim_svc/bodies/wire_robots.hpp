@@ -30,9 +30,9 @@ struct WireSetup {
 /// time, EEPROM writes and the program take no time, and no received byte is lost.
 class WireRobot final : private firmware::Board {
  public:
-  /// Capacity of the firmware's send buffer, bytes (robot/firmware/avr/uart.cpp).
+  /// Capacity of the firmware's send buffer [bytes] (robot/firmware/avr/uart.cpp).
   static constexpr std::size_t kSendBuffer = 127;
-  /// Capacity of the line on the host's side, bytes; more is lost.
+  /// Capacity of the line on the host's side [bytes]; more is lost.
   static constexpr std::size_t kLineBuffer = 4096;
 
   /// @param boot_us when it is switched on, world time
@@ -57,8 +57,8 @@ class WireRobot final : private firmware::Board {
   [[nodiscard]] std::uint16_t stackLeft() const override;
 
   void switchOn(std::int64_t at_us, std::uint8_t cause);
-  void takeByte();
-  void takeTick(World& world);
+  void receiveByte();
+  void runTick(World& world);
   void sendUntil(double time_us);
 
   WireSetup setup_;

@@ -14,8 +14,8 @@
 namespace lab::sim {
 
 /// The painter's settings for an experiment: the camera over its arena, exposure and gain, the room
-/// light, and the projector 28 cm behind the far wall. The calibration file is not used: it
-/// describes what the tracker assumes, not the simulated camera itself.
+/// light, and the projector 28 cm behind the far wall. The calibration file is not used, because
+/// the tracker uses it; the simulated camera may differ from it.
 [[nodiscard]] PainterSettings painterSettings(const Experiment& experiment,
                                               const optics::ProjectorWarp& warp = {},
                                               const optics::ProjectorTones& tones = {});

@@ -11,24 +11,26 @@ optics::ProjectorWarp projectorWarpOf(const Experiment& experiment,
                                       const std::filesystem::path& directory) {
   const Projector& projector = experiment.projector;
   if (projector.display != kHeadless) return {};
-  const optics::ProjectorModel real = optics::simulatedProjector(
+  const optics::ProjectorModel actual = optics::simulatedProjector(
       experiment.arena_width, experiment.arena_height, projector.width, projector.height,
       {projector.keystone, projector.barrel, projector.offset_x, projector.offset_y});
   return {
       activeProjectorCalibration(experiment, directory, projector.width, projector.height).model,
-      real};
+      actual};
 }
 
-optics::ProjectorTones tonesOf(const Experiment& experiment,
-                               const std::filesystem::path& directory) {
+optics::ProjectorTones projectorTonesOf(const Experiment& experiment,
+                                        const std::filesystem::path& directory) {
   const Projector& projector = experiment.projector;
   if (projector.display != kHeadless) return {};
   const std::optional<LightCalibration> calibration = activeLightCalibration(experiment, directory);
-  // The light in a corner is lower than in the middle by the share `vignetting`.
-  const double side = -projector.vignetting / 2;
-  return {
-      calibration ? calibration->tone() : optics::ProjectorTone(),
-      {projector.gamma, {0, 0, side, 0, side}, experiment.arena_width, experiment.arena_height}};
+  // V of ProjectorTone: 1 in the middle of the arena, 1 - vignetting in its corners.
+  const double quadratic = -projector.vignetting / 2;
+  return {calibration ? calibration->tone() : optics::ProjectorTone(),
+          {projector.gamma,
+           {0, 0, quadratic, 0, quadratic},
+           experiment.arena_width,
+           experiment.arena_height}};
 }
 
 }  // namespace lab::sim

@@ -17,8 +17,11 @@ namespace lab::sim {
 [[nodiscard]] optics::ProjectorWarp projectorWarpOf(const Experiment& experiment,
                                                     const std::filesystem::path& directory);
 
-/// The same for brightness: the calibration of light, and the simulated projector's tone.
-[[nodiscard]] optics::ProjectorTones tonesOf(const Experiment& experiment,
-                                             const std::filesystem::path& directory);
+/// The photometric difference: the light calibration that projector_ctl uses, and gamma and
+/// vignetting of the simulated projector of the experiment. The identity with a real display.
+/// @param directory that the calibration's path is relative to
+/// @throws ExperimentError if the calibration cannot be used.
+[[nodiscard]] optics::ProjectorTones projectorTonesOf(const Experiment& experiment,
+                                                      const std::filesystem::path& directory);
 
 }  // namespace lab::sim

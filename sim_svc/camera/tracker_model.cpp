@@ -15,7 +15,7 @@ bool TrackerModel::begin(std::int64_t exposure_utime) {
   return frames_.uniform() >= camera_.frame_loss;
 }
 
-void TrackerModel::see(std::int32_t robot_id, const dynamics::Pose& truth) {
+void TrackerModel::observe(std::int32_t robot_id, const dynamics::Pose& truth) {
   Random& random =
       robots_.try_emplace(robot_id, deriveSeed(seed_, robot_id, "tracker noise")).first->second;
   // All numbers are drawn in every frame, so that a drop-out does not change later frames.

@@ -20,7 +20,7 @@ class TrackerModel {
   [[nodiscard]] bool begin(std::int64_t exposure_utime);
 
   /// Adds one robot with noise, unless the tracker misses it in this frame.
-  void see(std::int32_t robot_id, const dynamics::Pose& truth);
+  void observe(std::int32_t robot_id, const dynamics::Pose& truth);
 
   /// Adds a pose without noise.
   void add(const tracked_pose_t& pose);

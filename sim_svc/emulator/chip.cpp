@@ -104,7 +104,7 @@ void Chip::Simavr::onMotorRegister(avr_irq_t*, std::uint32_t, void* object) {
 avr_cycle_count_t Chip::Simavr::onSettled(avr_t*, avr_cycle_count_t when, void* object) {
   Chip& chip = chipOf(object);
   chip.settling_ = false;
-  chip.takeDuty(when + chip.offset_);
+  chip.recordDuty(when + chip.offset_);
   return 0;
 }
 
@@ -174,7 +174,7 @@ void Chip::afterReset() {
   s.writing_eeprom = false;
   settling_ = false;
   uart_.setBitCycles(0);
-  interrupts_seen_on_ = false;
+  interrupts_were_on_ = false;
   emitters_on_ = false;
   applyInputs();
   halt(power_);
@@ -245,18 +245,18 @@ void Chip::measure() {
   const std::uint64_t now = simavr_->avr->cycle;
   const bool on = simavr_->avr->sreg[S_I] != 0;
   if (on) {
-    if (interrupts_seen_on_ && interrupts_off_since_ != kNever) {
+    if (interrupts_were_on_ && interrupts_off_since_ != kNever) {
       counts_.longest_interrupts_off =
           std::max(counts_.longest_interrupts_off, now - interrupts_off_since_);
     }
-    interrupts_seen_on_ = true;
+    interrupts_were_on_ = true;
     interrupts_off_since_ = kNever;
   } else if (interrupts_off_since_ == kNever) {
     interrupts_off_since_ = now;
   }
   const auto stack =
       static_cast<std::uint16_t>(simavr_->data(kStackLow) | (simavr_->data(kStackHigh) << 8));
-  if (interrupts_seen_on_) {
+  if (interrupts_were_on_) {
     counts_.lowest_stack = std::min(counts_.lowest_stack, stack);
   }
 }
@@ -280,7 +280,7 @@ void Chip::applyInputs() {
   apply(ADC_IRQ_ADC7, inputs_.light_back);
 }
 
-void Chip::takeDuty(std::uint64_t at) {
+void Chip::recordDuty(std::uint64_t at) {
   const Duty duty = motorDuty(simavr_->avr->data);
   if (duty != duty_) {
     duty_ = duty;

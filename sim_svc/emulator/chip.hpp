@@ -148,7 +148,7 @@ class Chip {
   void watchEeprom(std::uint32_t value);
   void armReceiver();
   void deliver(LineByte byte);
-  void takeDuty(std::uint64_t cycle);
+  void recordDuty(std::uint64_t cycle);
 
   std::shared_ptr<const FirmwareImage> program_;
   ChipSettings settings_;
@@ -171,7 +171,7 @@ class Chip {
   std::uint32_t cut_in_write_ = 0;
   bool power_cut_ = false;
 
-  bool interrupts_seen_on_ = false;
+  bool interrupts_were_on_ = false;
   std::uint64_t interrupts_off_since_ = 0;
   ChipCounts counts_;
 };

@@ -31,7 +31,7 @@ class ChipUart {
   /// Takes the next byte that has arrived by `now`.
   [[nodiscard]] std::optional<LineByte> takeArrived(std::uint64_t now);
   [[nodiscard]] std::size_t arriving() const { return arriving_.size(); }
-  /// Until when the line to the chip is busy.
+  /// When the line to the chip will be free.
   [[nodiscard]] std::uint64_t receivingUntil() const;
 
   // ---- from the chip

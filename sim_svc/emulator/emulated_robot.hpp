@@ -34,7 +34,7 @@ class EmulatedRobot {
 
   void sense(const AnalogInputs& inputs) { chip_.setInputs(inputs); }
 
-  /// Takes bytes that the host sends now.
+  /// Bytes that the host sends now.
   void receive(std::span<const std::uint8_t> bytes);
 
   /// Runs until `until_us`.

@@ -23,7 +23,7 @@ class FirmwareImage {
  public:
   /// @throws FirmwareImageError if the file is missing, is not an AVR ELF file, or does not fit
   /// into
-  ///         the flash.
+  ///   the flash.
   explicit FirmwareImage(const std::filesystem::path& elf);
 
   [[nodiscard]] const std::vector<std::uint8_t>& flash() const { return flash_; }

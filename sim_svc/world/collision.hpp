@@ -9,13 +9,13 @@
 namespace lab::sim {
 
 /// Robots keep this much apart, so that rounding never makes them overlap.
-inline constexpr double kContactGap = 1e-9;  // m
+inline constexpr double kContactGap = 1e-9;  // [m]
 
 /// The share (0..1) of a straight move that a disk can make before its centre comes within
 /// `distance` of another centre. 1 for a move that does not approach, so that touching disks can
 /// separate.
 /// @param to_other from the moving centre to the other one, at the start of the move
-/// @param squared_distance the square of the contact distance, m^2
+/// @param squared_distance the square of the contact distance [m^2]
 [[nodiscard]] inline double freeShareToDisk(Vec to_other, Vec move, double squared_distance) {
   const double approach = to_other.x * move.x + to_other.y * move.y;
   if (approach <= 0) {

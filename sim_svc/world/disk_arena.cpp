@@ -36,7 +36,7 @@ DiskArena::DiskArena(const DiskArenaSettings& settings, const std::vector<dynami
 
 void DiskArena::beginStep() {
   ++steps_;
-  if (shown_kinematic_ == 0) return;
+  if (visible_kinematic_ == 0) return;
   for (std::size_t body = robots_; body < bodies_.size(); ++body) {
     pushRobotsOut(body);
   }
@@ -149,7 +149,7 @@ void DiskArena::moveKinematicDisk(std::size_t disk, Vec centre) {
     return;
   }
   const std::size_t body = robots_ + disk;
-  if (isHidden(centres_[body])) ++shown_kinematic_;
+  if (isHidden(centres_[body])) ++visible_kinematic_;
   centres_[body] = centre;
   relistIfMoved(body);
   pushRobotsOut(body);
@@ -157,7 +157,7 @@ void DiskArena::moveKinematicDisk(std::size_t disk, Vec centre) {
 
 void DiskArena::hideKinematicDisk(std::size_t disk) {
   const std::size_t body = robots_ + disk;
-  if (!isHidden(centres_[body])) --shown_kinematic_;
+  if (!isHidden(centres_[body])) --visible_kinematic_;
   centres_[body] = hiddenPosition(body);
 }
 

@@ -13,15 +13,15 @@ namespace lab::sim {
 
 struct DiskArenaSettings {
   Arena arena;
-  double radius = 0.0375;        ///< Of every disk, m.
-  double sensing_range = 0.05;   ///< How far from the rim neighbours must be listed, m.
-  double largest_move = 0.0041;  ///< Upper bound of a move between two relistIfMoved() calls, m.
+  double radius = 0.0375;        ///< Of every disk [m].
+  double sensing_range = 0.05;   ///< Distance from the rim up to which neighbours are listed [m].
+  double largest_move = 0.0041;  ///< Upper bound of a move between two relistIfMoved() calls [m].
 };
 
 /// How a robot moves.
 struct Motion {
-  double speed = 0;  ///< Forward, m/s.
-  double turn = 0;   ///< rad/s.
+  double speed = 0;  ///< Forward [m/s].
+  double turn = 0;   ///< Turning rate [rad/s].
 };
 
 /// The geometry of a World: robots as disks that move one at a time along exact arcs, and kinematic
@@ -48,10 +48,10 @@ class DiskArena {
     return bodies_[i].motion.speed != 0 || bodies_[i].motion.turn != 0;
   }
 
-  /// Moves robot i along its arc for dt seconds.
+  /// Moves robot i along its arc for the time dt [s].
   void moveFor(std::size_t i, double dt);
 
-  /// Moves robot i forward (m; limited to the largest move) and then rotates it (rad).
+  /// Moves robot i forward [m], at most by the largest move, and then rotates it [rad].
   void displace(std::size_t i, double forward, double rotation);
 
   /// Renews the neighbour lists if disk i has moved too far for them. To be called after each move.
@@ -116,11 +116,11 @@ class DiskArena {
 
   DiskArenaSettings settings_;
   double contact_distance_;
-  double skin_;  ///< Margin of the neighbour lists, m.
+  double skin_;  ///< Margin of the neighbour lists [m].
   std::int64_t steps_ = 0;
   std::int64_t collisions_ = 0;
   std::size_t robots_ = 0;
-  std::size_t shown_kinematic_ = 0;
+  std::size_t visible_kinematic_ = 0;
   NeighbourList neighbours_;
   // Robots first, then kinematic disks.
   std::vector<Vec> centres_;

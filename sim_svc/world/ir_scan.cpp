@@ -38,7 +38,7 @@ void IrScan::addWalls(const Arena& arena) {
     const Vec axis = axes_[k % 3];
     const double to_wall = std::min(toWall(centre_.x, sign * axis.x, arena.width),
                                     toWall(centre_.y, sign * axis.y, arena.height));
-    see(k, to_wall - radius_);
+    addDistance(k, to_wall - radius_);
   }
 }
 
@@ -50,13 +50,13 @@ void IrScan::addDisk(Vec to_other) {
     }
     const double along = axes_[k].x * to_other.x + axes_[k].y * to_other.y;
     const double to_rim = std::fabs(along) - std::sqrt(radius_ * radius_ - aside * aside) - radius_;
-    see(along > 0 ? k : k + 3, to_rim);
+    addDistance(along > 0 ? k : k + 3, to_rim);
   }
 }
 
 std::array<std::uint16_t, IrScan::kDirections> IrScan::counts() const {
   std::array<std::uint16_t, kDirections> counts{};
-  if (!seen_) {
+  if (!in_range_) {
     return counts;
   }
   for (std::size_t k = 0; k < kDirections; ++k) {

@@ -15,8 +15,8 @@ class IrScan {
   static constexpr std::size_t kDirections = 6;
 
   /// @param centre,heading of the robot; heading is a unit vector
-  /// @param radius of the robot and of every other robot, m
-  /// @param range of the sensors from the rim, m
+  /// @param radius of the robot and of every other robot [m]
+  /// @param range of the sensors from the rim [m]
   IrScan(Vec centre, Vec heading, double radius, double range);
 
   /// Adds the walls of the arena.
@@ -26,16 +26,16 @@ class IrScan {
   void addDisk(Vec to_other);
 
   /// Whether anything is in range of any sensor.
-  [[nodiscard]] bool seesAnything() const { return seen_; }
+  [[nodiscard]] bool anyInRange() const { return in_range_; }
 
-  /// Readings in counts: 1023 at the rim, falling linearly to 0 at the range, rounded to nearest.
+  /// Readings [counts]: 1023 at the rim, falling linearly to 0 at the range, rounded to nearest.
   [[nodiscard]] std::array<std::uint16_t, kDirections> counts() const;
 
  private:
-  void see(std::size_t direction, double distance) {
+  void addDistance(std::size_t direction, double distance) {
     if (distance < distance_[direction]) {
       distance_[direction] = distance;
-      seen_ = true;
+      in_range_ = true;
     }
   }
 
@@ -44,7 +44,7 @@ class IrScan {
   double range_;
   std::array<Vec, kDirections / 2> axes_;  ///< Directions 0 to 2; 3 to 5 are their opposites.
   std::array<double, kDirections> distance_;
-  bool seen_ = false;
+  bool in_range_ = false;
 };
 
 }  // namespace lab::sim

@@ -14,7 +14,7 @@ namespace lab::sim {
 /// depends on the positions alone.
 class NeighbourList {
  public:
-  /// Lists the pairs closer than `cutoff` (m). Points outside the arena are sorted into the cells
+  /// Lists the pairs closer than `cutoff` [m]. Points outside the arena are sorted into the cells
   /// at its edge.
   void build(std::span<const Vec> points, const Arena& arena, double cutoff);
 

@@ -6,7 +6,7 @@
 namespace lab::sim {
 
 /// A robot counts milliseconds with its own phase and rate:
-/// local = phase + 1000 rate t, with t the world time in seconds.
+/// local = phase + 1000 rate t, with t the world time [s].
 class RobotClock {
  public:
   RobotClock() = default;

@@ -12,10 +12,10 @@
 namespace lab::sim {
 
 struct SensorSettings {
-  double radius = 0.0375;      ///< Of every robot, m.
-  double ir_range = 0.05;      ///< From the rim, m.
-  double light_offset = 0.03;  ///< Distance of the light sensors before and behind the axle, m.
-  double light_noise = 0;      ///< Standard deviation of a light reading, counts.
+  double radius = 0.0375;      ///< Of every robot [m].
+  double ir_range = 0.05;      ///< From the rim [m].
+  double light_offset = 0.03;  ///< Distance of the light sensors before and behind the axle [m].
+  double light_noise = 0;      ///< Standard deviation of a light reading [counts].
 };
 
 /// The gains of one robot's light sensors; 1 is nominal.
@@ -30,7 +30,7 @@ struct SensorScan {
   dynamics::Sensors walls_only;
 };
 
-/// Sensor readings in counts (0..1023), computed from the positions of the disks and the light.
+/// Sensor readings [counts], 0..1023, computed from the positions of the disks and the light.
 class SensorModel {
  public:
   explicit SensorModel(const SensorSettings& settings) : settings_(settings) {}

@@ -103,7 +103,7 @@ void run(benchmark::State& state, bool bound) {
     state.PauseTiming();
     scene.advance();
     state.ResumeTiming();
-    if (bound) tracker.take(scene.reports());
+    if (bound) tracker.addReports(scene.reports());
     benchmark::DoNotOptimize(tracker.expect(scene.time()).data());
     benchmark::DoNotOptimize(tracker.update(scene.time(), scene.detections()).data());
   }
@@ -125,7 +125,7 @@ void afterTwoDarkSeconds(benchmark::State& state) {
     CapTracker tracker({}, scene.ids());
     for (int frame = 0; frame < 90; ++frame) {
       scene.advance();
-      tracker.take(scene.reports());
+      tracker.addReports(scene.reports());
       if (frame < 30) tracker.update(scene.time(), scene.detections());
     }
     state.ResumeTiming();

@@ -33,7 +33,7 @@ lab::projector::ObservedFrame frameAt(std::int64_t utime, std::int64_t number) {
 /// Frames of 12 layers, `followers` of which follow 20 robots and `trails` are trails.
 void frames(benchmark::State& state, int movers, int followers, int trails) {
   lab::projector::ProjectorCore::Config config;
-  for (int id = 1; id <= kRobots; ++id) config.surroundings.robots.push_back(id);
+  for (int id = 1; id <= kRobots; ++id) config.scene_context.robots.push_back(id);
   lab::projector::ProjectorCore core(config);
   lab::projector::LightCommand command{.sender = "lab", .seq = 1, .from_utime = kStart};
   command.hold_until_utime = kStart + 1'000'000'000'000;
@@ -58,7 +58,7 @@ void frames(benchmark::State& state, int movers, int followers, int trails) {
   std::int64_t now = kStart;
   for (auto _ : state) {
     now += kFrame_us;
-    core.take(frameAt(now - 20'000, ++number));
+    core.addFrame(frameAt(now - 20'000, ++number));
     benchmark::DoNotOptimize(core.frame(now).field.layers.data());
   }
 }

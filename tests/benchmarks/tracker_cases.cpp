@@ -111,7 +111,7 @@ void runCase(const fs::path& folder, const std::optional<fs::path>& out,
     if (!read) break;
     if (gamma) {
       encode(*read, *gamma, imaging.black);
-      response.take(read->view());
+      response.examine(read->view());
       detector.setGamma(response.gamma().value_or(1));
     }
     const GreyView picture{read->pixels.data(), read->width, read->height, read->width};

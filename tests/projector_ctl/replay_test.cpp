@@ -55,7 +55,7 @@ class ReplayTest : public testing::Test {
       if (uniform(random) > 0.1) under_way.emplace_back(now + delay, frameAt(now, i));
       for (auto& [arrival, frame] : under_way) {
         if (arrival > now) continue;
-        core.take(frame);
+        core.addFrame(frame);
         frames.push_back(frame);
         arrival = std::numeric_limits<std::int64_t>::max();
       }
@@ -130,8 +130,8 @@ class ReplayTest : public testing::Test {
 TEST_F(ReplayTest, RecomputesTheFieldOfEveryStatusExactly) {
   run();
   Replay dut(config.scene_context);
-  for (const LightCommand& command : commands) dut.take(command);
-  for (const ObservedFrame& frame : frames) dut.take(frame);
+  for (const LightCommand& command : commands) dut.add(command);
+  for (const ObservedFrame& frame : frames) dut.add(frame);
   int compared = 0;
   int brightest = 0;
   for (const ShownRecord& record : records) {
@@ -153,9 +153,9 @@ TEST_F(ReplayTest, RecomputesTheFieldOfEveryStatusExactly) {
 TEST_F(ReplayTest, IsEmptyIfTheLogLacksAFrame) {
   run(1200);
   Replay dut(config.scene_context);
-  for (const LightCommand& command : commands) dut.take(command);
+  for (const LightCommand& command : commands) dut.add(command);
   frames.erase(frames.begin() + 500);
-  for (const ObservedFrame& frame : frames) dut.take(frame);
+  for (const ObservedFrame& frame : frames) dut.add(frame);
   int without = 0;
   for (const ShownRecord& record : records) {
     if (!dut.layersOf(record) && !record.commander.empty()) ++without;
@@ -166,7 +166,7 @@ TEST_F(ReplayTest, IsEmptyIfTheLogLacksAFrame) {
 TEST_F(ReplayTest, NeedsTheCommand) {
   run(300);
   Replay dut(config.scene_context);
-  for (const ObservedFrame& frame : frames) dut.take(frame);
+  for (const ObservedFrame& frame : frames) dut.add(frame);
   for (const ShownRecord& record : records) ASSERT_FALSE(dut.layersOf(record).has_value());
 }
 

@@ -54,8 +54,8 @@ class SceneTest : public testing::Test {
   }
   void see(double time, std::vector<ObservedRobot> seen) {
     const ObservedFrame frame{1, ++number, at(time), std::move(seen)};
-    robots.take(frame);
-    if (dut) dut->take(frame, robots);
+    robots.add(frame);
+    if (dut) dut->addFrame(frame, robots);
   }
   const std::vector<Layer>& layersAt(double time) {
     return dut->at({at(time), at(time)}, robots).layers;
@@ -283,7 +283,7 @@ class DrivenCore : public testing::Test {
     drive.vx = speed;
     return {disk(0.2, 0.3), drive};
   }
-  void see(double time, double x) { dut.take({9, ++number, at(time), {{1, x, 0.4, 0}}}); }
+  void see(double time, double x) { dut.addFrame({9, ++number, at(time), {{1, x, 0.4, 0}}}); }
   ProjectorCore dut{config()};
   std::int64_t number = 0;
 };

@@ -41,7 +41,7 @@ TEST(FilmTracking, TracksEveryRobotUnderOneId) {
   for (std::int64_t k = 0; k < 12; ++k) {
     const double time = PaintedFilm::timeOf(k);
     const optics::GreyImage picture = bench.film.frame(k);
-    const std::vector<FilmRow>& rows = dut.take(k, time, picture.view());
+    const std::vector<FilmRow>& rows = dut.process(k, time, picture.view());
     ASSERT_EQ(rows.size(), 3U);
     for (const FilmRow& row : rows) {
       ids[robotAt(row, PaintedFilm::robotsAt(time))].insert(row.id);
@@ -65,7 +65,7 @@ TEST(FilmTracking, KeepsIdsOverAMissingFrame) {
 
   for (const std::int64_t k : {0, 1, 2, 3, 5, 6, 8}) {
     const optics::GreyImage picture = bench.film.frame(k);
-    static_cast<void>(dut.take(k, PaintedFilm::timeOf(k), picture.view()));
+    static_cast<void>(dut.process(k, PaintedFilm::timeOf(k), picture.view()));
   }
 
   EXPECT_EQ(dut.summary().ids, 3);
@@ -86,7 +86,8 @@ TEST(FilmTracking, AcceptsUnrelatedPictures) {
   std::int64_t number = 0;
   for (const std::vector<sim::PaintedRobot>& robots : stills) {
     const optics::GreyImage picture = bench.film.paint(robots, number);
-    const std::vector<FilmRow>& rows = dut.take(number, 0, picture.view());  // all times are equal
+    const std::vector<FilmRow>& rows =
+        dut.process(number, 0, picture.view());  // all times are equal
     ASSERT_EQ(rows.size(), robots.size()) << number;
     for (const FilmRow& row : rows) {
       const int robot = robotAt(row, robots);
@@ -105,7 +106,7 @@ TEST(FilmTracking, ReportsAtMostTheGivenNumberOfRobots) {
   FilmTracking dut(bench.detector, bench.caps, 2);
   const optics::GreyImage picture = bench.film.frame(0);
 
-  EXPECT_EQ(dut.take(0, 0, picture.view()).size(), 2U);
+  EXPECT_EQ(dut.process(0, 0, picture.view()).size(), 2U);
   EXPECT_EQ(dut.summary().surplus, 1);
 }
 
@@ -113,7 +114,7 @@ TEST(FilmTracking, MeasuresTheSpacingOfTheCircles) {
   Bench bench;
   FilmTracking dut(bench.detector, bench.caps);
   const optics::GreyImage picture = bench.film.frame(0);
-  static_cast<void>(dut.take(0, 0, picture.view()));
+  static_cast<void>(dut.process(0, 0, picture.view()));
 
   const FilmSummary summary = dut.summary();
 
@@ -135,7 +136,7 @@ TEST(FilmTracking, ReportsRejectedCandidates) {
   painter.paint({}, 0, picture.pixels);
   std::vector<detector::Rejection> rejected;
 
-  EXPECT_TRUE(dut.take(0, 0, picture.view(), &rejected).empty());
+  EXPECT_TRUE(dut.process(0, 0, picture.view(), &rejected).empty());
 
   const optics::Pixel disc = optics::CameraModel(settings.camera).project(0.5, 0.5, 0);
   const bool there =
@@ -159,7 +160,7 @@ TEST(FilmTracking, KeepsACapWhileOneCircleIsCovered) {
     if (covered)
       detector::lay(detector::overCircle(robots[kCovered], false), bench.detector.camera(),
                     picture);
-    const std::vector<FilmRow>& rows = dut.take(k, time, picture.view());
+    const std::vector<FilmRow>& rows = dut.process(k, time, picture.view());
     ASSERT_EQ(rows.size(), 3U) << k;
     for (const FilmRow& row : rows) {
       const sim::PaintedRobot& robot = robots[kCovered];
@@ -182,8 +183,8 @@ TEST(FilmTracking, StartsNoTrackFromOneCircle) {
   detector::lay(detector::overCircle(PaintedFilm::robotsAt(0)[0], true), bench.detector.camera(),
                 picture);
 
-  EXPECT_EQ(dut.take(0, 0, picture.view()).size(), 2U);
-  EXPECT_EQ(dut.take(1, 1 / PaintedFilm::kFps, picture.view()).size(), 2U);
+  EXPECT_EQ(dut.process(0, 0, picture.view()).size(), 2U);
+  EXPECT_EQ(dut.process(1, 1 / PaintedFilm::kFps, picture.view()).size(), 2U);
 }
 
 TEST(FilmCsv, WritesTheColumnsOfItsHeader) {

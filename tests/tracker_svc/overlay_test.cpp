@@ -140,16 +140,16 @@ TEST(Overlay, LabelsBoundRobotsAndUnboundTracks) {
   Track bound;
   bound.number = 12;
   bound.robot_id = 3;
-  bound.seen = true;
+  bound.detected = true;
   Track unbound;
   unbound.number = 13;
 
   const std::vector<Mark> marks = marksOf(std::vector{bound, unbound});
 
   EXPECT_EQ(marks.at(0).label, "R3");
-  EXPECT_TRUE(marks.at(0).seen);
+  EXPECT_TRUE(marks.at(0).detected);
   EXPECT_EQ(marks.at(1).label, "#13");
-  EXPECT_FALSE(marks.at(1).seen);
+  EXPECT_FALSE(marks.at(1).detected);
 }
 
 TEST(RejectionText, GivesFoundAndAllowedValuesInCentimetres) {

@@ -32,7 +32,7 @@ class ResponseOf : public testing::TestWithParam<Seen> {};
 TEST_P(ResponseOf, IsDeterminedByOnePictureOfManyCaps) {
   const Scene scene = cases::sceneOf(GetParam().kind, 3);
   ResponseFinder finder = finderOf(scene);
-  finder.take(cases::paint(scene).view());
+  finder.examine(cases::paint(scene).view());
   ASSERT_TRUE(finder.gamma());
   EXPECT_EQ(*finder.gamma(), GetParam().kind.gamma);
 }
@@ -54,7 +54,7 @@ TEST(ResponseFinder, StaysOpenWithoutCapsOrInDimLightOnly) {
        {SceneKind{.robots = 0, .debris = 25, .floor_pairs = 5}, SceneKind{.high = 0.22}}) {
     const Scene scene = cases::sceneOf(kind, 1);
     ResponseFinder finder = finderOf(scene);
-    finder.take(cases::paint(scene).view());
+    finder.examine(cases::paint(scene).view());
     EXPECT_FALSE(finder.gamma());
     EXPECT_FALSE(finder.isSettled());
     EXPECT_EQ(finder.reason(), "no cap was bright enough to decide");
@@ -65,7 +65,7 @@ TEST(ResponseFinder, CountsCapsInAnyLight) {
   for (const double gamma : {1.0, 2.2}) {
     const Scene dim = cases::sceneOf({.high = 0.05, .gamma = gamma}, 1);
     ResponseFinder finder = finderOf(dim);
-    finder.take(cases::paint(dim).view());
+    finder.examine(cases::paint(dim).view());
     EXPECT_EQ(finder.gamma(), gamma);
     EXPECT_FALSE(finder.isSettled());
     EXPECT_THAT(finder.reason(), HasSubstr(" places caps are found only with it"));
@@ -75,12 +75,12 @@ TEST(ResponseFinder, CountsCapsInAnyLight) {
 TEST(ResponseFinder, IsSettledByManyPlacesInBrightLight) {
   const Scene many = cases::sceneOf({}, 1);
   ResponseFinder finder = finderOf(many);
-  finder.take(cases::paint(many).view());
+  finder.examine(cases::paint(many).view());
   EXPECT_TRUE(finder.isSettled());
 
   const Scene few = cases::sceneOf({.robots = 4, .gamma = 2.2}, 1);
   ResponseFinder patient = finderOf(few);
-  for (int i = 0; i < 5; ++i) patient.take(cases::paint(few).view());
+  for (int i = 0; i < 5; ++i) patient.examine(cases::paint(few).view());
   EXPECT_EQ(patient.gamma(), optics::kVideoGamma);
   EXPECT_FALSE(patient.isSettled());
 }
@@ -90,7 +90,7 @@ TEST(ResponseFinder, UsesThePaintIfBothAssumptionsFindAllCaps) {
   for (const auto& [gamma, taken_for] : {std::pair{1.6, 2.2}, std::pair{1.4, 1.0}}) {
     const Scene scene = cases::sceneOf({.robots = 1, .gamma = gamma}, 1);
     ResponseFinder finder = finderOf(scene);
-    finder.take(cases::paint(scene).view());
+    finder.examine(cases::paint(scene).view());
     EXPECT_EQ(finder.gamma(), taken_for);
     EXPECT_THAT(finder.reason(), HasSubstr("black paint shows as 0."));
   }
@@ -107,7 +107,7 @@ TEST(ResponseFinder, InHazeTakesTheAssumptionThatFindsMoreCaps) {
       scene.settings.glares = {{0.6, 0.45, 5, haze}};
       const optics::GreyImage picture = cases::paint(scene);
       ResponseFinder finder = finderOf(scene);
-      finder.take(picture.view());
+      finder.examine(picture.view());
       const sim::PainterSettings& settings = scene.settings;
       const auto found = [&](double gamma) {
         optics::Imaging imaging = settings.imaging;
@@ -138,8 +138,8 @@ TEST(ResponseFinder, IsNotMisledByOneReflection) {
     scene.settings.glares = {{first.x, first.y, 0.06, strength}};
     ResponseFinder finder = finderOf(scene);
     const optics::GreyImage picture = cases::paint(scene);
-    for (int i = 0; i < 3; ++i) finder.take(picture.view());
-    for (const optics::GreyImage& next : later) finder.take(next.view());
+    for (int i = 0; i < 3; ++i) finder.examine(picture.view());
+    for (const optics::GreyImage& next : later) finder.examine(next.view());
     EXPECT_TRUE(finder.isSettled());
     EXPECT_EQ(finder.gamma(), 1) << strength;
   }
@@ -151,7 +151,7 @@ TEST(ResponseFinder, SamplesInBrighterLightReplaceThoseInDimLight) {
   ResponseFinder finder = finderOf(scene);
   for (const double intensity : {0.03, 0.3, 1.0}) {
     scene.light.layers.front().intensity = intensity;
-    finder.take(cases::paint(scene).view());
+    finder.examine(cases::paint(scene).view());
   }
   EXPECT_EQ(finder.gamma(), optics::kVideoGamma);
   EXPECT_TRUE(finder.isSettled());

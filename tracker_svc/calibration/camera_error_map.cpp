@@ -106,8 +106,8 @@ void addSpacings(ErrorMap& map, const std::vector<SpacingAt>& spacings,
     const int row = nearest(spacing.place.y, observations.arena_height, ErrorMap::kRows);
     const auto index = static_cast<std::size_t>(row * ErrorMap::kColumns + column);
     map.places[index].caps += 1;
-    map.places[index].spacing += spacing.miss;
-    squares[index] += spacing.miss * spacing.miss;
+    map.places[index].spacing += spacing.residual;
+    squares[index] += spacing.residual * spacing.residual;
   }
   for (std::size_t i = 0; i < map.places.size(); ++i) {
     PlaceError& place = map.places[i];

@@ -26,7 +26,7 @@ namespace lab::calibration {
 /// Residual of a spacing, and its place [m].
 struct SpacingAt {
   optics::Place place;
-  double miss = 0;
+  double residual = 0;
 };
 
 /// Adds the mean spacing residuals around each place.

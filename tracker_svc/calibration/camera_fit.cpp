@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 constexpr int kRounds = 4;
 constexpr double kOutlying = 5;  // [standard deviations]
 // [standard deviations] residual of an observation that is impossible with the camera
-constexpr double kUnseen = 100;
+constexpr double kOutOfView = 100;
 constexpr double kNormalMedian = 1.4826;
 constexpr double kLeastNoise = 0.1;  // smallest noise, in units of the given sigma
 
@@ -44,16 +44,16 @@ std::array<optics::Place, 4> cornersOf(const CameraObservations& observations) {
 }
 
 /// Observed minus marked [px].
-VectorXd cornerMisses(const CameraObservations& observations,
-                      const optics::CameraParameters& camera) {
+VectorXd cornerResiduals(const CameraObservations& observations,
+                         const optics::CameraParameters& camera) {
   const optics::CameraModel model(camera);
   const auto places = cornersOf(observations);
   VectorXd out(8);
   for (std::size_t i = 0; i < 4; ++i) {
-    const optics::Pixel seen = model.project(places[i].x, places[i].y, 0);
+    const optics::Pixel projected = model.project(places[i].x, places[i].y, 0);
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    out[row] = seen.x - observations.corners[i].x;
-    out[row + 1] = seen.y - observations.corners[i].y;
+    out[row] = projected.x - observations.corners[i].x;
+    out[row + 1] = projected.y - observations.corners[i].y;
   }
   return out;
 }
@@ -61,7 +61,7 @@ VectorXd cornerMisses(const CameraObservations& observations,
 ResidualBlock cornerBlock(const CameraObservations& observations) {
   return {upTo(kSpacing),
           [&observations](const CameraState& at) -> VectorXd {
-            return cornerMisses(observations, at.camera) / observations.corner_sigma;
+            return cornerResiduals(observations, at.camera) / observations.corner_sigma;
           },
           false};
 }
@@ -82,9 +82,9 @@ ResidualBlock priorBlock(const CameraObservations& observations) {
 
 /// One cap, and the standard error of its spacing.
 struct WeighedCap {
-  CapObservation seen;     // centres of the ellipses
-  CapObservation centres;  // centres of the circles
-  double sigma = 0;        // [m]
+  CapObservation ellipses;  // centres of the ellipses
+  CapObservation centres;   // centres of the circles
+  double sigma = 0;         // [m]
 };
 
 ResidualBlock capBlock(const CameraObservations& observations, const std::vector<WeighedCap>& caps,
@@ -93,10 +93,11 @@ ResidualBlock capBlock(const CameraObservations& observations, const std::vector
     const optics::CameraModel model(at.camera);
     VectorXd out(static_cast<Eigen::Index>(caps.size()));
     for (std::size_t i = 0; i < caps.size(); ++i) {
-      const std::optional<double> miss = spacingResidual(model, observations.cap, caps[i].centres);
+      const std::optional<double> residual =
+          spacingResidual(model, observations.cap, caps[i].centres);
       out[static_cast<Eigen::Index>(i)] =
-          miss ? (*miss - at.spacing * observations.cap.spacing()) / (noise * caps[i].sigma)
-               : kUnseen;
+          residual ? (*residual - at.spacing * observations.cap.spacing()) / (noise * caps[i].sigma)
+                   : kOutOfView;
     }
     return out;
   };
@@ -131,7 +132,7 @@ optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, d
 }
 
 /// Observed minus expected [px] of every disc of one board.
-VectorXd boardMisses(const BoardView& board, const CameraState& at, std::size_t index) {
+VectorXd boardResiduals(const BoardView& board, const CameraState& at, std::size_t index) {
   optics::CameraParameters p = at.camera;
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
   Eigen::Map<RowMajor>(p.rotation.data()) = at.boards[index].rotation;
@@ -140,10 +141,10 @@ VectorXd boardMisses(const BoardView& board, const CameraState& at, std::size_t 
   VectorXd out(2 * static_cast<Eigen::Index>(board.points.size()));
   for (std::size_t i = 0; i < board.points.size(); ++i) {
     const BoardPoint& point = board.points[i];
-    const optics::Pixel seen = discCentre(model, point.x, point.y, 0, board.disc_radius);
+    const optics::Pixel projected = discCentre(model, point.x, point.y, 0, board.disc_radius);
     const auto row = 2 * static_cast<Eigen::Index>(i);
-    out[row] = seen.x - point.pixel.x;
-    out[row + 1] = seen.y - point.pixel.y;
+    out[row] = projected.x - point.pixel.x;
+    out[row + 1] = projected.y - point.pixel.y;
   }
   return out;
 }
@@ -163,7 +164,7 @@ ResidualBlock boardBlock(const BoardView& board, std::size_t index, double noise
   }
   return {unknowns,
           [&board, index, noise](const CameraState& at) -> VectorXd {
-            return boardMisses(board, at, index).cwiseQuotient(noise * boardSigmas(board));
+            return boardResiduals(board, at, index).cwiseQuotient(noise * boardSigmas(board));
           },
           true};
 }
@@ -182,8 +183,8 @@ optics::Pixel circleCentre(const optics::CameraModel& model, const optics::CapGe
   const auto place = model.toPlane(ellipse, cap.height);
   if (!place) return ellipse;
   const optics::Pixel middle = model.project(place->x, place->y, cap.height);
-  const optics::Pixel seen = discCentre(model, place->x, place->y, cap.height, radius);
-  return {ellipse.x - (seen.x - middle.x), ellipse.y - (seen.y - middle.y)};
+  const optics::Pixel projected = discCentre(model, place->x, place->y, cap.height, radius);
+  return {ellipse.x - (projected.x - middle.x), ellipse.y - (projected.y - middle.y)};
 }
 
 std::vector<WeighedCap> weighed(const CameraObservations& observations,
@@ -252,15 +253,15 @@ void estimateNoise(const CameraObservations& observations, Fitted& fitted) {
   const CameraState& state = fitted.solution.state;
   std::vector<double> sizes;
   if (!fitted.caps.empty()) {
-    const VectorXd misses = capBlock(observations, fitted.caps, 1).residuals(state);
-    for (const double miss : misses) sizes.push_back(std::abs(miss));
+    const VectorXd residuals = capBlock(observations, fitted.caps, 1).residuals(state);
+    for (const double residual : residuals) sizes.push_back(std::abs(residual));
     const auto count = static_cast<double>(sizes.size());
     fitted.noise = robustSigma(sizes, (count - (observations.boards.empty() ? 9 : 3)) / count);
   }
   sizes.clear();
   for (std::size_t i = 0; i < observations.boards.size(); ++i) {
-    const VectorXd misses = boardBlock(observations.boards[i], i, 1).residuals(state);
-    for (const double miss : misses) sizes.push_back(std::abs(miss));
+    const VectorXd residuals = boardBlock(observations.boards[i], i, 1).residuals(state);
+    for (const double residual : residuals) sizes.push_back(std::abs(residual));
   }
   const auto count = static_cast<double>(sizes.size());
   const double used = 8 + 6 * static_cast<double>(observations.boards.size());
@@ -270,20 +271,20 @@ void estimateNoise(const CameraObservations& observations, Fitted& fitted) {
 Fitted fitAll(const CameraObservations& observations, const CameraState& start) {
   Fitted fitted;
   fitted.solution.state = start;
-  std::vector<CapObservation> sightings = observations.caps;
+  std::vector<CapObservation> observed_caps = observations.caps;
   fitted.noise = 10;  // large noise first: weights then act on large residuals too
   fitted.board_noise = 10;
   for (int round = 0; round < kRounds; ++round) {
-    fitted.caps = weighed(observations, fitted.solution.state.camera, sightings);
+    fitted.caps = weighed(observations, fitted.solution.state.camera, observed_caps);
     fitted.solution = solveCamera(blocksOf(observations, fitted), fitted.solution.state);
     estimateNoise(observations, fitted);
     if (round + 2 != kRounds || fitted.caps.empty()) continue;
-    const VectorXd misses =
+    const VectorXd residuals =
         capBlock(observations, fitted.caps, fitted.noise).residuals(fitted.solution.state);
-    sightings.clear();
+    observed_caps.clear();
     for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
-      if (std::abs(misses[static_cast<Eigen::Index>(i)]) < kOutlying) {
-        sightings.push_back(fitted.caps[i].centres);
+      if (std::abs(residuals[static_cast<Eigen::Index>(i)]) < kOutlying) {
+        observed_caps.push_back(fitted.caps[i].centres);
       }
     }
   }
@@ -330,21 +331,21 @@ CameraFit summary(const CameraObservations& observations, const Fitted& fitted) 
   fit.height = optics::CameraModel(state.camera).centre()[2];
   fit.caps = static_cast<int>(fitted.caps.size());
   fit.outlying = fitted.outlying;
-  fit.corner_residual = rms(cornerMisses(observations, state.camera));
-  VectorXd misses(0);
+  fit.corner_residual = rms(cornerResiduals(observations, state.camera));
+  VectorXd residuals(0);
   if (!fitted.caps.empty()) {
     std::vector<double> sigmas;
-    misses = capBlock(observations, fitted.caps, 1).residuals(state);
+    residuals = capBlock(observations, fitted.caps, 1).residuals(state);
     for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
-      misses[static_cast<Eigen::Index>(i)] *= fitted.caps[i].sigma;
-      sigmas.push_back(fitted.caps[i].seen.sigma);
+      residuals[static_cast<Eigen::Index>(i)] *= fitted.caps[i].sigma;
+      sigmas.push_back(fitted.caps[i].ellipses.sigma);
     }
     fit.cap_noise = fitted.noise * medianOf(sigmas);
-    fit.spacing_residual = rms(misses);
+    fit.spacing_residual = rms(residuals);
   }
   VectorXd all(0);
   for (std::size_t i = 0; i < observations.boards.size(); ++i) {
-    const VectorXd more = boardMisses(observations.boards[i], state, i);
+    const VectorXd more = boardResiduals(observations.boards[i], state, i);
     VectorXd joined(all.size() + more.size());
     joined << all, more;
     all = joined;
@@ -359,7 +360,7 @@ CameraFit summary(const CameraObservations& observations, const Fitted& fitted) 
   for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
     const CapObservation& observation = fitted.caps[i].centres;
     const auto place = model.toPlane(observation.big, observations.cap.height);
-    if (place) spacings.push_back({*place, misses[static_cast<Eigen::Index>(i)]});
+    if (place) spacings.push_back({*place, residuals[static_cast<Eigen::Index>(i)]});
   }
   addSpacings(fit.map, spacings, observations);
   return fit;
@@ -381,8 +382,8 @@ CameraFit fitCamera(const CameraObservations& observations,
   fit = summary(observations, fitted);
   fit.refusal = fitted.solution.determined
                     ? refusalOf(observations, fit, limits)
-                    : "the camera cannot be told from this: more caps over all of the arena, or a "
-                      "board in several poses, are needed";
+                    : "these data do not determine the camera: more caps all over the arena, or "
+                      "pictures of a board in several poses, are needed";
   return fit;
 }
 

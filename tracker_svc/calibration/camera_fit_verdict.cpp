@@ -53,7 +53,7 @@ std::string coverageFault(const CameraObservations& observations,
   const auto found = static_cast<int>(observations.caps.size());
   if (found < limits.caps) {
     return fmt::format(
-        "found {} caps (sightings at places of their own), needed {}: film longer, "
+        "found {} caps (each position and heading counts once), needed {}: film longer, "
         "with robots that drive all over the arena",
         found, limits.caps);
   }
@@ -93,34 +93,37 @@ std::string refusalOf(const CameraObservations& observations, const CameraFit& f
   }
   if (std::abs(heightResidual(observations, fit.camera)) > limits.height_residual) {
     return fmt::format(
-        "the camera's height comes out as {:.1f} cm, measured {:.1f}: are the arena's "
+        "the fitted height of the camera is {:.1f} cm, measured {:.1f}: are the arena's "
         "size, the caps' height and their spacing right?",
         100 * fit.height, 100 * *observations.camera_height);
   }
   const double corners = fit.corner_residual / observations.corner_sigma;
   if (corners > limits.corner_residual) {
     return fmt::format(
-        "the corners miss by {:.1f} px (rms), allowed {:.1f}: mark the inner corners "
+        "the corners differ from the fit by {:.1f} px (rms), allowed {:.1f}: mark the inner "
+        "corners "
         "at floor height; do they begin at (0, 0), and are --arena-cm and the caps' "
         "height and spacing right?",
         fit.corner_residual, limits.corner_residual * observations.corner_sigma);
   }
   if (fit.spacing_residual > limits.spacing_residual) {
     return fmt::format(
-        "the circles' spacing misses {:.1f} mm by {:.2f} mm (rms), allowed {:.2f}: {}",
+        "the circles' spacing differs from {:.1f} mm by {:.2f} mm (rms), allowed {:.2f}: {}",
         1e3 * observations.cap.spacing(), 1e3 * fit.spacing_residual, 1e3 * limits.spacing_residual,
         spacingAdvice(observations));
   }
   if (fit.board_residual > limits.board_residual) {
     return fmt::format(
-        "the board's discs miss by {:.2f} px (rms), allowed {:.2f}: is the board flat, "
+        "the board's discs differ from the fit by {:.2f} px (rms), allowed {:.2f}: is the board "
+        "flat, "
         "and did it stand still?",
         fit.board_residual, limits.board_residual);
   }
   if (!(fit.map.rms <= limits.position_error)) {
     return fmt::format(
-        "positions would be known to {:.1f} mm only (rms over the arena), allowed "
-        "{:.1f}: more caps over all of the arena help, and better marked corners",
+        "the standard error of positions is {:.1f} mm (rms over the arena), allowed {:.1f}: use "
+        "more "
+        "caps all over the arena, and mark the corners more accurately",
         1e3 * fit.map.rms, 1e3 * limits.position_error);
   }
   return {};

@@ -56,21 +56,22 @@ std::string cameraReport(const CameraFit& fit) {
   line("p2", p.p2, e.p2, 6);
   if (p.k3 != 0 && e.k3 > 1e-6) line("k3", p.k3, e.k3, 5);
   line("height, cm", kCenti * fit.height, kCenti * fit.height_error, 2);
-  fmt::format_to(out, "corners   miss by {:.2f} px (rms)\n", fit.corner_residual);
+  fmt::format_to(out, "corners   residual {:.2f} px (rms)\n", fit.corner_residual);
   if (fit.caps > 0) {
-    fmt::format_to(out,
-                   "caps      {} used, {} left out; spacing misses by {:.3f} mm (rms), circles are "
-                   "found to {:.3f} px\n",
-                   fit.caps, fit.outlying, kMilli * fit.spacing_residual, fit.cap_noise);
+    fmt::format_to(
+        out,
+        "caps      {} used, {} left out; residual of the spacing {:.3f} mm (rms), circles are "
+        "found to {:.3f} px\n",
+        fit.caps, fit.outlying, kMilli * fit.spacing_residual, fit.cap_noise);
   }
   if (fit.board_residual > 0) {
-    fmt::format_to(out, "board     discs miss by {:.3f} px (rms)\n", fit.board_residual);
+    fmt::format_to(out, "board     residual of the discs {:.3f} px (rms)\n", fit.board_residual);
   }
   text += mapText(fit.map);
   fmt::format_to(
       out,
-      "\npositions are known to {:.2f} mm (rms over the arena, at worst {:.2f}), to {:.2f} mm "
-      "but for a shift and a turn of the whole\n",
+      "\nstandard error of positions {:.2f} mm (rms over the arena, at worst {:.2f}), {:.2f} mm "
+      "without a common shift and rotation\n",
       kMilli * fit.map.rms, kMilli * fit.map.largest, kMilli * fit.map.shape);
   return text;
 }

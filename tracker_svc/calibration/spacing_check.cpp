@@ -82,8 +82,8 @@ double SpacingCheck::widening() const {
   const Vector mean = baseline_.value();
   double chi2 = 0;
   for (const Fit& fit : first_) {
-    const Vector miss = fit.value() - mean;
-    chi2 += miss.dot(fit.information * miss);
+    const Vector deviation = fit.value() - mean;
+    chi2 += deviation.dot(fit.information * deviation);
   }
   return std::max(1.0, chi2 / (3 * (static_cast<double>(first_.size()) - 1)));
 }
@@ -115,7 +115,7 @@ void SpacingCheck::closeWindows(double time) {
   last_.scale = middle.error / middle.weight;
   last_.mean_error = last_.scale * settings_.spacing;
   last_.sigma = settings_.spacing * std::sqrt(widening() / middle.weight);
-  take(fit);
+  evaluate(fit);
 }
 
 /// Deviation from the calibration, tested with the errors of the caps and of the calibration added.
@@ -142,8 +142,8 @@ SpacingReport SpacingCheck::whole() const {
   double dof = -3;
   for (const Place& place : places_) {
     if (place.weight <= 0) continue;
-    const double miss = place.error / place.weight - place.slopes().dot(value);
-    chi2 += squared(miss) / varianceOf(place);
+    const double residual = place.error / place.weight - place.slopes().dot(value);
+    chi2 += squared(residual) / varianceOf(place);
     dof += 1;
   }
   if (dof < 1) return report;
@@ -158,7 +158,7 @@ SpacingReport SpacingCheck::whole() const {
   return report;
 }
 
-void SpacingCheck::take(const Fit& window) {
+void SpacingCheck::evaluate(const Fit& window) {
   const Vector value = window.value();
   const Matrix covariance = window.covariance() * widening();
   misfits_ = misfits(value, covariance, last_) ? misfits_ + 1 : 0;

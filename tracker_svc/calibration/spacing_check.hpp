@@ -92,7 +92,7 @@ class SpacingCheck {
   };
 
   void closeWindows(double time);
-  void take(const Fit& window);
+  void evaluate(const Fit& window);
   [[nodiscard]] Fit fitOf(const std::vector<Place>& places, Place& middle) const;
   [[nodiscard]] double varianceOf(const Place& place) const;
   [[nodiscard]] double widening() const;

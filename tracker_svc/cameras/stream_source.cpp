@@ -210,7 +210,7 @@ class StreamReader : public std::enable_shared_from_this<StreamReader> {
       handlers_.trouble(item.text);
       return;
     }
-    gaps_.got(item.number);
+    gaps_.add(item.number);
     handlers_.frame({item.number, item.utime, item.image.view()});
     if (stream_) stream_->feed().recycle(std::move(item.image));
   }

@@ -282,7 +282,7 @@ void V4l2Device::stop() {
   calls_.close(std::exchange(device_, -1));
 }
 
-V4l2Device::State V4l2Device::take(Raw& frame) {
+V4l2Device::State V4l2Device::dequeue(Raw& frame) {
   v4l2_buffer buffer{};
   buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   buffer.memory = V4L2_MEMORY_MMAP;
@@ -319,7 +319,7 @@ void V4l2Device::giveBack(const Raw& frame) {
   buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
   buffer.memory = V4L2_MEMORY_MMAP;
   buffer.index = frame.buffer;
-  static_cast<void>(call(VIDIOC_QBUF, &buffer));  // if it fails, the next take() reports it
+  static_cast<void>(call(VIDIOC_QBUF, &buffer));  // if it fails, the next dequeue() reports it
 }
 
 }  // namespace lab::cameras

@@ -39,8 +39,8 @@ class V4l2Device {
 
   enum class State { kFrame, kNothing, kGone };
 
-  /// Takes the oldest waiting frame without blocking.
-  [[nodiscard]] State take(Raw& frame);
+  /// Removes the oldest waiting frame from the driver's queue, without blocking.
+  [[nodiscard]] State dequeue(Raw& frame);
   void giveBack(const Raw& frame);
 
   [[nodiscard]] int descriptor() const { return device_; }

@@ -101,7 +101,7 @@ class Capture : public std::enable_shared_from_this<Capture> {
   void readAll() {
     for (int i = 0; i < 16 && device_ && !closed_; ++i) {
       V4l2Device::Raw raw;
-      const V4l2Device::State state = device_->take(raw);
+      const V4l2Device::State state = device_->dequeue(raw);
       if (state == V4l2Device::State::kGone) return gone();
       if (state == V4l2Device::State::kNothing) {
         if (i == 0 && ++empty_calls_ > kMostEmptyCalls) gone();
@@ -128,7 +128,7 @@ class Capture : public std::enable_shared_from_this<Capture> {
     } else {
       return;  // damaged: counted as missing when the next one arrives
     }
-    gaps_.got(number);
+    gaps_.add(number);
     last_frame_ = loop_.now();
     in_handler_ = true;
     if (std::exchange(trouble_, "") != "") handlers_.trouble("");

@@ -254,7 +254,7 @@ bool edgeMayCross(const Task& task, const Outcome& plain, bool sound, const Wind
   disc.sigma = task.sigma;
   const Constants& c = task.constants;
   const float grain = plain.white * plain.white * c.texture;
-  return Surroundings(window, c, disc, sound ? Pick::kBelieved : Pick::kAll)
+  return Surroundings(window, c, disc, sound ? Pick::kWellFitted : Pick::kAll)
       .uneven(c.noiseAt(std::max(0.0F, plain.white)) + grain);
 }
 

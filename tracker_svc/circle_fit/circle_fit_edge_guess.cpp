@@ -126,7 +126,7 @@ Surroundings::Surroundings(const Window& window, const Constants& constants, con
   for (int i = 0; i < window.count; ++i) {
     const float dx = window.x[i] - disc.x;
     const float dy = window.y[i] - disc.y;
-    if (pick == Pick::kBelieved && window.residual[i] == 0.0F) continue;
+    if (pick == Pick::kWellFitted && window.residual[i] == 0.0F) continue;
     if (window.value[i] < 0 || constants.outline.squareAt(dx, dy) < outside * outside) continue;
     samples_[static_cast<std::size_t>(count_++)] = {window.x[i], window.y[i],
                                                     window.value[i] - constants.black};

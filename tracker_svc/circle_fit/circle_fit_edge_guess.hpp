@@ -22,8 +22,8 @@ struct TwoEdgeGuesses {
   EdgeGuess crossing;  ///< two perpendicular lines: the corner of a checkerboard
 };
 
-/// Pixels around a circle: all, or those with a high weight in the previous fit.
-enum class Pick : std::uint8_t { kAll, kBelieved };
+/// Pixels around a circle: all, or those that had a weight in the previous fit.
+enum class Pick : std::uint8_t { kAll, kWellFitted };
 
 /// The white pixels around a circle.
 class Surroundings {

@@ -37,7 +37,6 @@ inline GridPoint nearest(const optics::Pixel& p) {
 /// first; this holds while their estimates differ by less than `doubt` [px].
 /// @param estimate computes the centre from a grid point, using only that point and the picture;
 ///   returns std::optional<optics::Pixel>
-///   std::optional<optics::Pixel>
 template <typename Estimate>
 std::optional<GridPoint> settle(GridPoint here, double doubt, int most_moves,
                                 const Estimate& estimate) {
@@ -60,11 +59,11 @@ std::optional<GridPoint> settle(GridPoint here, double doubt, int most_moves,
   const int sx = x > inner ? 1 : x < -inner ? -1 : 0;
   const int sy = y > inner ? 1 : y < -inner ? -1 : 0;
   GridPoint chosen = here;
-  for (const GridPoint rival : {GridPoint{here.x + sx, here.y}, GridPoint{here.x, here.y + sy},
-                                GridPoint{here.x + sx, here.y + sy}}) {
-    if (!rival.before(chosen)) continue;
-    const std::optional<optics::Pixel> claim = estimate(rival);
-    if (claim && nearest(*claim) == rival) chosen = rival;
+  for (const GridPoint neighbour : {GridPoint{here.x + sx, here.y}, GridPoint{here.x, here.y + sy},
+                                    GridPoint{here.x + sx, here.y + sy}}) {
+    if (!neighbour.before(chosen)) continue;
+    const std::optional<optics::Pixel> centre = estimate(neighbour);
+    if (centre && nearest(*centre) == neighbour) chosen = neighbour;
   }
   return chosen;
 }

@@ -308,8 +308,8 @@ std::optional<float> PixelLayout::middle(const optics::GreyView& picture,
 }
 
 LAB_FIT_CLONES
-void PixelLayout::take(const optics::GreyView& picture, const Phase& phase, int x, int y,
-                       Window& window) {
+void PixelLayout::copyPixels(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                             Window& window) {
   Lanes brightest = {};
   float* to = window.value;
   const std::uint8_t* from = picture.row(y) + x;
@@ -345,7 +345,7 @@ bool PixelLayout::gather(const optics::GreyView& picture, const GridPoint& point
   const int x = point.x >> 1;
   const int y = point.y >> 1;
   if (phase.within(picture, x, y)) {
-    take(picture, phase, x, y, window);
+    copyPixels(picture, phase, x, y, window);
   } else {
     window.plain = true;
     float* to = window.value;

@@ -95,8 +95,8 @@ class PixelLayout {
                        Phase& phase);
   static void sum(const optics::GreyView& picture, const Phase& phase, int x, int y,
                   std::int32_t* sums);
-  static void take(const optics::GreyView& picture, const Phase& phase, int x, int y,
-                   Window& window);
+  static void copyPixels(const optics::GreyView& picture, const Phase& phase, int x, int y,
+                         Window& window);
   [[nodiscard]] const Phase& phaseAt(const GridPoint& point) const {
     return phases_[static_cast<std::size_t>((point.x & 1) + 2 * (point.y & 1))];
   }

@@ -19,12 +19,12 @@ using Bytes = std::uint8_t __attribute__((vector_size(kWord)));
   return bytes;
 }
 
-[[gnu::always_inline]] inline Bytes brighterOf(const Bytes& one, const Bytes& other) {
-  return one > other ? one : other;
+[[gnu::always_inline]] inline Bytes brighterOf(const Bytes& a, const Bytes& b) {
+  return a > b ? a : b;
 }
 
-[[gnu::always_inline]] inline Bytes darkerOf(const Bytes& one, const Bytes& other) {
-  return one < other ? one : other;
+[[gnu::always_inline]] inline Bytes darkerOf(const Bytes& a, const Bytes& b) {
+  return a < b ? a : b;
 }
 
 /// Bit mask of the bytes with their top bit set.

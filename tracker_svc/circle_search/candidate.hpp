@@ -23,7 +23,7 @@ struct Spot {
 struct RejectedSpot {
   float x = 0;
   float y = 0;
-  float seen = 0;  ///< [1] share of directions with an outline at the right distance
+  float found = 0;  ///< [1] share of directions with an outline at the right distance
   float wanted = 0;
 };
 

@@ -87,18 +87,18 @@ void CircleSearch::addSizes(const ScaleMap& scale, const optics::CapGeometry& ca
 }
 
 void CircleSearch::find(const optics::GreyView& picture, std::span<const Region> regions,
-                        std::vector<Spot>& spots, std::vector<RejectedSpot>* refused) {
-  findRound(picture, regions, spots, refused);
-  findRest(Rows::kAll, spots, refused);
+                        std::vector<Spot>& spots, std::vector<RejectedSpot>* rejected) {
+  findRound(picture, regions, spots, rejected);
+  findRest(Rows::kAll, spots, rejected);
 }
 
 void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Region> regions,
-                             std::vector<Spot>& spots, std::vector<RejectedSpot>* refused) {
+                             std::vector<Spot>& spots, std::vector<RejectedSpot>* rejected) {
   spots.clear();
   rest_.clear();
   if (word_starts_.empty()) return;
   spots_ = &spots;
-  rejected_spots_ = refused;
+  rejected_spots_ = rejected;
   occupied_.forget();
   aimAt(picture);
   outline_.aim(edges_, padded_.begin(picture, padding_));
@@ -123,21 +123,21 @@ void CircleSearch::findRound(const optics::GreyView& picture, std::span<const Re
 }
 
 void CircleSearch::findRest(Rows rows, std::vector<Spot>& spots,
-                            std::vector<RejectedSpot>* refused) {
+                            std::vector<RejectedSpot>* rejected) {
   const std::size_t first = spots.size();
   spots_ = &spots;
-  rejected_spots_ = refused;
+  rejected_spots_ = rejected;
   if (rows == Rows::kAll) testBetween();
   for (const Candidate& candidate : rest_) {
     if (occupied_.isCovered(candidate.x, candidate.y)) continue;
     const auto x = static_cast<float>(candidate.x);
     if (isOccupied(x, static_cast<float>(candidate.y), candidate.dark)) continue;
-    take(candidate);
+    examine(candidate);
   }
   rest_.clear();
   bringBack(spots, first);
-  if (refused == nullptr) return;
-  for (RejectedSpot& one : *refused) {
+  if (rejected == nullptr) return;
+  for (RejectedSpot& one : *rejected) {
     one.x -= static_cast<float>(padding_);
     one.y -= static_cast<float>(padding_);
   }
@@ -285,10 +285,10 @@ void CircleSearch::testWords(int y, std::size_t block, std::uint64_t wanted, std
   for (int i = 0; i < found; ++i) {
     dark_[static_cast<std::size_t>(i)].number += static_cast<int>(block) * kBits;
   }
-  takeWords({dark_.data(), static_cast<std::size_t>(found)}, y);
+  examineWords({dark_.data(), static_cast<std::size_t>(found)}, y);
 }
 
-void CircleSearch::takeWords(std::span<const DarkPixelWord> words, int y) {
+void CircleSearch::examineWords(std::span<const DarkPixelWord> words, int y) {
   const std::size_t band = static_cast<std::size_t>(y / kBand) * word_starts_.size();
   bool went_on = false;  // whether the last run continues into this word
   for (std::size_t i = 0; i < words.size(); ++i) {
@@ -311,14 +311,14 @@ void CircleSearch::takeWords(std::span<const DarkPixelWord> words, int y) {
       candidate.dark = inner_.view.row(y)[candidate.x];
       if (!isOccupied(static_cast<float>(candidate.x), static_cast<float>(y), candidate.dark)) {
         const bool may_be_round = (its.round >> middle % kWord) % 2 != 0;
-        if (!may_be_round || !takeRound(candidate)) rest_.push_back(candidate);
+        if (!may_be_round || !examineRound(candidate)) rest_.push_back(candidate);
       }
       dark = end < kWord ? dark >> end << end : 0;
     }
   }
 }
 
-bool CircleSearch::takeRound(Candidate candidate) {
+bool CircleSearch::examineRound(Candidate candidate) {
   if (isFaint(candidate, levels_)) return false;
   const Plane& plane = planeAt(candidate.x, candidate.y, reach_);
   if (!isRound(plane, candidate)) {
@@ -335,7 +335,7 @@ bool CircleSearch::takeRound(Candidate candidate) {
   return true;
 }
 
-void CircleSearch::take(const Candidate& candidate) {
+void CircleSearch::examine(const Candidate& candidate) {
   const bool faint = isFaint(candidate, levels_);
   if (faint && !standsOut(planeAt(candidate.x, candidate.y, near_), candidate, levels_.noise))
     return;

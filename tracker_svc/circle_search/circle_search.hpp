@@ -35,15 +35,15 @@ class CircleSearch {
   /// Finds the circles whose candidates lie in one of the regions, ordered by top row. The result
   /// for a circle does not depend on the regions if one of them contains all of it.
   void find(const optics::GreyView& picture, std::span<const Region> regions,
-            std::vector<Spot>& spots, std::vector<RejectedSpot>* refused);
+            std::vector<Spot>& spots, std::vector<RejectedSpot>* rejected);
 
   /// find() in two steps. The first finds complete circles and stores other dark candidates; the
   /// second examines these closely, except in areas excluded by cover(): most of them are rims and
   /// sides of caps.
   void findRound(const optics::GreyView& picture, std::span<const Region> regions,
-                 std::vector<Spot>& spots, std::vector<RejectedSpot>* refused);
+                 std::vector<Spot>& spots, std::vector<RejectedSpot>* rejected);
   /// @param rows kAll if light edges may leave so little of a circle that a row misses it
-  void findRest(Rows rows, std::vector<Spot>& spots, std::vector<RejectedSpot>* refused);
+  void findRest(Rows rows, std::vector<Spot>& spots, std::vector<RejectedSpot>* rejected);
 
   /// Excludes an area from the search.
   /// @param radius [px]
@@ -73,9 +73,9 @@ class CircleSearch {
   /// Tests the remaining rows, outside known caps.
   void testBetween();
   void testWords(int y, std::size_t block, std::uint64_t wanted, std::ptrdiff_t ahead);
-  void takeWords(std::span<const DarkPixelWord> words, int y);
-  [[nodiscard]] bool takeRound(Candidate candidate);
-  void take(const Candidate& candidate);
+  void examineWords(std::span<const DarkPixelWord> words, int y);
+  [[nodiscard]] bool examineRound(Candidate candidate);
+  void examine(const Candidate& candidate);
   void add(Spot spot, const Sizes& sizes);
   void bringBack(std::vector<Spot>& spots, std::size_t first) const;
   [[nodiscard]] bool isOccupied(float x, float y, int dark) const {

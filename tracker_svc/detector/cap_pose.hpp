@@ -24,9 +24,9 @@ struct PaintEstimate {
 
 /// [px] possible displacement of a circle by glare (reflected light on top of the paint).
 ///
-/// Glare makes black paint brighter. If it affects one circle more than the other, it is uneven
-/// over that circle too, by about the same difference between the sides of its outline; this
-/// displaces the outline by that share of its slope. Effects equal on both circles (haze, another
+/// Glare makes black paint brighter. If it affects one circle more than the other, it also varies
+/// across that circle, by about the same difference. This displaces the outline by the difference
+/// divided by the slope of the outline. Effects equal on both circles (haze, another
 /// black level, other paint) do not displace them and are ignored.
 [[nodiscard]] double shiftByGlare(const PaintEstimate& circle, const PaintEstimate& other);
 

@@ -93,7 +93,7 @@ Detection DegradedPoses::poseFromOne(const Expected& expected) {
   }
   if (rim < kLeastRim) return {};
   const RimFit fit = fitRim(circles_.picture(), setup_.camera, setup_.cap, setup_.imaging, middle);
-  if (fit.support < kLeastDirections || fit.support < kLeastShare * fit.seen) return {};
+  if (fit.support < kLeastDirections || fit.support < kLeastShare * fit.visible) return {};
   const CapPose pose =
       poseFromRim({circle.place, circle.covariance}, offset, {fit.centre, fit.covariance});
   const auto& c = pose.covariance;
@@ -112,7 +112,7 @@ Detection DegradedPoses::poseFromOne(const Expected& expected) {
   out.middle = setup_.camera.project(out.x, out.y, setup_.cap.height);
   out.used = static_cast<std::uint8_t>(kUsedRim | (big ? kUsedBig : kUsedSmall));
   if (circle.fit.edge) out.used |= kUsedEdge;
-  out.quality = kBestDegraded * static_cast<float>(fit.support) / static_cast<float>(fit.seen) *
+  out.quality = kBestDegraded * static_cast<float>(fit.support) / static_cast<float>(fit.visible) *
                 std::min(1.0F, rim / kUsualRim);
   return out;
 }

@@ -23,12 +23,12 @@ void FittedCircles::begin(const optics::GreyView& picture) {
   picture_ = picture;
   spots_.clear();
   circles_.clear();
-  taken_.clear();
+  assigned_.clear();
 }
 
 void FittedCircles::admit() {
   circles_.resize(2 * spots_.size());
-  taken_.resize(spots_.size(), 0);
+  assigned_.resize(spots_.size(), 0);
 }
 
 int FittedCircles::add(const Spot& spot) {

@@ -33,16 +33,16 @@ class FittedCircles {
   [[nodiscard]] std::size_t size() const { return spots_.size(); }
   /// For CircleSearch to append to; call admit() afterwards.
   [[nodiscard]] std::vector<Spot>& newSpots() { return spots_; }
-  /// Makes appended spots known: not fitted, not taken.
+  /// Makes appended spots known: not fitted, not assigned to a cap.
   void admit();
   /// @return its index
   int add(const Spot& spot);
   void removeLast();
 
   /// Whether the spot belongs to a cap.
-  [[nodiscard]] bool isTaken(std::size_t spot) const { return taken_[spot] != 0; }
-  void take(int spot) { taken_[static_cast<std::size_t>(spot)] = 1; }
-  void release(int spot) { taken_[static_cast<std::size_t>(spot)] = 0; }
+  [[nodiscard]] bool isAssigned(std::size_t spot) const { return assigned_[spot] != 0; }
+  void assign(int spot) { assigned_[static_cast<std::size_t>(spot)] = 1; }
+  void release(int spot) { assigned_[static_cast<std::size_t>(spot)] = 0; }
 
   /// The circle as it is now, perhaps not fitted.
   [[nodiscard]] const Circle& of(int spot, bool big) const { return circles_[index(spot, big)]; }
@@ -68,7 +68,7 @@ class FittedCircles {
   optics::GreyView picture_;
   std::vector<Spot> spots_;
   std::vector<Circle> circles_;  // two per spot: as a big one, as a small one
-  std::vector<char> taken_;      // by spot
+  std::vector<char> assigned_;   // by spot
 };
 
 }  // namespace lab::detector

@@ -25,7 +25,7 @@ void PairBuilder::gather(std::size_t first, std::vector<Rejection>* rejected) {
   // Sorted by row, so that each spot is compared with few others.
   order_.clear();
   for (std::size_t i = 0; i < circles_.size(); ++i) {
-    if (!circles_.isTaken(i)) order_.push_back(i);
+    if (!circles_.isAssigned(i)) order_.push_back(i);
   }
   std::sort(order_.begin(), order_.end(), [&](std::size_t a, std::size_t b) {
     return std::tie(circles_.spots()[a].y, a) < std::tie(circles_.spots()[b].y, b);
@@ -107,7 +107,7 @@ void PairBuilder::lookAgain(std::vector<Rejection>* rejected) {
   pairs_.clear();
   order_.clear();
   for (std::size_t i = 0; i < circles_.size(); ++i) {
-    if (!circles_.isTaken(i)) order_.push_back(i);
+    if (!circles_.isAssigned(i)) order_.push_back(i);
   }
   const float most = (static_cast<float>(setup_.cap.spacing()) + kAgain) * setup_.scale.largest();
   const float least = (static_cast<float>(setup_.cap.spacing()) - kAgain) * setup_.scale.smallest();
@@ -157,8 +157,8 @@ void PairBuilder::settlePairs(std::vector<Rejection>* rejected) {
   });
   settle(pairs_, rejected);
   std::erase_if(doubtful_, [&](const CirclePair& pair) {
-    return circles_.isTaken(static_cast<std::size_t>(pair.big)) ||
-           circles_.isTaken(static_cast<std::size_t>(pair.small));
+    return circles_.isAssigned(static_cast<std::size_t>(pair.big)) ||
+           circles_.isAssigned(static_cast<std::size_t>(pair.small));
   });
   settle(doubtful_, rejected);
 }
@@ -167,8 +167,8 @@ void PairBuilder::settle(std::vector<CirclePair>& pairs, std::vector<Rejection>*
   std::erase_if(pairs, [&](CirclePair& pair) { return !measure(pair, rejected); });
   pairs.resize(choosePairs(pairs, static_cast<int>(circles_.size())));
   for (const CirclePair& pair : pairs) {
-    circles_.take(pair.big);
-    circles_.take(pair.small);
+    circles_.assign(pair.big);
+    circles_.assign(pair.small);
     const Detection pose = poseOf(pair);
     if (!known_.overlaps(pose)) {
       known_.add(pose);

@@ -223,7 +223,7 @@ RimFit fitRim(const optics::GreyView& picture, const optics::CameraModel& camera
     sums = {};
     sums.n[2][2] = 1 / (kRadiusError * kRadiusError);
     sums.r[2] = -radius * sums.n[2][2];
-    fit.seen = 0;
+    fit.visible = 0;
     fit.support = 0;
     Profile profile;
     for (int k = 0; k < kRimDirections; ++k) {
@@ -232,7 +232,7 @@ RimFit fitRim(const optics::GreyView& picture, const optics::CameraModel& camera
       d.x = std::cos(angle);
       d.y = std::sin(angle);
       if (!readProfile(picture, camera, cap, fit.centre, d.x, d.y, profile)) continue;
-      ++fit.seen;
+      ++fit.visible;
       if (contrastOf(profile, imaging) < kLeastContrast) continue;
       measure(profile, cap, imaging, radius, d);
       const double residual = d.off - radius;

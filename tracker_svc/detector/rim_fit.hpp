@@ -14,7 +14,7 @@ namespace lab::detector {
 struct RimFit {
   optics::Place centre;                ///< [m] on the cap plane
   std::array<double, 3> covariance{};  ///< [m^2] xx, xy, yy
-  int seen = 0;     ///< directions, of kRimDirections, in which the rim lies in the picture
+  int visible = 0;  ///< directions, of kRimDirections, in which the rim lies in the picture
   int support = 0;  ///< directions with a rim at the fitted place
 };
 

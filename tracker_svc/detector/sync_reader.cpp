@@ -42,7 +42,7 @@ SyncReader::SyncReader(const optics::CameraModel& camera) {
   difference_.assign(static_cast<std::size_t>(std::max(columns_, 0) * std::max(rows_, 0)), 0.0F);
 }
 
-void SyncReader::shown(double time, int sync, std::int64_t command, bool still) {
+void SyncReader::reportChange(double time, int sync, std::int64_t command, bool still) {
   if (sync == turn_.sync && command == turn_.command) return;
   turn_ = {time, sync, command, still && turn_.sync >= 0 && command == turn_.command};
   settled_ = false;
@@ -57,7 +57,7 @@ void SyncReader::copyWindow(const optics::GreyView& picture) {
   }
 }
 
-std::optional<SyncSeen> SyncReader::look(const optics::GreyView& picture, double time) {
+std::optional<SyncReading> SyncReader::look(const optics::GreyView& picture, double time) {
   if (difference_.empty() || turn_.sync < 0) return std::nullopt;
   copyWindow(picture);
   const bool is_settled = time > turn_.time + kSettle;
@@ -82,7 +82,7 @@ std::optional<SyncSeen> SyncReader::look(const optics::GreyView& picture, double
   if (known_dark_ == 0 || known_bright_ == 0 || bright_ <= dark_) return std::nullopt;
   const double level = (value - dark_) / (bright_ - dark_);
   const std::int8_t sync = level > kBright ? 1 : level < kDark ? 0 : -1;
-  return SyncSeen{static_cast<float>(level), sync};
+  return SyncReading{static_cast<float>(level), sync};
 }
 
 void SyncReader::learn() {

@@ -12,7 +12,7 @@
 namespace lab::tracker {
 
 /// State of the patch in one picture.
-struct SyncSeen {
+struct SyncReading {
   float level = 0;       ///< [1] from the patch's dark (0) to its bright (1) state
   std::int8_t sync = 0;  ///< 0 dark, 1 bright, -1 undefined, as during a change
 };
@@ -26,14 +26,14 @@ class SyncReader {
   /// @param camera in whose pictures the patch appears, near the corner at the origin
   explicit SyncReader(const optics::CameraModel& camera);
 
-  /// Reports the projector's state: it shows `sync` (0 or 1) from `time` [s] on.
+  /// Reports a change of the projector's patch: it shows `sync` (0 or 1) from `time` [s] on.
   /// @param command changes with the light shown besides the patch
   /// @param still whether that light is constant
-  void shown(double time, int sync, std::int64_t command, bool still = true);
+  void reportChange(double time, int sync, std::int64_t command, bool still = true);
 
   /// Reads a picture whose exposure was centred at `time` [s]; call in order of time. Empty until
   /// the place of the patch is learned.
-  std::optional<SyncSeen> look(const optics::GreyView& picture, double time);
+  std::optional<SyncReading> look(const optics::GreyView& picture, double time);
 
  private:
   struct Turn {

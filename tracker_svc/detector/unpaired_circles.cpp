@@ -149,7 +149,8 @@ void UnpairedCircles::search(std::vector<Rejection>* rejected) {
         const Spot spot = circles_.spots()[i];
         // Saturated white may be brighter than 255, and the circle larger than it looks.
         const bool full = spot.white + static_cast<float>(setup_.imaging.black) >= kSaturated;
-        if (circles_.isTaken(i) || !(big ? spot.can_be_big || full : spot.can_be_small)) continue;
+        if (circles_.isAssigned(i) || !(big ? spot.can_be_big || full : spot.can_be_small))
+          continue;
         const optics::Pixel at{static_cast<double>(spot.x), static_cast<double>(spot.y)};
         if (!aside && !isBlack(at, big)) continue;
         const std::optional<optics::Place> rough = setup_.camera.toPlane(at, setup_.cap.height);

@@ -39,7 +39,7 @@ int MotionBinding::indexOf(std::int32_t robot_id) const {
   return static_cast<int>(place - ids_.begin());
 }
 
-void MotionBinding::take(std::int32_t robot_id, double time, double left, double right) {
+void MotionBinding::addReport(std::int32_t robot_id, double time, double left, double right) {
   const int robot = indexOf(robot_id);
   if (robot < 0) return;
   WheelLog& log = logs_[static_cast<std::size_t>(robot)];

@@ -20,7 +20,7 @@ class MotionBinding {
  public:
   MotionBinding(const MotionSettings& settings, std::vector<std::int32_t> robot_ids);
 
-  void take(std::int32_t robot_id, double time, double left, double right);
+  void addReport(std::int32_t robot_id, double time, double left, double right);
 
   [[nodiscard]] std::size_t robots() const { return ids_.size(); }
   /// -1 if there is no such robot.

@@ -18,7 +18,7 @@ constexpr double kTouch = 0.006;       // [m] gap below which two caps may touch
 constexpr double kLost = 0.5;          // [s] without detection
 constexpr double kLostReach = 0.15;    // [m]
 // [1] times the highest mean speed so far: a robot may have been held by a wall
-constexpr double kShownFaster = 2;
+constexpr double kSpeedMargin = 2;
 // [s] over which a mean speed is taken, to average the noise of places
 constexpr double kStride = 0.5;
 constexpr double kBriefly = 1;       // [s] for which a track with few detections is kept at least
@@ -27,8 +27,8 @@ constexpr double kNewCaps = 1e-3;    // [1/s] rate at which caps are put into th
 constexpr double kNewAtOnce = 1e-5;  // [1] minimum probability per picture
 // Probability that a cap is missed again, by the number of pictures since its last detection: a
 // visible cap is rarely missed, a hidden one tends to stay hidden.
-constexpr double kMissed[] = {0.05, 0.5, 0.95};
-constexpr int kMissedLong = 5;           // pictures
+constexpr double kStaysUndetected[] = {0.05, 0.5, 0.95};
+constexpr int kUndetectedLong = 5;       // pictures
 constexpr float kFlippedQuality = 0.4F;  // [1] low enough to be excluded from analysis
 
 bool isDegraded(const detector::Detection& detection) {
@@ -54,15 +54,15 @@ struct CapTracker::TrackState {
   detector::Detection detection;  ///< of this picture, or predicted
   double first = 0;               ///< [s] of the first detection
   double last = 0;                ///< [s] of the last detection
-  bool seen = true;
-  Wheels speeds;            ///< [m/s] from the cap's motion
-  int votes = 1;            ///< pictures that agree with the heading, minus those that do not
-  int misses = 0;           ///< lit pictures without it since its last detection
-  int blanks = 0;           ///< pictures without it since its last detection, lit or not
-  dynamics::Pose begun_at;  ///< start of the current stride
-  double begun = 0;         ///< [s] start of the current stride
-  double shown = 0;         ///< [m/s] highest mean speed of a stride
-  int chosen = -1;          ///< index of its detection in this picture
+  bool detected = true;
+  Wheels speeds;               ///< [m/s] from the cap's motion
+  int votes = 1;               ///< pictures that agree with the heading, minus those that do not
+  int undetected = 0;          ///< lit pictures without it since its last detection
+  int blanks = 0;              ///< pictures without it since its last detection, lit or not
+  dynamics::Pose stride_pose;  ///< at the start of the current stride
+  double stride_time = 0;      ///< [s] start of the current stride
+  double top_speed = 0;        ///< [m/s] highest mean speed of a stride
+  int chosen = -1;             ///< index of its detection in this picture
   IdentityEvidence evidence;
 };
 
@@ -73,64 +73,64 @@ CapTracker::CapTracker(const TrackerSettings& settings, std::vector<std::int32_t
 
 CapTracker::~CapTracker() = default;
 
-void CapTracker::take(std::span<const WheelReport> wheels) {
+void CapTracker::addReports(std::span<const WheelReport> wheels) {
   for (const WheelReport& report : wheels) {
-    binding_.take(report.robot_id, report.time, report.left, report.right);
+    binding_.addReport(report.robot_id, report.time, report.left, report.right);
   }
 }
 
-double CapTracker::reachOf(double unseen) const {
-  return kFaster * settings_.max_wheel_speed * unseen + kPlaceSlack;
+double CapTracker::reachOf(double elapsed) const {
+  return kFaster * settings_.max_wheel_speed * elapsed + kPlaceSlack;
 }
 
 /// Median over the caps of their highest speeds; ignores single caps carried by hand.
 double CapTracker::usualSpeed() const {
   if (track_states_.empty()) return 0;
   std::vector<double> speeds;
-  for (const TrackState& follow : track_states_) speeds.push_back(follow.shown);
+  for (const TrackState& track : track_states_) speeds.push_back(track.top_speed);
   return medianOf(speeds);
 }
 
 /// [m] distance from its last detection within which a cap counts as the same.
-double CapTracker::returnOf(const TrackState& follow, double time, double usual) const {
-  const double unseen = std::max(0.0, time - follow.last);
-  const double by_hand = 2 * reachOf(unseen);
+double CapTracker::returnOf(const TrackState& track, double time, double usual) const {
+  const double elapsed = std::max(0.0, time - track.last);
+  const double by_hand = 2 * reachOf(elapsed);
   // Without a picture in between the cap was not missed: recordings may have one picture per
   // second.
-  if (!settings_.caps_may_be_replaced || follow.blanks == 0 || unseen <= kLost) return by_hand;
-  const double speed = std::max(follow.shown, usual);
-  return std::min(by_hand, kShownFaster * speed * unseen + settings_.robot_radius);
+  if (!settings_.caps_may_be_replaced || track.blanks == 0 || elapsed <= kLost) return by_hand;
+  const double speed = std::max(track.top_speed, usual);
+  return std::min(by_hand, kSpeedMargin * speed * elapsed + settings_.robot_radius);
 }
 
-double CapTracker::turnOf(double unseen) const {
-  return kFaster * 2 * settings_.max_wheel_speed / settings_.wheel_base * unseen + 0.1;
+double CapTracker::turnOf(double elapsed) const {
+  return kFaster * 2 * settings_.max_wheel_speed / settings_.wheel_base * elapsed + 0.1;
 }
 
-Reckoning CapTracker::reckon(const TrackState& follow, double time) {
-  Reckoning result = reckoner_.reckon(follow.pose, follow.covariance, follow.speeds,
-                                      binding_.logOf(follow.evidence.robot), follow.last, time);
+Reckoning CapTracker::reckon(const TrackState& track, double time) {
+  Reckoning result = reckoner_.reckon(track.pose, track.covariance, track.speeds,
+                                      binding_.logOf(track.evidence.robot), track.last, time);
   // Clamps to the walls if it was inside.
   const auto hold = [&](double place, double from, double size) {
     const double low = std::min(settings_.robot_radius, from);
     const double high = std::max(size - settings_.robot_radius, from);
     return std::clamp(place, low, high);
   };
-  result.pose.x = hold(result.pose.x, follow.pose.x, settings_.arena_width);
-  result.pose.y = hold(result.pose.y, follow.pose.y, settings_.arena_height);
+  result.pose.x = hold(result.pose.x, track.pose.x, settings_.arena_width);
+  result.pose.y = hold(result.pose.y, track.pose.y, settings_.arena_height);
   return result;
 }
 
 const std::vector<detector::Expected>& CapTracker::expect(double time) {
   expected_.clear();
-  for (const TrackState& follow : track_states_) {
-    const double unseen = std::max(0.0, time - follow.last);
-    const dynamics::Pose pose = reckon(follow, time).pose;
-    const double moved = std::hypot(pose.x - follow.pose.x, pose.y - follow.pose.y);
-    const double turned = std::abs(pose.theta - follow.pose.theta);
-    const double largest = unseen > kLost ? kLostReach : settings_.robot_radius;
+  for (const TrackState& track : track_states_) {
+    const double elapsed = std::max(0.0, time - track.last);
+    const dynamics::Pose pose = reckon(track, time).pose;
+    const double moved = std::hypot(pose.x - track.pose.x, pose.y - track.pose.y);
+    const double turned = std::abs(pose.theta - track.pose.theta);
+    const double largest = elapsed > kLost ? kLostReach : settings_.robot_radius;
     expected_.push_back({pose.x, pose.y, wrapped(pose.theta),
-                         std::min(reachOf(unseen) + moved, largest),
-                         std::min(turnOf(unseen) + turned, kPi)});
+                         std::min(reachOf(elapsed) + moved, largest),
+                         std::min(turnOf(elapsed) + turned, kPi)});
   }
   return expected_;
 }
@@ -138,15 +138,15 @@ const std::vector<detector::Expected>& CapTracker::expect(double time) {
 const std::vector<Track>& CapTracker::update(double time,
                                              std::span<const detector::Detection> detections) {
   clean(detections);
-  for (TrackState& follow : track_states_) follow.chosen = -1;
+  for (TrackState& track : track_states_) track.chosen = -1;
   matchSure(time);
   matchRest(time);
   const bool lit = 2 * found_.size() >= track_states_.size() && !found_.empty();
-  for (TrackState& follow : track_states_) {
-    if (follow.chosen >= 0) {
-      see(follow, time, found_[static_cast<std::size_t>(follow.chosen)]);
+  for (TrackState& track : track_states_) {
+    if (track.chosen >= 0) {
+      noteDetected(track, time, found_[static_cast<std::size_t>(track.chosen)]);
     } else {
-      miss(follow, time, lit);
+      noteUndetected(track, time, lit);
     }
   }
   giveUp(time);
@@ -175,21 +175,21 @@ void CapTracker::clean(std::span<const detector::Detection> detections) {
 void CapTracker::matchSure(double time) {
   constexpr int kSeveral = -2;
   for (std::size_t i = 0; i < track_states_.size(); ++i) {
-    TrackState& follow = track_states_[i];
-    const double reach = reachOf(std::max(0.0, time - follow.last));
+    TrackState& track = track_states_[i];
+    const double reach = reachOf(std::max(0.0, time - track.last));
     if (reach > 0.95 * settings_.robot_radius) continue;
     for (std::size_t j = 0; j < found_.size(); ++j) {
-      if (distance2(follow.pose, found_[j]) > reach * reach) continue;
-      follow.chosen = follow.chosen == -1 ? static_cast<int>(j) : kSeveral;
+      if (distance2(track.pose, found_[j]) > reach * reach) continue;
+      track.chosen = track.chosen == -1 ? static_cast<int>(j) : kSeveral;
       cap_of_[j] = cap_of_[j] == -1 ? static_cast<int>(i) : kSeveral;
     }
   }
   // With several candidates, likelihood decides later.
-  for (TrackState& follow : track_states_) {
-    if (follow.chosen >= 0 && cap_of_[static_cast<std::size_t>(follow.chosen)] < 0) {
-      follow.chosen = -1;
+  for (TrackState& track : track_states_) {
+    if (track.chosen >= 0 && cap_of_[static_cast<std::size_t>(track.chosen)] < 0) {
+      track.chosen = -1;
     }
-    if (follow.chosen == kSeveral) follow.chosen = -1;
+    if (track.chosen == kSeveral) track.chosen = -1;
   }
   for (std::size_t j = 0; j < found_.size(); ++j) {
     if (cap_of_[j] < 0 ||
@@ -223,96 +223,97 @@ void CapTracker::matchRest(double time) {
   const double new_density = (kNewCaps * (time - lit_) + kNewAtOnce) / area;
   assignment_.reset(rows.size(), columns.size());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    const TrackState& follow = track_states_[rows[i]];
-    const ReappearanceDensity outlook(follow.pose, reckon(follow, time),
-                                      reachOf(std::max(0.0, time - follow.last)),
-                                      kFaster * settings_.max_wheel_speed);
-    const double missed = kMissed[follow.misses == 0 ? 0 : follow.misses < kMissedLong ? 1 : 2];
-    assignment_.setAlone(i, -std::log(missed));
-    const double farthest = returnOf(follow, time, usual);
+    const TrackState& track = track_states_[rows[i]];
+    const ReappearanceDensity reappearance(track.pose, reckon(track, time),
+                                           reachOf(std::max(0.0, time - track.last)),
+                                           kFaster * settings_.max_wheel_speed);
+    const double undetected = kStaysUndetected[track.undetected == 0                ? 0
+                                               : track.undetected < kUndetectedLong ? 1
+                                                                                    : 2];
+    assignment_.setAlone(i, -std::log(undetected));
+    const double farthest = returnOf(track, time, usual);
     for (std::size_t j = 0; j < columns.size(); ++j) {
-      if (distance2(follow.pose, found_[columns[j]]) > farthest * farthest) continue;
-      const double density = outlook.logDensity(found_[columns[j]]);
+      if (distance2(track.pose, found_[columns[j]]) > farthest * farthest) continue;
+      const double density = reappearance.logDensity(found_[columns[j]]);
       if (density > -100) {
-        assignment_.allow(i, j, -std::log(1 - missed) - density + std::log(new_density));
+        assignment_.allow(i, j, -std::log(1 - undetected) - density + std::log(new_density));
       }
     }
   }
   assignment_.solve();
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    TrackState& follow = track_states_[rows[i]];
+    TrackState& track = track_states_[rows[i]];
     const int column = assignment_.columnOf(i);
     if (column >= 0) {
-      follow.chosen = static_cast<int>(columns[static_cast<std::size_t>(column)]);
-      cap_of_[static_cast<std::size_t>(follow.chosen)] = static_cast<int>(rows[i]);
+      track.chosen = static_cast<int>(columns[static_cast<std::size_t>(column)]);
+      cap_of_[static_cast<std::size_t>(track.chosen)] = static_cast<int>(rows[i]);
     }
-    if (assignment_.margin(i) < kDoubt) doubt(follow);
+    if (assignment_.margin(i) < kDoubt) doubt(track);
   }
 }
 
-void CapTracker::doubt(TrackState& follow) {
-  if (follow.evidence.robot >= 0) ++counts_.unbound;
-  follow.evidence.forget();
+void CapTracker::doubt(TrackState& track) {
+  if (track.evidence.robot >= 0) ++counts_.unbound;
+  track.evidence.forget();
 }
 
-void CapTracker::see(TrackState& follow, double time, detector::Detection detection) {
+void CapTracker::noteDetected(TrackState& track, double time, detector::Detection detection) {
   // A degraded pose has the expected heading and a less accurate place.
   const bool sharp = !isDegraded(detection);
-  if (sharp) correctFlip(follow, time, detection);
+  if (sharp) correctFlip(track, time, detection);
   const dynamics::Pose pose = poseOf(detection);
-  const double span = time - follow.last;
+  const double span = time - track.last;
   if (span > kLost) {
-    follow.speeds = {};
-  } else if (span > 1e-3 && sharp && !isDegraded(follow.detection)) {
-    const Wheels travel = wheelsBetween(follow.pose, pose, settings_.wheel_base);
+    track.speeds = {};
+  } else if (span > 1e-3 && sharp && !isDegraded(track.detection)) {
+    const Wheels travel = wheelsBetween(track.pose, pose, settings_.wheel_base);
     const double most = settings_.max_wheel_speed;
     const auto blend = [&](double old, double measured) {
       return std::clamp(0.3 * old + 0.7 * measured / span, -most, most);
     };
-    follow.speeds = {blend(follow.speeds.left, travel.left),
-                     blend(follow.speeds.right, travel.right)};
+    track.speeds = {blend(track.speeds.left, travel.left), blend(track.speeds.right, travel.right)};
   }
-  if (span > kLost && follow.blanks > 0) {  // its path in between is unknown
-    follow.begun = time;
-    follow.begun_at = pose;
-  } else if (sharp && time - follow.begun >= kStride) {
-    const double travel = std::hypot(pose.x - follow.begun_at.x, pose.y - follow.begun_at.y);
-    follow.shown = std::max(follow.shown, travel / (time - follow.begun));
-    follow.begun = time;
-    follow.begun_at = pose;
+  if (span > kLost && track.blanks > 0) {  // its path in between is unknown
+    track.stride_time = time;
+    track.stride_pose = pose;
+  } else if (sharp && time - track.stride_time >= kStride) {
+    const double travel = std::hypot(pose.x - track.stride_pose.x, pose.y - track.stride_pose.y);
+    track.top_speed = std::max(track.top_speed, travel / (time - track.stride_time));
+    track.stride_time = time;
+    track.stride_pose = pose;
   }
-  follow.pose = pose;
-  follow.covariance = detection.covariance;
-  follow.detection = detection;
-  follow.last = time;
-  follow.seen = true;
-  follow.misses = 0;
-  follow.blanks = 0;
+  track.pose = pose;
+  track.covariance = detection.covariance;
+  track.detection = detection;
+  track.last = time;
+  track.detected = true;
+  track.undetected = 0;
+  track.blanks = 0;
 }
 
-void CapTracker::correctFlip(TrackState& follow, double time, detector::Detection& detection) {
-  const double unseen = std::max(0.0, time - follow.last);
-  double limit = turnOf(unseen);
-  double from = follow.pose.theta;
+void CapTracker::correctFlip(TrackState& track, double time, detector::Detection& detection) {
+  const double elapsed = std::max(0.0, time - track.last);
+  double limit = turnOf(elapsed);
+  double from = track.pose.theta;
   if (limit > 0.4 * kPi) {
     // It may really have turned round: only its own wheel reports can tell.
-    const Reckoning reckoning = reckon(follow, time);
+    const Reckoning reckoning = reckon(track, time);
     limit = 4 * std::sqrt(reckoning.covariance[5]) + 0.1;
     from = reckoning.pose.theta;
-    if (reckoning.known < 0.9 * unseen || limit > 0.4 * kPi) return;
+    if (reckoning.known < 0.9 * elapsed || limit > 0.4 * kPi) return;
   }
-  limit += 4 * std::sqrt(detection.covariance[5] + follow.covariance[5]);
+  limit += 4 * std::sqrt(detection.covariance[5] + track.covariance[5]);
   const double turned = std::abs(wrapped(detection.theta - from));
   if (turned <= limit || kPi - turned > limit) {
-    if (turned <= limit) follow.votes = std::min(follow.votes + 1, kVotes);
+    if (turned <= limit) track.votes = std::min(track.votes + 1, kVotes);
     return;
   }
-  if (--follow.votes < 0) {
+  if (--track.votes < 0) {
     // The heading was wrong from the beginning; accept the opposite one.
-    follow.votes = 1;
-    follow.speeds = {-follow.speeds.right, -follow.speeds.left};
-    follow.pose.theta = wrapped(follow.pose.theta + kPi);
-    follow.evidence.begun = false;
+    track.votes = 1;
+    track.speeds = {-track.speeds.right, -track.speeds.left};
+    track.pose.theta = wrapped(track.pose.theta + kPi);
+    track.evidence.begun = false;
     return;
   }
   ++counts_.flips;
@@ -321,9 +322,9 @@ void CapTracker::correctFlip(TrackState& follow, double time, detector::Detectio
   detection.quality = std::min(detection.quality, kFlippedQuality);
 }
 
-void CapTracker::miss(TrackState& follow, double time, bool lit) {
-  const Reckoning reckoning = reckon(follow, time);
-  detector::Detection& detection = follow.detection;
+void CapTracker::noteUndetected(TrackState& track, double time, bool lit) {
+  const Reckoning reckoning = reckon(track, time);
+  detector::Detection& detection = track.detection;
   detection.x = reckoning.pose.x;
   detection.y = reckoning.pose.y;
   detection.theta = wrapped(reckoning.pose.theta);
@@ -331,31 +332,31 @@ void CapTracker::miss(TrackState& follow, double time, bool lit) {
   detection.quality = 0;
   detection.used = 0;
   detection.spacing = 0;
-  follow.seen = false;
-  if (lit) ++follow.misses;
-  ++follow.blanks;
+  track.detected = false;
+  if (lit) ++track.undetected;
+  ++track.blanks;
 }
 
 void CapTracker::start(double time, const detector::Detection& detection) {
-  TrackState follow;
-  follow.number = next_number_++;
-  follow.pose = poseOf(detection);
-  follow.covariance = detection.covariance;
-  follow.detection = detection;
-  follow.first = time;
-  follow.last = time;
-  follow.begun = time;
-  follow.begun_at = follow.pose;
-  follow.evidence.pairs.resize(binding_.robots());
-  track_states_.push_back(std::move(follow));
+  TrackState track;
+  track.number = next_number_++;
+  track.pose = poseOf(detection);
+  track.covariance = detection.covariance;
+  track.detection = detection;
+  track.first = time;
+  track.last = time;
+  track.stride_time = time;
+  track.stride_pose = track.pose;
+  track.evidence.pairs.resize(binding_.robots());
+  track_states_.push_back(std::move(track));
 }
 
 void CapTracker::giveUp(double time) {
-  const auto isLost = [&](const TrackState& follow) {
-    if (follow.seen) return false;
-    const double patience = std::min(kGiveUp, kBriefly + follow.last - follow.first);
-    const detector::Detection& at = follow.detection;
-    return time - follow.last > patience || at.x < -kOutside || at.y < -kOutside ||
+  const auto isLost = [&](const TrackState& track) {
+    if (track.detected) return false;
+    const double timeout = std::min(kGiveUp, kBriefly + track.last - track.first);
+    const detector::Detection& at = track.detection;
+    return time - track.last > timeout || at.x < -kOutside || at.y < -kOutside ||
            at.x > settings_.arena_width + kOutside || at.y > settings_.arena_height + kOutside;
   };
   const auto end = std::remove_if(track_states_.begin(), track_states_.end(), isLost);
@@ -363,8 +364,8 @@ void CapTracker::giveUp(double time) {
   track_states_.erase(end, track_states_.end());
 }
 
-bool CapTracker::isTouching(const TrackState& follow) const {
-  const dynamics::Pose& at = follow.pose;
+bool CapTracker::isTouching(const TrackState& track) const {
+  const dynamics::Pose& at = track.pose;
   const double wall = settings_.robot_radius + kTouch;
   if (at.x < wall || at.y < wall || at.x > settings_.arena_width - wall ||
       at.y > settings_.arena_height - wall) {
@@ -374,20 +375,20 @@ bool CapTracker::isTouching(const TrackState& follow) const {
   return std::any_of(track_states_.begin(), track_states_.end(), [&](const TrackState& other) {
     const double dx = other.pose.x - at.x;
     const double dy = other.pose.y - at.y;
-    return &other != &follow && dx * dx + dy * dy < near * near;
+    return &other != &track && dx * dx + dy * dy < near * near;
   });
 }
 
 void CapTracker::compareMotion(double time) {
   evidence_.clear();
-  for (TrackState& follow : track_states_) {
-    IdentityEvidence& evidence = follow.evidence;
-    evidence.placed = follow.seen && !isDegraded(follow.detection);
-    evidence.place = follow.pose;
+  for (TrackState& track : track_states_) {
+    IdentityEvidence& evidence = track.evidence;
+    evidence.placed = track.detected && !isDegraded(track.detection);
+    evidence.place = track.pose;
     const double half_base = settings_.wheel_base / 2;
-    evidence.variance = (follow.covariance[0] + follow.covariance[3]) / 2 +
-                        half_base * half_base * follow.covariance[5];
-    evidence.touching = isTouching(follow);
+    evidence.variance = (track.covariance[0] + track.covariance[3]) / 2 +
+                        half_base * half_base * track.covariance[5];
+    evidence.touching = isTouching(track);
     evidence_.push_back(&evidence);
   }
   const std::int64_t bound = binding_.bound();
@@ -405,16 +406,16 @@ bool CapTracker::bind(std::int32_t robot_id, double x, double y, double reach) {
   detector::Detection place;
   place.x = x;
   place.y = y;
-  for (TrackState& follow : track_states_) {
-    const double distance = distance2(follow.pose, place);
-    if (!follow.seen || isDegraded(follow.detection) || distance > least) continue;
+  for (TrackState& track : track_states_) {
+    const double distance = distance2(track.pose, place);
+    if (!track.detected || isDegraded(track.detection) || distance > least) continue;
     least = distance;
-    nearest = &follow;
+    nearest = &track;
   }
   if (nearest == nullptr) return false;
   if (nearest->evidence.robot == robot) return true;
-  for (TrackState& follow : track_states_) {
-    if (follow.evidence.robot == robot) doubt(follow);
+  for (TrackState& track : track_states_) {
+    if (track.evidence.robot == robot) doubt(track);
   }
   if (nearest->evidence.robot >= 0) doubt(*nearest);
   nearest->evidence.forget();
@@ -430,9 +431,9 @@ bool CapTracker::bind(std::int32_t robot_id, double x, double y, double reach) {
 void CapTracker::publish(double time) {
   tracks_.resize(track_states_.size());
   for (std::size_t i = 0; i < track_states_.size(); ++i) {
-    const TrackState& follow = track_states_[i];
-    tracks_[i] = {follow.number, binding_.idOf(follow.evidence.robot), follow.detection,
-                  follow.seen, follow.seen ? 0 : time - follow.last};
+    const TrackState& track = track_states_[i];
+    tracks_[i] = {track.number, binding_.idOf(track.evidence.robot), track.detection,
+                  track.detected, track.detected ? 0 : time - track.last};
   }
 }
 

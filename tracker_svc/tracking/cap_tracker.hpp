@@ -25,9 +25,9 @@ struct WheelReport {
 struct Track {
   std::int64_t number = 0;     ///< unique, never reused
   std::int32_t robot_id = -1;  ///< the robot it is bound to, -1 if unbound
-  detector::Detection pose;    ///< of this picture, or predicted if not seen (quality 0)
-  bool seen = false;           ///< in this picture
-  double unseen = 0;           ///< [s] since its last detection
+  detector::Detection pose;    ///< of this picture, or predicted if not detected (quality 0)
+  bool detected = false;       ///< in this picture
+  double since_detection = 0;  ///< [s] since its last detection
 };
 
 struct TrackerSettings {
@@ -77,15 +77,15 @@ class CapTracker {
   CapTracker(const CapTracker&) = delete;
   CapTracker& operator=(const CapTracker&) = delete;
 
-  /// Takes wheel reports; they may arrive up to a second after the picture they belong to.
-  void take(std::span<const WheelReport> wheels);
+  /// Adds wheel reports; they may arrive up to a second after the picture they belong to.
+  void addReports(std::span<const WheelReport> wheels);
 
   /// Where to search the caps in a picture taken at `time` [s], one place per track in the order of
   /// the last update: the range its wheels allow, but at most a robot's radius, or 0.15 m if the
   /// track is lost (undetected for half a second).
   [[nodiscard]] const std::vector<detector::Expected>& expect(double time);
 
-  /// Takes the detections of the picture taken at `time` [s], which must increase. Detections of
+  /// Assigns the detections of the picture taken at `time` [s], which must increase. Detections of
   /// quality 0 are ignored.
   /// @return all tracks, valid until the next call
   const std::vector<Track>& update(double time, std::span<const detector::Detection> detections);
@@ -108,20 +108,20 @@ class CapTracker {
   void clean(std::span<const detector::Detection> detections);
   void matchSure(double time);
   void matchRest(double time);
-  void see(TrackState& follow, double time, detector::Detection detection);
-  void correctFlip(TrackState& follow, double time, detector::Detection& detection);
-  void miss(TrackState& follow, double time, bool lit);
+  void noteDetected(TrackState& track, double time, detector::Detection detection);
+  void correctFlip(TrackState& track, double time, detector::Detection& detection);
+  void noteUndetected(TrackState& track, double time, bool lit);
   void start(double time, const detector::Detection& detection);
   void giveUp(double time);
-  void doubt(TrackState& follow);
+  void doubt(TrackState& track);
   void compareMotion(double time);
-  [[nodiscard]] bool isTouching(const TrackState& follow) const;
+  [[nodiscard]] bool isTouching(const TrackState& track) const;
   void publish(double time);
-  [[nodiscard]] Reckoning reckon(const TrackState& follow, double time);
-  [[nodiscard]] double reachOf(double unseen) const;
-  [[nodiscard]] double returnOf(const TrackState& follow, double time, double usual) const;
+  [[nodiscard]] Reckoning reckon(const TrackState& track, double time);
+  [[nodiscard]] double reachOf(double elapsed) const;
+  [[nodiscard]] double returnOf(const TrackState& track, double time, double usual) const;
   [[nodiscard]] double usualSpeed() const;
-  [[nodiscard]] double turnOf(double unseen) const;
+  [[nodiscard]] double turnOf(double elapsed) const;
 
   TrackerSettings settings_;
   MotionBinding binding_;

@@ -67,9 +67,8 @@ class MotionPrior {
 ///
 /// The gain of each wheel is unknown but constant and is integrated out; otherwise equal speeds
 /// over a long time would count as new evidence again and again. A robot in contact may stand still
-/// or be slower than its wheels (stalled). A cap that moves differently from its robot's wheels is
-/// nearly but not completely excluded: hands and other robots push.
-/// quite: hands and other robots push.
+/// or be slower than its wheels (stalled). A cap that moves differently from a robot's wheels is
+/// very unlikely to be this robot, but not impossible: hands and other robots may push it.
 class PairEvidence {
  public:
   /// @param highest upper limit of the evidence

@@ -88,7 +88,7 @@ std::map<std::string, ProgramKind> selectedPrograms(const ExperimentForm& form) 
   return selected;
 }
 
-void checkEstimate(const ExperimentForm& form, const std::string& path, const Until& until,
+void checkEstimate(const ExperimentForm& form, const std::string& path, const EndCondition& until,
                    Problems& problems) {
   if (problems.concern("programs") || problems.concern("light_table")) return;
   const auto selected = selectedPrograms(form);
@@ -111,7 +111,7 @@ void checkEstimate(const ExperimentForm& form, const std::string& path, const Un
                                         listed(known)));
 }
 
-void checkTumbles(const ExperimentForm& form, const std::string& path, const Until& until,
+void checkTumbles(const ExperimentForm& form, const std::string& path, const EndCondition& until,
                   Problems& problems) {
   if (problems.concern("programs") || problems.concern("light_table")) return;
   const auto selected = selectedPrograms(form);
@@ -128,7 +128,7 @@ bool reaches(double middle, double half, double size, double radius) {
   return middle + half >= radius && middle - half <= size - radius;
 }
 
-void checkRegion(const ExperimentForm& form, const std::string& path, const Until& until,
+void checkRegion(const ExperimentForm& form, const std::string& path, const EndCondition& until,
                  Problems& problems) {
   if (problems.concern("arena") || problems.concern("robot")) return;
   const bool circle = until.region == Region::kCircle;
@@ -161,7 +161,7 @@ void checkOneRobot(const ExperimentForm& form, const std::string& path, std::int
                "found " + std::to_string(robot) + ", allowed the id of a robot of this file");
 }
 
-void checkUntil(const ExperimentForm& form, const std::string& path, const Until& until,
+void checkUntil(const ExperimentForm& form, const std::string& path, const EndCondition& until,
                 Problems& problems) {
   std::string found;
   const auto note = [&found](bool there, const char* name) {
@@ -306,7 +306,7 @@ void checkStopRules(const ExperimentForm& form, Problems& problems) {
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const std::string path = rulePath(i);
     if (problems.concern(path)) continue;
-    const Until& until = rules[i].until;
+    const EndCondition& until = rules[i].until;
     checkEstimate(form, path, until, problems);
     checkOneRobot(form, path, until.robot, problems);
     if (!problems.concern("duration_s") && rules[i].at_least >= form.common.duration) {
@@ -315,7 +315,7 @@ void checkStopRules(const ExperimentForm& form, Problems& problems) {
                        ", allowed below duration_s = " + numberText(form.common.duration));
     }
     for (std::size_t k = 0; k < i; ++k) {
-      const Until& other = rules[k].until;
+      const EndCondition& other = rules[k].until;
       const bool same = other.estimate == until.estimate && other.program == until.program &&
                         other.robot == until.robot;
       if (!same) continue;

@@ -38,9 +38,9 @@ struct LayerEntry {
 struct StepEntry {
   std::string label;
   std::optional<double> at;    ///< [s]
-  std::optional<double> hold;  ///< [s] at most, where there is a condition
+  std::optional<double> hold;  ///< [s]; the longest one if there is a condition
   bool has_until = false;
-  Until until;
+  EndCondition until;
   IfNot if_not = IfNot::kNext;
   std::string back_to;
   std::int64_t times = 0;

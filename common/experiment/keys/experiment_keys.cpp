@@ -167,7 +167,8 @@ void visitLightTable(KeyVisitor& v, LightTable& table) {
   enumerate(v, {"sensor", "which of the robot's two light sensors the bands are compared with"},
             kSensors, table.sensor);
   v.number(
-      {"hysteresis", "a band remains selected until the light is outside it by more than this"},
+      {"hysteresis",
+       "a selected band is kept while the light is inside the band widened by this on both sides"},
       {0, 0.5}, table.hysteresis);
   visitList(v,
             {"bands",

@@ -36,7 +36,7 @@ void visitOneRobot(KeyVisitor& v, std::int32_t& robot) {
 }
 
 // The keys present decide which of the three kinds of condition it is.
-void visitUntil(KeyVisitor& v, Until& until) {
+void visitUntil(KeyVisitor& v, EndCondition& until) {
   using enum Region;
   v.text(writtenIf(!until.estimate.empty(), {"estimate", kEstimate}), kEstimateRule,
          until.estimate);

@@ -88,7 +88,7 @@ class TomlReader final : public KeyVisitor {
     const toml::array* ends = node->as_array();
     if (ends == nullptr || ends->size() != 2) {
       const std::string found =
-          ends == nullptr ? shown(*node) : "a list of " + std::to_string(ends->size());
+          ends == nullptr ? displayText(*node) : "a list of " + std::to_string(ends->size());
       problems_.addAt(document_.place(*node), pathOf(key.name),
                       "found " + found + ", allowed " + allowed);
       return;
@@ -167,7 +167,7 @@ class TomlReader final : public KeyVisitor {
         inside(*item.as_table(), item_path, [&] { element(i); });
       } else {
         problems_.addAt(document_.place(item), item_path,
-                        "found " + shown(item) + ", allowed a table: " + form);
+                        "found " + displayText(item) + ", allowed a table: " + form);
       }
     }
   }
@@ -182,19 +182,19 @@ class TomlReader final : public KeyVisitor {
     if (node == nullptr) return;
     const toml::table* tables = node->as_table();
     if (tables == nullptr || tables->size() < rule.fewest || tables->size() > rule.most) {
-      const std::string found = tables ? std::to_string(tables->size()) : shown(*node);
+      const std::string found = tables ? std::to_string(tables->size()) : displayText(*node);
       problems_.addAt(document_.place(*node), path, "found " + found + ", allowed " + allowed);
       return;
     }
     for (const auto& [name_key, item] : *tables) {
       const std::string name(name_key.str());
-      const std::string item_path = path + "." + shownKey(name);
+      const std::string item_path = path + "." + displayKey(name);
       if (!name_rule.accepts(name)) {
         problems_.addAt(document_.place(name_key, item), item_path,
-                        "found the name " + shown(name) + ", allowed " + name_rule.text());
+                        "found the name " + displayText(name) + ", allowed " + name_rule.text());
       } else if (!item.is_table()) {
         problems_.addAt(document_.place(item), item_path,
-                        "found " + shown(item) + ", allowed a table: [" + item_path + "]");
+                        "found " + displayText(item) + ", allowed a table: [" + item_path + "]");
       } else {
         inside(*item.as_table(), item_path, [&] { keys(name); });
       }
@@ -245,7 +245,7 @@ class TomlReader final : public KeyVisitor {
     const toml::array* array = node->as_array();
     if (array == nullptr || array->size() < rule.fewest || array->size() > rule.most) {
       const std::string found =
-          array == nullptr ? shown(*node) : "a list of " + std::to_string(array->size());
+          array == nullptr ? displayText(*node) : "a list of " + std::to_string(array->size());
       problems_.addAt(document_.place(*node), pathOf(key.name),
                       "found " + found + ", allowed " + allowed);
       return;
@@ -257,7 +257,7 @@ class TomlReader final : public KeyVisitor {
       if (read(item, all[i])) continue;
       fine = false;
       problems_.addAt(document_.place(item), pathOf(key.name) + "[" + std::to_string(i) + "]",
-                      "found " + shown(item) + ", allowed " + one);
+                      "found " + displayText(item) + ", allowed " + one);
     }
     if (fine) values = std::move(all);
   }
@@ -277,13 +277,13 @@ class TomlReader final : public KeyVisitor {
     const auto value = node.value<double>();
     if (node.is_number() && range.contains(*value)) return toSi(*value, unitOf(key.name));
     problems_.addAt(document_.place(node), pathOf(key.name) + "[" + std::to_string(index) + "]",
-                    "found " + shown(node) + ", allowed " + range.text());
+                    "found " + displayText(node) + ", allowed " + range.text());
     return {};
   }
 
   void refuse(const Key& key, const toml::node& node, const std::string& allowed) {
     problems_.addAt(document_.place(node), pathOf(key.name),
-                    "found " + shown(node) + ", allowed " + allowed);
+                    "found " + displayText(node) + ", allowed " + allowed);
   }
 
   template <typename Keys>
@@ -300,7 +300,7 @@ class TomlReader final : public KeyVisitor {
       const std::string name(key.str());
       if (std::ranges::find(scope.known, name) != scope.known.end()) continue;
       std::string path = scope.path.empty() ? "" : scope.path + ".";
-      path += shownKey(name);
+      path += displayKey(name);
       problems_.addAt(document_.place(key, node), path,
                       "found an unknown key, " + wayOut(name, scope.allowed));
     }

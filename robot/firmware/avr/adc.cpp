@@ -58,8 +58,8 @@ void beginScan() {
   convert(0);
 }
 
-// Includes a complete scan that was not yet taken. Otherwise the program could begin another scan
-// before it takes this one, and would then be one period late.
+// Includes a complete scan that was not fetched yet. Otherwise the program could begin another scan
+// before it fetches this one, and would then be one period late.
 bool scanUnderWay() { return step != kEnd || complete; }
 
 bool takeScan(dynamics::Sensors& sensors) {

@@ -11,7 +11,7 @@ void startConverter();
 /// Begins a scan of all sensors, which takes 1.6 ms. Must not be called during a scan.
 void beginScan();
 
-/// Whether there is a scan whose readings were not yet taken.
+/// Whether a scan is in progress, or its readings were not fetched yet by takeScan().
 bool scanUnderWay();
 
 /// Returns true once after each scan, with its readings. An infrared reading is the difference

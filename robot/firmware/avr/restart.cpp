@@ -13,11 +13,13 @@ extern uint8_t __stack;  // the last byte of RAM
 
 namespace {
 
-constexpr uint8_t kPaint = 0xC5;
-constexpr uint32_t kBitten = 0x1DEADD06UL;
+constexpr uint8_t kStackFill = 0xC5;              // fills the free RAM, to measure the stack
+constexpr uint32_t kWatchdogMark = 0x1DEADD06UL;  // an unlikely value of RAM at power-on
 
-// Not cleared at the start, so that the values survive a restart without reset.
+// kWatchdogMark after a restart by the watchdog's interrupt. Not cleared at the start: survives a
+// restart without reset.
 uint32_t watchdog_mark __attribute__((section(".noinit")));
+// MCUSR at the start. Not cleared: saveResetCause() sets it before .bss is cleared.
 uint8_t reset_flags __attribute__((section(".noinit")));
 
 }  // namespace
@@ -25,13 +27,13 @@ uint8_t reset_flags __attribute__((section(".noinit")));
 // Runs before the data are initialised and before main(). Saves the reset cause, switches off a
 // watchdog that a reset left on (it would reset again within 16 ms), and fills the free RAM with a
 // pattern for stackLeft().
-extern "C" void atStart() __attribute__((naked, used, section(".init3")));
-void atStart() {
+extern "C" void saveResetCause() __attribute__((naked, used, section(".init3")));
+void saveResetCause() {
   reset_flags = MCUSR;
   MCUSR = 0;
   wdt_disable();
   for (uint8_t* at = &_end; at <= &__stack; ++at) {
-    *at = kPaint;
+    *at = kStackFill;
   }
 }
 
@@ -39,7 +41,7 @@ namespace lab {
 namespace avr {
 
 uint8_t resetCause() {
-  const bool bitten = watchdog_mark == kBitten;
+  const bool by_watchdog = watchdog_mark == kWatchdogMark;
   watchdog_mark = 0;
   if ((reset_flags & 1U << PORF) != 0) {
     return wire::kResetPower;
@@ -53,7 +55,7 @@ uint8_t resetCause() {
   if ((reset_flags & 1U << EXTRF) != 0) {
     return wire::kResetPin;
   }
-  return bitten ? wire::kResetWatchdog : wire::kResetUnknown;
+  return by_watchdog ? wire::kResetWatchdog : wire::kResetUnknown;
 }
 
 void startWatchdog() {
@@ -62,8 +64,8 @@ void startWatchdog() {
 #else
   ATOMIC_BLOCK(ATOMIC_RESTORESTATE) {
     wdt_reset();
-    WDTCSR = 1U << WDCE | 1U << WDE;  // allows changes for four cycles
-    WDTCSR = 1U << WDIE | 1U << WDP2;
+    WDTCSR = 1U << WDCE | 1U << WDE;   // allows changes for four cycles
+    WDTCSR = 1U << WDIE | 1U << WDP2;  // interrupt only, 250 ms
   }
 #endif
 }
@@ -72,7 +74,7 @@ void feedWatchdog() { wdt_reset(); }
 
 uint16_t stackLeft() {
   const uint8_t* at = &_end;
-  while (*at == kPaint) {
+  while (*at == kStackFill) {
     ++at;
   }
   return static_cast<uint16_t>(at - &_end);
@@ -87,7 +89,7 @@ uint16_t stackLeft() {
 ISR(WDT_vect, ISR_NAKED) {
   asm volatile("clr __zero_reg__");
   lab::avr::cutMotors();
-  watchdog_mark = kBitten;
+  watchdog_mark = kWatchdogMark;
   asm volatile("jmp 0");
 }
 #endif

@@ -8,9 +8,9 @@ namespace {
 constexpr std::int64_t kStart_us = 1'000'000;
 
 ExperimentRequest pauseRequest() {
-  experiment_command_t wish{};
-  wish.action = experiment_command_t::PAUSE;
-  return {wish, "lab_pause", 7, 42, kStart_us};
+  experiment_command_t command{};
+  command.action = experiment_command_t::PAUSE;
+  return {command, "lab_pause", 7, 42, kStart_us};
 }
 
 experiment_status_t echoOf(const ExperimentRequest& request) {
@@ -22,11 +22,11 @@ experiment_status_t echoOf(const ExperimentRequest& request) {
 }
 
 TEST(ExperimentRequest, HasItsSenderAndContent) {
-  experiment_command_t wish{};
-  wish.action = experiment_command_t::SEEK;
-  wish.value = 12.5;
-  wish.text = "there";
-  const ExperimentRequest request(wish, "dashboard", 3, 9, kStart_us);
+  experiment_command_t command{};
+  command.action = experiment_command_t::SEEK;
+  command.value = 12.5;
+  command.text = "there";
+  const ExperimentRequest request(command, "dashboard", 3, 9, kStart_us);
   EXPECT_EQ(request.message().action, experiment_command_t::SEEK);
   EXPECT_EQ(request.message().value, 12.5);
   EXPECT_EQ(request.message().text, "there");

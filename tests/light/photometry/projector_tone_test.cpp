@@ -7,13 +7,13 @@
 namespace lab::optics {
 namespace {
 
-const ProjectorTone kBelieved(1.9, {0.02, 0, -0.05, 0, -0.06}, 1.2, 0.9);
-const ProjectorTone kReal(2.2, {0, 0, -0.125, 0, -0.125}, 1.2, 0.9);
+const ProjectorTone kAssumed(1.9, {0.02, 0, -0.05, 0, -0.06}, 1.2, 0.9);
+const ProjectorTone kActual(2.2, {0, 0, -0.125, 0, -0.125}, 1.2, 0.9);
 
 TEST(ToneTable, EqualsThePower) {
   for (const ProjectorTones& tones :
-       {ProjectorTones{ProjectorTone(), kReal}, ProjectorTones{kBelieved, ProjectorTone()},
-        ProjectorTones{kBelieved, kReal}, ProjectorTones{kReal, kReal}}) {
+       {ProjectorTones{ProjectorTone(), kActual}, ProjectorTones{kAssumed, ProjectorTone()},
+        ProjectorTones{kAssumed, kActual}, ProjectorTones{kActual, kActual}}) {
     const ToneTable table(tones);
     for (const Place place : {Place{0, 0}, Place{0.6, 0.45}, Place{1.1, 0.2}}) {
       for (double intensity = 0; intensity <= 1.0; intensity += 0.00037) {
@@ -26,10 +26,11 @@ TEST(ToneTable, EqualsThePower) {
 }
 
 TEST(ProjectorTones, AKnownProjectorGivesTheWantedLight) {
-  const ProjectorTones tones{kReal, kReal};
+  const ProjectorTones tones{kActual, kActual};
   for (const double intensity : {0.1, 0.5, 1.0}) {
     // In units of the white where it is weakest.
-    EXPECT_NEAR(tones.light(intensity, {0.3, 0.3}, {0.3, 0.3}) / kReal.weakest(), intensity, 1e-12);
+    EXPECT_NEAR(tones.light(intensity, {0.3, 0.3}, {0.3, 0.3}) / kActual.weakest(), intensity,
+                1e-12);
   }
 }
 

@@ -94,10 +94,10 @@ TEST(TonePictures, AverageTheFloorOfAPicture) {
   const optics::CameraParameters camera = optics::simulatedCamera(1280, 720, kWidth, kHeight);
   TonePictures pictures(camera, kWidth, kHeight, 0, 2);
   optics::GreyImage picture(1280, 720, 40);
-  pictures.take(0, picture.view());
-  pictures.take(1, picture.view());
+  pictures.add(0, picture.view());
+  pictures.add(1, picture.view());
   std::fill(picture.pixels.begin(), picture.pixels.end(), 60);
-  pictures.take(1, picture.view());
+  pictures.add(1, picture.view());
   for (auto& pixel : picture.pixels) pixel = 255;
   const auto observations = pictures.observations();
   ASSERT_GE(observations.size(), 100U);
@@ -106,7 +106,7 @@ TEST(TonePictures, AverageTheFloorOfAPicture) {
     EXPECT_DOUBLE_EQ(observation.grey[1], 50);
     EXPECT_FALSE(observation.saturated);
   }
-  pictures.take(0, picture.view());
+  pictures.add(0, picture.view());
   EXPECT_TRUE(pictures.observations().front().saturated);
 }
 

@@ -48,13 +48,13 @@ std::vector<ProjectorObservation> observationsOf(const ProjectorModel& real, dou
 
 /// [m] rms distance over the arena between commanded and actual positions of light.
 double trueError(const optics::CameraParameters& lens, const ProjectorModel& real) {
-  const ProjectorModel believed(lens, optics::kSensorHeight);
+  const ProjectorModel assumed(lens, optics::kSensorHeight);
   double sum = 0;
   int count = 0;
   for (int j = 0; j <= 9; ++j) {
     for (int i = 0; i <= 12; ++i) {
       const Place place{kWidth * i / 12, kHeight * j / 9};
-      const auto wanted = believed.placeOf(real.pixelOf(place));
+      const auto wanted = assumed.placeOf(real.pixelOf(place));
       if (!wanted) return HUGE_VAL;
       sum += std::pow(wanted->x - place.x, 2) + std::pow(wanted->y - place.y, 2);
       ++count;
@@ -131,12 +131,12 @@ TEST(ProjectorFit, DeviationsFromTheLensModelAreReportedAsMisfit) {
   const ProjectorFit fit = fitProjector(observations, kPlane);
   EXPECT_EQ(fit.refusal, "");
   // The projector lights the positions with the waves.
-  const ProjectorModel believed(fit.lens, optics::kSensorHeight);
+  const ProjectorModel assumed(fit.lens, optics::kSensorHeight);
   double sum = 0;
   int count = 0;
   for (double y = 0.05; y < kHeight; y += 0.05) {
     for (double x = 0.05; x < kWidth; x += 0.05) {
-      const Place wanted = *believed.placeOf(real.pixelOf({x, y}));
+      const Place wanted = *assumed.placeOf(real.pixelOf({x, y}));
       const Place falls = waved({x, y});
       sum += std::pow(wanted.x - falls.x, 2) + std::pow(wanted.y - falls.y, 2);
       ++count;

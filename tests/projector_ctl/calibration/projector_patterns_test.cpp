@@ -34,7 +34,7 @@ PatternView viewOf(const Scene& scene) {
   view.plane = {1920, 1080, kWidth, kHeight, optics::kSensorHeight};
   view.surface = scene.surface;
   if (scene.projector_known) view.projector = scene.projector;
-  view.believed = optics::ProjectorModel(kWidth, kHeight, 1920, 1080);
+  view.assumed = optics::ProjectorModel(kWidth, kHeight, 1920, 1080);
   return view;
 }
 
@@ -43,7 +43,7 @@ PatternReader read(const Scene& scene) {
   const auto patterns = projectorPatterns(kWidth, kHeight);
   PatternReader reader(view, patterns);
   const optics::CameraModel camera(view.camera);
-  const optics::ProjectorWarp warp(view.believed, scene.real);
+  const optics::ProjectorWarp warp(view.assumed, scene.real);
   optics::GreyImage picture(kColumns, kRows);
   for (std::size_t i = 0; i < patterns.size(); ++i) {
     const light::CompiledLayers layers({patterns[i].layer});
@@ -61,7 +61,7 @@ PatternReader read(const Scene& scene) {
             std::lround(10 + scene.bright * std::pow(light, scene.gamma)));
       }
     }
-    reader.take(i, picture.view());
+    reader.add(i, picture.view());
   }
   return reader;
 }

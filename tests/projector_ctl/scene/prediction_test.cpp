@@ -34,7 +34,7 @@ double distance(const RobotPose& a, const RobotPose& b) { return std::hypot(a.x 
 TEST(Prediction, IsExactOnAnArc) {
   for (const double turn : {0.0, 1.5, -6.0}) {
     Track dut;
-    for (int i = 0; i <= 30; ++i) dut.see(seen(truth(0.1, turn, i / kRate)), at(i / kRate));
+    for (int i = 0; i <= 30; ++i) dut.add(seen(truth(0.1, turn, i / kRate)), at(i / kRate));
     const RobotPose expected = truth(0.1, turn, 30 / kRate + 0.08);
     const RobotPose found = dut.predicted(at(30 / kRate + 0.08));
     EXPECT_LT(distance(found, expected), 2e-6) << turn;  // times are whole microseconds
@@ -49,7 +49,7 @@ TEST(Prediction, FollowsAHeadingThroughPi) {
   for (int i = 0; i <= 30; ++i) {
     RobotPose pose = truth(0.1, 6, i / kRate);
     pose.theta = std::remainder(pose.theta, 2 * std::numbers::pi);
-    dut.see(seen(pose), at(i / kRate));
+    dut.add(seen(pose), at(i / kRate));
   }
   EXPECT_NEAR(dut.turn(), 6, 1e-3);
 }
@@ -65,7 +65,7 @@ TEST(Prediction, OfAStandingRobotIsAsAccurateAsItsLastPose) {
   for (int i = 0; i < 20'000; ++i) {
     const RobotPose pose{kNoise * normal(random), kNoise * normal(random),
                          kTurnNoise * normal(random)};
-    dut.see(seen(pose, kNoise, kTurnNoise), at(i / kRate));
+    dut.add(seen(pose, kNoise, kTurnNoise), at(i / kRate));
     if (i < 10) continue;
     predicted += std::pow(distance(dut.predicted(at(i / kRate + 0.08)), {}), 2);
     plain += std::pow(distance(dut.last(), {}), 2);
@@ -75,7 +75,7 @@ TEST(Prediction, OfAStandingRobotIsAsAccurateAsItsLastPose) {
 
 TEST(Prediction, EndsAQuarterOfASecondAfterTheLastPose) {
   Track dut;
-  for (int i = 0; i <= 30; ++i) dut.see(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
+  for (int i = 0; i <= 30; ++i) dut.add(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
   const RobotPose furthest = dut.predicted(at(30 / kRate + Track::kFurthest));
   EXPECT_EQ(distance(dut.predicted(at(30 / kRate + 2)), furthest), 0);
   EXPECT_NEAR(distance(furthest, dut.last()), 0.1 * Track::kFurthest, 1e-5);
@@ -83,33 +83,33 @@ TEST(Prediction, EndsAQuarterOfASecondAfterTheLastPose) {
 
 TEST(Prediction, DoesNotMoveWithASinglePose) {
   Track dut;
-  dut.see(seen({0.2, 0.3, 1}), at(0));
+  dut.add(seen({0.2, 0.3, 1}), at(0));
   EXPECT_EQ(distance(dut.predicted(at(0.1)), {0.2, 0.3, 1}), 0);
   EXPECT_FALSE(dut.joined());
 }
 
 TEST(Prediction, IgnoresASinglePoseOutOfReach) {
   Track dut;
-  for (int i = 0; i <= 9; ++i) dut.see(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
-  dut.see(seen({0.7, 0.7, 0}), at(10 / kRate));
+  for (int i = 0; i <= 9; ++i) dut.add(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
+  dut.add(seen({0.7, 0.7, 0}), at(10 / kRate));
   EXPECT_LT(distance(dut.predicted(at(10 / kRate)), truth(0.1, 0, 10 / kRate)), 1e-5);
-  dut.see(seen(truth(0.1, 0, 11 / kRate)), at(11 / kRate));
+  dut.add(seen(truth(0.1, 0, 11 / kRate)), at(11 / kRate));
   EXPECT_NEAR(dut.speed(), 0.1, 1e-5);
 }
 
 TEST(Prediction, StartsANewTrackAtTwoConsistentPosesOutOfReach) {
   Track dut;
-  for (int i = 0; i <= 9; ++i) dut.see(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
-  dut.see(seen({0.7, 0.7, 0}), at(10 / kRate));
-  dut.see(seen({0.7, 0.7, 0}), at(11 / kRate));
+  for (int i = 0; i <= 9; ++i) dut.add(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
+  dut.add(seen({0.7, 0.7, 0}), at(10 / kRate));
+  dut.add(seen({0.7, 0.7, 0}), at(11 / kRate));
   EXPECT_EQ(distance(dut.predicted(at(12 / kRate)), {0.7, 0.7, 0}), 0);
   EXPECT_EQ(dut.beforeUtime(), at(10 / kRate));
 }
 
 TEST(Prediction, StartsANewTrackAfterAGap) {
   Track dut;
-  for (int i = 0; i <= 9; ++i) dut.see(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
-  dut.see(seen({0.7, 0.7, 0}), at(2));
+  for (int i = 0; i <= 9; ++i) dut.add(seen(truth(0.1, 0, i / kRate)), at(i / kRate));
+  dut.add(seen({0.7, 0.7, 0}), at(2));
   EXPECT_FALSE(dut.joined());
   EXPECT_EQ(distance(dut.predicted(at(2.1)), {0.7, 0.7, 0}), 0);
 }
@@ -117,13 +117,13 @@ TEST(Prediction, StartsANewTrackAfterAGap) {
 TEST(Prediction, IgnoresPosesOfLowConfidence) {
   RobotTracks dut;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  dut.take({1,
-            1,
-            at(0),
-            {{1, 0.1, 0.1, 0, 0, 0, 0.49},
-             {2, nan, 0, 0, 0, 0, 1},
-             {3, 0, 0, 0, 0, 0, nan},
-             {4, 0.2, 0.2, 0, 0, 0, 0.5}}});
+  dut.add({1,
+           1,
+           at(0),
+           {{1, 0.1, 0.1, 0, 0, 0, 0.49},
+            {2, nan, 0, 0, 0, 0, 1},
+            {3, 0, 0, 0, 0, 0, nan},
+            {4, 0.2, 0.2, 0, 0, 0, 0.5}}});
   EXPECT_EQ(dut.track(1), nullptr);
   EXPECT_EQ(dut.track(2), nullptr);
   EXPECT_EQ(dut.track(3), nullptr);

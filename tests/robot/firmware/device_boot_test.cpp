@@ -69,7 +69,7 @@ TEST(Boot, SendsItsEventsToTheFirstHost) {
   robot.send(wire::Ping{});
   robot.run(200);
   EXPECT_THAT(robot.eventCodes(),
-              ElementsAre(wire::kBooted, wire::kSettingsDefault, wire::kWatchdogBit));
+              ElementsAre(wire::kBooted, wire::kSettingsDefault, wire::kWatchdogRestart));
   EXPECT_EQ(robot.all<wire::Event>()[0].data, uint32_t{wire::kResetWatchdog});
   EXPECT_EQ(robot.all<wire::Event>()[2].number, 3);
   EXPECT_EQ(robot.all<wire::Event>()[2].t_ms, 0U);

@@ -158,7 +158,7 @@ TEST(ProtocolPage, ListsEveryNumberOfTheEnums) {
             (std::vector<int>{kOk, kUnknownType, kBadLength, kBadValue, kWrongConfig, kBusy,
                               kStoreFailed}));
   EXPECT_EQ(numbersBelow("### 0x94 EVENT", 1),
-            (std::vector<int>{kBooted, kLeaseOver, kStopLatched, kStopReleased, kWatchdogBit,
+            (std::vector<int>{kBooted, kLeaseOver, kStopLatched, kStopReleased, kWatchdogRestart,
                               kSettingsDefault, kSettingsStored}));
   EXPECT_EQ(numbersBelow("### 0x90 TELEMETRY", 1),
             (std::vector<int>{dynamics::kReversing, dynamics::kStopped, dynamics::kLeaseExpired,

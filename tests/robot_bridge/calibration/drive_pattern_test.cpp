@@ -28,13 +28,13 @@ dynamics::Pose after(const Pattern& pattern, const Motors& motors) {
 }
 
 TEST(Pattern, OrdersWholeDutiesWhateverTheStoredCalibration) {
-  for (const Motors& believed : {Motors{}, Motors{{0.93, 20.0 / 255}, {1.08, 31.0 / 255}, 0.07},
-                                 Motors{{1.2, 100.0 / 255}, {0.8, 0}, 0.08}}) {
+  for (const Motors& stored : {Motors{}, Motors{{0.93, 20.0 / 255}, {1.08, 31.0 / 255}, 0.07},
+                               Motors{{1.2, 100.0 / 255}, {0.8, 0}, 0.08}}) {
     std::set<int> duties;
-    for (const PatternStep& step : calibrationPattern(believed, kMaxSpeed)) {
-      EXPECT_LE(std::fabs(step.left), kMaxSpeed * believed.left.gain);
-      const double exact = dutyFor(believed.left, step.left, kMaxSpeed, false) * 255;
-      const double whole = dutyFor(believed.left, step.left, kMaxSpeed, true) * 255;
+    for (const PatternStep& step : calibrationPattern(stored, kMaxSpeed)) {
+      EXPECT_LE(std::fabs(step.left), kMaxSpeed * stored.left.gain);
+      const double exact = dutyFor(stored.left, step.left, kMaxSpeed, false) * 255;
+      const double whole = dutyFor(stored.left, step.left, kMaxSpeed, true) * 255;
       EXPECT_NEAR(exact, whole, 0.01);
       duties.insert(static_cast<int>(std::lround(std::fabs(whole))));
     }

@@ -87,9 +87,9 @@ TEST(MotorFit, DistinguishesAnOffCentreMarkerFromUnequalWheels) {
 }
 
 TEST(MotorFit, StartsFromTheStoredCalibration) {
-  const Motors believed{{1.1, 20.0 / 255}, {0.9, 30.0 / 255}, 0.07};
+  const Motors stored{{1.1, 20.0 / 255}, {0.9, 30.0 / 255}, 0.07};
   const auto segments =
-      SyntheticRobot(kHidden, {}, 4).drive(calibrationPattern(believed, kMaxSpeed), believed);
+      SyntheticRobot(kHidden, {}, 4).drive(calibrationPattern(stored, kMaxSpeed), stored);
   const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
   ASSERT_EQ(fit.refusal, "");
   for (const double pull : pulls(fit, kHidden)) EXPECT_LT(std::fabs(pull), 4);
@@ -161,7 +161,7 @@ TEST(MotorFit, RefusesWheelsWithANonlinearResponse) {
     segments.push_back(SyntheticRobot(at_this_duty, {}, random.next()).drive(step, {}));
   }
   const MotorFit fit = fitMotors(segments, {}, kMaxSpeed);
-  EXPECT_THAT(fit.refusal, HasSubstr("miss the fitted speeds"));
+  EXPECT_THAT(fit.refusal, HasSubstr("differ from the fitted ones"));
 }
 
 TEST(MotorFit, RefusesATrackerThatIsTooInaccurate) {

@@ -31,10 +31,10 @@ class SyntheticRobot {
   /// Offset of the tracked point to the left of the wheel axis' centre, m.
   void setLateral(double lateral) { lateral_ = lateral; }
 
-  Segment drive(const PatternStep& step, const Motors& believed) {
+  Segment drive(const PatternStep& step, const Motors& stored) {
     Segment segment;
-    segment.duty_left = dutyFor(believed.left, step.left, kMaxSpeed, true);
-    segment.duty_right = dutyFor(believed.right, step.right, kMaxSpeed, true);
+    segment.duty_left = dutyFor(stored.left, step.left, kMaxSpeed, true);
+    segment.duty_right = dutyFor(stored.right, step.right, kMaxSpeed, true);
     segment.frames = static_cast<int>(std::lround(step.duration * camera_.fps));
     const double left = wheelSpeed(motors_.left, segment.duty_left, kMaxSpeed);
     const double right = wheelSpeed(motors_.right, segment.duty_right, kMaxSpeed);
@@ -48,16 +48,16 @@ class SyntheticRobot {
     return segment;
   }
 
-  std::vector<Segment> drive(const Pattern& pattern, const Motors& believed) {
+  std::vector<Segment> drive(const Pattern& pattern, const Motors& stored) {
     std::vector<Segment> segments;
-    for (const PatternStep& step : pattern) segments.push_back(drive(step, believed));
+    for (const PatternStep& step : pattern) segments.push_back(drive(step, stored));
     return segments;
   }
 
-  std::vector<CheckedSegment> check(const Motors& believed) {
+  std::vector<CheckedSegment> check(const Motors& stored) {
     std::vector<CheckedSegment> segments;
     for (const PatternStep& step : checkPattern(kMaxSpeed)) {
-      segments.push_back({step.left, step.right, drive(step, believed)});
+      segments.push_back({step.left, step.right, drive(step, stored)});
     }
     return segments;
   }

@@ -14,7 +14,7 @@ class RobotViewTest : public testing::Test {
     message.kind = kind;
     message.program_epoch = epoch;
     seq = static_cast<std::uint8_t>(seq + 1 + skipped);
-    dut.take(message, seq);
+    dut.update(message, seq);
   }
   void state(std::uint32_t t_ms = 0) {
     wire::State message;
@@ -24,13 +24,13 @@ class RobotViewTest : public testing::Test {
     message.reversal_start_ms = reversal_start;
     message.reversal_end_ms = reversal_end;
     message.tumble_count = tumbles;
-    dut.take(message);
+    dut.update(message);
   }
   void counters(std::uint32_t t_ms, std::uint32_t run_time_ms) {
     wire::Counters message;
     message.t_ms = t_ms;
     message.run_time_ms = run_time_ms;
-    dut.take(message);
+    dut.update(message);
   }
 
   RobotView dut;
@@ -152,12 +152,12 @@ TEST_F(RobotViewTest, UnwrapsTheEpochOfSteps) {
   wire::Step step;
   step.draw_count = 1;
   step.program_epoch = 0xFFFF;
-  dut.take(step);
+  dut.update(step);
   step.draw_count = 2;
   step.program_epoch = 0;  // the STATE with this epoch comes later
-  dut.take(step);
+  dut.update(step);
   step.draw_count = 5;
-  dut.take(step);
+  dut.update(step);
   const auto steps = dut.takeSteps();
   ASSERT_EQ(steps.size(), 3U);
   EXPECT_EQ(steps[0].program_epoch, 0xFFFFU);

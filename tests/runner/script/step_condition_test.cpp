@@ -47,8 +47,8 @@ tracked_frame_t frame(std::int64_t utime, const std::vector<At>& poses) {
   return frame;
 }
 
-Until rectangle(Who who) {
-  Until until;
+EndCondition rectangle(Who who) {
+  EndCondition until;
   until.region = Region::kRectangle;
   until.x = 1;
   until.y = 1;
@@ -110,7 +110,7 @@ TEST(StepCondition, ARobotUnseenForLongIsNotInside) {
 }
 
 TEST(StepCondition, CanConcernOneRobot) {
-  Until until = rectangle(Who::kAny);
+  EndCondition until = rectangle(Who::kAny);
   until.robot = 2;
   StepCondition dut(threeRobots(), until, {}, kBegin);
   dut.take(frame(kBegin, {{1, 1, 1}, {2, 0, 0}}));
@@ -121,7 +121,7 @@ TEST(StepCondition, CanConcernOneRobot) {
 
 TEST(StepCondition, UsesOnlyTheEstimateOfItsProgramAndPool) {
   const Experiment experiment = threeRobots();
-  Until until;
+  EndCondition until;
   until.estimate = "D_r";
   until.program = "abp";
   until.relative_error = 0.1;
@@ -144,7 +144,7 @@ TEST(StepCondition, CountsTumblesSinceItsStepBegan) {
   TumbleCount tumbles;
   tumbles.take(status(1, 1, 40));
   tumbles.take(status(2, 1, 45));
-  Until until;
+  EndCondition until;
   until.tumbles = 3;
   StepCondition dut(threeRobots(), until, tumbles, kBegin);
   tumbles.take(status(3, 1, 47));

@@ -19,7 +19,7 @@ TEST(TrackerModel, AddsNoiseOfTheClaimedVariance) {
   double theta2 = 0;
   for (int i = 0; i < kFrames; ++i) {
     ASSERT_TRUE(dut.begin(i));
-    dut.see(1, truth);
+    dut.observe(1, truth);
     const tracked_pose_t& pose = dut.frame().robots.at(0);
     x2 += std::pow(pose.x - truth.x, 2);
     theta2 += std::pow(std::remainder(pose.theta - truth.theta, 2 * std::numbers::pi), 2);
@@ -43,7 +43,7 @@ TEST(TrackerModel, DropsRobotsAndFramesAtTheGivenRatesAndNumbersAllFrames) {
   for (int i = 0; i < kFrames; ++i) {
     if (!dut.begin(i)) ++lost_frames;
     EXPECT_EQ(dut.frame().frame, i);
-    dut.see(1, {});
+    dut.observe(1, {});
     missed += dut.frame().robots.empty() ? 1 : 0;
   }
   const auto deviation = [](double count, double share) {
@@ -61,9 +61,9 @@ TEST(TrackerModel, AddingARobotDoesNotChangeTheNoiseOfOthers) {
   for (int i = 0; i < 10; ++i) {
     static_cast<void>(alone.begin(i));
     static_cast<void>(together.begin(i));
-    alone.see(1, {});
-    together.see(2, {});
-    together.see(1, {});
+    alone.observe(1, {});
+    together.observe(2, {});
+    together.observe(1, {});
     EXPECT_EQ(alone.frame().robots.at(0).x, together.frame().robots.at(1).x);
   }
 }

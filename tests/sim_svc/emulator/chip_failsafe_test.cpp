@@ -136,7 +136,7 @@ TEST(ChipFailsafe, AHangingProgramIsRestartedStandsAndReportsIt) {
     robot.forget();
     robot.send(wire::GetInfo{});
     robot.run(2000);
-    EXPECT_TRUE(robot.hadEvent(wire::kWatchdogBit));
+    EXPECT_TRUE(robot.hadEvent(wire::kWatchdogRestart));
     EXPECT_TRUE(robot.changes().empty());
     EXPECT_EQ(robot.last<wire::Telemetry>()->config, 0);
     EXPECT_EQ(robot.command(robot.order(wire::Order::kTable)).status, wire::kWrongConfig);

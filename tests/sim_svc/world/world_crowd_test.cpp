@@ -30,7 +30,7 @@ void expectHardDisksInside(const World& world) {
 // Two minutes of 150 robots in an arena of real size, checked after every tick.
 void runCrowd(const WorldSettings& settings, const dynamics::CoreSettings& core, bool robots_seen) {
   World dut(settings, robots(150));
-  for (std::size_t i = 0; i < dut.size(); ++i) dut.setRobotsSeen(i, robots_seen);
+  for (std::size_t i = 0; i < dut.size(); ++i) dut.setReversesFromRobots(i, robots_seen);
   startAll(dut, core);
   while (dut.timeUs() < 120 * kSecond) {
     dut.step(10000);
@@ -61,7 +61,7 @@ TEST(WorldCrowd, NeverOverlapsWithoutReversalsAtFullSpeedWithNoise) {
 TEST(WorldCrowd, RobotsInContactSeparateAgain) {
   // A permanently jammed crowd would stop moving; this one must keep mixing.
   World dut(WorldSettings(), robots(60));
-  for (std::size_t i = 0; i < dut.size(); ++i) dut.setRobotsSeen(i, false);
+  for (std::size_t i = 0; i < dut.size(); ++i) dut.setReversesFromRobots(i, false);
   startAll(dut, always(abpProgram()));
   dut.advanceTo(60 * kSecond);
   std::vector<dynamics::Pose> before;

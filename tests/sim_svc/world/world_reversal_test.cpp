@@ -91,7 +91,7 @@ class WorldReversalFromRobots : public ::testing::Test {
   static World headOn(bool robots_seen) {
     World world(idealHardware(), {{1, dynamics::Pose{0.4, 0.45, 0}, false},
                                   {2, dynamics::Pose{0.8, 0.45, 0}, false}});
-    world.setRobotsSeen(0, robots_seen);
+    world.setReversesFromRobots(0, robots_seen);
     world.order(0, [](dynamics::RobotCore& core, std::uint32_t now_ms) {
       core.configure(now_ms, always(wheelsProgram(0.05, 0.05)));
       core.renewLease(now_ms, dynamics::RobotCore::kNoEventMs);

@@ -55,13 +55,13 @@ optics::ProjectorModel truth() {
 
 /// Root mean square distance over the arena between wanted and true places of the light [m].
 double trueError(const ProjectorCalibration& calibration) {
-  const optics::ProjectorModel believed = calibration.model();
+  const optics::ProjectorModel assumed = calibration.model();
   double sum = 0;
   int count = 0;
   for (int j = 0; j <= 9; ++j) {
     for (int i = 0; i <= 12; ++i) {
       const Place place{kWidth * i / 12, kHeight * j / 9};
-      const Place wanted = believed.placeOf(truth().pixelOf(place)).value();
+      const Place wanted = assumed.placeOf(truth().pixelOf(place)).value();
       sum += std::pow(wanted.x - place.x, 2) + std::pow(wanted.y - place.y, 2);
       ++count;
     }
@@ -93,13 +93,13 @@ TEST_F(CalibrateProjector, FindsTheLensAndItsAccuracy) {
   camera.camera.fx *= 1.0004;
   camera.camera.fy *= 1.0003;
   camera.camera.translation[0] += 1e-4;
-  const optics::CameraModel believed(camera.camera);
+  const optics::CameraModel assumed(camera.camera);
   double sum = 0;
   int count = 0;
   for (int j = 0; j <= 9; ++j) {
     for (int i = 0; i <= 12; ++i) {
       const Place place{kWidth * i / 12, kHeight * j / 9};
-      const Place seen = believed.toPlane(real.project(place.x, place.y, 0.05), 0.05).value();
+      const Place seen = assumed.toPlane(real.project(place.x, place.y, 0.05), 0.05).value();
       sum += std::pow(seen.x - place.x, 2) + std::pow(seen.y - place.y, 2);
       ++count;
     }

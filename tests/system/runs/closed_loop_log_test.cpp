@@ -88,9 +88,9 @@ Comparison replay(const Experiment& experiment, const std::vector<Logged>& log) 
     tracked_frame_t frame{};
     light_status_t status{};
     if (message.channel == channels::kLightCommand && decode(message.data, command)) {
-      dut.take(projector::toCommand(command, experiment, {}));
+      dut.add(projector::toCommand(command, experiment, {}));
     } else if (message.channel == channels::kTrackedFrame && decode(message.data, frame)) {
-      dut.take(projector::toObservedFrame(frame));
+      dut.add(projector::toObservedFrame(frame));
     } else if (message.channel == channels::kLightStatus && decode(message.data, status)) {
       const auto found = dut.layersOf(projector::toShownRecord(status));
       if (status.commander.empty()) continue;

@@ -180,24 +180,24 @@ TEST_F(CameraFitRefusal, CornersOutsideThePicture) {
 
 TEST_F(CameraFitRefusal, ACornerThatIsBadlyMarked) {
   sights_.corners[2].x += 25;
-  EXPECT_THAT(refusal(), HasSubstr("the corners miss by"));
+  EXPECT_THAT(refusal(), HasSubstr("the corners differ from the fit by"));
 }
 
 TEST_F(CameraFitRefusal, CapsOfAnotherSpacing) {
   sights_.cap.big_offset += 0.003;
-  EXPECT_THAT(refusal(), HasSubstr("the circles' spacing misses 39.0 mm"));
+  EXPECT_THAT(refusal(), HasSubstr("the circles' spacing differs from 39.0 mm"));
 }
 
 TEST_F(CameraFitRefusal, CapsOfAnotherSpacingDetectedByTheCamerasHeight) {
   sights_.cap.big_offset += 0.0004;
   sights_.camera_height = optics::CameraModel(camera_).centre()[2];
-  EXPECT_THAT(refusal(), testing::AnyOf(HasSubstr("the camera's height comes out as"),
+  EXPECT_THAT(refusal(), testing::AnyOf(HasSubstr("the fitted height of the camera is"),
                                         HasSubstr("the caps' height and spacing right?")));
 }
 
 TEST_F(CameraFitRefusal, CirclesWithLargeErrors) {
   sights_.caps = capsSeen(camera_, 300, {0.3, 0, 0}, random_);
-  EXPECT_THAT(refusal(), HasSubstr("the circles' spacing misses 36.0 mm"));
+  EXPECT_THAT(refusal(), HasSubstr("the circles' spacing differs from 36.0 mm"));
 }
 
 TEST_F(CameraFitRefusal, FalseDetectionsOnly) {
@@ -210,7 +210,7 @@ TEST_F(CameraFitRefusal, FalseDetectionsOnly) {
 
 TEST_F(CameraFitRefusal, CornersTooInaccurateForPositions) {
   sights_.corner_sigma = 4;
-  EXPECT_THAT(refusal(), HasSubstr("positions would be known to"));
+  EXPECT_THAT(refusal(), HasSubstr("the standard error of positions is"));
 }
 
 }  // namespace

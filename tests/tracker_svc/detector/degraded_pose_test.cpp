@@ -271,7 +271,7 @@ TEST(RimFit, FindsTheMiddleFromAMillimetreOff) {
   for (const sim::PaintedRobot& robot : scene.robots) {
     const RimFit fit = fitRim(view, scene.camera(), scene.settings.cap, scene.settings.imaging,
                               {robot.x + 0.0008, robot.y - 0.0006});
-    EXPECT_EQ(fit.seen, kRimDirections);
+    EXPECT_EQ(fit.visible, kRimDirections);
     EXPECT_GT(fit.support, kRimDirections * 3 / 4);
     EXPECT_NEAR(fit.centre.x, robot.x, 4 * std::sqrt(fit.covariance[0]));
     EXPECT_NEAR(fit.centre.y, robot.y, 4 * std::sqrt(fit.covariance[2]));

@@ -55,18 +55,18 @@ class SyncReaderTest : public testing::Test {
       const int sync = syncAt(time);
       if (sync != told) {
         told = sync;
-        reader.shown(std::floor(time / kTurnEvery) * kTurnEvery, sync, time >= change_at ? 2 : 1,
-                     still);
+        reader.reportChange(std::floor(time / kTurnEvery) * kTurnEvery, sync,
+                            time >= change_at ? 2 : 1, still);
       }
       const int light = syncAt(time) + (time >= change_at ? 2 : 0);
       if (light != shown) painter.setLight({layers(time), {}, 1});
       shown = light;
       painter.paint({}, number++, picture.pixels);
-      const std::optional<SyncSeen> seen = reader.look(picture.view(), time);
-      if (!seen) continue;
+      const std::optional<SyncReading> reading = reader.look(picture.view(), time);
+      if (!reading) continue;
       ++answers;
-      right += seen->sync == sync ? 1 : 0;
-      wrong += seen->sync == 1 - sync ? 1 : 0;
+      right += reading->sync == sync ? 1 : 0;
+      wrong += reading->sync == 1 - sync ? 1 : 0;
     }
   }
 

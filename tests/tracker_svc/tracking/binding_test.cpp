@@ -241,7 +241,7 @@ std::int32_t onlyTwo(const std::vector<dynamics::Arc>& cap, const std::vector<Wh
   std::int32_t id = -1;
   for (std::size_t frame = 0; frame < cap.size(); ++frame) {
     const double time = static_cast<double>(frame) / 30;
-    dut.take({{{5, time, robot[frame].left, robot[frame].right}}});
+    dut.addReports({{{5, time, robot[frame].left, robot[frame].right}}});
     pose = dynamics::apply(cap[frame], pose);
     detector::Detection detection;
     detection.x = pose.x;
@@ -350,7 +350,7 @@ TEST(Binding, ABoundRobotPushedByHandStaysBound) {
   const std::vector<dynamics::Arc> arcs = arcsOf(real);
   for (std::size_t frame = 0; frame < 450; ++frame) {
     const double time = static_cast<double>(frame) / 30;
-    dut.take({{{5, time, reported[frame].left, reported[frame].right}}});
+    dut.addReports({{{5, time, reported[frame].left, reported[frame].right}}});
     pose = dynamics::apply(arcs[frame], pose);
     detector::Detection detection;
     detection.x = pose.x;

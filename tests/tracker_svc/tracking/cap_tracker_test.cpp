@@ -47,7 +47,7 @@ TEST(CapTracker, ADegradedPoseKeepsATrackButStartsNone) {
   for (int k = 6; k <= 500; ++k) {  // ten seconds: twice the lifetime of an undetected track
     const std::vector<Track>& tracks = dut.update(0.02 * k, {&rim, 1});
     ASSERT_EQ(tracks.size(), 1U);
-    EXPECT_TRUE(tracks[0].seen);
+    EXPECT_TRUE(tracks[0].detected);
     EXPECT_EQ(tracks[0].number, 1);
     EXPECT_EQ(tracks[0].robot_id, 7);
     EXPECT_EQ(tracks[0].pose.used, rim.used);
@@ -83,7 +83,7 @@ TEST(CapTracker, DegradedPosesAreNotUsedForMotion) {
       const double turn = time > 1 ? (time - 1) * 2 : 0;
       const double wheel = time > 1 ? 2 * 0.075 / 2 : 0;
       const std::vector<WheelReport> reports{{1, time, -wheel, wheel}, {2, time, 0, 0}};
-      dut.take(reports);
+      dut.addReports(reports);
       std::vector<detector::Detection> caps{
           capAt(0.4, 0.4, std::remainder(turn, 6.283185307179586)), capAt(0.8, 0.4, 1)};
       if (!sharp && k > 10) caps = {degraded(caps[0]), degraded(caps[1])};
@@ -112,7 +112,7 @@ std::int64_t numberAfter(bool caps_may_be_replaced, double speed, double hidden,
   }
   const detector::Detection cap = capAt(last + back, 0.4, 0);
   const std::vector<Track>& tracks = dut.update(time, {&cap, 1});
-  const auto seen = std::ranges::find_if(tracks, [](const Track& track) { return track.seen; });
+  const auto seen = std::ranges::find_if(tracks, [](const Track& track) { return track.detected; });
   return seen == tracks.end() ? 0 : seen->number;
 }
 
@@ -187,7 +187,7 @@ void runCrowd(std::size_t program, std::uint64_t seed, double minutes) {
     const auto detections = crowd.detections(black ? 6 : 1);
     const std::vector<Track>& tracks = dut.update(crowd.time(), detections);
     ASSERT_EQ(static_cast<std::size_t>(std::count_if(tracks.begin(), tracks.end(),
-                                                     [](const Track& t) { return t.seen; })),
+                                                     [](const Track& t) { return t.detected; })),
               detections.size());
     if (!begun) bindAll(crowd, dut);
     if (begun) score.add(crowd, tracks);
@@ -238,7 +238,7 @@ void runDark(const CrowdSettings& settings, std::size_t program, double dark, do
     }
     result.score.add(crowd, tracks);
     named = 0;
-    for (const Track& track : tracks) named += track.seen && track.robot_id >= 0 ? 1 : 0;
+    for (const Track& track : tracks) named += track.detected && track.robot_id >= 0 ? 1 : 0;
     if (is_dark || crowd.time() <= 3 || back) continue;
     back = true;
     result.kept += named;
@@ -246,7 +246,7 @@ void runDark(const CrowdSettings& settings, std::size_t program, double dark, do
     for (const Track& track : tracks) {
       const auto before = number_of.find(track.number);
       const bool same = before != number_of.end() && before->second == crowd.robotAt(track.pose);
-      result.numbers_wrong += track.seen && !same ? 1 : 0;
+      result.numbers_wrong += track.detected && !same ? 1 : 0;
     }
   }
   result.doubtful += doubtful;
@@ -389,7 +389,7 @@ TEST(CapTracker, ACorrectedFlipIsMarkedByItsQuality) {
 
   EXPECT_NEAR(track.pose.theta, 1, 1e-9);
   EXPECT_LT(track.pose.quality, 0.5F);
-  EXPECT_TRUE(track.seen);
+  EXPECT_TRUE(track.detected);
   EXPECT_EQ(dut.counts().flips, 1);
 }
 
@@ -407,7 +407,7 @@ TEST(CapTracker, ReportsAllCapsOfUnrelatedPictures) {
     const std::vector<Track>& tracks = dut.update(picture / 30.0, detections);
     std::multimap<double, double> seen;
     for (const Track& track : tracks) {
-      if (track.seen) seen.emplace(track.pose.x, track.pose.y);
+      if (track.detected) seen.emplace(track.pose.x, track.pose.y);
     }
     ASSERT_EQ(seen.size(), detections.size());
     for (const detector::Detection& detection : detections) {
@@ -455,9 +455,9 @@ TEST(CapTracker, PredictsAnUndetectedCapAndGivesItUpInTheEnd) {
   const Track shortly = dut.update(last + 0.1, {})[0];
   const Track later = dut.update(last + 4.9, {})[0];
 
-  EXPECT_FALSE(shortly.seen);
+  EXPECT_FALSE(shortly.detected);
   EXPECT_EQ(shortly.robot_id, 1);
-  EXPECT_NEAR(shortly.unseen, 0.1, 1e-9);
+  EXPECT_NEAR(shortly.since_detection, 0.1, 1e-9);
   EXPECT_EQ(shortly.pose.quality, 0);
   EXPECT_NEAR(shortly.pose.x, 0.3 + 0.05 * (last + 0.1), 0.001);
   EXPECT_EQ(later.number, shortly.number);
@@ -475,7 +475,7 @@ TEST(CapTracker, PredictionsWithReportsHaveASmallerSpread) {
       dut.update(frame / 30.0, {{capAt(0.3 + 0.1 * frame / 30, 0.5, 0)}});
     }
     dut.bind(1, 0.4, 0.5, 0.01);
-    for (int i = 0; i < 70 && with == 1; ++i) dut.take({{{1, i / 30.0, 0.1, 0.1}}});
+    for (int i = 0; i < 70 && with == 1; ++i) dut.addReports({{{1, i / 30.0, 0.1, 0.1}}});
     const Track track = dut.update(1.8, {})[0];
     if (with == 1) {
       EXPECT_NEAR(track.pose.x, 0.48, 0.001);
@@ -519,7 +519,7 @@ TEST(CapTracker, AnIsolatedRobotStaysBoundOverALongGap) {
 
   ASSERT_EQ(tracks.size(), 1U);
   EXPECT_EQ(tracks[0].robot_id, 1);
-  EXPECT_TRUE(tracks[0].seen);
+  EXPECT_TRUE(tracks[0].detected);
 }
 
 TEST(CapTracker, TwoAmbiguousTracksLoseTheirRobotsButNotTheirNumbers) {

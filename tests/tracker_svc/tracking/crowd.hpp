@@ -48,7 +48,7 @@ class Crowd {
         world_(worldOf(settings), places),
         random_(deriveSeed(settings.seed, 0, "crowd")) {
     for (std::size_t i = 0; i < world_.size(); ++i) {
-      world_.setRobotsSeen(i, false);
+      world_.setReversesFromRobots(i, false);
       world_.order(i, [&](auto& it, auto now_ms) {
         it.configure(now_ms, core);
         it.renewLease(now_ms, dynamics::RobotCore::kNoEventMs);
@@ -72,7 +72,7 @@ class Crowd {
                                      [&](const Mail& mail) { return mail.arrival > time_; });
     for (auto mail = late; mail != mail_.end(); ++mail) arrived.push_back(mail->report);
     mail_.erase(late, mail_.end());
-    tracker.take(arrived);
+    tracker.addReports(arrived);
   }
 
   [[nodiscard]] bool isLost() { return random_.uniform() < settings_.frame_loss; }
@@ -201,7 +201,7 @@ struct Score {
     std::set<std::int32_t> named;
     for (const Track& track : tracks) {
       if (track.robot_id >= 0 && !named.insert(track.robot_id).second) ++twice;
-      if (!track.seen) continue;
+      if (!track.detected) continue;
       const int robot = crowd.robotAt(track.pose);
       if (track.robot_id < 0) {
         ++unnamed;
