@@ -129,7 +129,7 @@ class LiveRun {
     supervisor_.startLogger();
     // This node's heartbeat is the first message for the logger.
     waitUntil([this] { return supervisor_.loggerWrites(); }, [this] { node_.ready(); },
-              [this] { return "lcm-logger writes nothing" + whereToLook(); });
+              [this] { return "lcm-logger wrote nothing" + whereToLook(); });
     if (hosts() != nullptr) joinBuses();
     startDashboard();
     supervisor_.startServices();
@@ -190,7 +190,7 @@ class LiveRun {
   }
 
   [[nodiscard]] std::string whereToLook() const {
-    return "; see " + supervisor_.logFolder().string() + ". Nothing is left running.";
+    return "; see " + supervisor_.logFolder().string() + ". All processes of the run have been ended.";
   }
 
   /// Calls `meanwhile` every kTick_ms until `done`.
@@ -239,7 +239,7 @@ class LiveRun {
     superviseDashboard();
     const bool all_up = supervisor_.restartEnded(
         [this](const std::string& what) { controller_.fault(what); }, [this] { return resume(); });
-    if (!all_up) closeEarly("a process would not stay up");
+    if (!all_up) closeEarly("a process of the run died too often");
     supervisor_.checkHeartbeats(
         loop_.now(), [this](const std::string& what) { controller_.fault(what); },
         [this](const std::string& what) { controller_.mark(what); });
