@@ -105,7 +105,7 @@ void LabView::useExperiment() {
   light_.setArena(experiment.arena_width, experiment.arena_height);
   light_.setImages(images_(experiment, run_info_.run()));
   controls_.expect(commandedRobots(experiment));
-  robots_.renumber();
+  robots_.updateProgramIndices();
   run_info_changed_ = true;
 }
 
@@ -270,7 +270,7 @@ Json LabView::healthJson(std::int64_t now, const ServerFacts& server) const {
                       {"oversized", server.refusals.oversized},
                       {"crowded", server.refusals.crowded}}},
                     {"left_out",
-                     {{"robots", robots_.leftOut()},
+                     {{"robots", robots_.dropped()},
                       {"analyses", curves_.leftOut()},
                       {"streams", health_.streamsLeftOut()}}},
                     {"cpu_percent", known ? number(own->second.cpu_percent) : Json()},
