@@ -214,7 +214,7 @@ void LabView::publishMoving(std::int64_t now, bool watched) {
   if ((watched || light_.pixels().empty()) && light_.paint(now)) {
     // The event stream carries text only. The page requests these bytes when the version changes.
     hub_.publishQuietly(".light", {light_.pixels().begin(), light_.pixels().end()});
-    publish("light", light_.json(run_info_.conductor()));
+    publish("light", light_.json(run_info_.runner()));
   }
   if (std::exchange(timeline_version_, timeline_.version()) != timeline_.version()) {
     publish("timeline", timeline_.json());

@@ -53,10 +53,10 @@ class RobotsView {
   /// Updates the rows' program indices after the experiment has changed.
   void updateProgramIndices();
 
-  /// JSON of the page's topic `frame`. Robots that were not detected for a second are omitted.
+  /// JSON of topic `frame`. Robots that were not detected for a second are omitted.
   [[nodiscard]] std::string frameJson(std::int64_t now) const;
 
-  /// JSON of the page's topic `robots`.
+  /// JSON of topic `robots`.
   [[nodiscard]] std::string robotsJson(std::int64_t now) const;
 
   /// The response to the query `robot`: everything one robot reports; nothing if it is unknown.

@@ -130,8 +130,9 @@ std::string wheels(const RunStatistics& runs, double limit) {
   }
   if (runs.beyond_half_turn > kRejected) {
     html += fmt::format(
-        "<li>{:.0f} % of the tumbles turned by more than 180°, although the shorter direction "
-        "exists. Positions do not show this; the angular MSD does.</li>\n",
+        "<li>{:.0f} % of the tumbles turned by more than 180°: the robots do not turn in the "
+        "shorter "
+        "direction. Positions do not show this; the angular MSD does.</li>\n",
         runs.beyond_half_turn * kPercents);
   }
   return html;
