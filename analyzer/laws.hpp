@@ -25,8 +25,8 @@ struct ProgramLaw : dynamics::RobotProgram {
 /// True for the programs that draw wheel speeds and hold them for epsilon.
 [[nodiscard]] bool isHeldNoise(ProgramKind kind);
 
-/// Nominal coefficients, exact functions of the programmed parameters; nan if the program has no such
-/// coefficient.
+/// Nominal coefficients, exact functions of the programmed parameters; nan if the program has no
+/// such coefficient.
 [[nodiscard]] double rotationalDiffusivity(const ProgramLaw& law);     ///< D_r, rad^2/s.
 [[nodiscard]] double translationalDiffusivity(const ProgramLaw& law);  ///< D_t = epsilon V^2/24.
 [[nodiscard]] double meanSpeed(const ProgramLaw& law);  ///< v (ABP, RTP), va (noisy ABP), 0 (BP).

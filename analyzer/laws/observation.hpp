@@ -6,8 +6,8 @@ namespace lab::analysis {
 
 /// Blur and noise of a camera.
 struct Observation {
-  double exposure = 0;     ///< Positions and headings are means over this time, s; 0: instantaneous.
-  double sigma = 0;        ///< Localisation noise per axis, m.
+  double exposure = 0;  ///< Positions and headings are means over this time, s; 0: instantaneous.
+  double sigma = 0;     ///< Localisation noise per axis, m.
   double sigma_theta = 0;  ///< Noise of the heading, rad.
 };
 

@@ -127,7 +127,7 @@ void adviseOnRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
     if (row.recent_errors >= kManyErrors) errors.add(id);
   }
   two_senders.report(out, Level::kError, "two services report its state",
-                "end one of them, or give one of two robots another id");
+                     "end one of them, or give one of two robots another id");
   missing.report(out, Level::kError, "no status received",
                  "switch it on and check its serial connection; lab doctor lists the serial ports");
   silent.report(out, Level::kError, "does not respond any more",

@@ -7,8 +7,8 @@ namespace lab::runner {
 /// Exit codes of `lab`.
 enum ExitCode : int {
   kDone = 0,
-  kFailed = 1,    ///< it ran, but its result is negative or incomplete
-  kBadInput = 2,  ///< nothing was started; the message says what to change
+  kFailed = 1,       ///< it ran, but its result is negative or incomplete
+  kBadInput = 2,     ///< nothing was started; the message says what to change
   kClosedEarly = 3,  ///< the run was closed early; its data up to then are kept
 };
 

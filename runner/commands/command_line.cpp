@@ -51,8 +51,10 @@ void addReplay(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   CLI::App* command =
       app.add_subcommand("replay", "Play a log onto a separate bus; the space bar pauses");
   command->add_option("LOG", options->log, "Log, or folder of a run")->required();
-  command->add_option("--from", options->from, "Begin here: s since the log began")->check(between(0, 1e9));
-  command->add_option("--to", options->to, "End here: s since the log began")->check(between(1e-3, 1e9));
+  command->add_option("--from", options->from, "Begin here: s since the log began")
+      ->check(between(0, 1e9));
+  command->add_option("--to", options->to, "End here: s since the log began")
+      ->check(between(1e-3, 1e9));
   command->add_option("--speed", options->speed, "Seconds of the log per second")
       ->check(between(1e-3, 1e4))
       ->capture_default_str();
@@ -74,8 +76,11 @@ void addLight(CLI::App& app, Chosen& chosen) {
       "'{kind = \"disk\", x_cm = 60, y_cm = 45, radius_cm = 20, intensity = 1}'");
   command->add_flag("--release", options->release, "Return to the light of the script")
       ->excludes(layers);
-  command->add_option("--ramp", options->ramp, "Duration of the cross-fade in s")->check(between(0, 3600));
-  command->add_option("--for", options->hold, "Duration of this light in s; then the light of the script returns")
+  command->add_option("--ramp", options->ramp, "Duration of the cross-fade in s")
+      ->check(between(0, 3600));
+  command
+      ->add_option("--for", options->hold,
+                   "Duration of this light in s; then the light of the script returns")
       ->check(between(1e-3, 1e9));
   command->add_option("--lab", options->lab, "Name of the lab; needed if several labs run");
   command->callback([&chosen, options] { chosen = [options] { return light(*options); }; });
@@ -144,7 +149,8 @@ void addFlash(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   CLI::App* command = app.add_subcommand("flash", "Write the firmware to a robot");
   command->add_option("--port", options->port, "The robot's serial line, as /dev/serial/by-id/...")
       ->required();
-  command->add_option("--baud", options->baud, "Speed of the robot's bootloader")->capture_default_str();
+  command->add_option("--baud", options->baud, "Speed of the robot's bootloader")
+      ->capture_default_str();
   CLI::Option* isp = command->add_option(
       "--isp", options->isp,
       "Programmer as avrdude names it (usbasp, avrisp2): needs no bootloader, also sets the fuses");

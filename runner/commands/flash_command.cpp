@@ -116,7 +116,8 @@ ExitCode flash(const FlashOptions& options) {
     met.problem = error.what();
   }
   if (!met.ok) {
-    fmt::print("flashed, but the robot at {} does not answer as expected: {}\n", options.port, met.problem);
+    fmt::print("flashed, but the robot at {} does not answer as expected: {}\n", options.port,
+               met.problem);
     return kFailed;
   }
   fmt::print("flashed: firmware {}.{}, build {:08x}, schema 0x{:04X}\n", met.hello.firmware >> 8,

@@ -60,7 +60,8 @@ light_command_t command(const LightOptions& options, const RunningLab& lab, std:
 ExitCode light(const LightOptions& options) {
   if (options.layers.empty() && !options.release) {
     throw UserError(
-        "no light given; examples: lab light 0.5, lab light '{kind = \"disk\", x_cm = 60, y_cm = 45, "
+        "no light given; examples: lab light 0.5, lab light '{kind = \"disk\", x_cm = 60, y_cm = "
+        "45, "
         "radius_cm = 20, intensity = 1}', or lab light --release");
   }
   const RunningLab lab = findLab(options.lab);

@@ -154,8 +154,9 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
     } else if (decoder.counts().crc + decoder.counts().malformed > 0) {
       found = "bytes that are no frames of a robot";
     }
-    end(fmt::format("found {} within {} s; check its power and the speed of the line (--robot-baud)",
-                    found, kAdoptionPatience_us / 1'000'000));
+    end(fmt::format(
+        "found {} within {} s; check its power and the speed of the line (--robot-baud)", found,
+        kAdoptionPatience_us / 1'000'000));
   }
 
   void end(const std::string& problem) {

@@ -74,9 +74,10 @@ Finding part(bool found, const std::string& name, const std::string& consequence
     return {Level::kOk, name + " is not built yet: ./lab builds it for the first run that needs it",
             ""};
   }
-  return {Level::kWarning,
-          name + (installation().packaged ? " is not installed: " : " is not built: ") + consequence,
-          installation().installHint(name, "")};
+  return {
+      Level::kWarning,
+      name + (installation().packaged ? " is not installed: " : " is not built: ") + consequence,
+      installation().installHint(name, "")};
 }
 
 Finding clockState(const MachineFacts& facts) {

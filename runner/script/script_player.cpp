@@ -79,9 +79,9 @@ std::string ScriptPlayer::whyUnmet() const {
   const char* next = step().if_not == IfNot::kNext  ? "the script continues"
                      : step().if_not == IfNot::kEnd ? "the run ends"
                                                     : "the safe light is shown and the run ends";
-  return fmt::format("step {} \"{}\": after {} s its condition \"{}\" was not met: {}; {}",
-                     number_, step().label, step().hold, untilText(step().until),
-                     condition_->progress(), next);
+  return fmt::format("step {} \"{}\": after {} s its condition \"{}\" was not met: {}; {}", number_,
+                     step().label, step().hold, untilText(step().until), condition_->progress(),
+                     next);
 }
 
 ScriptTransition ScriptPlayer::show(std::int64_t utime, std::string ended_by, std::string fault) {

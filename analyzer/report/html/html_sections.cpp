@@ -146,7 +146,8 @@ std::string otherFigures(const std::vector<Figure>& figures,
          "dashed line is the paper’s formula. Below each curve are the deviations from the exact "
          "law in standard errors; from 4 on, a point deviates. Neighbouring lags share their data "
          "and are correlated. Hollow points are not judged: they have too few independent windows, "
-         "or their windows are a biased sample because the light depends on the position.</p>\n<div class=\"figures\">\n" +
+         "or their windows are a biased sample because the light depends on the "
+         "position.</p>\n<div class=\"figures\">\n" +
          html + "</div>\n" + sentences;
 }
 
@@ -188,7 +189,8 @@ std::string lightSteps(const RunRecord& record) {
 std::string robots(const RunRecord& record) {
   if (record.robots.empty()) return {};
   Table table({">robot", "origin", ">reversals", ">tumbles", ">contact with a robot",
-               ">contact with a wall", ">wheel at its limit", ">stopped", ">without host", ">boots"});
+               ">contact with a wall", ">wheel at its limit", ">stopped", ">without host",
+               ">boots"});
   for (const auto& [id, robot] : record.robots) {
     table.row({std::to_string(id), originName(robot.origin), std::to_string(robot.reversals),
                std::to_string(robot.tumbles), share(robot.contact_robot, robot.states),
@@ -218,10 +220,11 @@ std::string losses(const RunRecord& record) {
                (stream.at_least ? "≥ " : "") + groupedText(stream.lost),
                fmt::format("{:.1f}", stream.largest_age * 1e3)});
   }
-  html += table.text() +
-          "<p class=\"soft\">Age is the time from the measurement (such as the exposure of a frame) "
-          "to the arrival at the logger. ≥ marks a sender that did not end cleanly: its last count "
-          "is unknown, and more messages may be lost.</p>\n";
+  html +=
+      table.text() +
+      "<p class=\"soft\">Age is the time from the measurement (such as the exposure of a frame) "
+      "to the arrival at the logger. ≥ marks a sender that did not end cleanly: its last count "
+      "is unknown, and more messages may be lost.</p>\n";
   if (!record.log.decode_errors.empty()) {
     Table errors({"channel", ">messages that could not be decoded"});
     for (const auto& [channel, count] : record.log.decode_errors) {
@@ -269,10 +272,9 @@ std::string poseSource(const RunRecord& record) {
       "<h2>Provenance</h2>\n<p>The file of poses has {} in {}; {}. It was analyzed by Active Lab "
       "{}.</p>\n<ul>\n",
       countText(poses.rows, "row"), countText(record.log.frames, "frame"),
-      record.missing_frames == 0
-          ? "the frame numbers have no gap"
-          : fmt::format("by the frame numbers, {} missing",
-                        countText(record.missing_frames, "frame")),
+      record.missing_frames == 0 ? "the frame numbers have no gap"
+                                 : fmt::format("by the frame numbers, {} missing",
+                                               countText(record.missing_frames, "frame")),
       kVersion);
   if (poses.without_pose > 0) {
     html += fmt::format("<li>Omitted: {} without a number for the position or the heading.</li>\n",

@@ -325,7 +325,8 @@ std::vector<std::string> headlines(const RunRecord& record) {
     if (selected) {
       lines.push_back(fmt::format(
           "{} of {} omitted: faster than wheels can drive or turn a robot, so the remaining poses "
-          "are a biased sample. Is the unit of x and y right (--scale-cm)? Are headings in radians?",
+          "are a biased sample. Is the unit of x and y right (--scale-cm)? Are headings in "
+          "radians?",
           groupedText(jumped), countText(poses.rows, "pose")));
     }
     for (const auto& [count, what] :

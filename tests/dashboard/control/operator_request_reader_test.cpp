@@ -44,7 +44,8 @@ TEST(OperatorRequestReader, SaysWhatWasFoundAndWhatWasExpected) {
   EXPECT_EQ(why(R"({"request":"pause","x":1})"), "found the key \"x\", expected only request");
   EXPECT_EQ(why(R"({"request":"light","intensity":1.5,"hold_s":0})"),
             "intensity: found 1.5, expected a number from 0 to 1");
-  EXPECT_EQ(why(R"({"request":"pause","request":"end"})"), "found \"request\" twice, expected it once");
+  EXPECT_EQ(why(R"({"request":"pause","request":"end"})"),
+            "found \"request\" twice, expected it once");
   EXPECT_EQ(why("[]"), "found array, expected a JSON object");
 }
 
@@ -67,28 +68,29 @@ TEST(OperatorRequestReader, CountsCharactersAndNotBytes) {
 TEST(OperatorRequestReader, RefusesInvalidRequests) {
   const std::string deep = std::string(60000, '[');
   const std::string huge = R"({"request":"mark","text":")" + std::string(501, 'a') + "\"}";
-  for (const std::string& json : {std::string(),
-                                  std::string("{"),
-                                  std::string("null"),
-                                  std::string("{}"),
-                                  deep,
-                                  huge,
-                                  std::string(R"({"request":null})"),
-                                  std::string(R"({"request":"Stop","reason":""})"),
-                                  std::string(R"({"request":"pause"} x)"),
-                                  std::string("{\"request\":\"pause\"}\0", 17),
-                                  std::string(R"({"request":"light","intensity":NaN,"hold_s":0})"),
-                                  std::string(R"({"request":"light","intensity":1e999,"hold_s":0})"),
-                                  std::string(R"({"request":"light","intensity":"1","hold_s":0})"),
-                                  std::string(R"({"request":"light","intensity":true,"hold_s":0})"),
-                                  std::string(R"({"request":"light","intensity":-0.01,"hold_s":0})"),
-                                  std::string(R"({"request":"light","intensity":1,"hold_s":86401})"),
-                                  std::string(R"({"request":"light","intensity":1})"),
-                                  std::string(R"({"request":"seek","to_s":-1})"),
-                                  std::string(R"({"request":"speed","speed":0})"),
-                                  std::string("{\"request\":\"mark\",\"text\":\"\xff\"}"),
-                                  std::string(R"({"request":"mark","text":"two\nlines"})"),
-                                  std::string(R"({"request":"mark","text":{"a":[[[1]]]}})")}) {
+  for (const std::string& json :
+       {std::string(),
+        std::string("{"),
+        std::string("null"),
+        std::string("{}"),
+        deep,
+        huge,
+        std::string(R"({"request":null})"),
+        std::string(R"({"request":"Stop","reason":""})"),
+        std::string(R"({"request":"pause"} x)"),
+        std::string("{\"request\":\"pause\"}\0", 17),
+        std::string(R"({"request":"light","intensity":NaN,"hold_s":0})"),
+        std::string(R"({"request":"light","intensity":1e999,"hold_s":0})"),
+        std::string(R"({"request":"light","intensity":"1","hold_s":0})"),
+        std::string(R"({"request":"light","intensity":true,"hold_s":0})"),
+        std::string(R"({"request":"light","intensity":-0.01,"hold_s":0})"),
+        std::string(R"({"request":"light","intensity":1,"hold_s":86401})"),
+        std::string(R"({"request":"light","intensity":1})"),
+        std::string(R"({"request":"seek","to_s":-1})"),
+        std::string(R"({"request":"speed","speed":0})"),
+        std::string("{\"request\":\"mark\",\"text\":\"\xff\"}"),
+        std::string(R"({"request":"mark","text":"two\nlines"})"),
+        std::string(R"({"request":"mark","text":{"a":[[[1]]]}})")}) {
     EXPECT_NE(why(json), "accepted") << json.substr(0, 80);
   }
 }

@@ -127,8 +127,8 @@ TEST_F(WebTest, RefusedRequestsDoNotReachTheLab) {
     EXPECT_EQ(statusOf(send(method, "/api/request", token())), "405") << method;
   }
   const std::string rebound =
-      "POST /api/request HTTP/1.1\r\nHost: evil.example:" + std::to_string(server_->port()) + "\r\n" +
-      token() + "Content-Type: application/json\r\nContent-Length: 23\r\n\r\n" + body;
+      "POST /api/request HTTP/1.1\r\nHost: evil.example:" + std::to_string(server_->port()) +
+      "\r\n" + token() + "Content-Type: application/json\r\nContent-Length: 23\r\n\r\n" + body;
   EXPECT_EQ(statusOf(exchange(server_->port(), rebound)), "403");
   EXPECT_EQ(statusOf(exchange(server_->port(), "GET / HTTP/1.1\r\n\r\n")), "403");
   EXPECT_EQ(server_->refusals().host, 2);
@@ -208,7 +208,8 @@ TEST_F(WebTest, RefusesMalformedRequests) {
 
 TEST_F(WebTest, IgnoresASecondRequestOnAConnection) {
   start();
-  const std::string hidden = request("POST", "/api/request", token(), R"({"request":"release_stop"})");
+  const std::string hidden =
+      request("POST", "/api/request", token(), R"({"request":"release_stop"})");
   const std::string answer = send("POST", "/api/request", "", hidden);
   EXPECT_EQ(statusOf(answer), "403");
   EXPECT_EQ(answer.find("HTTP/1.1", 1), std::string::npos);

@@ -129,9 +129,10 @@ TEST_F(DashboardProcessTest, IsSkippedIfItIsNotInstalled) {
   page.start(report_);
   EXPECT_TRUE(page.givenUp());
   page.supervise(report_);
-  EXPECT_THAT(faults_, testing::ElementsAre(testing::AllOf(
-                           HasSubstr(missing.program.string() + " does not exist: ./lab build builds it"),
-                           HasSubstr("everything else continues"))));
+  EXPECT_THAT(faults_,
+              testing::ElementsAre(testing::AllOf(
+                  HasSubstr(missing.program.string() + " does not exist: ./lab build builds it"),
+                  HasSubstr("everything else continues"))));
 }
 
 }  // namespace

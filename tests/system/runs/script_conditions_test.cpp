@@ -209,8 +209,9 @@ TEST_F(ConditionalScript, EndsARunWithAnUnmetCondition) {
                        step("then", 0, "hold_s = 2"));
   EXPECT_EQ(dut.lab.exit_code, 3) << dut.lab.output;
   EXPECT_THAT(dut.steps, SizeIs(1));
-  EXPECT_THAT(dut.faults, ElementsAre("step 0 \"tumble\": after 4 s its condition \"a tumble\" was not "
-                                      "met: 0 tumbles, wanted 1; the run ends"));
+  EXPECT_THAT(dut.faults,
+              ElementsAre("step 0 \"tumble\": after 4 s its condition \"a tumble\" was not "
+                          "met: 0 tumbles, wanted 1; the run ends"));
   EXPECT_EQ(dut.end.text, dut.faults[0]);
 }
 
