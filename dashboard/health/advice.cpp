@@ -59,22 +59,22 @@ void adviseOnServices(const AdviceFacts& facts, std::vector<Advice>& out) {
       out.push_back({Level::kError,
                      fmt::format("no message from {} for {:.0f} s", serviceName(row), silent),
                      fmt::format("the lab restarts services that have ended; if it stays silent, "
-                                 "read logs/{}.log in the run's folder, or end the run",
+                                 "read logs/{}.txt in the run's folder, or end the run",
                                  status.sender)});
     } else if (status.state == service_status_t::FAULT) {
       out.push_back(
           {Level::kError, fmt::format("{} has a fault: {}", serviceName(row), status.last_error),
-           fmt::format("repair the named cause; details are in logs/{}.log in the run's folder",
+           fmt::format("repair the named cause; details are in logs/{}.txt in the run's folder",
                        status.sender)});
     } else if (!status.last_error.empty()) {
       out.push_back({Level::kWarn,
                      fmt::format("{} reports: {}", serviceName(row), status.last_error),
-                     "the run continues and is marked; repair the named cause"});
+                     "the run continues, with a fault in its record; repair the named cause"});
     }
     if (row.starts > 1) {
       out.push_back({Level::kWarn,
                      fmt::format("{} has been started {} times", serviceName(row), row.starts),
-                     fmt::format("logs/{}.log in the run's folder has the reason", status.sender)});
+                     fmt::format("logs/{}.txt in the run's folder has the reason", status.sender)});
     }
   }
 }
@@ -172,7 +172,7 @@ void adviseOnLight(const AdviceFacts& facts, std::vector<Advice>& out) {
   if (!facts.light || facts.ended) return;
   if (facts.isLive() && facts.now - facts.light_utime > kSilentLight_us) {
     out.push_back({Level::kError, "no status from the projector",
-                   "read logs/projector_ctl.log in the run's folder"});
+                   "read logs/projector_ctl.txt in the run's folder"});
     return;
   }
   if (!facts.light->trouble.empty()) {
