@@ -1,3 +1,5 @@
+/// The exact laws of the programs as the robots execute them, and the paper's formulas.
+/// docs/theory.md derives them. "The paper" is Paramanick, Pal, Soni and Kumar (README.md).
 #pragma once
 
 #include <memory>
@@ -11,9 +13,9 @@ namespace lab::analysis {
 
 using dynamics::ProgramKind;
 
-/// A program and the robot's wheel base, which decide its exact law. Only ABP, noisy ABP, BP and
-/// RTP have one. wheel_left and wheel_right are 0, so that programs of constant wheel speeds are
-/// one.
+/// A program and the robot's wheel base, which determine the exact law. Only ABP, noisy ABP, BP and
+/// RTP have one. wheel_left and wheel_right are always 0 here, so that all programs of constant
+/// wheel speeds compare equal.
 struct ProgramLaw : dynamics::RobotProgram {
   double wheel_base = 0.075;  ///< d [m]
 
@@ -23,23 +25,25 @@ struct ProgramLaw : dynamics::RobotProgram {
 /// True for the programs that draw wheel speeds and hold them for epsilon.
 [[nodiscard]] bool isHeldNoise(ProgramKind kind);
 
-/// Nominal coefficients, exact functions of the programmed parameters; nan if the program has none.
+/// Nominal coefficients, exact functions of the programmed parameters; nan if the program has no
+/// such coefficient.
 [[nodiscard]] double rotationalDiffusivity(const ProgramLaw& law);     ///< D_r, rad^2/s.
 [[nodiscard]] double translationalDiffusivity(const ProgramLaw& law);  ///< D_t = epsilon V^2/24.
 [[nodiscard]] double meanSpeed(const ProgramLaw& law);  ///< v (ABP, RTP), va (noisy ABP), 0 (BP).
 
 /// The largest wheel speed that the program needs, m/s: |v| + eta d/2 (ABP), |va| + V (noisy
-/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; largest_turn in rad, pi if it
-/// turns the shorter way). Slower wheels saturate, and the robot does not follow the law. nan if
-/// the program has none.
+/// ABP, BP), the larger of |v| and largest_turn d / (2 tau_t) (RTP; largest_turn in rad, pi if the
+/// robot turns in the shorter direction). Slower wheels saturate, and the robot does not follow the
+/// law. nan for programs without a law.
 [[nodiscard]] double neededWheelSpeed(const ProgramLaw& law,
                                       double largest_turn = std::numbers::pi);
 
-/// The exact law of what the robot executes, at every lag, for a random observation phase.
+/// The exact law of what the robot executes, at every lag, averaged over the phase of the hold at
+/// which the observation begins.
 ///
 /// Held noise: see HeldNoise. RTP: see RtpLaw; turning angles are uniform on (-180, 180] degrees
-/// by default, which makes the paper's eq. 6 exact. Without a law (standing, constant
-/// wheels, parameters that define none) every value is nan.
+/// by default, which makes the paper's eq. 6 exact. If no law exists (standing, constant wheels,
+/// epsilon, gamma or tau_t of 0), every value is nan.
 class ExactLaw {
  public:
   /// @param turning of an RTP; other programs ignore it.
@@ -50,8 +54,9 @@ class ExactLaw {
   [[nodiscard]] double angularMsd(double tau) const;         ///< rad^2.
   [[nodiscard]] double velocityCorrelation(double s) const;  ///< m^2/s^2.
   [[nodiscard]] double diffusivity() const;                  ///< lim MSD / (4 tau), m^2/s.
-  /// int_0^inf C(l) dl in m, with C(l) the velocity correlation along the path (ABP and RTP runs);
-  /// nan for the other programs. The paper's v / D_r is its limit of small epsilon.
+  /// The persistence length, m: the integral over the path length l of <cos(change of the heading
+  /// after l)>, of ABP and of the runs of RTP; nan for the other programs. The paper's v / D_r is
+  /// its limit for small epsilon.
   [[nodiscard]] double persistenceLength() const;
   [[nodiscard]] const ProgramLaw& program() const { return law_; }
 

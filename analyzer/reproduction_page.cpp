@@ -33,7 +33,7 @@ std::string verdictClass(VerdictKind kind) {
     case VerdictKind::kAgrees:
       return "agrees";
     case VerdictKind::kDisagrees:
-      return "disagrees";
+      return "deviates";
     default:
       return "undecided";
   }

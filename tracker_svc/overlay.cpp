@@ -19,12 +19,12 @@ namespace {
 
 using optics::Pixel;
 
-constexpr Colour kGood{60, 235, 90};
-constexpr Colour kEdge{90, 190, 255};
-constexpr Colour kDegraded{255, 165, 0};
-constexpr Colour kUndetected{170, 170, 170};
-constexpr Colour kRefused{255, 70, 70};
-constexpr Colour kCaption{255, 255, 255};
+constexpr optics::Colour kGood{60, 235, 90};
+constexpr optics::Colour kEdge{90, 190, 255};
+constexpr optics::Colour kDegraded{255, 165, 0};
+constexpr optics::Colour kUndetected{170, 170, 170};
+constexpr optics::Colour kRefused{255, 70, 70};
+constexpr optics::Colour kCaption{255, 255, 255};
 
 constexpr float kDegradedBelow = 0.5F;  // quality below which a pose is degraded, see Detection
 constexpr double kCm = 100;
@@ -45,7 +45,8 @@ struct Box {
 };
 
 Box boxOf(int x, int y, std::string_view text) {
-  return {x - 1, y - 1, static_cast<int>(text.size()) * kGlyphWidth + 1, kGlyphHeight};
+  return {x - 1, y - 1, static_cast<int>(text.size()) * optics::kGlyphWidth + 1,
+          optics::kGlyphHeight};
 }
 
 /// The power of two that makes a dark picture bright enough. Powers of two change rarely, so the
@@ -69,8 +70,8 @@ int gainFor(const optics::GreyView& picture) {
   return gain;
 }
 
-RgbImage coloured(const optics::GreyView& picture, int gain) {
-  RgbImage image(picture.width, picture.height);
+optics::RgbImage coloured(const optics::GreyView& picture, int gain) {
+  optics::RgbImage image(picture.width, picture.height);
   for (int y = 0; y < picture.height; ++y) {
     const std::uint8_t* grey = picture.row(y);
     std::uint8_t* pixel = image.at(0, y);
@@ -82,10 +83,10 @@ RgbImage coloured(const optics::GreyView& picture, int gain) {
 }
 
 /// Scales the picture to `width`; each new pixel is the mean of those it covers.
-RgbImage shrunk(const optics::GreyView& picture, int width, int gain) {
+optics::RgbImage shrunk(const optics::GreyView& picture, int width, int gain) {
   if (width == picture.width) return coloured(picture, gain);
   const double step = static_cast<double>(picture.width) / width;
-  RgbImage image(width, std::max(1, static_cast<int>(std::lround(picture.height / step))));
+  optics::RgbImage image(width, std::max(1, static_cast<int>(std::lround(picture.height / step))));
   const auto edge = [](int i, double pitch, int size) {
     return std::min(size - 1, static_cast<int>(i * pitch));
   };
@@ -120,7 +121,7 @@ class Drawing {
     scale_ = static_cast<double>(width) / full;
   }
 
-  RgbImage draw() {
+  optics::RgbImage draw() {
     caption();
     for (const Mark& mark : input_.marks) outline(mark);
     for (const detector::Rejection& rejection : input_.rejected) cross(rejection);
@@ -145,25 +146,25 @@ class Drawing {
                                   cap_.height));
   }
 
-  static Colour colourOf(const Mark& mark) {
+  static optics::Colour colourOf(const Mark& mark) {
     if (!mark.detected) return kUndetected;
     if (mark.pose.quality < kDegradedBelow) return kDegraded;
     return (mark.pose.used & detector::kUsedEdge) != 0 ? kEdge : kGood;
   }
 
-  void circle(const detector::Detection& pose, double forward, double radius, Colour colour,
+  void circle(const detector::Detection& pose, double forward, double radius, optics::Colour colour,
               int corners) {
     Pixel last = onCap(pose, forward + radius, 0);
     for (int i = 1; i <= corners; ++i) {
       const double angle = 2 * std::numbers::pi * i / corners;
       const Pixel next = onCap(pose, forward + radius * std::cos(angle), radius * std::sin(angle));
-      Canvas(image_).line(last, next, colour, kOnePixel);
+      optics::Canvas(image_).line(last, next, colour, kOnePixel);
       last = next;
     }
   }
 
   void outline(const Mark& mark) {
-    const Colour colour = colourOf(mark);
+    const optics::Colour colour = colourOf(mark);
     circle(mark.pose, 0, cap_.cap_radius, colour, 32);
     if (mark.detected) {
       if ((mark.pose.used & detector::kUsedBig) != 0) {
@@ -175,7 +176,7 @@ class Drawing {
     }
     const double tip = 1.6 * cap_.cap_radius;
     const double barb = 0.3 * cap_.cap_radius;
-    Canvas canvas(image_);
+    optics::Canvas canvas(image_);
     const Pixel end = onCap(mark.pose, tip, 0);
     canvas.line(onCap(mark.pose, 0, 0), end, colour, 1.5);
     canvas.line(end, onCap(mark.pose, tip - barb, barb), colour, 1.5);
@@ -184,7 +185,7 @@ class Drawing {
 
   void cross(const detector::Rejection& rejection) {
     const Pixel at = scaled(rejection.where);
-    Canvas canvas(image_);
+    optics::Canvas canvas(image_);
     canvas.line({at.x - kCrossArm, at.y - kCrossArm}, {at.x + kCrossArm, at.y + kCrossArm},
                 kRefused, kOnePixel);
     canvas.line({at.x - kCrossArm, at.y + kCrossArm}, {at.x + kCrossArm, at.y - kCrossArm},
@@ -192,7 +193,7 @@ class Drawing {
   }
 
   /// Writes beside a place unless other text occupies the space.
-  bool write(Pixel at, std::string_view text, Colour colour) {
+  bool write(Pixel at, std::string_view text, optics::Colour colour) {
     if (!(std::abs(at.x) + std::abs(at.y) < kFarOutside)) return false;
     const int x = static_cast<int>(std::lround(at.x));
     const int y = static_cast<int>(std::lround(at.y));
@@ -201,7 +202,7 @@ class Drawing {
       if (box.meets(other)) return false;
     }
     written_.push_back(box);
-    Canvas canvas(image_);
+    optics::Canvas canvas(image_);
     canvas.shade(box.x, box.y, box.width, box.height);
     canvas.text(x, y, text, colour);
     return true;
@@ -212,9 +213,9 @@ class Drawing {
     Pixel at = onCap(mark.pose, 0, 0);
     const Pixel rim = onCap(mark.pose, -cap_.cap_radius, 0);
     const double radius = std::hypot(rim.x - at.x, rim.y - at.y);
-    const double width = static_cast<double>(mark.label.size()) * kGlyphWidth;
+    const double width = static_cast<double>(mark.label.size()) * optics::kGlyphWidth;
     // Right of the cap, else left of it, else on it.
-    const double y = at.y - kGlyphHeight / 2.0;
+    const double y = at.y - optics::kGlyphHeight / 2.0;
     if (at.x + radius + 2 + width < image_.width &&
         write({at.x + radius + 2, y}, mark.label, colourOf(mark))) {
       return;
@@ -237,12 +238,12 @@ class Drawing {
   void reason(const detector::Rejection& rejection) {
     const Pixel at = scaled(rejection.where);
     const std::string text = rejectionText(rejection);
-    const double width = static_cast<double>(text.size()) * kGlyphWidth;
+    const double width = static_cast<double>(text.size()) * optics::kGlyphWidth;
     constexpr double kAway = kCrossArm + 3;
-    for (const Pixel place : {Pixel{at.x + kAway, at.y - kGlyphHeight / 2.0},
-                              Pixel{at.x - kAway - width, at.y - kGlyphHeight / 2.0},
+    for (const Pixel place : {Pixel{at.x + kAway, at.y - optics::kGlyphHeight / 2.0},
+                              Pixel{at.x - kAway - width, at.y - optics::kGlyphHeight / 2.0},
                               Pixel{at.x - width / 2, at.y + kAway},
-                              Pixel{at.x - width / 2, at.y - kAway - kGlyphHeight}}) {
+                              Pixel{at.x - width / 2, at.y - kAway - optics::kGlyphHeight}}) {
       if (write(place, text, kRefused)) return;
     }
   }
@@ -264,13 +265,13 @@ class Drawing {
     for (const auto& [reason, there] : places) {
       text += fmt::format("{}{} {}", text.empty() ? "refused: " : ", ", there.size(), reason);
     }
-    if (!text.empty()) write({4.0, image_.height - kGlyphHeight - 3.0}, text, kRefused);
+    if (!text.empty()) write({4.0, image_.height - optics::kGlyphHeight - 3.0}, text, kRefused);
   }
 
   const OverlayInput& input_;
   const optics::CameraModel& camera_;
   const optics::CapGeometry& cap_;
-  RgbImage image_;
+  optics::RgbImage image_;
   std::vector<Box> written_;
   double scale_ = 1;
   int gain_ = 1;
@@ -311,8 +312,8 @@ std::string rejectionText(const detector::Rejection& rejection) {
   return fmt::format("{} {:.2f}/{:.2f}", detector::toText(rejection.reason), shown, limit);
 }
 
-RgbImage overlay(const OverlayInput& input, const optics::CameraModel& camera,
-                 const optics::CapGeometry& cap) {
+optics::RgbImage overlay(const OverlayInput& input, const optics::CameraModel& camera,
+                         const optics::CapGeometry& cap) {
   if (input.picture.width < 1 || input.picture.height < 1) return {};
   return Drawing(input, camera, cap).draw();
 }

@@ -35,8 +35,8 @@ struct OverlayInput {
 /// circles were seen, blue if a light edge crosses one, orange for a degraded pose, grey for a
 /// track that was not seen. Red crosses are rejected candidates, with the reason and found/allowed
 /// value where there is space. A dark picture is brightened; the caption then gives the factor.
-[[nodiscard]] RgbImage overlay(const OverlayInput& input, const optics::CameraModel& camera,
-                               const optics::CapGeometry& cap);
+[[nodiscard]] optics::RgbImage overlay(const OverlayInput& input, const optics::CameraModel& camera,
+                                       const optics::CapGeometry& cap);
 
 /// "size 1.83/1.25": reason, found and allowed value; lengths in cm.
 [[nodiscard]] std::string rejectionText(const detector::Rejection& rejection);

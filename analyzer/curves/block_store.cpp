@@ -7,14 +7,14 @@
 namespace lab::analysis {
 namespace {
 
-/// The upper half of a positive float, rounded: 8 significant bits.
-std::uint16_t upperHalf(double value) {
+/// A positive number as bfloat16, rounded: 8 significant bits.
+std::uint16_t toBfloat16(double value) {
   constexpr std::uint32_t kHalf = 0x8000;
   const auto bits = std::bit_cast<std::uint32_t>(static_cast<float>(value));
   return static_cast<std::uint16_t>((bits + kHalf) >> 16U);
 }
 
-double fromUpperHalf(std::uint16_t half) {
+double fromBfloat16(std::uint16_t half) {
   return static_cast<double>(std::bit_cast<float>(static_cast<std::uint32_t>(half) << 16U));
 }
 
@@ -30,7 +30,7 @@ BlockStore::BlockStore(std::size_t lags, double block_length)
 }
 
 void BlockStore::addTime(double dt) {
-  const bool closes = closesAfter(dt);
+  const bool closes = wouldClose(dt);
   open_.time += dt;
   time_ += dt;
   if (!closes) return;
@@ -75,18 +75,18 @@ BlockStore::Packed BlockStore::pack(const LagSums& sums) {
   Packed packed;
   const double n = sums.windows;
   const double m = sums.angular_windows;
-  packed.windows = upperHalf(n);
-  packed.angular_windows = upperHalf(m);
+  packed.windows = toBfloat16(n);
+  packed.angular_windows = toBfloat16(m);
   packed.r2 = n > 0 ? static_cast<float>(sums.r2 / n) : 0.0F;
   packed.a2 = m > 0 ? static_cast<float>(sums.a2 / m) : 0.0F;
-  packed.r_kurtosis = upperHalf(kurtosis(sums.r4, sums.r2, n));
-  packed.a_kurtosis = upperHalf(kurtosis(sums.a4, sums.a2, m));
+  packed.r_kurtosis = toBfloat16(kurtosis(sums.r4, sums.r2, n));
+  packed.a_kurtosis = toBfloat16(kurtosis(sums.a4, sums.a2, m));
   return packed;
 }
 
 LagSums BlockStore::unpack(const Packed& packed) {
-  const double n = fromUpperHalf(packed.windows);
-  const double m = fromUpperHalf(packed.angular_windows);
+  const double n = fromBfloat16(packed.windows);
+  const double m = fromBfloat16(packed.angular_windows);
   const auto r2 = static_cast<double>(packed.r2);
   const auto a2 = static_cast<double>(packed.a2);
   LagSums sums;
@@ -94,8 +94,8 @@ LagSums BlockStore::unpack(const Packed& packed) {
   sums.angular_windows = static_cast<std::uint32_t>(m);
   sums.r2 = n * r2;
   sums.a2 = m * a2;
-  sums.r4 = n * r2 * r2 * fromUpperHalf(packed.r_kurtosis);
-  sums.a4 = m * a2 * a2 * fromUpperHalf(packed.a_kurtosis);
+  sums.r4 = n * r2 * r2 * fromBfloat16(packed.r_kurtosis);
+  sums.a4 = m * a2 * a2 * fromBfloat16(packed.a_kurtosis);
   return sums;
 }
 

@@ -7,30 +7,33 @@
 
 namespace lab::analysis {
 
-/// The blocks of one robot and program in little memory. One block is open and takes windows. The
-/// others are closed, cover nearly equal free times, and take 16 bytes per lag. There are at most
-/// 28; when full, pairs are merged to 14.
+/// Stores the block sums of one robot and one program in bounded memory. The scatter between blocks
+/// gives the error bars (block_sums.hpp).
 ///
-/// Per lag, a closed block keeps its two means with 24 bits, and the numbers of windows and the
-/// kurtoses with 8 bits: the means determine the scatter of blocks, the others are only weights.
-/// The sums over all blocks are kept in addition, in full precision.
+/// The newest block is open: windows are added to it. All other blocks are closed, have nearly the
+/// same length in free time, and take 16 bytes per lag. When kMaxBlocks blocks are closed,
+/// neighbouring blocks are merged in pairs.
+///
+/// Per lag, a closed block keeps the means of r^2 and a^2 as floats. It keeps the numbers of
+/// windows and the kurtoses with 8 significant bits, which is enough because they only weight the
+/// blocks. The sums over all closed blocks are kept in addition, in full precision.
 class BlockStore {
  public:
-  static constexpr std::size_t kMaxBlocks = 28;  ///< Even.
+  static constexpr std::size_t kMaxBlocks = 28;  ///< Even, because pairs are merged.
 
-  /// The number of lags, and the length of the first block (s).
+  /// @param block_length free time of the first block, s
   BlockStore(std::size_t lags, double block_length);
 
   /// The block to which windows and steps are added.
-  [[nodiscard]] BlockSums& open() { return open_; }
+  [[nodiscard]] BlockSums& openBlock() { return open_; }
 
   /// Adds free time (s) to the open block, and closes it if it is long enough.
   void addTime(double dt);
 
-  /// Whether addTime(dt) would close the open block.
-  [[nodiscard]] bool closesAfter(double dt) const { return time_ + dt >= open_end_; }
+  /// True if addTime(dt) would close the open block.
+  [[nodiscard]] bool wouldClose(double dt) const { return time_ + dt >= open_end_; }
 
-  [[nodiscard]] double time() const { return time_; }  ///< Of all blocks, s.
+  [[nodiscard]] double time() const { return time_; }  ///< Free time of all blocks, s.
 
   /// All blocks in time order, the open one last. Their sum is exact: per lag, the rounding errors
   /// are added to the block with the most windows.
@@ -41,9 +44,10 @@ class BlockStore {
  private:
   /// One lag of a closed block.
   struct Packed {
-    float r2 = 0;  ///< Means.
-    float a2 = 0;
-    std::uint16_t windows = 0;  ///< These four are upper halves of floats.
+    float r2 = 0;  ///< Mean of r^2, m^2.
+    float a2 = 0;  ///< Mean of a^2, rad^2.
+    // The other four are bfloat16: the upper 16 bits of a float.
+    std::uint16_t windows = 0;
     std::uint16_t angular_windows = 0;
     std::uint16_t r_kurtosis = 0;
     std::uint16_t a_kurtosis = 0;
@@ -57,11 +61,11 @@ class BlockStore {
 
   double block_length_;
   double open_end_;  ///< Free time at which the open block closes, s.
-  double time_ = 0;  ///< Of all blocks.
+  double time_ = 0;  ///< Free time of all blocks, s.
   BlockSums open_;
-  std::vector<LagSums> closed_total_;  ///< Of all closed blocks.
-  std::vector<BlockSums> closed_;      ///< Without their lags.
-  std::vector<Packed> packed_;         ///< Their lags, block by block.
+  std::vector<LagSums> closed_total_;  ///< Sums over all closed blocks, per lag.
+  std::vector<BlockSums> closed_;      ///< The closed blocks, with empty `lags`.
+  std::vector<Packed> packed_;         ///< The lags of the closed blocks: all of block 0 first.
 };
 
 }  // namespace lab::analysis

@@ -21,8 +21,9 @@ struct LagSums {
   LagSums& operator-=(const LagSums& other);
 };
 
-/// The sums over one block of free time. The statistics of a recording are the sums over its
-/// blocks; the scatter of blocks gives the error bars.
+/// The sums over one block of free time: the time in which the robot moved freely and was tracked,
+/// without reversals, contacts and stops. The statistics of a recording are the sums over its
+/// blocks; the scatter between blocks gives the error bars.
 struct BlockSums {
   double time = 0;            ///< Observed free time, s.
   std::vector<LagSums> lags;  ///< One per lag of the grid.

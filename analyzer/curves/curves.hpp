@@ -22,7 +22,7 @@ struct CurvePoint {
   double paper = 0;               ///< The paper's formula.
   double z = 0;                   ///< Deviation from the law in standard errors, see curves().
   double kurtosis = 0;            ///< <r^4> / <r^2>^2: 2 for isotropic Brownian motion, 3 in 1D.
-  bool selection_biased = false;  ///< Windows are selected by their outcome; not judged.
+  bool selection_biased = false;  ///< The windows are a biased sample (unbiased_lag); not judged.
   bool judged = false;            ///< Counts for the verdict.
 };
 
@@ -36,7 +36,9 @@ struct CurveOptions {
       0.002;  ///< Relative deviation from the law that is allowed as systematic.
   double speed_tolerance =
       0.05;  ///< Relative error of the speed that is accepted as a calibration error.
-  double unbiased_lag = 0;  ///< Longer lags are selected by their outcome, s; 0: none.
+  /// Windows of longer lags are a biased sample, because the motion decides whether they exist
+  /// (Analysis::setSpatialLight), s; 0: no lag is biased.
+  double unbiased_lag = 0;
   /// Simulated recordings of the program, or nullptr. They give the errors of lags beyond a 180th
   /// of a track, for which blocks are too short and give errors up to 36 % too small.
   const SimulatedCurves* recordings = nullptr;

@@ -21,7 +21,7 @@ struct Estimate {
   double high95 = 0;
   double theory = 0;  ///< Value of the programmed parameters; nan: none.
   double n_eff = 0;   ///< Number of independent blocks (or tumbles) in sigma.
-  std::string note;   ///< The estimator, and reservations.
+  std::string note;   ///< The estimator, and what limits its validity.
 };
 
 /// Quantities that are measured directly from the sums of a program; nan if the program or the data

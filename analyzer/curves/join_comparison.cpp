@@ -13,7 +13,7 @@ using units::kNan;
 constexpr double kLongest = 20;     // s
 constexpr double kBlockInLags = 5;  // of the longest lag
 constexpr std::size_t kLeastBlocks = 8;
-constexpr double kLeastWindows = 5;   // that straddle a join
+constexpr double kLeastWindows = 5;   // across a join
 constexpr double kPieceShare = 0.25;  // longest compared lag, in mean pieces
 
 /// Lags of 1, 2, 4, ... frames.

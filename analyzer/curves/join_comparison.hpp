@@ -10,7 +10,7 @@ namespace lab::analysis {
 /// One lag, SI units; nan if there are too few windows or blocks.
 struct JoinLag {
   double tau = 0;         ///< s
-  double share = 0;       ///< Share of windows that straddle a join.
+  double share = 0;       ///< Share of the windows that lie across a join.
   double whole = 0;       ///< Mean of all windows.
   double within = 0;      ///< Mean of the windows within one piece.
   double difference = 0;  ///< whole - within.
@@ -22,11 +22,11 @@ struct JoinLag {
 
 /// Whether joining pieces across removed reversals changes the curves.
 ///
-/// Windows within pieces met no wall, so both sets differ even if every join is perfect: windows
-/// that straddle a join contain robots that drive straight, fast and toward the wall. With p their
-/// share of the windows, whole - within = p (straddling - within), and in walled recordings of all
-/// four programs the MSD and the angular MSD of straddling windows, of up to a quarter of the mean
-/// piece, are between 0 and kSelection times those of the others. This much does not count as a
+/// Windows within pieces met no wall, so the two kinds differ even if every join is perfect: in a
+/// window across a join, a robot drives straight, fast and toward the wall. With p their share of
+/// the windows, whole - within = p (across - within). In walled recordings of all four programs,
+/// the MSD and the angular MSD of windows across a join are between 0 and kSelection times those of
+/// the others, at lags up to a quarter of the mean piece. Such a difference is not counted as a
 /// defect. A defective join adds the square of its displacement error, which at short lags is many
 /// times the MSD.
 struct JoinComparison {

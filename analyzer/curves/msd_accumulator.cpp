@@ -103,7 +103,7 @@ void MsdAccumulator::add(const Sample& sample) {
     if (!next) {
       if (!resume(sample, dt)) return;
     } else {
-      if (frames_.full() || blocks_.closesAfter(dt)) flush();
+      if (frames_.full() || blocks_.wouldClose(dt)) flush();
       blocks_.addTime(dt);
     }
   }
@@ -126,7 +126,7 @@ void MsdAccumulator::beginSegment(const Sample& sample) {
   unbroken_ = 0;
   first_step_done_ = true;
   counted_ = sample;
-  blocks_.open().segments += 1;
+  blocks_.openBlock().segments += 1;
   for (Cursor& cursor : cursors_) {
     cursor.start = levels_[cursor.level].head;  // no window begins before the segment
     cursor.due = frames_.first();
@@ -144,7 +144,7 @@ bool MsdAccumulator::resume(const Sample& sample, double dt) {
   blocks_.addTime(is_hole ? period_ : dt);
   const bool join = sample.piece != last_.piece;
   if (!join && frames > 1 && dt <= kLongestGap) {
-    BlockSums& block = blocks_.open();
+    BlockSums& block = blocks_.openBlock();
     block.lost += frames - 1;
     block.lost2 += (frames - 1) * (frames - 1);
     if (is_hole) block.unseen += dt - period_;
@@ -184,7 +184,7 @@ void MsdAccumulator::addStep(const Fix& to, double frames, bool join) {
   cosSin(&heading, 1, &c, &s);
   const double dx = to.x - previous_.x;
   const double dy = to.y - previous_.y;
-  BlockSums& block = blocks_.open();
+  BlockSums& block = blocks_.openBlock();
   block.forward += c * dx + s * dy;
   block.forward_time += dt;
   block.joins += join ? 1 : 0;
@@ -204,7 +204,7 @@ void MsdAccumulator::flush() {
   }
   static_assert(FrameHistory::kCollection <= kDenseLags, "a window may end where it begins");
   for (Level& level : levels_) beginLongWindows(level);
-  BlockSums& block = blocks_.open();
+  BlockSums& block = blocks_.openBlock();
   block.run_time += last_.run_time - counted_.run_time;
   block.run_span += last_.free_time - counted_.free_time;
   block.tumbles += static_cast<double>(last_.tumble_count - counted_.tumble_count);
@@ -242,7 +242,7 @@ void MsdAccumulator::addSteps() {
     sums.sideways2 += sideways * sideways;
     sums.steps += 1;
   }
-  blocks_.open() += sums;
+  blocks_.openBlock() += sums;
   period_time_ += time[first + steps - 1] - time[first - 1];
   period_frames_ += static_cast<double>(steps);
   period_ = period_time_ / period_frames_;
@@ -294,7 +294,7 @@ void MsdAccumulator::addWindows(std::size_t i, const Ends& ends) {
     sums.add(difference(frames_.time()), difference(frames_.x()), difference(frames_.y()),
              difference(frames_.theta()));
   }
-  LagSums& lag_sums = blocks_.open().lags[i];
+  LagSums& lag_sums = blocks_.openBlock().lags[i];
   lag_times_[i] += sum(sums.time);
   lag_sums.windows += windows;
   lag_sums.angular_windows += windows;
@@ -324,7 +324,7 @@ inline void MsdAccumulator::addWindow(std::size_t i, const Fix& start, const Fix
   const double dx = end.x - start.x;
   const double dy = end.y - start.y;
   const double r2 = dx * dx + dy * dy;
-  LagSums& sums = blocks_.open().lags[i];
+  LagSums& sums = blocks_.openBlock().lags[i];
   lag_times_[i] += duration;
   ++sums.windows;
   sums.r2 += r2;

@@ -6,20 +6,23 @@
 #include <vector>
 
 #include "analyzer/laws/chebyshev.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::analysis {
 namespace {
 
-constexpr double kSmoothTurn =
-    6;  // rad of turning over which the 20-point Gauss rule is exact to rounding
+// Longest integration step times variationRate(). Over such a step the 20-point Gauss rule is exact
+// up to rounding.
+constexpr double kStepVariation = 6;
 
 /// The laws are smooth between multiples of this time, s.
-double kinkEvery(const ProgramLaw& law) {
+double kinkSpacing(const ProgramLaw& law) {
   return law.kind == ProgramKind::kRtp ? law.tau_t : law.epsilon;
 }
 
-/// The largest turning rate, rad/s.
-double fastestTurn(const ProgramLaw& law) {
+/// Bound on the rate at which the law varies, 1/s. Held noise: the largest turning rate. RTP: the
+/// decay rate gamma of the runs, plus twice the largest turning rate pi / tau_t of a tumble.
+double variationRate(const ProgramLaw& law) {
   switch (law.kind) {
     case ProgramKind::kAbp:
       return law.eta;
@@ -35,10 +38,12 @@ double fastestTurn(const ProgramLaw& law) {
   return 0;
 }
 
-/// Integration limits: where M(tau + w), M(|tau - w|) or M(w) may have a kink, and steps between.
-std::vector<double> pieces(const ProgramLaw& law, double tau, double exposure) {
-  const double kink = kinkEvery(law);
-  const double back = std::fmod(tau, kink);
+/// Limits of the integration intervals, ascending: every w at which M(tau + w), M(|tau - w|) or
+/// M(w) may have a kink, and further points so that no interval is too long for the Gauss rule.
+/// @param law exists, so that kinks have a distance
+std::vector<double> integrationLimits(const ProgramLaw& law, double tau, double exposure) {
+  const double kink = kinkSpacing(law);
+  const double remainder = std::fmod(tau, kink);
   std::vector<double> ends{0, exposure};
   const auto add = [&](double w) {
     if (w > 0 && w < exposure) ends.push_back(w);
@@ -46,20 +51,22 @@ std::vector<double> pieces(const ProgramLaw& law, double tau, double exposure) {
   add(tau);
   for (double k = 0; k * kink <= exposure + kink; ++k) {
     add(k * kink);
-    add(k * kink + back);
-    add((k + 1) * kink - back);
+    add(k * kink + remainder);
+    add((k + 1) * kink - remainder);
   }
-  const double step = kSmoothTurn / std::max(fastestTurn(law), kSmoothTurn / exposure);
+  const double step = kStepVariation / std::max(variationRate(law), kStepVariation / exposure);
   for (double w = step; w < exposure; w += step) add(w);
   std::sort(ends.begin(), ends.end());
   return ends;
 }
 
+/// The integral of observedMsd(): the MSD of means over the exposure.
 template <typename Msd>
-double smeared(const ProgramLaw& law, double tau, double exposure, const Msd& msd) {
+double blurred(const ExactLaw& law, double tau, double exposure, const Msd& msd) {
+  if (!law.exists()) return units::kNan;
   if (!(exposure > 0)) return msd(tau);
   static const GaussRule rule = gaussLegendre(20);
-  const std::vector<double> ends = pieces(law, tau, exposure);
+  const std::vector<double> ends = integrationLimits(law.program(), tau, exposure);
   double sum = 0;
   for (std::size_t p = 1; p < ends.size(); ++p) {
     const double length = ends[p] - ends[p - 1];
@@ -75,14 +82,12 @@ double smeared(const ProgramLaw& law, double tau, double exposure, const Msd& ms
 }  // namespace
 
 double observedMsd(const ExactLaw& law, const Observation& observation, double tau) {
-  return smeared(law.program(), tau, observation.exposure,
-                 [&law](double t) { return law.msd(t); }) +
+  return blurred(law, tau, observation.exposure, [&law](double t) { return law.msd(t); }) +
          4 * observation.sigma * observation.sigma;
 }
 
 double observedAngularMsd(const ExactLaw& law, const Observation& observation, double tau) {
-  return smeared(law.program(), tau, observation.exposure,
-                 [&law](double t) { return law.angularMsd(t); }) +
+  return blurred(law, tau, observation.exposure, [&law](double t) { return law.angularMsd(t); }) +
          2 * observation.sigma_theta * observation.sigma_theta;
 }
 

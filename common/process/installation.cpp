@@ -1,5 +1,7 @@
 #include "common/process/installation.hpp"
 
+#include <unistd.h>
+
 #include "common/process/version.hpp"
 
 namespace lab {
@@ -13,6 +15,10 @@ static std::string packageOf(const std::string& name) {
 }
 
 std::string Installation::installHint(const std::string& name, const std::string& build) const {
+  if (!packaged && !may_build) {
+    return "you may not write in " + clone.string() +
+           ": ask its owner to run ./lab build there, or make a clone of your own";
+  }
   if (!packaged) return build;
   const std::string package = packageOf(name);
   return "sudo apt install ./" + package + "_" + kVersion + "_*.deb";
@@ -28,11 +34,16 @@ Installation installationOf(const fs::path& program) {
   const fs::path root = above.parent_path().parent_path();
   found.experiments =
       found.packaged ? root / "share" / "active-lab" / "experiments" : root / "experiments";
+  if (!found.packaged) found.clone = root;
   return found;
 }
 
 const Installation& installation() {
-  static const Installation found = installationOf(fs::canonical("/proc/self/exe"));
+  static const Installation found = [] {
+    Installation here = installationOf(fs::canonical("/proc/self/exe"));
+    if (!here.packaged) here.may_build = access(here.programs.parent_path().c_str(), W_OK) == 0;
+    return here;
+  }();
   return found;
 }
 

@@ -191,7 +191,7 @@ DueCommands Controls::due(std::int64_t now) {
 }
 
 void Controls::setNote(const std::string& name, const std::string& text, std::int64_t now) {
-  note_ = toText({{"t_us", now}, {"wish", name}, {"text", text}});
+  note_ = toText({{"t_us", now}, {"request", name}, {"text", text}});
 }
 
 std::string Controls::stopJson() const {

@@ -55,10 +55,10 @@ class Controls {
   /// Call it at least every 50 ms and after each request.
   [[nodiscard]] DueCommands due(std::int64_t now);
 
-  /// The text of topic `stop`.
+  /// JSON of topic `stop`.
   [[nodiscard]] std::string stopJson() const;
 
-  /// The text of topic `note`, the outcome of the last request; empty before the first one.
+  /// JSON of topic `note`, the outcome of the last request; empty before the first one.
   [[nodiscard]] const std::string& noteJson() const { return note_; }
 
   /// Whether a log is being replayed. Its robots cannot be commanded.

@@ -23,6 +23,8 @@ class JsonObjectReader {
   ///         twice
   explicit JsonObjectReader(std::string_view text);
 
+  [[nodiscard]] bool has(const char* key) const { return json_.contains(key); }
+
   // All of these throw JsonObjectError if the key is missing or its value is not as expected.
 
   /// A UTF-8 text without control characters, of at most `max_length` characters.

@@ -5,6 +5,8 @@
 namespace lab::dashboard {
 namespace {
 
+constexpr const char* kKey = "request";
+constexpr const char* kFormerKey = "wish";
 constexpr std::size_t kMaxRequestText = 500;  // characters
 constexpr double kMaxHold = 86400;            // [s]
 constexpr double kMaxLog = 1e7;               // [s]
@@ -35,8 +37,8 @@ OperatorRequest operatorRequestOf(const std::string& name, JsonObjectReader& jso
   if (name == "seek") return SeekLog{json.number("to_s", 0, kMaxLog)};
   if (name == "speed") return SpeedLog{json.number("speed", kMinSpeed, kMaxSpeed)};
   throw JsonObjectError(
-      "wish: expected stop, release_stop, pause, resume, mark, end, light, release_light, seek or "
-      "speed");
+      "request: expected stop, release_stop, pause, resume, mark, end, light, release_light, seek "
+      "or speed");
 }
 
 }  // namespace
@@ -44,7 +46,8 @@ OperatorRequest operatorRequestOf(const std::string& name, JsonObjectReader& jso
 std::variant<OperatorRequest, InvalidRequest> readOperatorRequest(std::string_view text) {
   try {
     JsonObjectReader json(text);
-    const OperatorRequest request = operatorRequestOf(json.text("wish", kMaxRequestText), json);
+    const char* key = json.has(kFormerKey) ? kFormerKey : kKey;
+    const OperatorRequest request = operatorRequestOf(json.text(key, kMaxRequestText), json);
     json.finish();
     return request;
   } catch (const JsonObjectError& error) {

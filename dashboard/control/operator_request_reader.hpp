@@ -14,9 +14,9 @@ struct InvalidRequest {
   std::string why;
 };
 
-/// Parses {"wish": NAME, ...} (docs/dashboard.md). A request with a key that is missing, unknown,
-/// of the wrong type or out of range is invalid; nothing is corrected. The only exception is the
-/// reason of a stop, since a stop must never fail.
+/// Parses {"request": NAME, ...} (docs/dashboard.md); the former key "wish" is accepted too. A
+/// request with a key that is missing, unknown, of the wrong type or out of range is invalid;
+/// nothing is corrected. The only exception is the reason of a stop, since a stop must never fail.
 [[nodiscard]] std::variant<OperatorRequest, InvalidRequest> readOperatorRequest(
     std::string_view json);
 

@@ -16,7 +16,7 @@ using Level = Advice::Level;
 constexpr std::int64_t kSilentBus_us = 3'000'000;
 constexpr std::int64_t kSilentRobot_us = 1'000'000;
 constexpr std::int64_t kSilentLight_us = 2'000'000;
-constexpr std::int64_t kRivals_us = 2'000'000;
+constexpr std::int64_t kTwoSenders_us = 2'000'000;
 constexpr std::int32_t kManyErrors = 20;  // frames in 10 s
 constexpr std::size_t kMaxNamed = 12;
 
@@ -59,22 +59,22 @@ void adviseOnServices(const AdviceFacts& facts, std::vector<Advice>& out) {
       out.push_back({Level::kError,
                      fmt::format("no message from {} for {:.0f} s", serviceName(row), silent),
                      fmt::format("the lab restarts services that have ended; if it stays silent, "
-                                 "read logs/{}.log in the run's folder, or end the run",
+                                 "read logs/{}.txt in the run's folder, or end the run",
                                  status.sender)});
     } else if (status.state == service_status_t::FAULT) {
       out.push_back(
           {Level::kError, fmt::format("{} has a fault: {}", serviceName(row), status.last_error),
-           fmt::format("repair the named cause; details are in logs/{}.log in the run's folder",
+           fmt::format("repair the named cause; details are in logs/{}.txt in the run's folder",
                        status.sender)});
     } else if (!status.last_error.empty()) {
       out.push_back({Level::kWarn,
                      fmt::format("{} reports: {}", serviceName(row), status.last_error),
-                     "the run continues and is marked; repair the named cause"});
+                     "the run continues, with a fault in its record; repair the named cause"});
     }
     if (row.starts > 1) {
       out.push_back({Level::kWarn,
                      fmt::format("{} has been started {} times", serviceName(row), row.starts),
-                     fmt::format("logs/{}.log in the run's folder has the reason", status.sender)});
+                     fmt::format("logs/{}.txt in the run's folder has the reason", status.sender)});
     }
   }
 }
@@ -105,27 +105,29 @@ void adviseOnStreams(const AdviceFacts& facts, std::vector<Advice>& out) {
 }
 
 void adviseOnRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
-  Group missing, silent, rivals, rejected, lease, saturated, battery, errors;
+  Group missing, silent, two_senders, rejected, lease, saturated, battery, errors;
   for (const RobotSpec& robot : facts.run_info.experiment().robots) {
     const auto row = facts.robots.rows().find(robot.id);
-    const bool heard = row != facts.robots.rows().end() && !row->second.owner.empty();
+    const bool heard = row != facts.robots.rows().end() && !row->second.sender.empty();
     if (!heard && facts.isLive()) missing.add(robot.id);
   }
   for (const auto& [id, row] : facts.robots.rows()) {
-    if (row.owner.empty()) continue;
-    const bool is_silent = facts.now - row.heard_utime > kSilentRobot_us;
+    if (row.sender.empty()) continue;
+    const bool is_silent = facts.now - row.status_utime > kSilentRobot_us;
     if (is_silent && facts.isLive()) silent.add(id);
     if (is_silent) continue;
-    if (row.rival_utime != 0 && facts.now - row.rival_utime < kRivals_us) rivals.add(id);
+    if (row.other_sender_utime != 0 && facts.now - row.other_sender_utime < kTwoSenders_us) {
+      two_senders.add(id);
+    }
     const auto says = [&row](std::int32_t flag) { return (row.state.flags & flag) != 0; };
     if (says(robot_state_t::FLAG_REJECTED)) rejected.add(id);
     if (says(robot_state_t::FLAG_LEASE_EXPIRED) && facts.isLive()) lease.add(id);
     if (says(robot_state_t::FLAG_SATURATED)) saturated.add(id);
     if (row.batteryIsLow()) battery.add(id);
-    if (row.new_errors >= kManyErrors) errors.add(id);
+    if (row.recent_errors >= kManyErrors) errors.add(id);
   }
-  rivals.report(out, Level::kError, "two services report its state",
-                "end one of them, or give one of two robots another id");
+  two_senders.report(out, Level::kError, "two services report its state",
+                     "end one of them, or give one of two robots another id");
   missing.report(out, Level::kError, "no status received",
                  "switch it on and check its serial connection; lab doctor lists the serial ports");
   silent.report(out, Level::kError, "does not respond any more",
@@ -170,7 +172,7 @@ void adviseOnLight(const AdviceFacts& facts, std::vector<Advice>& out) {
   if (!facts.light || facts.ended) return;
   if (facts.isLive() && facts.now - facts.light_utime > kSilentLight_us) {
     out.push_back({Level::kError, "no status from the projector",
-                   "read logs/projector_ctl.log in the run's folder"});
+                   "read logs/projector_ctl.txt in the run's folder"});
     return;
   }
   if (!facts.light->trouble.empty()) {

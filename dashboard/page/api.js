@@ -68,4 +68,4 @@ export const post = (path, body, timeout) =>
 
 /** Sends a request of the operator (docs/dashboard.md). */
 export const sendRequest = (name, fields = {}, timeout = 4000) =>
-    post("/api/wish", {wish: name, ...fields}, timeout);
+    post("/api/request", {request: name, ...fields}, timeout);

@@ -55,7 +55,7 @@ export class Controls {
     find("light-release").addEventListener("click", () => this.#send("release_light"));
     stream.on("stop", (stop) => this.#takeStop(stop), () => this.#takeStop(null));
     stream.on(
-        "note", (note) => this.#say(`${timeOfDay(note.t_us)} ${words(note.wish)}: ${note.text}`));
+        "note", (note) => this.#say(`${timeOfDay(note.t_us)} ${words(note.request)}: ${note.text}`));
     stream.on(
         "script", () => setText(pause, this.#paused() ? "resume the script" : "pause the script"));
     stream.on("lab", () => {

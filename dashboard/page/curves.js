@@ -186,7 +186,7 @@ export class Curves {
   #verdicts(pools) {
     const words = {
       agrees: ["good", "agrees with the exact law"],
-      disagrees: ["bad", "disagrees with the exact law"]
+      disagrees: ["bad", "deviates from the exact law"]
     };
     find("verdicts").replaceChildren(...pools.map((pool) => {
       const [kind, text] = words[pool.verdict] ?? ["quiet", "undecided"];

@@ -134,13 +134,18 @@ function picture(cell, run) {
 }
 
 function verdicts(cell, run) {
-  const kinds = {agrees: "good", disagrees: "bad"};
+  // summary.json has "disagrees" for what pages and reports call "deviates".
+  const words = {agrees: ["good", "agrees"], disagrees: ["bad", "deviates"]};
+  const word = (verdict) => {
+    const [kind, text] = words[verdict] ?? ["quiet", verdict ?? DASH];
+    return el("span", {class: kind, text});
+  };
   cell.replaceChildren(
       ...(run.verdicts ?? [])
           .map(
               (one) =>
                   el("div", {}, `${one.program}: `,
-                     el("span", {class: kinds[one.verdict] ?? "quiet", text: one.verdict ?? DASH}),
+                     word(one.verdict),
                      typeof one.max_z === "number" ?
                          el("span", {class: "quiet", text: ` (max |z| ${number(one.max_z, 2)})`}) :
                          null)));

@@ -22,7 +22,7 @@ struct LengthCurve {
   std::vector<double> windows;
 };
 
-/// The text of topic `pool/...`, or the same for one robot. Lengths are in cm.
+/// JSON of topic `pool/...`, or the same for one robot. Lengths are in cm.
 [[nodiscard]] Json analysisJson(const analysis_t& analysis);
 
 /// An element of "curves".

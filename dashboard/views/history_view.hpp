@@ -22,7 +22,7 @@ class HistoryView {
   bool take(const analysis_t& pool, std::int64_t start);
   void clear() { pools_.clear(); }
 
-  /// The text of topic `history/...`; empty if there is none for the program.
+  /// JSON of topic `history/...`; empty if there is none for the program.
   [[nodiscard]] std::string json(const std::string& program) const;
 
   [[nodiscard]] std::size_t points(const std::string& program) const;

@@ -105,7 +105,7 @@ void LabView::useExperiment() {
   light_.setArena(experiment.arena_width, experiment.arena_height);
   light_.setImages(images_(experiment, run_info_.run()));
   controls_.expect(commandedRobots(experiment));
-  robots_.renumber();
+  robots_.updateProgramIndices();
   run_info_changed_ = true;
 }
 
@@ -214,7 +214,7 @@ void LabView::publishMoving(std::int64_t now, bool watched) {
   if ((watched || light_.pixels().empty()) && light_.paint(now)) {
     // The event stream carries text only. The page requests these bytes when the version changes.
     hub_.publishQuietly(".light", {light_.pixels().begin(), light_.pixels().end()});
-    publish("light", light_.json(run_info_.conductor()));
+    publish("light", light_.json(run_info_.runner()));
   }
   if (std::exchange(timeline_version_, timeline_.version()) != timeline_.version()) {
     publish("timeline", timeline_.json());
@@ -270,7 +270,7 @@ Json LabView::healthJson(std::int64_t now, const ServerFacts& server) const {
                       {"oversized", server.refusals.oversized},
                       {"crowded", server.refusals.crowded}}},
                     {"left_out",
-                     {{"robots", robots_.leftOut()},
+                     {{"robots", robots_.dropped()},
                       {"analyses", curves_.leftOut()},
                       {"streams", health_.streamsLeftOut()}}},
                     {"cpu_percent", known ? number(own->second.cpu_percent) : Json()},

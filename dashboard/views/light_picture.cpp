@@ -75,10 +75,10 @@ bool LightPicture::paint(std::int64_t now) {
   return true;
 }
 
-std::string LightPicture::json(const std::string& conductor) const {
+std::string LightPicture::json(const std::string& runner) const {
   if (!status_) return {};
   const bool manual =
-      !status_->commander.empty() && !conductor.empty() && status_->commander != conductor;
+      !status_->commander.empty() && !runner.empty() && status_->commander != runner;
   return toText({{"version", version_},
                  {"columns", kColumns},
                  {"rows", rows()},

@@ -32,9 +32,9 @@ class LightPicture {
   [[nodiscard]] bool known() const { return status_.has_value(); }
   [[nodiscard]] const std::optional<light_status_t>& status() const { return status_; }
 
-  /// The text of topic `light`.
-  /// @param conductor sender of the script's light
-  [[nodiscard]] std::string json(const std::string& conductor) const;
+  /// JSON of topic `light`.
+  /// @param runner sender of the script's light
+  [[nodiscard]] std::string json(const std::string& runner) const;
 
   /// kColumns x rows bytes, 0 is dark, the top row first.
   [[nodiscard]] const std::vector<std::uint8_t>& pixels() const { return pixels_; }

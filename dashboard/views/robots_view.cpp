@@ -76,7 +76,7 @@ RobotRow* RobotsView::rowOf(std::int32_t id) {
   const auto found = rows_.find(id);
   if (found != rows_.end()) return &found->second;
   if (rows_.size() >= kMaxRobots) {
-    ++left_out_;
+    ++dropped_;
     return nullptr;
   }
   return &rows_[id];
@@ -86,25 +86,25 @@ void RobotsView::take(const robot_status_t& status, std::int64_t now) {
   for (const robot_state_t& state : status.robots) {
     RobotRow* row = rowOf(state.robot_id);
     if (row == nullptr) continue;
-    if (row->owner.empty() || !sameProgram(row->state.program, state.program)) {
+    if (row->sender.empty() || !sameProgram(row->state.program, state.program)) {
       row->program = run_info_.indexOf(state.program);
     }
-    if (row->owner != status.sender) {
-      const bool other_is_alive = !row->owner.empty() && now - row->heard_utime < kSeen_us;
+    if (row->sender != status.sender) {
+      const bool other_is_alive = !row->sender.empty() && now - row->status_utime < kSeen_us;
       if (other_is_alive) {
-        row->rival = row->owner;
-        row->rival_utime = now;
+        row->other_sender = row->sender;
+        row->other_sender_utime = now;
       }
-      row->owner = status.sender;
+      row->sender = status.sender;
     }
-    if (row->errors_utime == 0 || now - row->errors_utime >= kErrorSpan_us) {
-      row->new_errors =
-          row->errors_utime == 0 ? 0 : std::max(0, state.link_errors - row->errors_before);
-      row->errors_before = state.link_errors;
-      row->errors_utime = now;
+    if (row->interval_utime == 0 || now - row->interval_utime >= kErrorSpan_us) {
+      row->recent_errors =
+          row->interval_utime == 0 ? 0 : std::max(0, state.link_errors - row->interval_errors);
+      row->interval_errors = state.link_errors;
+      row->interval_utime = now;
     }
     row->state = state;
-    row->heard_utime = now;
+    row->status_utime = now;
   }
 }
 
@@ -117,7 +117,7 @@ void RobotsView::take(const tracked_frame_t& frame, std::int64_t now) {
     if (row == nullptr) continue;
     row->pose = pose;
     row->pose_origin = frame.origin;
-    row->seen_utime = now;
+    row->pose_utime = now;
   }
   unidentified_ = frame.unidentified;
   std::erase_if(unidentified_, [](const tracked_pose_t& pose) { return !isPlausiblePose(pose); });
@@ -129,11 +129,11 @@ void RobotsView::clear() {
   rows_.clear();
   unidentified_.clear();
   frame_utime_ = 0;
-  left_out_ = 0;
+  dropped_ = 0;
   ++frames_;
 }
 
-void RobotsView::renumber() {
+void RobotsView::updateProgramIndices() {
   for (auto& [id, row] : rows_) row.program = run_info_.indexOf(row.state.program);
 }
 
@@ -147,7 +147,7 @@ std::string RobotsView::frameJson(std::int64_t now) const {
     text += ']';
   };
   for (const auto& [id, row] : rows_) {
-    if (row.seen_utime == 0 || now - row.seen_utime > kSeen_us) continue;
+    if (row.pose_utime == 0 || now - row.pose_utime > kSeen_us) continue;
     const double confidence =
         std::isfinite(row.pose.confidence) ? static_cast<double>(row.pose.confidence) : 0;
     fmt::format_to(out, FMT_COMPILE("[{},{:.2f},{:.2f},{:.1f},{},{},{},{:.2f},{:.3f}],"), id,
@@ -171,18 +171,18 @@ std::string RobotsView::robotsJson(std::int64_t now) const {
   Json robots = Json::array();
   for (const auto& [id, row] : rows_) {
     const robot_state_t& state = row.state;
-    const bool heard = !row.owner.empty();
+    const bool heard = !row.sender.empty();
     const double light = static_cast<double>(state.light_front + state.light_back) / 2;
     robots.push_back({{"id", id},
                       {"origin", row.origin()},
-                      {"owner", row.owner},
+                      {"owner", row.sender},
                       {"program", heard ? Json(nameOf(row)) : Json()},
                       {"battery_V", heard && state.battery > 0 ? number(state.battery) : Json()},
                       {"battery_low", row.batteryIsLow()},
                       {"link_sent", state.link_sent},
                       {"link_received", state.link_received},
                       {"link_errors", state.link_errors},
-                      {"age_s", age(row.heard_utime, now)},
+                      {"age_s", age(row.status_utime, now)},
                       {"flags", state.flags},
                       {"light", heard ? number(light) : Json()},
                       {"reversals", state.reversal_count},
@@ -197,8 +197,8 @@ std::optional<std::string> RobotsView::robotJson(std::int32_t id, std::int64_t n
   if (found == rows_.end()) return std::nullopt;
   const RobotRow& row = found->second;
   const robot_state_t& s = row.state;
-  const bool heard = !row.owner.empty();
-  const bool seen = row.seen_utime != 0;
+  const bool heard = !row.sender.empty();
+  const bool seen = row.pose_utime != 0;
   const auto since = [now](std::int64_t then) {
     return then == 0 ? Json() : tenths(units::seconds(now - then));
   };
@@ -211,10 +211,10 @@ std::optional<std::string> RobotsView::robotJson(std::int32_t id, std::int64_t n
                {"sigma_cm", ofPose(readable(cm(sigmaOf(row.pose))))},
                {"sigma_theta_deg", ofPose(readable(degrees(std::sqrt(row.pose.covariance[5]))))},
                {"confidence", ofPose(readable(static_cast<double>(row.pose.confidence)))},
-               {"seen_age_s", since(row.seen_utime)},
-               {"age_s", since(row.heard_utime)},
+               {"seen_age_s", since(row.pose_utime)},
+               {"age_s", since(row.status_utime)},
                {"origin", row.origin()},
-               {"owner", row.owner},
+               {"owner", row.sender},
                {"uid", s.uid},
                {"flags", s.flags},
                {"program_running", heard ? programJson(s.program) : Json()},

@@ -1,4 +1,5 @@
-/// Poses of the robots and the states that they report.
+/// Poses of the robots and the states that they report, as JSON for the page (docs/dashboard.md;
+/// dashboard/page/ reads it).
 #pragma once
 
 #include <cstdint>
@@ -13,30 +14,32 @@
 
 namespace lab::dashboard {
 
-/// The newest state and pose of one robot. Times are us since 1970.
+/// The newest state and pose of one robot. Times are times of reception, us since 1970.
 struct RobotRow {
   robot_state_t state{};
-  std::string owner;  ///< sender of its status; empty if none was received
-  std::int64_t heard_utime = 0;
-  std::string rival;  ///< another service that reports the same robot
-  std::int64_t rival_utime = 0;
+  std::string sender;             ///< of the state; empty if none was received
+  std::int64_t status_utime = 0;  ///< when the state was received
+  std::string other_sender;       ///< another service that reports the same robot
+  std::int64_t other_sender_utime = 0;
   int program = -1;  ///< from RunInfo::indexOf()
 
   tracked_pose_t pose{};
   std::int8_t pose_origin = 0;
-  std::int64_t seen_utime = 0;  ///< 0: never
+  std::int64_t pose_utime = 0;  ///< when the pose was received; 0: never
 
-  std::int32_t errors_before = 0;  ///< link_errors at the begin of the current span of 10 s
-  std::int64_t errors_utime = 0;   ///< begin of that span
-  std::int32_t new_errors = 0;     ///< in the previous span
+  // Errors of the serial line are counted in intervals of 10 s.
+  std::int64_t interval_utime = 0;   ///< begin of the current interval
+  std::int32_t interval_errors = 0;  ///< link_errors at that time
+  std::int32_t recent_errors = 0;    ///< errors in the interval before
 
-  [[nodiscard]] std::int8_t origin() const { return owner.empty() ? pose_origin : state.origin; }
+  /// As the robot reports it; until it reports, as the tracker says.
+  [[nodiscard]] std::int8_t origin() const { return sender.empty() ? pose_origin : state.origin; }
   [[nodiscard]] bool batteryIsLow() const;
 };
 
-/// Keeps all robots of the run.
 class RobotsView {
  public:
+  /// Twice the 250 robots of an experiment: other programs on the bus may publish robots too.
   static constexpr std::size_t kMaxRobots = 500;
 
   explicit RobotsView(const RunInfo& run_info) : run_info_(run_info) {}
@@ -48,12 +51,12 @@ class RobotsView {
   void clear();
 
   /// Updates the rows' program indices after the experiment has changed.
-  void renumber();
+  void updateProgramIndices();
 
-  /// The text of topic `frame`. Robots that were not detected for a second are omitted.
+  /// JSON of topic `frame`. Robots that were not detected for a second are omitted.
   [[nodiscard]] std::string frameJson(std::int64_t now) const;
 
-  /// The text of topic `robots`.
+  /// JSON of topic `robots`.
   [[nodiscard]] std::string robotsJson(std::int64_t now) const;
 
   /// The response to the query `robot`: everything one robot reports; nothing if it is unknown.
@@ -62,7 +65,7 @@ class RobotsView {
   [[nodiscard]] const std::map<std::int32_t, RobotRow>& rows() const { return rows_; }
 
   /// The number of poses and states that were dropped because there are too many robots.
-  [[nodiscard]] std::int64_t leftOut() const { return left_out_; }
+  [[nodiscard]] std::int64_t dropped() const { return dropped_; }
 
   /// The number of frames received; changes with every frame.
   [[nodiscard]] std::uint64_t frames() const { return frames_; }
@@ -76,7 +79,7 @@ class RobotsView {
   std::vector<tracked_pose_t> unidentified_;
   std::int64_t unidentified_utime_ = 0;  ///< when they were received
   std::int64_t frame_utime_ = 0;         ///< of the newest frame
-  std::int64_t left_out_ = 0;
+  std::int64_t dropped_ = 0;
   std::uint64_t frames_ = 0;
 };
 

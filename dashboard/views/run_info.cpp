@@ -92,10 +92,10 @@ void RunInfo::use(Experiment experiment, std::string text) {
 }
 
 RunInfo::RunChange RunInfo::take(const experiment_event_t& start) {
-  const bool other = start.sender != conductor_ || start.instance != instance_;
-  const bool first = conductor_.empty();
+  const bool other = start.sender != runner_ || start.instance != instance_;
+  const bool first = runner_.empty();
   if (!other && start.text == text_) return RunChange::kNone;
-  conductor_ = start.sender;
+  runner_ = start.sender;
   instance_ = start.instance;
   version_ = start.version;
   if (start.text != text_) {

@@ -35,7 +35,7 @@ class RunInfo {
   [[nodiscard]] bool replay() const { return replay_; }
 
   /// Sender of START, which controls the run; empty before the first one.
-  [[nodiscard]] const std::string& conductor() const { return conductor_; }
+  [[nodiscard]] const std::string& runner() const { return runner_; }
 
   /// Why the text of START is not a valid experiment; else empty.
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
@@ -45,7 +45,7 @@ class RunInfo {
   /// Names of the experiment's programs, sorted.
   [[nodiscard]] const std::vector<std::string>& programs() const { return names_; }
 
-  /// The text of topic `lab`.
+  /// JSON of topic `lab`.
   [[nodiscard]] std::string json() const;
 
  private:
@@ -57,9 +57,9 @@ class RunInfo {
   std::string text_;                 ///< the experiment file as TOML
   std::string run_;
   std::string version_;
-  std::string conductor_;
+  std::string runner_;
   std::string trouble_;
-  std::int64_t instance_ = 0;  ///< of the conductor
+  std::int64_t instance_ = 0;  ///< of the runner
   bool replay_ = false;
 };
 

@@ -29,7 +29,7 @@ class RunTimes {
   /// Programs with new runs since the previous call.
   [[nodiscard]] std::vector<std::string> takeChanged();
 
-  /// The text of topic `runtimes/...`. Runs beyond the last edge are only part of "runs" and
+  /// JSON of topic `runtimes/...`. Runs beyond the last edge are only part of "runs" and
   /// "mean_s".
   [[nodiscard]] std::string json(const std::string& program) const;
 

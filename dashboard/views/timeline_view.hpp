@@ -27,7 +27,7 @@ class TimelineView {
   void take(const experiment_status_t& status);
   void clear();
 
-  /// The text of topic `timeline`. If there are too many events, the oldest are omitted and
+  /// JSON of topic `timeline`. If there are too many events, the oldest are omitted and
   /// counted.
   [[nodiscard]] std::string json() const;
 
@@ -59,13 +59,13 @@ class TimelineView {
   std::uint64_t version_ = 0;
 };
 
-/// The text of topic `delivery`.
+/// JSON of topic `delivery`.
 [[nodiscard]] std::string deliveryJson(const light_delivery_t& delivery);
 
-/// The text of topic `script`.
+/// JSON of topic `script`.
 [[nodiscard]] std::string scriptJson(const experiment_status_t& status);
 
-/// The text of topic `player`.
+/// JSON of topic `player`.
 [[nodiscard]] std::string playerJson(const experiment_status_t& status);
 
 /// Whether the status comes from the replay of a log.

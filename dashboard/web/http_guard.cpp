@@ -12,7 +12,8 @@ namespace lab::dashboard {
 namespace {
 
 constexpr std::size_t kMaxTarget = 2048;
-constexpr std::array<std::string_view, 3> kControlPaths{"/api/wish", "/api/check", "/api/start"};
+constexpr std::array<std::string_view, 4> kControlPaths{"/api/request", "/api/wish", "/api/check",
+                                                        "/api/start"};
 
 bool has(std::string_view text, std::string_view piece) {
   return text.find(piece) != std::string_view::npos;

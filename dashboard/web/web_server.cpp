@@ -233,7 +233,10 @@ void WebServer::Server::sendCamera(HttpResponse& response) {
 
 void WebServer::Server::post(const HttpRequest& request, HttpResponse& response) {
   try {
-    if (request.path() == "/api/wish") return takeRequest(request, response);
+    // "/api/wish" is the former path: a page that was loaded from an older server can still stop.
+    if (request.path() == "/api/request" || request.path() == "/api/wish") {
+      return takeRequest(request, response);
+    }
     library.post(request, response);
   } catch (const JsonObjectError& error) {
     refuse(response, {Refusal::kMalformed, 400, error.what()});

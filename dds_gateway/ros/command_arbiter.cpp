@@ -46,7 +46,7 @@ std::string textOf(Answer answer) {
     case Answer::kNoProgram:
       return "no program of the experiment";
     case Answer::kOwned:
-      return "held by another publisher";
+      return "owned by another publisher";
     case Answer::kStopped:
       return "stopped (lab stop --clear releases)";
     case Answer::kLabHolds:

@@ -25,25 +25,23 @@ enum class Answer {
   kOutOfRange,  ///< a number is outside its range
   kNoRobot,     ///< the experiment has no such robot, or does not allow driving it
   kNoProgram,   ///< the experiment has no such program
-  kOwned,       ///< another publisher holds it
+  kOwned,       ///< another publisher owns it
   kStopped,     ///< ROBOT_STOP is in force
   kLabHolds,    ///< the lab itself stops or drives the robot
   kFlood,       ///< more messages per second than are processed
 };
 inline constexpr int kAnswers = 10;
 
-/// "held by another publisher"
+/// "owned by another publisher"
 [[nodiscard]] std::string textOf(Answer answer);
 
 /// Priorities, the highest first:
 ///
-/// 1. ROBOT_STOP: the robot's hold ends, and requests for it are refused until the stop is
-/// released.
+/// 1. ROBOT_STOP: no publisher owns the robot any more, and requests for it are refused until the
+///    stop is released.
 /// 2. ROBOT_COMMAND of another sender that stops or drives the robot (the lab's handshake, the end
-/// of
-///    the run): the same.
-/// 3. One publisher. The first publisher that commands a robot holds it until it has been silent
-/// for
+///    of the run): the same.
+/// 3. One publisher. The first publisher that commands a robot owns it until it has been silent for
 ///    `timeout`. Meanwhile other publishers are refused for that robot.
 /// 4. The lab's light table.
 ///

@@ -12,7 +12,7 @@
 namespace lab::gateway {
 
 /// Uniform light on the whole arena, like `lab light 0.5`. It outranks the experiment's script
-/// until it is released. One publisher holds the light until it has been silent for `timeout`.
+/// until it is released. One publisher owns the light until it has been silent for `timeout`.
 class LightArbiter {
  public:
   explicit LightArbiter(std::int64_t timeout_us) : timeout_us_(timeout_us) {}

@@ -7,9 +7,9 @@
 
 namespace lab::gateway {
 
-/// Whether ROS 2 accepts it as the full name of a topic: parts of [A-Za-z0-9_] after each "/",
-/// which do not begin with a digit, without "__"; at most 200 characters, so that DDS's name is
-/// short enough for every rmw layer.
+/// True if `name` is a valid full ROS 2 topic name: parts of [A-Za-z0-9_] after each "/", which do
+/// not begin with a digit and do not contain "__". At most 200 characters are allowed, because some
+/// rmw layers limit the length of the DDS name.
 [[nodiscard]] bool isTopicName(std::string_view name);
 
 /// Makes one part of a name from any text. Each run of characters outside [A-Za-z0-9] becomes one
@@ -20,7 +20,7 @@ namespace lab::gateway {
 /// "robot7"
 [[nodiscard]] std::string robotName(std::int32_t id);
 
-/// The names of one lab; `lab` is Gateway::name.
+/// The names of one lab; `lab` is the key gateway.name of the experiment.
 class RosNames {
  public:
   explicit RosNames(std::string_view lab) : lab_(namePart(lab)) {}

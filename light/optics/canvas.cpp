@@ -6,7 +6,7 @@
 
 #include "light/optics/bitmap_font.hpp"
 
-namespace lab::tracker {
+namespace lab::optics {
 namespace {
 
 std::uint8_t mixed(std::uint8_t below, std::uint8_t above, double share) {
@@ -23,7 +23,7 @@ void Canvas::blend(int x, int y, Colour colour, double share) {
   pixel[2] = mixed(pixel[2], colour.blue, share);
 }
 
-void Canvas::line(optics::Pixel from, optics::Pixel to, Colour colour, double thickness) {
+void Canvas::line(Pixel from, Pixel to, Colour colour, double thickness) {
   if (!std::isfinite(from.x + from.y + to.x + to.y)) return;
   const double dx = to.x - from.x;
   const double dy = to.y - from.y;
@@ -50,8 +50,7 @@ void Canvas::line(optics::Pixel from, optics::Pixel to, Colour colour, double th
 }
 
 void Canvas::text(int x, int y, std::string_view text, Colour colour, int size) {
-  optics::forEachGlyphPixel(text, x, y, size,
-                            [&](int column, int row) { blend(column, row, colour, 1); });
+  forEachGlyphPixel(text, x, y, size, [&](int column, int row) { blend(column, row, colour, 1); });
 }
 
 void Canvas::shade(int x, int y, int width, int height) {
@@ -63,4 +62,4 @@ void Canvas::shade(int x, int y, int width, int height) {
   }
 }
 
-}  // namespace lab::tracker
+}  // namespace lab::optics

@@ -7,10 +7,7 @@
 #include "light/optics/grey_image.hpp"
 #include "light/optics/rgb_image.hpp"
 
-namespace lab::tracker {
-
-using optics::kGlyphHeight;
-using optics::kGlyphWidth;
+namespace lab::optics {
 
 /// Draws on a picture; clips at its edges.
 class Canvas {
@@ -18,7 +15,7 @@ class Canvas {
   explicit Canvas(RgbImage& image) : image_(image) {}
 
   /// An antialiased line of this thickness [px].
-  void line(optics::Pixel from, optics::Pixel to, Colour colour, double thickness = 1);
+  void line(Pixel from, Pixel to, Colour colour, double thickness = 1);
 
   /// Text with its top left corner at (x, y), glyphs of 5 x 7 px times `size`. Lower case is drawn
   /// as capitals, signs without a glyph as a box.
@@ -33,4 +30,4 @@ class Canvas {
   RgbImage& image_;
 };
 
-}  // namespace lab::tracker
+}  // namespace lab::optics

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-namespace lab::tracker {
+namespace lab::optics {
 namespace {
 
 constexpr int kGap = 4;               // [px] between tiles
@@ -57,4 +57,4 @@ RgbImage contactSheet(const std::vector<RgbImage>& tiles, int columns) {
   return sheet;
 }
 
-}  // namespace lab::tracker
+}  // namespace lab::optics

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace lab::tracker {
+namespace lab::optics {
 
 struct Colour {
   std::uint8_t red = 0;
@@ -43,4 +43,4 @@ struct RgbImage {
 /// Images of equal size in a grid, row by row, on a dark background; empty if there are none.
 [[nodiscard]] RgbImage contactSheet(const std::vector<RgbImage>& tiles, int columns);
 
-}  // namespace lab::tracker
+}  // namespace lab::optics

@@ -101,7 +101,7 @@ ExitCode calibrateMotors(const CalibrateOptions& options) {
   const std::size_t missing = robots.size() - reports.size();
   if (missing > 0)
     fmt::print("ended before {} of {} robots were calibrated\n", missing, robots.size());
-  if (launched.outcome.closed_early) return kMarked;
+  if (launched.outcome.closed_early) return kClosedEarly;
   return refused > 0 || missing > 0 ? kFailed : kDone;
 }
 

@@ -205,7 +205,7 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
   for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
   if (!problem.empty()) {
     fmt::print("refused   {}\n", problem);
-    return launched.outcome.closed_early ? kMarked : kFailed;
+    return launched.outcome.closed_early ? kClosedEarly : kFailed;
   }
   fmt::print("{}", countText(reader.count()));
   return writeResult(calibration::fitProjector(reader.observations(), view.plane, camera.error),

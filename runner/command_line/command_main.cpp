@@ -67,7 +67,7 @@ void becomeProgram(const std::string& program, char** argv) {
   const int error = errno;
   throw UserError(fmt::format(
       "this command needs {}, which {}: {}", path,
-      error == ENOENT ? "is not there"
+      error == ENOENT ? "does not exist"
                       : std::string("cannot be executed (") + std::strerror(error) + ")",
       installation().installHint(program, "./lab build builds everything")));
 }

@@ -44,7 +44,7 @@ struct ProgramCommand {
 
 /// Replaces this process by a program of the lab with the same arguments, and so keeps its pid,
 /// terminal and exit code.
-/// @throws UserError when it is not there
+/// @throws UserError if it does not exist or cannot be executed
 [[noreturn]] void becomeProgram(const std::string& program, char** argv);
 
 }  // namespace lab::runner

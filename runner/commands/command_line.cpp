@@ -51,17 +51,19 @@ void addReplay(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   CLI::App* command =
       app.add_subcommand("replay", "Play a log onto a separate bus; the space bar pauses");
   command->add_option("LOG", options->log, "Log, or folder of a run")->required();
-  command->add_option("--from", options->from, "s since the log began")->check(between(0, 1e9));
-  command->add_option("--to", options->to, "s since the log began")->check(between(1e-3, 1e9));
+  command->add_option("--from", options->from, "Begin here: s since the log began")
+      ->check(between(0, 1e9));
+  command->add_option("--to", options->to, "End here: s since the log began")
+      ->check(between(1e-3, 1e9));
   command->add_option("--speed", options->speed, "Seconds of the log per second")
       ->check(between(1e-3, 1e4))
       ->capture_default_str();
   command->add_flag("--loop", options->loop, "Start again at the end");
-  command->add_option("--channel", options->channels, "Only this channel (repeatable)")
+  command->add_option("--channel", options->channels, "Play only this channel (repeatable)")
       ->allow_extra_args(false);
   command->add_option("--port", options->port, "UDP port of the bus (default: a free one)")
       ->check(CLI::Range(1024, 65535));
-  command->add_flag("--web", options->web, "With the dashboard, which has a time slider");
+  command->add_flag("--web", options->web, "Start the dashboard, which has a time slider");
   command->callback([&chosen, options] { chosen = [options] { return replay(*options); }; });
 }
 
@@ -74,10 +76,13 @@ void addLight(CLI::App& app, Chosen& chosen) {
       "'{kind = \"disk\", x_cm = 60, y_cm = 45, radius_cm = 20, intensity = 1}'");
   command->add_flag("--release", options->release, "Return to the light of the script")
       ->excludes(layers);
-  command->add_option("--ramp", options->ramp, "Cross-fade in s")->check(between(0, 3600));
-  command->add_option("--for", options->hold, "Duration in s, then the light of the script returns")
+  command->add_option("--ramp", options->ramp, "Duration of the cross-fade in s")
+      ->check(between(0, 3600));
+  command
+      ->add_option("--for", options->hold,
+                   "Duration of this light in s; then the light of the script returns")
       ->check(between(1e-3, 1e9));
-  command->add_option("--lab", options->lab, "Name of the lab, if several run");
+  command->add_option("--lab", options->lab, "Name of the lab; needed if several labs run");
   command->callback([&chosen, options] { chosen = [options] { return light(*options); }; });
 }
 
@@ -85,7 +90,7 @@ void addStop(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<StopOptions>();
   CLI::App* command = app.add_subcommand("stop", "Stop every robot of every lab at once");
   command->add_flag("--clear", options->clear, "Release the stop: robots continue");
-  command->add_option("--lab", options->lab, "Only this lab");
+  command->add_option("--lab", options->lab, "Stop only this lab");
   command->callback([&chosen, options] { chosen = [options] { return stop(*options); }; });
 }
 
@@ -115,7 +120,7 @@ void addRequest(CLI::App& app, Chosen& chosen, const RequestCommand& request) {
     command->add_option(request.argument, *words, request.argument_summary)
         ->required(request.argument_required);
   }
-  command->add_option("--lab", options->lab, "Name of the lab, if several run");
+  command->add_option("--lab", options->lab, "Name of the lab; needed if several labs run");
   command->callback([&chosen, options, words, send = request.send] {
     options->text = fmt::format("{}", fmt::join(*words, " "));
     chosen = [options, send] { return send(*options); };
@@ -134,7 +139,7 @@ void addWeb(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   command->add_option("--port", options->port, "First port tried (default: 8480)")
       ->check(CLI::Range(1024, 65535));
   command->add_option("--runs", options->runs, "Folder of past runs")->capture_default_str();
-  command->add_flag("--open", options->open, "Open it in your browser");
+  command->add_flag("--open", options->open, "Open the dashboard in your browser");
   command->callback([&chosen, options] { chosen = [options] { return web(*options); }; });
 }
 
@@ -144,7 +149,8 @@ void addFlash(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   CLI::App* command = app.add_subcommand("flash", "Write the firmware to a robot");
   command->add_option("--port", options->port, "The robot's serial line, as /dev/serial/by-id/...")
       ->required();
-  command->add_option("--baud", options->baud, "Speed of its bootloader")->capture_default_str();
+  command->add_option("--baud", options->baud, "Speed of the robot's bootloader")
+      ->capture_default_str();
   CLI::Option* isp = command->add_option(
       "--isp", options->isp,
       "Programmer as avrdude names it (usbasp, avrisp2): needs no bootloader, also sets the fuses");
@@ -162,7 +168,7 @@ void addSpy(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<SpyOptions>();
   CLI::App* command =
       app.add_subcommand("spy", "Show the channels of a running lab: rates, ages, lost messages");
-  command->add_option("--lab", options->lab, "Name of the lab, if several run");
+  command->add_option("--lab", options->lab, "Name of the lab; needed if several labs run");
   command->add_option("--lcm-url", options->url, "URL of a bus, instead of a lab");
   command->add_option("--seconds", options->seconds, "End after this time in s")
       ->check(between(1e-3, 1e9));

@@ -28,7 +28,7 @@ fs::path firmwareOf(const FlashOptions& options) {
   const fs::path hex = options.programs / "robot_firmware.hex";
   if (!fs::exists(hex)) {
     throw UserError(fmt::format(
-        "{}: not there; {}", hex.string(),
+        "{} does not exist: {}", hex.string(),
         installation().installHint("robot_firmware.hex",
                                    "it was not built: apt-get install gcc-avr avr-libc, "
                                    "then ./lab flash again")));
@@ -104,8 +104,8 @@ ExitCode flash(const FlashOptions& options) {
     const int code = execute(line);
     if (code == 0) continue;
     fmt::print(
-        "NOT flashed: avrdude ended with code {} (above: why); the robot's old program may be "
-        "gone\n",
+        "NOT flashed: avrdude failed with exit code {}, for the reason above; the robot may have "
+        "no program now\n",
         code);
     return kFailed;
   }
@@ -116,12 +116,13 @@ ExitCode flash(const FlashOptions& options) {
     met.problem = error.what();
   }
   if (!met.ok) {
-    fmt::print("flashed, but {}: {}\n", options.port, met.problem);
+    fmt::print("flashed, but the robot at {} does not answer as expected: {}\n", options.port,
+               met.problem);
     return kFailed;
   }
   fmt::print("flashed: firmware {}.{}, build {:08x}, schema 0x{:04X}\n", met.hello.firmware >> 8,
              met.hello.firmware & 0xFFU, met.hello.build, met.hello.schema);
-  fmt::print("{} = {}\n", met.uid_is_new ? "the robot had no number and has one now: uid" : "uid",
+  fmt::print("{} = {}\n", met.uid_is_new ? "new uid, stored on the robot: uid" : "uid",
              met.hello.uid);
   return kDone;
 }

@@ -86,8 +86,8 @@ std::vector<light::DrivenLayer> parseLayers(const std::vector<std::string>& text
         drive.images, [&](const std::string& image) { return !known.contains(image); });
     if (unknown_sequence) {
       throw UserError(
-          "files: a sequence by hand can show only images that the experiment's own script shows; "
-          "show one of them with file");
+          "files: found an image that the experiment file does not use; lab light can show a "
+          "sequence only of images that it uses, and any single image with file");
     }
     if (layer.kind != light::LayerKind::kImage || known.contains(layer.image)) continue;
     layer.kind = light::LayerKind::kGrid;

@@ -60,7 +60,8 @@ light_command_t command(const LightOptions& options, const RunningLab& lab, std:
 ExitCode light(const LightOptions& options) {
   if (options.layers.empty() && !options.release) {
     throw UserError(
-        "say which light: lab light 0.5, lab light '{kind = \"disk\", x_cm = 60, y_cm = 45, "
+        "no light given; examples: lab light 0.5, lab light '{kind = \"disk\", x_cm = 60, y_cm = "
+        "45, "
         "radius_cm = 20, intensity = 1}', or lab light --release");
   }
   const RunningLab lab = findLab(options.lab);
@@ -90,8 +91,10 @@ ExitCode light(const LightOptions& options) {
   loop.run();
   node.close();
   if (!done) {
-    fmt::print("{}: the projector did not show it{}\n", lab.name,
-               refusal.empty() ? "" : ": " + refusal);
+    fmt::print("{}: NOT confirmed: {}\n", lab.name,
+               refusal.empty() ? fmt::format("projector_ctl did not report this light within {} s",
+                                             kLightTimeout_us / units::kSecond_us)
+                               : "refused: " + refusal);
     return kFailed;
   }
   fmt::print("{}: {}\n", lab.name,

@@ -132,7 +132,7 @@ class Player {
     fmt::print("{}replay   {:.1f} of {:.1f} s, {} of {} messages{}{}",
                terminal_.active() ? "\r\033[K" : "", playback_.elapsed(loop_.now()),
                playback_.length(), playback_.sent(), events_.size(),
-               playback_.paused() ? ", paused (space goes on)" : "",
+               playback_.paused() ? ", paused (the space bar continues)" : "",
                terminal_.active() ? "" : "\n");
     std::fflush(stdout);
   }
@@ -173,7 +173,7 @@ ExitCode replay(const ReplayOptions& options) {
       log_files, {options.from, options.to, {options.channels.begin(), options.channels.end()}});
   if (events.empty()) {
     throw UserError(log.string() +
-                    " holds no message between --from and --to on the wanted channels");
+                    " holds no message between --from and --to on the chosen channels");
   }
   const std::string url = lcmUrl(choosePort(options.port));
   // canonical(): the folder `.` must get its real name.

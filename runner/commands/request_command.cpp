@@ -76,7 +76,7 @@ ExitCode pauseScript(const RequestOptions& options) {
 }
 
 ExitCode resumeScript(const RequestOptions& options) {
-  return sendRequest(options, experiment_command_t::RESUME, "lab_resume", "goes on");
+  return sendRequest(options, experiment_command_t::RESUME, "lab_resume", "resumed");
 }
 
 ExitCode markRun(const RequestOptions& options) {
@@ -84,7 +84,7 @@ ExitCode markRun(const RequestOptions& options) {
 }
 
 ExitCode endRun(const RequestOptions& options) {
-  return sendRequest(options, experiment_command_t::END, "lab_end", "ends");
+  return sendRequest(options, experiment_command_t::END, "lab_end", "ending");
 }
 
 }  // namespace lab::runner

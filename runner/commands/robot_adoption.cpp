@@ -111,7 +111,8 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
     result.hello = hello;
     if (hello.schema != wire::kSchema) {
       end(fmt::format(
-          "the robot speaks schema 0x{:04X}, this lab 0x{:04X}; flash it with this lab's firmware",
+          "the robot uses protocol schema 0x{:04X}, this lab 0x{:04X}; flash it with this lab's "
+          "firmware",
           hello.schema, wire::kSchema));
     } else if (phase == Phase::kGreet) {
       if (hello.uid != 0) {
@@ -127,9 +128,9 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
 
   void hearAck(const wire::Ack& ack) {
     if (phase == Phase::kSetUid && ack.type == wire::SetParam::kType) {
-      ack.status == wire::kOk ? go(Phase::kCommit) : refuse("the uid", ack);
+      ack.status == wire::kOk ? go(Phase::kCommit) : refuse("the new uid", ack);
     } else if (phase == Phase::kCommit && ack.type == wire::Commit::kType) {
-      ack.status == wire::kOk ? go(Phase::kAskAgain) : refuse("to store the uid", ack);
+      ack.status == wire::kOk ? go(Phase::kAskAgain) : refuse("to store the new uid", ack);
     }
   }
 
@@ -145,16 +146,17 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
 
   void giveUp() {
     if (phase == Phase::kDone) return;
-    std::string found = "no HELLO";
+    std::string found = "no answer from a robot";
     if (decoder.foreignVersion() != 0) {
       found = fmt::format("frames of protocol version {}", decoder.foreignVersion());
     } else if (phase != Phase::kGreet) {
-      found = "a HELLO, but no answer";
+      found = "a robot that said HELLO but does not answer";
     } else if (decoder.counts().crc + decoder.counts().malformed > 0) {
-      found = "bytes that are no frames";
+      found = "bytes that are no frames of a robot";
     }
-    end(fmt::format("{} within {} s, expected a robot; is it powered, and the line's speed right?",
-                    found, kAdoptionPatience_us / 1'000'000));
+    end(fmt::format(
+        "found {} within {} s; check its power and the speed of the line (--robot-baud)", found,
+        kAdoptionPatience_us / 1'000'000));
   }
 
   void end(const std::string& problem) {

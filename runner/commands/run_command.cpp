@@ -37,8 +37,8 @@ void requireReporter(const fs::path& programs) {
   const fs::path file = programs / kReporter;
   if (fs::exists(file)) return;
   throw UserError(fmt::format(
-      "the report needs {}, which is not there: {}; or leave the report out with --no-report",
-      file.string(), installation().installHint(kReporter, "./lab run FILE builds it")));
+      "the report needs {}, which does not exist: {}; or leave the report out with --no-report",
+      file.string(), installation().installHint(kReporter, "./lab build builds it")));
 }
 
 /// Runs in the child between fork and exec, so only system calls are allowed.
@@ -122,11 +122,11 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   if (outcome.interrupted) {
     fmt::print("{} after {:.0f} s of {:.10g} s\n", outcome.ended_because, elapsed, duration);
   }
-  for (const std::string& fault : outcome.faults) fmt::print("marked   {}\n", fault);
+  for (const std::string& fault : outcome.faults) fmt::print("fault    {}\n", fault);
   std::fflush(stdout);
   // The run is over and its log is kept. A report that cannot be made is a failure of its own.
   const bool reported = !options.report || makeReport(options.programs, launched.directory);
-  if (outcome.closed_early) return kMarked;
+  if (outcome.closed_early) return kClosedEarly;
   return reported ? kDone : kFailed;
 }
 

@@ -91,7 +91,7 @@ class Spy {
                  units::seconds(now - heard.last_received_utime) * 1000, stream.received, lost);
     }
     for (const auto& [channel, errors] : counter_.decodeErrors()) {
-      fmt::print("{:<17} NOT UNDERSTOOD {:>8} messages: another contract, or a foreign program\n",
+      fmt::print("{:<17} NOT DECODED {:>8} messages: other message versions, or another program\n",
                  channel, errors);
     }
     showLinks();

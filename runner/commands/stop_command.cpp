@@ -123,7 +123,7 @@ class StopRequest {
       missing += (missing.empty() ? "" : ", ") + std::to_string(id);
     }
     if (stop_.total() == 0) {
-      fmt::print("{}: no robot answers\n", lab_.name);
+      fmt::print("{}: NOT confirmed: no robot answers\n", lab_.name);
       return false;
     }
     if (!missing.empty()) {

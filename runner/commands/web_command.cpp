@@ -66,7 +66,7 @@ void superviseOpener(pid_t& opener) {
   int status = 0;
   if (opener == 0 || waitpid(opener, &status, WNOHANG) == 0) return;
   opener = 0;
-  if (status != 0) printLine("web      xdg-open shows no page: open the address yourself");
+  if (status != 0) printLine("web      xdg-open failed: open the address yourself");
 }
 
 /// Prints the output of the dashboard on stderr: there is no run folder in which to look.

@@ -70,12 +70,14 @@ Finding program(bool found, const std::string& name, const std::string& package,
 /// needed.
 Finding part(bool found, const std::string& name, const std::string& consequence) {
   if (found) return {Level::kOk, name + " is there", ""};
-  if (!installation().packaged) {
+  if (!installation().packaged && installation().may_build) {
     return {Level::kOk, name + " is not built yet: ./lab builds it for the first run that needs it",
             ""};
   }
-  return {Level::kWarning, name + " is not installed: " + consequence,
-          installation().installHint(name, "")};
+  return {
+      Level::kWarning,
+      name + (installation().packaged ? " is not installed: " : " is not built: ") + consequence,
+      installation().installHint(name, "")};
 }
 
 Finding clockState(const MachineFacts& facts) {

@@ -20,7 +20,7 @@ namespace lab::runner {
 namespace {
 
 namespace fs = std::filesystem;
-using tracker::RgbImage;
+using optics::RgbImage;
 
 constexpr std::size_t kTiles = 12;  // tiles of a contact sheet
 constexpr int kFrameTilesAcross = 3;
@@ -116,7 +116,7 @@ class ContactSheet final : public FilmOverlay {
       tiles_.resize(kTiles);
     }
     if (tiles_.empty()) return;
-    writeFile(file_.part(), tracker::pngBytes(tracker::contactSheet(tiles_, kFrameTilesAcross)));
+    writeFile(file_.part(), optics::pngBytes(optics::contactSheet(tiles_, kFrameTilesAcross)));
     file_.finish();
   }
 
@@ -169,7 +169,7 @@ class PictureFolder final : public FilmOverlay {
 
   void add(const OverlayFrame& frame) override {
     writeFile(folder_ / fmt::format("f{:06}.jpg", frame.number),
-              tracker::jpegBytes(painter_.paint(frame, 0), kJpegQuality));
+              optics::jpegBytes(painter_.paint(frame, 0), kJpegQuality));
   }
 
   void finish() override {}

@@ -22,8 +22,8 @@ constexpr double kLongestTrail = 60;  // [s] length of a trail
 constexpr double kVisibleDistance = 0.2;  // [m] distance after which a motion is visible
 constexpr double kDefaultSpan = 10;       // [s] for light without a period
 constexpr int kMargin = 3;                // [px] around the text
-constexpr tracker::Colour kTextColour{255, 255, 255};
-constexpr tracker::Colour kRobotColour{255, 140, 0};
+constexpr optics::Colour kTextColour{255, 255, 255};
+constexpr optics::Colour kRobotColour{255, 140, 0};
 
 std::int64_t utimeAt(double time) {
   return kStart_utime + static_cast<std::int64_t>(std::llround(time * 1e6));
@@ -139,8 +139,8 @@ light::Field LightPreview::field(std::size_t step, double time) {
   return field;
 }
 
-void LightPreview::mark(tracker::RgbImage& image, int top) const {
-  tracker::Canvas canvas(image);
+void LightPreview::mark(optics::RgbImage& image, int top) const {
+  optics::Canvas canvas(image);
   const double scale = image.width / experiment_.arena_width;
   const auto pixel = [&](double x, double y) {
     return optics::Pixel{x * scale, top + (experiment_.arena_height - y) * scale};
@@ -159,13 +159,13 @@ void LightPreview::mark(tracker::RgbImage& image, int top) const {
   }
 }
 
-tracker::RgbImage LightPreview::picture(std::size_t step, double time, int width) {
+optics::RgbImage LightPreview::picture(std::size_t step, double time, int width) {
   const double aspect = experiment_.arena_height / experiment_.arena_width;
   const int height = std::max(1, static_cast<int>(std::lround(width * aspect)));
-  const int top = tracker::kGlyphHeight + 2 * kMargin;
+  const int top = optics::kGlyphHeight + 2 * kMargin;
   const std::vector<std::uint8_t> grey = light::toGrey(light::rasterise(
       field(step, time), experiment_.arena_width, experiment_.arena_height, width, height));
-  tracker::RgbImage image(width, height + top);
+  optics::RgbImage image(width, height + top);
   for (std::size_t i = 0; i < grey.size(); ++i) {
     std::fill_n(image.pixels.begin() +
                     static_cast<std::ptrdiff_t>(
@@ -176,7 +176,7 @@ tracker::RgbImage LightPreview::picture(std::size_t step, double time, int width
   const LightStep& shown = experiment_.light.steps[step];
   std::string caption = fmt::format("{:.2f} s  {}", shown.at + time, shown.label);
   if (steps_[step].scene.needsPoses()) caption += "  (robots at their start)";
-  tracker::Canvas(image).text(kMargin, kMargin, caption, kTextColour);
+  optics::Canvas(image).text(kMargin, kMargin, caption, kTextColour);
   return image;
 }
 

@@ -36,7 +36,7 @@ class LightPreview {
   [[nodiscard]] light::Field field(std::size_t step, double time);
 
   /// The same as a picture `width` [px] wide with x to the right and y up, with label and time.
-  [[nodiscard]] tracker::RgbImage picture(std::size_t step, double time, int width);
+  [[nodiscard]] optics::RgbImage picture(std::size_t step, double time, int width);
 
   [[nodiscard]] std::size_t steps() const { return experiment_.light.steps.size(); }
 
@@ -48,7 +48,7 @@ class LightPreview {
   };
 
   [[nodiscard]] std::vector<light::Layer> layers(std::size_t step, double time);
-  void mark(tracker::RgbImage& image, int top) const;
+  void mark(optics::RgbImage& image, int top) const;
 
   const Experiment& experiment_;
   projector::SceneContext scene_context_;

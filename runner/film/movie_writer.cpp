@@ -96,7 +96,7 @@ MovieWriter::~MovieWriter() {
   if (messages_ >= 0) close(messages_);
 }
 
-void MovieWriter::write(const tracker::RgbImage& image) {
+void MovieWriter::write(const optics::RgbImage& image) {
   const std::uint8_t* data = image.pixels.data();
   std::size_t left = image.pixels.size();
   while (left > 0) {

@@ -23,7 +23,7 @@ class MovieWriter {
   MovieWriter& operator=(const MovieWriter&) = delete;
 
   /// @throws std::runtime_error with ffmpeg's message if ffmpeg has ended
-  void write(const tracker::RgbImage& image);
+  void write(const optics::RgbImage& image);
 
   /// Waits until the movie is complete. @throws std::runtime_error if ffmpeg failed
   void finish();

@@ -29,7 +29,7 @@ constexpr double kLongestMovie = 60;  // [s]
 
 /// @return number of steps in the sheet
 std::size_t writeSheet(LightPreview& preview, const fs::path& path) {
-  std::vector<tracker::RgbImage> tiles;
+  std::vector<optics::RgbImage> tiles;
   std::size_t step = 0;
   for (; step < preview.steps() && tiles.size() < kMostTiles; ++step) {
     for (const double time : preview.moments(step)) {
@@ -38,7 +38,7 @@ std::size_t writeSheet(LightPreview& preview, const fs::path& path) {
   }
   const int across = std::min(kTilesAcross, static_cast<int>(tiles.size()));
   const auto problem =
-      light::writeFile(path, tracker::pngBytes(tracker::contactSheet(tiles, across)));
+      light::writeFile(path, optics::pngBytes(optics::contactSheet(tiles, across)));
   if (problem) throw UserError(*problem);
   return step;
 }
@@ -53,7 +53,7 @@ void writeMovie(LightPreview& preview, const Experiment& experiment, const fs::p
     const double seconds = std::min({view, preview.length(step), kLongestMovie - shown});
     const int frames = std::max(1, static_cast<int>(std::lround(seconds * kFps)));
     for (int frame = 0; frame < frames; ++frame) {
-      const tracker::RgbImage picture = preview.picture(step, frame / kFps, kMovieWidth);
+      const optics::RgbImage picture = preview.picture(step, frame / kFps, kMovieWidth);
       if (!movie) movie.emplace(path, picture.width, picture.height, kFps);
       movie->write(picture);
     }

@@ -251,7 +251,7 @@ class Film {
       fmt::print("marked   {}{}; the poses of what could be read are kept\n",
                  named ? "" : options_.source + ": ", problem);
     }
-    return problem.empty() && overlay_problem_.empty() ? kDone : kMarked;
+    return problem.empty() && overlay_problem_.empty() ? kDone : kClosedEarly;
   }
 
  private:

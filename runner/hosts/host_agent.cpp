@@ -211,7 +211,7 @@ class Agent {
       throw UserError("not a service: " + name);
     const fs::path program = programs_ / name;
     if (access(program.c_str(), X_OK) != 0) {
-      throw UserError(program.string() + " is not there: " +
+      throw UserError(program.string() + " does not exist: " +
                       installation().installHint(name, "build the lab there (./lab build)"));
     }
     std::vector<std::string> arguments{

@@ -163,8 +163,8 @@ std::string sshTrouble(const HostSpec& host, const std::string& said, const std:
       {"Network is unreachable", "this machine has no route to it: is the cable connected?"},
       {"no such command: host-agent", "the lab there is an older version: git pull there"},
       {"host-agent", "the lab there is an older version or not installed: " + programs},
-      {"not found", "the lab is not there: " + programs},
-      {"No such file", "the lab is not there: " + programs},
+      {"not found", "the program lab was not found: " + programs},
+      {"No such file", "the program lab was not found: " + programs},
   };
   const std::string last = lastLine(said);
   const std::string head = "host " + host.name + " (ssh " + host.ssh + "): ";
@@ -174,7 +174,7 @@ std::string sshTrouble(const HostSpec& host, const std::string& said, const std:
   for (const KnownError& known : known_errors) {
     if (contains(said, known.words)) return head + known.explanation + tail;
   }
-  if (ending == "exit code 127") return head + "the lab is not there: " + programs + tail;
+  if (ending == "exit code 127") return head + "the program lab was not found: " + programs + tail;
   return head + (last.empty() ? "ssh ended (" + ending + ")" : last);
 }
 

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kMostPageRestarts = 5;  // as for the services
 constexpr int kPatience_ms = 2000;
-constexpr const char* kBuild = "build the lab again (./lab build)";
+constexpr const char* kBuild = "./lab build builds it";
 
 }  // namespace
 
@@ -37,7 +37,7 @@ void DashboardProcess::start(const Say& say) {
   std::error_code error;
   fs::remove(options_.address_file, error);
   if (!fs::exists(options_.program, error)) {
-    giveUp(fmt::format("{} is not there: {}", options_.program.string(),
+    giveUp(fmt::format("{} does not exist: {}", options_.program.string(),
                        installation().installHint(std::string(kObserverService), kBuild)),
            say);
     return;
@@ -69,7 +69,7 @@ void DashboardProcess::startProcess() {
 void DashboardProcess::giveUp(const std::string& why, const Say& say) {
   given_up_ = true;
   process_.reset();
-  say(fmt::format("there is no dashboard: {}; everything else goes on", why));
+  say(fmt::format("no dashboard: {}; everything else continues", why));
 }
 
 void DashboardProcess::supervise(const Say& say) {
@@ -78,7 +78,8 @@ void DashboardProcess::supervise(const Say& say) {
   if (process_->running()) return;
   const std::string ending = process_->ending();
   if (++restarts_ > kMostPageRestarts) {
-    giveUp(fmt::format("dashboard died too often ({}), see {}", ending, options_.output.string()),
+    giveUp(fmt::format("its process died {} times (the last time: {}); see {}", restarts_, ending,
+                       options_.output.string()),
            say);
     return;
   }

@@ -119,8 +119,8 @@ void ExperimentController::continueHandshake() {
   if (!handshake_.done()) return;
   for (const std::int32_t id : handshake_.unknown()) {
     fault("robot " + std::to_string(id) +
-          " was told to turn, and the tracker saw no cap that did: is it under the camera, does it "
-          "drive?");
+          " was ordered to turn, but the tracker saw no cap turn: check that the robot is switched "
+          "on, drives and is under the camera");
   }
   dim();
 }
@@ -157,7 +157,7 @@ void ExperimentController::askRobots() {
   const std::int64_t patience = on_wire ? kSerialEchoPatience_us : kLightEchoPatience_us;
   loop_.at(loop_.now() + patience, [this, patience] {
     if (phase_ != Phase::kAskingRobots) return;
-    fault("robots that did not take their light table within " +
+    fault("robots that did not confirm their light table within " +
           std::to_string(patience / units::kSecond_us) + " s: " + silentRobots() +
           "; the script starts without them");
     startScript();
@@ -362,7 +362,7 @@ std::string ExperimentController::execute(const experiment_command_t& request) {
       return {};
     case experiment_command_t::SEEK:
     case experiment_command_t::SPEED:
-      return "this is a running lab: only the replay of a log can seek or change its speed";
+      return "a running lab cannot seek or change its speed; only the replay of a log can";
     default:
       return fmt::format("an unknown request ({})", request.action);
   }

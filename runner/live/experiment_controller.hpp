@@ -53,7 +53,7 @@ class ExperimentController final : public Service {
   /// Whether the script runs.
   [[nodiscard]] bool inScript() const { return phase_ == Phase::kScript; }
 
-  /// Records a fault and marks the run; the run goes on.
+  /// Records a fault. The run continues.
   void fault(const std::string& what);
 
   /// Writes a remark into the record.

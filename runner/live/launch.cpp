@@ -48,7 +48,7 @@ void requireParts(const Experiment& experiment, bool virtual_time) {
     if (fs::exists(file)) continue;
     const bool chip = name.starts_with("robot_emulator") || name.starts_with("robot_firmware");
     throw UserError(
-        fmt::format("this experiment needs {}, which is not there: {}", file.string(),
+        fmt::format("this experiment needs {}, which does not exist: {}", file.string(),
                     installation().installHint(
                         name, chip ? "install gcc-avr, avr-libc, libsimavr-dev and build again"
                                    : "./lab build builds everything")));
@@ -142,7 +142,7 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   const Camera& camera = experiment.camera;
   if (virtual_time && camera.tracker == Tracker::kCamera && !isPainted(camera)) {
     throw UserError(fmt::format(
-        "camera.camera = \"{}\": in virtual time there is only the simulated camera; say camera = "
+        "camera.camera = \"{}\": in virtual time there is only the simulated camera; set camera = "
         "\"sim\", or run in real time",
         camera.source));
   }

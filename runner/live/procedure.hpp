@@ -18,15 +18,15 @@ using ProcedureFactory = std::function<std::unique_ptr<Service>(
     const ServiceContext& context, ExperimentController& controller, std::function<void()> done)>;
 
 /// The recorded reason when a procedure ended the run.
-inline constexpr const char* kProcedureDone = "the pilot is done";
+inline constexpr const char* kProcedureDone = "the calibration procedure is done";
 
-/// A procedure and its node. Logs know the node as "pilot".
+/// A procedure and its node. Its messages name the sender "calibration".
 class ProcedureNode {
  public:
   ProcedureNode(Bus& bus, Loop& loop, Cameras& cameras, const PreparedRun& run,
                 std::int64_t instance, const ProcedureFactory& make,
                 ExperimentController& controller, std::function<void()> done)
-      : node_(bus, loop, {"pilot", 0, instance}),
+      : node_(bus, loop, {"calibration", 0, instance}),
         procedure_(make({.node = node_,
                          .loop = loop,
                          .experiment = run.experiment,

@@ -28,13 +28,13 @@ std::string progressText(const Progress& progress) {
   for (const auto& [name, robots] : progress.robots_running) {
     programs += fmt::format("{}{} {}", programs.empty() ? "" : ", ", robots, name);
   }
-  return fmt::format("{}{}{} left{} | light {} | {} robot{} seen | {} | {} lost",
-                     progress.paused ? "paused, " : "", progress.at_most ? "at most " : "",
-                     remainingTimeText(progress.left),
-                     progress.stop.empty() ? "" : " | " + progress.stop,
-                     progress.light.empty() ? "-" : progress.light, progress.robots_seen,
-                     progress.robots_seen == 1 ? "" : "s", programs.empty() ? "no robot" : programs,
-                     progress.lost);
+  return fmt::format(
+      "{}{}{} left{} | light {} | {} robot{} seen | {} | {} message{} lost",
+      progress.paused ? "paused, " : "", progress.at_most ? "at most " : "",
+      remainingTimeText(progress.left), progress.stop.empty() ? "" : " | " + progress.stop,
+      progress.light.empty() ? "-" : progress.light, progress.robots_seen,
+      progress.robots_seen == 1 ? "" : "s", programs.empty() ? "no program" : programs,
+      progress.lost, progress.lost == 1 ? "" : "s");
 }
 
 ProgressLine::ProgressLine(double duration)

@@ -29,7 +29,8 @@ void RequestLog::take(const experiment_command_t& command) {
     answer = std::move(*known);
     answers_.erase(known);
   } else {
-    std::string refusal = hasName(command) ? remarkProblem(command.text) : "its sender has no name";
+    std::string refusal =
+        hasName(command) ? remarkProblem(command.text) : "the request has no sender name";
     if (refusal.empty()) refusal = handler_(command);
     answer = {command.sender, command.instance, command.seq, std::move(refusal)};
   }

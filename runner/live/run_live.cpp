@@ -91,7 +91,7 @@ class LiveRun {
  private:
   void conduct() {
     controller_.begin();
-    conducting_ = true;
+    controlling_ = true;
     for (const std::string& what : early_remarks_) controller_.mark(what);
     loop_.every(kSupervise_us, loop_.now(), [this] { supervise(); });
     loop_.every(kShowEvery_us, loop_.now(), [this] { show_(controller_.progress()); });
@@ -129,7 +129,7 @@ class LiveRun {
     supervisor_.startLogger();
     // This node's heartbeat is the first message for the logger.
     waitUntil([this] { return supervisor_.loggerWrites(); }, [this] { node_.ready(); },
-              [this] { return "lcm-logger writes nothing" + whereToLook(); });
+              [this] { return "lcm-logger wrote nothing" + whereToLook(); });
     if (hosts() != nullptr) joinBuses();
     startDashboard();
     supervisor_.startServices();
@@ -170,7 +170,7 @@ class LiveRun {
 
   void reportDashboard(const std::string& what) {
     printLine("web      " + what);
-    conducting_ ? controller_.mark(what) : early_remarks_.push_back(what);
+    controlling_ ? controller_.mark(what) : early_remarks_.push_back(what);
   }
 
   /// Connects the buses of all hosts before the services start, so that no message is missed.
@@ -190,7 +190,8 @@ class LiveRun {
   }
 
   [[nodiscard]] std::string whereToLook() const {
-    return "; see " + supervisor_.logFolder().string() + ". Nothing is left running.";
+    return "; see " + supervisor_.logFolder().string() +
+           ". All processes of the run have been ended.";
   }
 
   /// Calls `meanwhile` every kTick_ms until `done`.
@@ -239,7 +240,7 @@ class LiveRun {
     superviseDashboard();
     const bool all_up = supervisor_.restartEnded(
         [this](const std::string& what) { controller_.fault(what); }, [this] { return resume(); });
-    if (!all_up) closeEarly("a process would not stay up");
+    if (!all_up) closeEarly("a process of the run died too often");
     supervisor_.checkHeartbeats(
         loop_.now(), [this](const std::string& what) { controller_.fault(what); },
         [this](const std::string& what) { controller_.mark(what); });
@@ -323,7 +324,7 @@ class LiveRun {
   RunOutcome outcome_;
   bool announced_ = false;
   bool started_ = false;
-  bool conducting_ = false;
+  bool controlling_ = false;
   std::vector<std::string> early_remarks_;  ///< of the dashboard, made before the record began
   bool finishing_ = false;
   int restarts_ = 0;

@@ -184,10 +184,10 @@ void Supervisor::checkHeartbeats(std::int64_t now,
     const bool logger = name == logger_.name;
     if (is_silent) {
       silent(logger ? fmt::format("{} has written nothing for {} s", name, silence_s)
-                    : fmt::format("{} has not been heard of for {} s", name, silence_s));
+                    : fmt::format("{} has sent no heartbeat for {} s", name, silence_s));
     } else {
       again(logger ? fmt::format("{} writes again after {} s", name, silence_s)
-                   : fmt::format("{} is heard of again after {} s", name, silence_s));
+                   : fmt::format("{} sends heartbeats again after {} s", name, silence_s));
     }
   }
 }
@@ -213,8 +213,9 @@ bool Supervisor::restartEach(const std::function<fs::path()>& resume) {
     if (entry.process->running()) return false;
     const bool own_fault = entry.process->ending() != kWithItsHost;
     const bool again = (entry.restarts += own_fault ? 1 : 0) <= kMostRestarts;
-    held_.push_back(fmt::format("{} died ({}) and {}", titleOf(entry.name, entry.host),
-                                entry.process->ending(), again ? "was restarted" : "is given up"));
+    held_.push_back(fmt::format("{} died ({}) and was {}", titleOf(entry.name, entry.host),
+                                entry.process->ending(),
+                                again ? "restarted" : "not restarted, because it died too often"));
     return true;
   };
   if (died(logger_)) {
@@ -232,7 +233,7 @@ bool Supervisor::restartEach(const std::function<fs::path()>& resume) {
 }
 
 static std::string killedText(const std::string& title, int patience_ms) {
-  return fmt::format("{} did not end when it was asked to and was killed after {} s", title,
+  return fmt::format("{} did not end on request and was killed after {} s", title,
                      patience_ms / 1000);
 }
 

@@ -49,7 +49,7 @@ void refuseForeignTraffic(const std::string& url, int listen_ms) {
   });
   bus.drainFor(listen_ms);
   if (!found.empty()) {
-    throw UserError("somebody already speaks on " + url + " (" + found +
+    throw UserError("another program already sends on " + url + " (" + found +
                     "): stop it, or set another network.port in the experiment file");
   }
 }

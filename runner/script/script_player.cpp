@@ -76,11 +76,12 @@ std::optional<std::int64_t> ScriptPlayer::due() const {
 }
 
 std::string ScriptPlayer::whyUnmet() const {
-  const char* next = step().if_not == IfNot::kNext  ? "the script goes on"
+  const char* next = step().if_not == IfNot::kNext  ? "the script continues"
                      : step().if_not == IfNot::kEnd ? "the run ends"
-                                                    : "the safe light, and the run ends";
-  return fmt::format("step {} \"{}\" waited {} s in vain until {}: {}; {}", number_, step().label,
-                     step().hold, conditionText(step().until), condition_->progress(), next);
+                                                    : "the safe light is shown and the run ends";
+  return fmt::format("step {} \"{}\": after {} s its condition \"{}\" was not met: {}; {}", number_,
+                     step().label, step().hold, conditionText(step().until), condition_->progress(),
+                     next);
 }
 
 ScriptTransition ScriptPlayer::show(std::int64_t utime, std::string ended_by, std::string fault) {

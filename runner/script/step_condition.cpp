@@ -75,7 +75,7 @@ std::string StepCondition::progress() const {
     return fmt::format("{} tumbles, wanted {}", tumbles_, until_.tumbles);
   }
   if (until_.robot == 0 && until_.who == Who::kAll) {
-    return fmt::format("{} of {} robots were there at a time, wanted all", most_inside_,
+    return fmt::format("at most {} of {} robots were there at the same time", most_inside_,
                        robots_.size());
   }
   if (!std::isfinite(nearest_)) return "no robot was seen";

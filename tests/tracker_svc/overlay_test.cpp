@@ -37,7 +37,7 @@ struct Bench {
   }
 
   /// Whether a pixel within one of this place of the cap satisfies the predicate.
-  [[nodiscard]] bool near(const RgbImage& image, double x, double y,
+  [[nodiscard]] bool near(const optics::RgbImage& image, double x, double y,
                           bool (*is)(const std::uint8_t*)) const {
     const optics::Pixel at = camera.project(x, y, cap.height);
     const double scale = static_cast<double>(image.width) / kWidth;
@@ -52,9 +52,9 @@ struct Bench {
     return false;
   }
 
-  [[nodiscard]] RgbImage draw(std::span<const Mark> marks,
-                              std::span<const detector::Rejection> rejected = {},
-                              int width = 0) const {
+  [[nodiscard]] optics::RgbImage draw(std::span<const Mark> marks,
+                                      std::span<const detector::Rejection> rejected = {},
+                                      int width = 0) const {
     optics::GreyImage copy = picture;
     return overlay({.picture = copy.view(),
                     .marks = marks,
@@ -69,7 +69,7 @@ TEST(Overlay, OutlinesTheCapWhereItIs) {
   const Bench bench;
   const std::vector marks{bench.mark(0.3, 0.6, 0)};
 
-  const RgbImage image = bench.draw(marks);
+  const optics::RgbImage image = bench.draw(marks);
 
   EXPECT_TRUE(bench.near(image, 0.3 + bench.cap.cap_radius, 0.6, isGreen));
   EXPECT_TRUE(bench.near(image, 0.3, 0.6 - bench.cap.cap_radius, isGreen));
@@ -80,7 +80,7 @@ TEST(Overlay, PointsTheArrowForward) {
   const Bench bench;
   const std::vector marks{bench.mark(0.6, 0.45, 1.5707963)};
 
-  const RgbImage image = bench.draw(marks);
+  const optics::RgbImage image = bench.draw(marks);
 
   const double tip = 1.5 * bench.cap.cap_radius;
   EXPECT_TRUE(bench.near(image, 0.6, 0.45 + tip, isGreen));
@@ -92,7 +92,7 @@ TEST(Overlay, DrawsADegradedPoseInItsOwnColour) {
   std::vector marks{bench.mark(0.6, 0.45, 0)};
   marks.front().pose.quality = 0.3F;
 
-  const RgbImage image = bench.draw(marks);
+  const optics::RgbImage image = bench.draw(marks);
 
   EXPECT_TRUE(bench.near(image, 0.6, 0.45 + bench.cap.cap_radius, isOrange));
 }
@@ -102,7 +102,7 @@ TEST(Overlay, MarksRejectedCandidatesWithACross) {
   const std::vector<detector::Rejection> rejected{
       {{200, 100}, detector::Reason::kSize, 1.8F, 1.2F}};
 
-  const RgbImage image = bench.draw({}, rejected);
+  const optics::RgbImage image = bench.draw({}, rejected);
 
   EXPECT_TRUE(isRed(image.at(200, 100)));
   EXPECT_TRUE(isRed(image.at(203, 103)));
@@ -113,7 +113,7 @@ TEST(Overlay, DrawsAtTheSamePlacesOnAReducedPicture) {
   const Bench bench;
   const std::vector marks{bench.mark(0.3, 0.6, 0)};
 
-  const RgbImage image = bench.draw(marks, {}, kWidth / 2);
+  const optics::RgbImage image = bench.draw(marks, {}, kWidth / 2);
 
   EXPECT_EQ(image.width, kWidth / 2);
   EXPECT_EQ(image.height, kHeight / 2);
@@ -164,13 +164,13 @@ TEST(RejectionText, GivesFoundAndAllowedValuesInCentimetres) {
 }
 
 TEST(Canvas, DrawsDifferentGlyphsForDifferentLetters) {
-  RgbImage zero(8, 9);
-  RgbImage eight(8, 9);
-  RgbImage unknown(8, 9);
+  optics::RgbImage zero(8, 9);
+  optics::RgbImage eight(8, 9);
+  optics::RgbImage unknown(8, 9);
 
-  Canvas(zero).text(1, 1, "0", {255, 255, 255});
-  Canvas(eight).text(1, 1, "8", {255, 255, 255});
-  Canvas(unknown).text(1, 1, "~", {255, 255, 255});
+  optics::Canvas(zero).text(1, 1, "0", {255, 255, 255});
+  optics::Canvas(eight).text(1, 1, "8", {255, 255, 255});
+  optics::Canvas(unknown).text(1, 1, "~", {255, 255, 255});
 
   EXPECT_NE(zero.pixels, eight.pixels);
   EXPECT_EQ(unknown.at(1, 1)[0], 255);
@@ -178,11 +178,11 @@ TEST(Canvas, DrawsDifferentGlyphsForDifferentLetters) {
 }
 
 TEST(RgbImage, SurvivesPngEncodingBitByBit) {
-  RgbImage image(5, 4);
+  optics::RgbImage image(5, 4);
   for (std::size_t i = 0; i < image.pixels.size(); ++i) {
     image.pixels[i] = static_cast<std::uint8_t>(i * 4);
   }
-  const std::vector<std::uint8_t> png = pngBytes(image);
+  const std::vector<std::uint8_t> png = optics::pngBytes(image);
 
   int width = 0;
   int height = 0;
@@ -199,19 +199,19 @@ TEST(RgbImage, SurvivesPngEncodingBitByBit) {
 }
 
 TEST(RgbImage, RefusesToEncodeAnEmptyImage) {
-  EXPECT_THROW((void)pngBytes({}), std::runtime_error);
-  EXPECT_THROW((void)jpegBytes({}), std::runtime_error);
+  EXPECT_THROW((void)optics::pngBytes({}), std::runtime_error);
+  EXPECT_THROW((void)optics::jpegBytes({}), std::runtime_error);
 }
 
 TEST(ContactSheet, PutsTilesInRows) {
-  std::vector<RgbImage> tiles;
+  std::vector<optics::RgbImage> tiles;
   for (int i = 0; i < 4; ++i) {
     tiles.emplace_back(10, 8);
     std::fill(tiles.back().pixels.begin(), tiles.back().pixels.end(),
               static_cast<std::uint8_t>(100 + i));
   }
 
-  const RgbImage sheet = contactSheet(tiles, 3);
+  const optics::RgbImage sheet = optics::contactSheet(tiles, 3);
 
   EXPECT_GE(sheet.width, 30);
   EXPECT_GE(sheet.height, 16);

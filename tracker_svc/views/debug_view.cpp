@@ -135,6 +135,8 @@ int DebugView::port() const { return server_->http.port(); }
 
 bool DebugView::wanted() const { return server_->broker.wanted(); }
 
-void DebugView::show(std::function<RgbImage()> paint) { server_->broker.show(std::move(paint)); }
+void DebugView::show(std::function<optics::RgbImage()> paint) {
+  server_->broker.show(std::move(paint));
+}
 
 }  // namespace lab::tracker

@@ -32,7 +32,7 @@ class DebugView {
 
   /// Passes on the function that paints the next picture, and returns at once. Does nothing unless
   /// a picture is wanted. `paint` is called on another thread and must own what it draws from.
-  void show(std::function<RgbImage()> paint);
+  void show(std::function<optics::RgbImage()> paint);
 
  private:
   struct Server;

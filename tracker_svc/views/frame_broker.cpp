@@ -19,15 +19,17 @@ using EncodedPictures = std::array<FrameBroker::Picture, 2>;  // by format
 /// Paints a picture and encodes it once for each format that a waiter wants. All are null on
 /// errors.
 template <class Waiters>
-EncodedPictures paintAndEncode(const Waiters& waiters, const std::function<RgbImage()>& paint) {
+EncodedPictures paintAndEncode(const Waiters& waiters,
+                               const std::function<optics::RgbImage()>& paint) {
   try {
     EncodedPictures encoded;
-    const RgbImage image = paint();
+    const optics::RgbImage image = paint();
     for (const auto& waiter : waiters) {
       FrameBroker::Picture& picture = encoded.at(static_cast<std::size_t>(waiter->format));
       if (picture) continue;
-      const std::vector<std::uint8_t> bytes =
-          waiter->format == FrameBroker::Format::kJpeg ? jpegBytes(image) : pngBytes(image);
+      const std::vector<std::uint8_t> bytes = waiter->format == FrameBroker::Format::kJpeg
+                                                  ? optics::jpegBytes(image)
+                                                  : optics::pngBytes(image);
       picture = std::make_shared<const std::string>(bytes.begin(), bytes.end());
     }
     return encoded;
@@ -59,7 +61,7 @@ void FrameBroker::updateWanted() {
   wanted_ = !closed_ && !waiters_.empty() && Clock::now() >= not_before_;
 }
 
-void FrameBroker::show(std::function<RgbImage()> paint) {
+void FrameBroker::show(std::function<optics::RgbImage()> paint) {
   if (!wanted_.exchange(false)) return;
   {
     const std::lock_guard lock(mutex_);
@@ -90,7 +92,7 @@ void FrameBroker::run() {
   while (!closed_) {
     changed_.wait(lock, [this] { return closed_ || paint_; });
     if (closed_) return;
-    const std::function<RgbImage()> paint = std::exchange(paint_, {});
+    const std::function<optics::RgbImage()> paint = std::exchange(paint_, {});
     const Waiters now = std::exchange(waiters_, {});
     lock.unlock();
     const EncodedPictures encoded = paintAndEncode(now, paint);

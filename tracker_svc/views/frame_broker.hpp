@@ -33,7 +33,7 @@ class FrameBroker {
   [[nodiscard]] bool wanted() const { return wanted_; }
 
   /// Passes on the function that paints the next picture. Does nothing unless one is wanted.
-  void show(std::function<RgbImage()> paint);
+  void show(std::function<optics::RgbImage()> paint);
 
   /// Waits for the next picture.
   /// @param is_viewer_there asked four times per second; the wait ends when it returns false
@@ -60,8 +60,8 @@ class FrameBroker {
   std::mutex mutex_;
   std::condition_variable changed_;
   Waiters waiters_;
-  std::function<RgbImage()> paint_;  ///< empty: no new picture was shown
-  Clock::time_point not_before_{};   ///< until then no picture is wanted
+  std::function<optics::RgbImage()> paint_;  ///< empty: no new picture was shown
+  Clock::time_point not_before_{};           ///< until then no picture is wanted
   std::atomic<bool> wanted_ = false;
   std::atomic<bool> closed_ = false;
   std::thread thread_;

@@ -144,9 +144,10 @@ std::string otherFigures(const std::vector<Figure>& figures,
   return "<h2>More figures</h2>\n<p>In the curves, points are measured and bars are one standard "
          "error. The solid line is the exact law of the program, with the tracker’s noise; the "
          "dashed line is the paper’s formula. Below each curve are the deviations from the exact "
-         "law in standard errors: a measured point beyond 4 is a disagreement. Neighbouring lags "
-         "share their data and are correlated. Hollow points are not judged: they have too few "
-         "independent windows, or the light selects them.</p>\n<div class=\"figures\">\n" +
+         "law in standard errors; from 4 on, a point deviates. Neighbouring lags share their data "
+         "and are correlated. Hollow points are not judged: they have too few independent windows, "
+         "or their windows are a biased sample because the light depends on the "
+         "position.</p>\n<div class=\"figures\">\n" +
          html + "</div>\n" + sentences;
 }
 
@@ -188,7 +189,8 @@ std::string lightSteps(const RunRecord& record) {
 std::string robots(const RunRecord& record) {
   if (record.robots.empty()) return {};
   Table table({">robot", "origin", ">reversals", ">tumbles", ">contact with a robot",
-               ">contact with a wall", ">wheel saturated", ">stopped", ">host silent", ">starts"});
+               ">contact with a wall", ">wheel at its limit", ">stopped", ">without host",
+               ">boots"});
   for (const auto& [id, robot] : record.robots) {
     table.row({std::to_string(id), originName(robot.origin), std::to_string(robot.reversals),
                std::to_string(robot.tumbles), share(robot.contact_robot, robot.states),
@@ -218,10 +220,11 @@ std::string losses(const RunRecord& record) {
                (stream.at_least ? "≥ " : "") + groupedText(stream.lost),
                fmt::format("{:.1f}", stream.largest_age * 1e3)});
   }
-  html += table.text() +
-          "<p class=\"soft\">Age: from the time of the content (such as the exposure of a frame) "
-          "to the arrival at the logger. ≥: the sender did not end cleanly, so its last count is "
-          "unknown and more messages may be lost.</p>\n";
+  html +=
+      table.text() +
+      "<p class=\"soft\">Age is the time from the measurement (such as the exposure of a frame) "
+      "to the arrival at the logger. ≥ marks a sender that did not end cleanly: its last count "
+      "is unknown, and more messages may be lost.</p>\n";
   if (!record.log.decode_errors.empty()) {
     Table errors({"channel", ">messages that could not be decoded"});
     for (const auto& [channel, count] : record.log.decode_errors) {
@@ -256,37 +259,37 @@ std::string links(const RunRecord& record) {
                inMilliseconds(link.round_trip), escapeHtml(link.trouble)});
   }
   return "<h2>Links between hosts</h2>\n" + table.text() +
-         "<p class=\"soft\">Messages that this host received from the other one. Duplicates, and "
-         "commands that came too late, were dropped. Not sent: messages to any host that DDS could "
-         "not send in time. The clock is that of the other host minus that of this one, lowest and "
+         "<p class=\"soft\">The table counts the messages that this host received from the other "
+         "one. Duplicates, and commands that came too late, were dropped. “Not sent” counts the "
+         "messages of this host that DDS could not send in time, to all other hosts together. The "
+         "clock column is the clock of the other host minus that of this one: the lowest and the "
          "highest value of the run.</p>\n";
 }
 
 std::string poseSource(const RunRecord& record) {
   const PoseSource& poses = *record.poses;
   std::string html = fmt::format(
-      "<h2>Provenance</h2>\n<p>{} in {} of a file of poses, {}. Analyzed with Active "
-      "Lab "
+      "<h2>Provenance</h2>\n<p>The file of poses has {} in {}; {}. It was analyzed by Active Lab "
       "{}.</p>\n<ul>\n",
       countText(poses.rows, "row"), countText(record.log.frames, "frame"),
-      record.missing_frames == 0
-          ? "without a gap in the frame numbers"
-          : fmt::format("{} missing by their numbers", countText(record.missing_frames, "frame")),
+      record.missing_frames == 0 ? "the frame numbers have no gap"
+                                 : fmt::format("by the frame numbers, {} missing",
+                                               countText(record.missing_frames, "frame")),
       kVersion);
   if (poses.without_pose > 0) {
-    html += fmt::format("<li>{} without a number for the position or the heading: omitted.</li>\n",
+    html += fmt::format("<li>Omitted: {} without a number for the position or the heading.</li>\n",
                         countText(poses.without_pose, "row"));
   }
   if (poses.without_id > 0) {
-    html += fmt::format("<li>{} without a track (id 0): omitted.</li>\n",
+    html += fmt::format("<li>Omitted: {} without a track (id 0).</li>\n",
                         countText(poses.without_id, "row"));
   }
   if (poses.repeated > 0) {
-    html += fmt::format("<li>{} that repeat another one: omitted.</li>\n",
+    html += fmt::format("<li>Omitted: {} with the content of another row.</li>\n",
                         countText(poses.repeated, "row"));
   }
   if (poses.contradicted > 0) {
-    html += fmt::format("<li>{} of a robot at two positions in one frame: omitted.</li>\n",
+    html += fmt::format("<li>Omitted: {} of robots that have two positions in one frame.</li>\n",
                         countText(poses.contradicted, "pose"));
   }
   if (!poses.headings) {
@@ -296,20 +299,22 @@ std::string poseSource(const RunRecord& record) {
         "judged.</li>\n";
   }
   if (poses.bad_times > 0) {
-    html += fmt::format("<li>{} whose time does not increase: omitted.</li>\n",
+    html += fmt::format("<li>Omitted: {} whose time does not increase.</li>\n",
                         countText(poses.bad_times, "frame"));
   }
   if (poses.clock_steps > 0) {
     html += fmt::format(
-        "<li>{} of the clock against the frame numbers: the tracks are cut there.</li>\n",
-        countText(poses.clock_steps, "step"));
+        "<li>The time column jumps against the frame numbers at {}: the tracks are cut "
+        "there.</li>\n",
+        countText(poses.clock_steps, "place"));
   }
   html +=
       record.programs.front().program.kind == program_t::NONE
           ? "<li>Without a program, reversals cannot be distinguished from the other motion: they "
             "are part of the curves.</li>\n"
           : fmt::format(
-                "<li>{} found as straight uniform motion that the program cannot produce.</li>\n",
+                "<li>{} recognised: straight motion at constant speed that the program cannot "
+                "produce.</li>\n",
                 countText(poses.reversals, "reversal"));
   return html +
          "<li>Contacts are determined by distance only.</li>\n<li>There is no robot status. The "
@@ -322,15 +327,16 @@ std::string provenance(const RunRecord& record) {
   for (const ServiceRecord& service : record.services) {
     services.row({escapeHtml(service.name), std::to_string(service.start),
                   originName(service.origin), escapeHtml(service.version),
-                  service.ended ? "cleanly" : "<span class=\"disagrees\">not cleanly</span>",
+                  service.ended ? "cleanly" : "<span class=\"deviates\">not cleanly</span>",
                   escapeHtml(service.last_error)});
   }
   if (!record.services.empty()) html += services.text();
   html += fmt::format(
-      "<p>Run with Active Lab {}, analyzed with {}; message contract {}. {}Everything on this page "
-      "was made from the log alone; to make it again, to the same bytes:</p>\n"
+      "<p>The run was recorded by Active Lab {} and analyzed by version {}; message contract {}. "
+      "{}This page was made from the log alone. This command makes an identical copy:</p>\n"
       "<pre>{} analyze RUN</pre>\n",
-      escapeHtml(record.version.empty() ? "of unknown version" : record.version), kVersion,
+      record.version.empty() ? "of unknown version" : "version " + escapeHtml(record.version),
+      kVersion,
       record.contract_version == 0 ? "not stated" : std::to_string(record.contract_version),
       record.calibration.empty()
           ? ""
@@ -338,13 +344,14 @@ std::string provenance(const RunRecord& record) {
       installation().command);
   if (record.experiment && record.log.virtual_time) {
     html += fmt::format(
-        "<p>The run itself took place in virtual time; to repeat it, to the same bytes:</p>\n"
+        "<p>The run took place in virtual time. This command repeats it with an identical "
+        "result:</p>\n"
         "<pre>{} run RUN/experiment.toml --virtual-time</pre>\n",
         installation().command);
   }
   if (!record.experiment_text.empty()) {
     html += fmt::format(
-        "<details><summary>The experiment as run, every default filled in</summary>\n<pre>{}</pre>"
+        "<details><summary>Experiment file of this run, with all defaults</summary>\n<pre>{}</pre>"
         "</details>\n",
         escapeHtml(record.experiment_text));
   }

@@ -23,7 +23,7 @@ p { margin: .4rem 0 .8rem; max-width: 44rem; }
 .warn p { margin: .2rem 0; }
 .card { background: var(--card); border-radius: .4rem; padding: 1.1rem 1.3rem; margin: 0 0 1.2rem; }
 .verdict { font-weight: 600; font-size: 1.15rem; margin: .1rem 0 .3rem; }
-.agrees { color: var(--good); } .disagrees { color: var(--bad); } .undecided { color: var(--open); }
+.agrees { color: var(--good); } .deviates { color: var(--bad); } .undecided { color: var(--open); }
 .card ul { margin: .3rem 0 .8rem; padding-left: 1.2rem; max-width: 44rem; font-size: .95rem; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums;

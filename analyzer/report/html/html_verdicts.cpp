@@ -24,7 +24,7 @@ const char* verdictClass(VerdictKind kind) {
     case VerdictKind::kAgrees:
       return "agrees";
     case VerdictKind::kDisagrees:
-      return "disagrees";
+      return "deviates";
     default:
       return "undecided";
   }
@@ -53,7 +53,7 @@ std::string intervalText(const Estimate& estimate) {
 
 std::string robotTable(const Finding& finding) {
   std::vector<std::string> columns{">robot", ">free motion", ">reversals", "verdict",
-                                   ">largest deviation"};
+                                   ">largest deviation (standard errors)"};
   for (const Estimate& estimate : finding.pool->result.estimates) {
     const DisplayUnit unit = displayUnit(estimate.unit);
     columns.push_back(">" + symbolHtml(estimate.name) +
@@ -67,7 +67,7 @@ std::string robotTable(const Finding& finding) {
         std::to_string(result.robot), durationText(result.observed),
         std::to_string(result.reversals),
         fmt::format("<span class=\"{0}\">{0}</span>", verdictClass(result.verdict.kind)),
-        decided ? fmt::format("{:.1f} σ", std::abs(result.verdict.max_z)) : "–"};
+        decided ? fmt::format("{:.1f}", std::abs(result.verdict.max_z)) : "–"};
     for (const Estimate& estimate : result.estimates) {
       const double factor = displayUnit(estimate.unit).factor;
       const double half = halfInterval(estimate);
@@ -79,7 +79,7 @@ std::string robotTable(const Finding& finding) {
     cells.resize(columns.size());
     table.row(cells);
   }
-  return fmt::format("<details><summary>Each of the {} by itself</summary>\n{}</details>\n",
+  return fmt::format("<details><summary>Results of each of the {}</summary>\n{}</details>\n",
                      countText(static_cast<std::int64_t>(finding.robots.size()), "robot"),
                      table.text());
 }
@@ -100,7 +100,7 @@ std::string card(const Finding& finding) {
   html += "<ul>\n";
   const std::string paper = paperComparison(result);
   if (!paper.empty()) html += fmt::format("<li>{}</li>\n", escapeHtml(paper));
-  for (const std::string& remark : reservations(result)) {
+  for (const std::string& remark : caveats(result)) {
     html += fmt::format("<li>{}</li>\n", escapeHtml(remark));
   }
   html += "</ul>\n" + estimateTable(result.estimates);
@@ -122,8 +122,8 @@ std::vector<std::string> verdictCells(const Finding& finding) {
       fmt::format(
           "<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
           result.law.kind == analysis::ProgramKind::kNone ? "no law" : verdictClass(verdict.kind)),
-      decided ? fmt::format("{:.1f} σ", std::abs(verdict.max_z)) : "–",
-      countText(verdict.judged, "lag"),
+      decided ? fmt::format("{:.1f}", std::abs(verdict.max_z)) : "–",
+      groupedText(verdict.judged),
       durationText(result.observed)};
   if (const Estimate* estimate = characteristicEstimate(result)) {
     const DisplayUnit unit = displayUnit(estimate->unit);
@@ -145,7 +145,7 @@ std::string estimateTable(const std::vector<Estimate>& estimates) {
     const double theory = estimate.theory;
     const bool outside = theory < estimate.low95 || theory > estimate.high95;
     table.row({symbolHtml(estimate.name), measuredText(estimate), intervalText(estimate),
-               fmt::format("<span{}>{}</span>", outside ? " class=\"disagrees\"" : "",
+               fmt::format("<span{}>{}</span>", outside ? " class=\"deviates\"" : "",
                            withUnit(shortText(theory * unit.factor), unit.text)),
                "<span class=\"soft\">" + escapeHtml(estimate.note) + "</span>"});
   }
@@ -156,16 +156,16 @@ std::string verdictTable(const std::vector<Finding>& findings) {
   std::string html = "<h2>Is it the motion that was programmed?</h2>\n";
   if (findings.empty()) {
     return html +
-           "<p>No robot was tracked while it ran a program that has a law, so there is nothing to "
-           "compare.</p>\n";
+           "<p>No robot was tracked while it ran a program that has a law (ABP, noisy ABP, BP, "
+           "RTP), so there is nothing to compare.</p>\n";
   }
-  Table table({"program", "", "verdict", ">largest deviation", ">over", ">free motion", ">measured",
-               ">95 % interval", ">programmed"});
+  Table table({"program", "model", "verdict", ">largest deviation (standard errors)",
+               ">judged lags", ">free motion", ">measured", ">95 % interval", ">programmed"});
   for (const Finding& finding : findings) table.row(verdictCells(finding));
   return html + table.text() +
          "<p class=\"soft\">The verdict compares the measured MSD and angular MSD with the exact "
-         "law of the program: the motion agrees if no judged lag deviates by 4 standard errors. By "
-         "chance, one run of a hundred exceeds 3.2.</p>\n";
+         "law of the program: the motion agrees if no judged lag deviates by 4 standard errors or "
+         "more. By chance alone one run in a hundred exceeds 3.2.</p>\n";
 }
 
 std::string programCards(const std::vector<Finding>& findings) {
@@ -173,8 +173,8 @@ std::string programCards(const std::vector<Finding>& findings) {
   std::string html =
       "<h2>Program by program</h2>\n<p>Free motion is measured: reversals are removed; contacts "
       "and "
-      "changes of program cut the track. Programmed values outside their 95 % interval are "
-      "coloured; by chance one of twenty is.</p>\n";
+      "changes of program cut the track. A programmed value outside the 95 % interval of the "
+      "measurement is coloured; by chance alone this happens to one value in twenty.</p>\n";
   for (const Finding& finding : findings) html += card(finding);
   return html;
 }

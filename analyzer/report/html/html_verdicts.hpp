@@ -12,7 +12,7 @@ namespace lab::report::html {
 /// One row per program: its verdict, the largest deviation and the estimate that characterises it.
 [[nodiscard]] std::string verdictTable(const std::vector<Finding>& findings);
 
-/// One card per program: reasons, reservations, all estimates, the fit, and each robot by itself.
+/// One card per program: reasons, caveats, all estimates, the fit, and the results of each robot.
 /// Empty without findings.
 [[nodiscard]] std::string programCards(const std::vector<Finding>& findings);
 

@@ -63,7 +63,7 @@ struct TrackRow {
   float y = 0;                ///< [m]
   float theta = 0;            ///< [rad]
   std::int16_t program = -1;  ///< key into RunRecord::programs; -1: none or unknown
-  std::int32_t segment = -1;  ///< number of the piece pieces of free motion; -1: not free
+  std::int32_t segment = -1;  ///< number of the piece of free motion; -1: not free
 };
 
 struct TrackFrame {
@@ -105,7 +105,7 @@ struct PoseSource {
   std::vector<std::string> doubts;
 };
 
-/// A stretch pieces of free motion of one robot, times in s since the start.
+/// A piece of free motion of one robot, times in s since the start.
 struct PieceRecord {
   int robot = 0;
   int program = -1;  ///< key into RunRecord::programs

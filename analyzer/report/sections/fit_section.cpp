@@ -92,7 +92,7 @@ Json fitJson(const LawFit& fit) {
 
 std::string fitHtml(const LawFit& fit) {
   if (!fit.fitted()) {
-    return fmt::format("<h4>Fit of the exact law</h4>\n<p class=\"soft\">None: {}.</p>\n",
+    return fmt::format("<h4>Fit of the exact law</h4>\n<p class=\"soft\">No fit: {}.</p>\n",
                        escapeHtml(fit.refusal));
   }
   std::vector<Estimate> all = fit.parameters;
@@ -104,13 +104,13 @@ std::string fitHtml(const LawFit& fit) {
       pText(fit.p_value), fit.chi2, fit.freedom, fit.recordings);
   if (fit.guard_z > kTrustedGuard) {
     html += fmt::format(
-        "<li class=\"disagrees\">Generalised and ordinary least squares differ by "
+        "<li class=\"deviates\">Generalised and ordinary least squares differ by "
         "{:.1f} σ: do not trust this fit.</li>\n",
         fit.guard_z);
   }
-  html += testText(fit.exact, "The exact law as programmed, MSD and angular MSD");
-  html += testText(fit.exact_msd, "The exact law as programmed, MSD");
-  html += testText(fit.paper, "The paper's formula as programmed, MSD");
+  html += testText(fit.exact, "The exact law with the programmed parameters, MSD and angular MSD");
+  html += testText(fit.exact_msd, "The exact law with the programmed parameters, MSD");
+  html += testText(fit.paper, "The paper's formula with the programmed parameters, MSD");
   return html + "</ul>\n";
 }
 

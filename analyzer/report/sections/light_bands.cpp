@@ -46,9 +46,9 @@ std::string html::lightBands(const RunRecord& record) {
   if (margins.empty()) return {};
   std::string html = fmt::format(
       "<h2>Light bands</h2>\n<p>With the light calibration {}, equal light gives equal readings "
-      "everywhere, so the margins hold at every position: the distance of the light in the middle "
-      "of a band from its edge, for the least sensitive sensor of {} robots. Readings follow the "
-      "calibration within {:.2g} % of full scale (rms).</p>\n",
+      "everywhere, so the margins below hold at every position. A margin is the distance from the "
+      "light in the middle of a band to the edge of the band, for the least sensitive sensor of {} "
+      "robots. Readings follow the calibration within {:.2g} % of full scale (rms).</p>\n",
       record.light_calibration->id, record.light_calibration->gains.size(),
       100 * record.light_calibration->residual);
   Table table({"program", ">light", ">margin to the edge", ">in standard deviations of a reading",
@@ -59,9 +59,9 @@ std::string html::lightBands(const RunRecord& record) {
                fmt::format("{:.1e}", band.chance)});
   }
   html += table.text() +
-          "<details><summary>Without the calibration, by position</summary>\n<p>The reading of the "
-          "same light by the sensor that is closest to leaving the band, or farthest outside "
-          "(✗).</p>\n";
+          "<details><summary>Without the calibration, by position</summary>\n<p>The table has the "
+          "readings of the same light by the sensor that is closest to leaving the band. ✗ marks "
+          "readings outside the band.</p>\n";
   const auto& bands = record.experiment->light_table.bands;
   for (std::size_t i = 0; i < margins.size(); ++i) {
     html +=

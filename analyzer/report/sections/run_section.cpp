@@ -89,11 +89,11 @@ std::string pText(double p) {
   return p < 1e-3 ? "&lt; 0.001" : fmt::format("{:.3f}", p);
 }
 
-void testRow(Table& table, const char* question, const char* how, const TestResult& test) {
+void testRow(Table& table, const char* hypothesis, const char* how, const TestResult& test) {
   const bool rejected = test.p < kRejected;
-  const char* answer = rejected ? "no: rejected" : "not rejected";
-  table.row({question,
-             fmt::format("<span{}>{}</span>", rejected ? " class=\"disagrees\"" : "",
+  const char* answer = rejected ? "rejected" : "not rejected";
+  table.row({hypothesis,
+             fmt::format("<span{}>{}</span>", rejected ? " class=\"deviates\"" : "",
                          std::isfinite(test.p) ? answer : "too few data"),
              pText(test.p), shortText(test.statistic),
              groupedText(static_cast<std::int64_t>(test.n)),
@@ -101,14 +101,14 @@ void testRow(Table& table, const char* question, const char* how, const TestResu
 }
 
 std::string tests(const RunStatistics& runs) {
-  Table table({"", "answer", ">p", ">statistic", ">of", "test"});
-  testRow(table, "Are run times exponential?",
+  Table table({"hypothesis", "result", ">p", ">statistic", ">samples", "test"});
+  testRow(table, "run times are exponential",
           "largest distance from the fitted exponential law (Lilliefors), with cut-off runs as "
           "censored data; p from 499 simulated sets",
           runs.exponential);
-  testRow(table, "Are tumble angles uniform?", "Kuiper", runs.uniform);
-  testRow(table, "Is no direction preferred?", "Rayleigh", runs.preferred);
-  testRow(table, "Are successive runs independent?", "correlation of successive run times",
+  testRow(table, "tumble angles are uniform", "Kuiper", runs.uniform);
+  testRow(table, "no direction is preferred", "Rayleigh", runs.preferred);
+  testRow(table, "successive runs are independent", "correlation of successive run times",
           runs.independent);
   return table.text();
 }
@@ -130,8 +130,9 @@ std::string wheels(const RunStatistics& runs, double limit) {
   }
   if (runs.beyond_half_turn > kRejected) {
     html += fmt::format(
-        "<li>{:.0f} % of the tumbles turned by more than 180°, not the shorter way. Positions do "
-        "not show this; the angular MSD does.</li>\n",
+        "<li>{:.0f} % of the tumbles turned by more than 180°: the robots do not turn in the "
+        "shorter "
+        "direction. Positions do not show this; the angular MSD does.</li>\n",
         runs.beyond_half_turn * kPercents);
   }
   return html;
@@ -146,8 +147,9 @@ std::string card(const Finding& finding, double limit) {
            fmt::format("<p>No runs from poses: {}.</p>\n</section>\n", escapeHtml(runs.problem));
   }
   html += fmt::format(
-      "<p>{} began in {}. {} observed from tumble to tumble, {} cut off by the end of a track, {} "
-      "too short to detect (below {} s) and inferred from the durations of the stops.</p>\n",
+      "<p>{} began in {} of free motion. {} were observed from tumble to tumble. {} were cut off "
+      "by the end of a track. {} were too short to detect (below {} s); their number is inferred "
+      "from the durations of the stops.</p>\n",
       countText(runs.tumbles, "tumble"), durationText(runs.observed), countText(runs.runs, "run"),
       groupedText(runs.cut_off), groupedText(runs.hidden), shortText(runs.shortest));
   const std::string remarks = wheels(runs, limit);

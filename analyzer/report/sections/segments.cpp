@@ -151,19 +151,19 @@ std::string joinsText(const analysis::ProgramResult& result) {
       fmt::format("{}, one per {} on average: ", countText(joins.joins, "join"),
                   durationText(joins.mean_piece));
   if (joins.compared == 0) {
-    return what + "too few windows straddle a join for a comparison with those within pieces";
+    return what + "too few windows lie across a join for a comparison with windows without one";
   }
   if (std::abs(joins.max_z) < kDefect) {
     return what + fmt::format(
-                      "windows that straddle a join differ from those within pieces by no more "
-                      "than the selection by walls explains (at most {:.1f} standard errors beyond "
-                      "it; lags up to {} s)",
-                      std::abs(joins.max_z), shortText(joins.longest_lag));
+                      "windows across a join agree with windows without a join (lags up to {} s; "
+                      "the largest difference is {:.1f} standard errors, after a correction for "
+                      "the fact that windows without a join met no wall)",
+                      shortText(joins.longest_lag), std::abs(joins.max_z));
   }
   return what + fmt::format(
-                    "the joins do not fit: with windows that straddle a join, the {} at {} s "
-                    "differs by {:.1f} standard errors beyond what the selection by walls "
-                    "explains; --no-stitch analyzes without joins",
+                    "the joins do not fit: with windows across a join, the {} at {} s differs by "
+                    "{:.1f} standard errors, after a correction for the fact that windows without "
+                    "a join met no wall; --no-stitch analyzes without joins",
                     joins.max_z_angular ? "angular MSD" : "MSD", shortText(joins.max_z_tau),
                     std::abs(joins.max_z));
 }
@@ -176,10 +176,11 @@ std::string stitching(const RunRecord& record) {
       "<h2>Cuts and joins of the tracks</h2>\n<p>{} of free motion; segments.csv lists them with "
       "the reason of their end. {}</p>\n",
       countText(static_cast<std::int64_t>(record.pieces.size()), "piece"),
-      record.stitched ? "The track is joined at reversals, because the robot resumes exactly; "
-                        "<code>lab analyze --no-stitch</code> cuts there instead."
-                      : "<strong>Joins are off (--no-stitch):</strong> long windows are then only "
-                        "those that met no wall, and the curves are biased.");
+      record.stitched ? "The track is joined at reversals, because the robot then continues its "
+                        "program where it was interrupted; <code>lab analyze --no-stitch</code> "
+                        "cuts there instead."
+                      : "<strong>Joins are off (--no-stitch):</strong> long windows exist only "
+                        "where a robot met no wall, so the curves are biased.");
   const auto counts = countsOf(record);
   Table table({"end of the piece", ">count"});
   for (std::size_t i = 0; i < kReasons; ++i) {
@@ -195,14 +196,14 @@ std::string stitching(const RunRecord& record) {
   const HeadingRecord& headings = record.headings;
   if (headings.jumps > 0) {
     html += fmt::format(
-        "<li>{} of the heading by π, which wheels cannot make: the tracker confused head and tail. "
-        "{} flipped.</li>\n",
+        "<li>{} of the heading by π were found, which wheels cannot make: the tracker confused "
+        "head and tail. {} turned by π.</li>\n",
         countText(headings.jumps, "jump"), countText(headings.flips, "heading"));
   }
   if (headings.sense_turns > 0) {
     html += fmt::format(
-        "<li>{} in which the motion showed that head and tail were confused: flipped "
-        "completely.</li>\n",
+        "<li>In {} the motion showed that head and tail were confused: all headings of it were "
+        "turned by π.</li>\n",
         countText(headings.sense_turns, "track"));
   }
   return html + "</ul>\n";

@@ -93,8 +93,9 @@ std::vector<std::string> speedRemark(const ProgramResult& result) {
     const double off = estimate.value / estimate.theory - 1;
     if (!outside || std::abs(off) > analysis::CurveOptions{}.speed_tolerance) continue;
     return {fmt::format(
-        "The speed is {:+.2f} % off the programmed one, which wheels with finite steps or clock "
-        "errors explain. Deviations are from the exact law at the measured speed.",
+        "The measured speed differs from the programmed speed by {:+.2f} %. Steps of the wheel "
+        "speeds or clock errors can cause this. The curves are therefore compared with the exact "
+        "law at the measured speed.",
         off * kPercents)};
   }
   return {};
@@ -142,44 +143,48 @@ std::string verdictReason(const ProgramResult& result) {
   }
   if (verdict.kind == VerdictKind::kUndecided) {
     return fmt::format(
-        "Not enough data: {} can be judged. A verdict needs five, with at least a hundred "
-        "independent draws.",
+        "Not enough data: {} can be judged. A verdict needs five, and at least a hundred draws of "
+        "wheel speeds (run and tumble: a hundred tumbles).",
         countText(verdict.judged, "lag"));
   }
   return fmt::format(
-      "Over {} the largest deviation from the exact law is {:.1f} standard errors ({} at {} s); by "
-      "chance, one run of a hundred exceeds 3.2. The limit is 4.",
-      countText(verdict.judged, "lag"), std::abs(verdict.max_z),
+      "The largest deviation from the exact law at {} is {:.1f} standard errors ({} at {} s). By "
+      "chance alone one run in a hundred exceeds 3.2. From 4 on, the motion deviates.",
+      countText(verdict.judged, "judged lag"), std::abs(verdict.max_z),
       verdict.angular ? "angular MSD" : "MSD", shortText(verdict.tau));
 }
 
-std::vector<std::string> reservations(const ProgramResult& result) {
+std::vector<std::string> caveats(const ProgramResult& result) {
   std::vector<std::string> remarks = speedRemark(result);
   if (result.unbiased_lag > 0) {
     remarks.push_back(
-        fmt::format("The light depends on the position, so the motion itself selects windows "
-                    "longer than {} s. They are drawn hollow and not judged.",
+        fmt::format("The light depends on the position, so how a robot moves decides how long it "
+                    "runs this program. Windows longer than {} s are therefore a biased sample. "
+                    "They are drawn hollow and not judged.",
                     shortText(result.unbiased_lag)));
   }
   if (result.reversals > 0) {
     remarks.push_back(
-        fmt::format("{} at walls or robots removed, and the track joined. Robots resume exactly, "
-                    "so the statistics are those of free motion.",
+        fmt::format("{} at walls or robots removed, and the track joined there. After a reversal a "
+                    "robot continues its program where it was interrupted, so the joined track has "
+                    "the statistics of free motion.",
                     countText(result.reversals, "reversal")));
   }
   if (result.contact_share > 0) {
     remarks.push_back(
         fmt::format("{:.1f} % of the frames were cut because of contact with a robot or a wall. "
-                    "The remaining motion between contacts is biased toward free space{}.",
+                    "The motion between contacts is a biased sample: it lies in free space{}.",
                     result.contact_share * kPercents,
                     result.law.kind == analysis::ProgramKind::kRtp
-                        ? ", and toward short runs, because contacts end runs: in a crowd gamma is "
-                          "too high and the law is rejected"
+                        ? ", and its runs are short, because contacts end runs. In a crowd gamma "
+                          "is therefore overestimated, and the motion may deviate from the law "
+                          "although the robots work correctly"
                         : ""));
   }
   if (result.lost > 0) {
     remarks.push_back(fmt::format(
-        "{} omitted: no telemetry covered them, or wheels could not have made the jump.",
+        "{} omitted: the robot did not report its program for that time, or the position jumped "
+        "farther than wheels can drive.",
         countText(result.lost, "frame")));
   }
   const double noise = result.curves.msd.empty() ? 0 : result.curves.msd.front().noise;
@@ -265,7 +270,7 @@ std::string lossText(const RunRecord& record) {
   const LossTotal total = totalOf(record.log.streams);
   if (total.lost == 0 && !total.at_least) return {};
   if (total.lost == 0) {
-    return "no message is known to be lost, but the last count of a sender is missing";
+    return "no loss was found, but a sender ended without its last count";
   }
   const std::int64_t sent = total.lost + total.received;
   return fmt::format("{}{} of {} ({:.2g} %) missing in the log", total.at_least ? "at least " : "",
@@ -302,7 +307,9 @@ std::vector<std::string> headlines(const RunRecord& record) {
                     record.experimentOrDefault().arena_width * kCm,
                     record.experimentOrDefault().arena_height * kCm));
   } else if (!any) {
-    lines.emplace_back("no robot ran a program that has a law: nothing to compare");
+    lines.emplace_back(
+        "no robot was tracked while it ran a program that has a law (ABP, noisy ABP, BP, RTP): "
+        "nothing to compare");
   }
   if (record.poses) {
     const PoseSource& poses = *record.poses;
@@ -317,8 +324,9 @@ std::vector<std::string> headlines(const RunRecord& record) {
     }
     if (selected) {
       lines.push_back(fmt::format(
-          "{} of {} omitted: faster than wheels can drive or turn a robot, so the rest is "
-          "selected. Is the unit of x and y right (--scale-cm)? Are headings in radians?",
+          "{} of {} omitted: faster than wheels can drive or turn a robot, so the remaining poses "
+          "are a biased sample. Is the unit of x and y right (--scale-cm)? Are headings in "
+          "radians?",
           groupedText(jumped), countText(poses.rows, "pose")));
     }
     for (const auto& [count, what] :
@@ -333,7 +341,7 @@ std::vector<std::string> headlines(const RunRecord& record) {
     return lines;
   }
   const std::string lost = lossText(record);
-  lines.push_back(lost.empty() ? "no message was lost on the way to the log" : lost);
+  lines.push_back(lost.empty() ? "all messages that were sent are in the log" : lost);
   for (const Remark& fault : record.faults) {
     lines.push_back(fmt::format("fault at {:.1f} s: {}", record.seconds(fault.utime), fault.text));
   }

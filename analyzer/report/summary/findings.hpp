@@ -1,4 +1,5 @@
-/// The results of a run by program, and their interpretation in words.
+/// The results of a run by program, and their interpretation in words. Report and terminal
+/// print these sentences; tests and docs/first_experiment.md quote some of them.
 #pragma once
 
 #include <string>
@@ -8,18 +9,19 @@
 
 namespace lab::report {
 
-/// One program of the run.
+/// The results of one program.
 struct Finding {
-  int key = -1;       ///< index of the program in RunRecord::programs; -1: not one of them
-  std::string name;   ///< of the program
+  int key = -1;       ///< index in RunRecord::programs; -1: the program is not in that list
+  std::string name;   ///< name of the program in the experiment file
   std::string model;  ///< "ABP"
-  std::string file;   ///< unique name for files of the program
-  const analysis::FeedResult* pool = nullptr;  ///< result of all its robots
-  std::vector<const analysis::FeedResult*>
-      robots{};  ///< result of each robot; empty if there is only one
+  std::string file;   ///< the name as part of file names, different for each program
+  const analysis::FeedResult* pool = nullptr;  ///< result of all robots with this program together
+  /// Result of each robot with this program; empty if there is only one.
+  std::vector<const analysis::FeedResult*> robots{};
 };
 
-/// In order of first appearance. The findings point into the record.
+/// One finding per program, in order of first appearance. They hold pointers into `record`, which
+/// must outlive them.
 [[nodiscard]] std::vector<Finding> findingsOf(const RunRecord& record);
 
 /// "agrees with the exact law", "deviates from the exact law", "undecided".
@@ -28,23 +30,24 @@ struct Finding {
 /// The reason of the verdict, in one sentence.
 [[nodiscard]] std::string verdictReason(const analysis::ProgramResult& result);
 
-/// Reservations and remarks, one sentence each: contacts, reversals, selection, lost frames, noise.
-[[nodiscard]] std::vector<std::string> reservations(const analysis::ProgramResult& result);
+/// What a reader must know about the numbers, one sentence each: contacts, reversals, windows that
+/// are a biased selection, frames that were not used, noise.
+[[nodiscard]] std::vector<std::string> caveats(const analysis::ProgramResult& result);
 
 /// The estimate that characterises the model: D_t (BP), gamma (RTP), v (no model), else D_r.
 /// nullptr if it was not estimated.
 [[nodiscard]] const analysis::Estimate* characteristicEstimate(
     const analysis::ProgramResult& result);
 
-/// The difference of the paper's formula from the exact law and the measurement; empty if there is
-/// no formula.
+/// How far the paper's formula differs from the exact law, and how many standard errors that is in
+/// this run; empty if the paper has no formula.
 [[nodiscard]] std::string paperComparison(const analysis::ProgramResult& result);
 
 /// "v = 3 cm/s, ε = 0.5 s, η = 3 rad/s"
 [[nodiscard]] std::string parametersText(const program_t& program);
 
-/// "244 of 12 609 messages (1.9 %) are missing in the log", "at least" if a sender was killed;
-/// empty if none is missing.
+/// "244 of 12 609 messages (1.9 %) missing in the log". Begins with "at least" if a sender ended
+/// without its last count. Empty if none is missing.
 [[nodiscard]] std::string lossText(const RunRecord& record);
 
 /// Lines for the terminal: one per program, then losses and faults.

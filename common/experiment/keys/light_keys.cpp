@@ -22,16 +22,23 @@ const std::array<Choice, 2> kStopOn = {
 constexpr const char* kEstimate =
     "name of a measured number: D_r, v, v_a, V, D_t, gamma, tau_r, D, L_s or D_slope, depending on "
     "the program";
-constexpr const char* kOfProgram = "of the measured number";
-constexpr const char* kKnown =
-    "largest allowed ratio of standard error to value, from all data of the run so far";
-constexpr const char* kRobot = "the robot; without it any or all of them";
+constexpr const char* kOfProgram = "the program to which the measured number belongs";
+constexpr const char* kRelativeError =
+    "largest allowed standard error as a fraction of the value (0.05 is 5 %), from all data of the "
+    "run so far";
+constexpr const char* kRelativeErrorPercent =
+    "largest allowed standard error in percent of the value (5 is 5 %), from all data of the run "
+    "so far";
+constexpr const char* kConditionRobot =
+    "id of one robot; without it an estimate or tumbles count all robots together, and robots says "
+    "how many must be in a region";
+constexpr const char* kRuleRobot = "id of one robot; without it all robots together";
 const TextRule kEstimateRule{.most = 20, .bare = true};
 const TextRule kProgramRule{.most = 32, .bare = true};
 
-void visitOneRobot(KeyVisitor& v, std::int32_t& robot) {
+void visitOneRobot(KeyVisitor& v, const char* meaning, std::int32_t& robot) {
   std::int64_t id = robot;
-  v.integer(writtenIf(id != 0, {"robot", kRobot}), 1, kLargestId, id);
+  v.integer(writtenIf(id != 0, {"robot", meaning}), 1, kLargestId, id);
   robot = static_cast<std::int32_t>(id);
 }
 
@@ -43,14 +50,15 @@ void visitUntil(KeyVisitor& v, EndCondition& until) {
   const bool estimate = !until.estimate.empty();
   v.text(applicableIf(estimate, "estimate", {"program", kOfProgram, Need::kRequired}), kProgramRule,
          until.program);
-  v.number(applicableIf(estimate, "estimate", {"relative_error", kKnown, Need::kRequired}),
+  v.number(applicableIf(estimate, "estimate", {"relative_error", kRelativeError, Need::kRequired}),
            {.low = 0, .high = 1, .above_low = true}, until.relative_error);
   v.integer(writtenIf(until.tumbles != 0,
-                      {"tumbles", "number since the step began, of all robots together or of one"}),
+                      {"tumbles",
+                       "number of tumbles since the step began, of all robots together or of one"}),
             1, 1'000'000'000, until.tumbles);
-  visitOneRobot(v, until.robot);
+  visitOneRobot(v, kConditionRobot, until.robot);
   const Selector region(
-      v, writtenIf(until.region != kNone, {"region", "region in which a robot's axis must be"}),
+      v, writtenIf(until.region != kNone, {"region", "region in which a robot's centre must be"}),
       kRegions, until.region);
   const auto both = {kCircle, kRectangle};
   Key who =
@@ -58,18 +66,22 @@ void visitUntil(KeyVisitor& v, EndCondition& until) {
   if (until.robot != 0 && who.applies == Applies::kYes) who.applies = Applies::kNo;
   who.condition += " and without robot";
   enumerate(v, who, kWho, until.who);
-  v.number(region.only(both, {"x_cm", "its middle", Need::kRequired}), kPlace, until.x);
-  v.number(region.only(both, {"y_cm", "its middle", Need::kRequired}), kPlace, until.y);
-  v.number(region.only({kCircle}, {"radius_cm", "its radius", Need::kRequired}), kLength,
+  v.number(region.only(both, {"x_cm", "centre of the region", Need::kRequired}), kPlace, until.x);
+  v.number(region.only(both, {"y_cm", "centre of the region", Need::kRequired}), kPlace, until.y);
+  v.number(region.only({kCircle}, {"radius_cm", "radius of the circle", Need::kRequired}), kLength,
            until.radius);
-  v.number(region.only({kRectangle}, {"width_cm", "along x", Need::kRequired}), kLength,
-           until.width);
-  v.number(region.only({kRectangle}, {"height_cm", "along y", Need::kRequired}), kLength,
-           until.height);
+  v.number(
+      region.only({kRectangle}, {"width_cm", "size of the rectangle along x", Need::kRequired}),
+      kLength, until.width);
+  v.number(
+      region.only({kRectangle}, {"height_cm", "size of the rectangle along y", Need::kRequired}),
+      kLength, until.height);
 }
 
 void visitStep(KeyVisitor& v, StepEntry& step) {
-  v.text({.name = "label", .meaning = "for reports", .default_text = "step 1, step 2, ..."},
+  v.text({.name = "label",
+          .meaning = "name of the step in page and report",
+          .default_text = "step 1, step 2, ..."},
          {.most = 60}, step.label);
   v.optionalNumber({.name = "at_s",
                     .meaning = "start of the step; 0 for the first one, then increasing",
@@ -110,19 +122,19 @@ void visitStep(KeyVisitor& v, StepEntry& step) {
 }  // namespace
 
 void visitStopOn(KeyVisitor& v, StopOn& on) {
-  enumerate(
-      v,
-      writtenIf(on != StopOn::kAll,
-                {"stop_on", "whether all rules of stop_when must hold at the same time, or any"}),
-      kStopOn, on);
+  enumerate(v,
+            writtenIf(on != StopOn::kAll, {"stop_on",
+                                           "all: the run ends when all rules of stop_when hold at "
+                                           "the same time; any: when one holds"}),
+            kStopOn, on);
 }
 
 void visitStopRule(KeyVisitor& v, StopRule& rule) {
   v.text({"estimate", kEstimate, Need::kRequired}, kEstimateRule, rule.until.estimate);
   v.text({"program", kOfProgram, Need::kRequired}, kProgramRule, rule.until.program);
-  v.number({"relative_error_percent", kKnown, Need::kRequired},
+  v.number({"relative_error_percent", kRelativeErrorPercent, Need::kRequired},
            {.low = 0, .high = 100, .above_low = true}, rule.until.relative_error);
-  visitOneRobot(v, rule.until.robot);
+  visitOneRobot(v, kRuleRobot, rule.until.robot);
   v.number({"at_least_s", "time of the script before which the rule is ignored"}, {0, kLongestRun},
            rule.at_least);
 }

@@ -18,6 +18,16 @@ TEST(Observation, AddsNoiseAndChangesNothingWithoutExposure) {
   EXPECT_NEAR(observedAngularMsd(law, {0, 0.001, 0.02}, 0.7), law.angularMsd(0.7) + 8e-4, 1e-15);
 }
 
+TEST(Observation, IsNanWithoutALaw) {
+  for (const ProgramLaw& program : {ProgramLaw{}, rtpLaw(3, 0, 0.05), abpLaw(3, 0, 0.03)}) {
+    const ExactLaw law(program);
+    for (const double exposure : {0.0, 0.1}) {
+      EXPECT_TRUE(std::isnan(observedMsd(law, {exposure, 0.001, 0.02}, 0.7))) << exposure;
+      EXPECT_TRUE(std::isnan(observedAngularMsd(law, {exposure, 0.001, 0.02}, 0.7))) << exposure;
+    }
+  }
+}
+
 TEST(Observation, IsTheDoubleIntegralOverBothExposures) {
   const auto direct = [](auto msd, double tau, double exposure) {
     constexpr int kSteps = 500;

@@ -47,6 +47,16 @@ TEST(Installation, NamesThePackageOfAMissingFile) {
             "build it");
 }
 
+TEST(Installation, SendsAUserWhoMayNotBuildToTheOwner) {
+  Installation clone = installationOf("/home/you/active-lab/build/release/bin/lab");
+  clone.may_build = false;
+
+  EXPECT_EQ(clone.installHint("sim_svc", "./lab build builds it"),
+            "you may not write in /home/you/active-lab: ask its owner to run ./lab build there, or "
+            "make a clone of your own");
+  EXPECT_TRUE(installationOf("/home/me/active-lab/build/release/bin/lab").may_build);
+}
+
 TEST(Installation, OfThisTestIsABuild) {
   EXPECT_FALSE(installation().packaged);
   EXPECT_TRUE(std::filesystem::exists(installation().programs));

@@ -47,7 +47,7 @@ TEST(Controls, RepeatsARequestAtFiveHertzUntilItIsAnswered) {
   EXPECT_FALSE(bench.dut.due(kNow + 199'000).experiment);
   EXPECT_EQ(bench.dut.due(kNow + 200'000).experiment->seq, first->seq);
   bench.answer(*first);
-  EXPECT_THAT(bench.note(), HasSubstr("\"wish\":\"mark\",\"text\":\"done\""));
+  EXPECT_THAT(bench.note(), HasSubstr("\"request\":\"mark\",\"text\":\"done\""));
   const auto second = bench.dut.due(kNow + 210'000).experiment;
   ASSERT_TRUE(second);
   EXPECT_EQ(second->action, experiment_command_t::PAUSE);

@@ -214,7 +214,7 @@ class WithALab(PageTest):
     def send_request(self, name, **fields):
         token = self.address.split("#token=")[1]
         request = urllib.request.Request(
-            f"http://127.0.0.1:{PORT}/api/wish", json.dumps({"wish": name, **fields}).encode(),
+            f"http://127.0.0.1:{PORT}/api/request", json.dumps({"request": name, **fields}).encode(),
             {"X-Lab-Token": token, "Content-Type": "application/json"})
         self.assertEqual(202, urllib.request.urlopen(request, timeout=5).status)
 

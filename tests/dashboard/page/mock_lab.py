@@ -99,15 +99,15 @@ class MockLab:
 
     def take_request(self, body):
         """@return (code, answer)"""
-        if not isinstance(body, dict) or not isinstance(body.get("wish"), str):
-            return 400, {"error": "expected {\"wish\": NAME, ...}"}
+        if not isinstance(body, dict) or not isinstance(body.get("request"), str):
+            return 400, {"error": "expected {\"request\": NAME, ...}"}
         self.operator_requests.append((time.monotonic(), body))
         note = self.world.take_request(body)
         if self.has_lab:
             self.publish("stop", self.world.stop())
         if note.startswith("refused"):
             return 409, {"error": note}
-        self.publish("note", {"t_us": int(time.time() * 1e6), "wish": body["wish"], "text": note})
+        self.publish("note", {"t_us": int(time.time() * 1e6), "request": body["request"], "text": note})
         return 202, {}
 
     @property
@@ -249,7 +249,7 @@ class Handler(http.server.BaseHTTPRequestHandler):
             order = json.loads(body)
         except ValueError:
             return self.answer(400, {"error": "not JSON"})
-        if self.path == "/api/wish":
+        if self.path == "/api/request":
             return self.answer(*self.lab.take_request(order))
         if self.path == "/api/check":
             bad = [s for s in order.get("set", []) if "=" not in s]

@@ -344,7 +344,7 @@ class World:
         return None
 
     def take_request(self, body):
-        kind = body["wish"]
+        kind = body["request"]
         if self.replay and kind not in ("seek", "speed", "pause", "resume"):
             return "refused: a recorded run: nobody obeys"
         if kind == "stop":

@@ -125,7 +125,7 @@ class PageTest(unittest.TestCase):
         browser.switch_to.active_element.send_keys(*keys)
 
     def sent_requests(self, name):
-        return [body for _, body in self.lab.operator_requests if body["wish"] == name]
+        return [body for _, body in self.lab.operator_requests if body["request"] == name]
 
     def comes(self, count, found):
         """Waits until found() has at least `count` elements."""

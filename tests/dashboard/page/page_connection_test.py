@@ -92,7 +92,7 @@ class Replay(PageTest):
         browser.execute_script("const s = document.getElementById('player-at'); s.value = 100;"
                                "s.dispatchEvent(new Event('change'))")
         self.says("player-text", "1:4")
-        self.assertEqual([{"wish": "seek", "to_s": 100}], self.sent_requests("seek"))
+        self.assertEqual([{"request": "seek", "to_s": 100}], self.sent_requests("seek"))
         browser.execute_script("document.getElementById('player-go').click()")
         self.says("player-go", "play")
         self.press(Keys.SPACE)
@@ -107,7 +107,7 @@ class Replay(PageTest):
                    " && labPage.charts.runtimes.pointsDrawn() > 0")
         self.lab.pools = 0
         time.sleep(1.2)
-        self.lab.take_request({"wish": "seek", "to_s": 100})
+        self.lab.take_request({"request": "seek", "to_s": 100})
         self.until("labPage.charts.msd.pointsDrawn() === 0"
                    " && labPage.charts.runtimes.pointsDrawn() === 0"
                    " && labPage.stream.all('history/').length === 0")

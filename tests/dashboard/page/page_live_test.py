@@ -116,7 +116,7 @@ class Live(PageTest):
     def test_shows_the_end_of_a_run(self):
         self.open(robots=2)
         self.live()
-        self.lab.take_request({"wish": "end"})
+        self.lab.take_request({"request": "end"})
         self.says("banner", "the run has ended: ended by dashboard")
         self.server_goes = True  # the server ends after a run, which is not a problem
         self.lab.stop_serving()

@@ -22,7 +22,7 @@ RequestFacts plain() {
 RequestFacts controlRequest() {
   RequestFacts facts = plain();
   facts.method = "POST";
-  facts.target = "/api/wish";
+  facts.target = "/api/request";
   facts.origin = "http://127.0.0.1:8480";
   facts.fetch_site = "same-origin";
   facts.token = kRules.token;
@@ -137,7 +137,7 @@ TEST(HttpGuard, RefusesTraversalAndEncodedSeparators) {
 TEST(HttpGuard, ControlNeedsPostAndReadingNeedsGetOrHead) {
   for (const char* method :
        {"GET", "HEAD", "PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "PATCH"}) {
-    for (const char* target : {"/api/wish", "/api/check", "/api/start"}) {
+    for (const char* target : {"/api/request", "/api/wish", "/api/check", "/api/start"}) {
       RequestFacts facts = controlRequest();
       facts.method = method;
       facts.target = target;
@@ -151,7 +151,7 @@ TEST(HttpGuard, ControlNeedsPostAndReadingNeedsGetOrHead) {
   }
   RequestFacts facts = controlRequest();
   EXPECT_TRUE(mayRead(kRules, facts).yes());
-  facts.target = "/api/wish?x";
+  facts.target = "/api/request?x";
   EXPECT_FALSE(mayRead(kRules, facts).yes());
   facts = plain();
   facts.method = "HEAD";

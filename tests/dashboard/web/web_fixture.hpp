@@ -80,7 +80,7 @@ class WebTest : public testing::Test {
   }
   /// Sends an operator request with the token. @return the response
   [[nodiscard]] std::string control(const std::string& body) const {
-    return send("POST", "/api/wish", token(), body);
+    return send("POST", "/api/request", token(), body);
   }
   void waitForViewers(int count) const {
     ASSERT_TRUE(waitUntil([&] { return server_->viewers() == count; }, std::chrono::seconds(30)))

@@ -78,12 +78,21 @@ TEST_F(WebTest, NoticesThatAViewerHasGone) {
 
 TEST_F(WebTest, PassesRequestsOnAndReturnsRefusals) {
   start();
-  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":"smoke"})")), "202");
+  EXPECT_EQ(statusOf(control(R"({"request":"stop","reason":"smoke"})")), "202");
   ASSERT_THAT(lab_.requests(), SizeIs(1));
   EXPECT_EQ(std::get<StopRobots>(lab_.requests().front()).reason, "smoke");
   lab_.refuse("no script runs");
-  EXPECT_THAT(control(R"({"wish":"pause"})"),
+  EXPECT_THAT(control(R"({"request":"pause"})"),
               AllOf(StartsWith("HTTP/1.1 409"), EndsWith(R"({"error":"no script runs"})")));
+}
+
+TEST_F(WebTest, AcceptsTheFormerPathAndKey) {
+  start();
+  EXPECT_EQ(statusOf(send("POST", "/api/wish", token(), R"({"wish":"stop","reason":"old page"})")),
+            "202");
+  ASSERT_THAT(lab_.requests(), SizeIs(1));
+  EXPECT_EQ(std::get<StopRobots>(lab_.requests().front()).reason, "old page");
+  EXPECT_EQ(statusOf(send("POST", "/api/wish", "", R"({"wish":"release_stop"})")), "403");
 }
 
 TEST_F(WebTest, ReportsTheClientsPermissions) {
@@ -101,9 +110,9 @@ TEST_F(WebTest, PassesQueriesOn) {
 
 TEST_F(WebTest, RefusedRequestsDoNotReachTheLab) {
   start();
-  const std::string body = R"({"wish":"release_stop"})";
+  const std::string body = R"({"request":"release_stop"})";
   const auto post = [&](const std::string& extra) {
-    return send("POST", "/api/wish", extra, body);
+    return send("POST", "/api/request", extra, body);
   };
   EXPECT_EQ(statusOf(post("")), "403");
   EXPECT_EQ(statusOf(post("X-Lab-Token: 0123456789abcdef0123456789abcdee\r\n")), "403");
@@ -113,13 +122,13 @@ TEST_F(WebTest, RefusedRequestsDoNotReachTheLab) {
   EXPECT_EQ(statusOf(post(token() + "Sec-Fetch-Site: cross-site\r\n")), "403");
   EXPECT_EQ(server_->refusals().origin, 3);
   for (const char* method : {"GET", "HEAD", "OPTIONS", "PUT", "DELETE", "TRACE"}) {
-    EXPECT_EQ(statusOf(send(method, "/api/wish?wish=stop", token())),
+    EXPECT_EQ(statusOf(send(method, "/api/request?request=stop", token())),
               std::string(method) == "GET" || std::string(method) == "HEAD" ? "404" : "405");
-    EXPECT_EQ(statusOf(send(method, "/api/wish", token())), "405") << method;
+    EXPECT_EQ(statusOf(send(method, "/api/request", token())), "405") << method;
   }
   const std::string rebound =
-      "POST /api/wish HTTP/1.1\r\nHost: evil.example:" + std::to_string(server_->port()) + "\r\n" +
-      token() + "Content-Type: application/json\r\nContent-Length: 23\r\n\r\n" + body;
+      "POST /api/request HTTP/1.1\r\nHost: evil.example:" + std::to_string(server_->port()) +
+      "\r\n" + token() + "Content-Type: application/json\r\nContent-Length: 23\r\n\r\n" + body;
   EXPECT_EQ(statusOf(exchange(server_->port(), rebound)), "403");
   EXPECT_EQ(statusOf(exchange(server_->port(), "GET / HTTP/1.1\r\n\r\n")), "403");
   EXPECT_EQ(server_->refusals().host, 2);
@@ -156,11 +165,11 @@ TEST_F(WebTest, RefusesLargeRequests) {
   std::string many;
   for (int i = 0; i < 2000; ++i) many += "X-" + std::to_string(i) + ": 1\r\n";
   EXPECT_EQ(statusOf(send("GET", "/", many)), "431");
-  EXPECT_EQ(statusOf(control(R"({"wish":"mark","text":")" + std::string(70'000, 'a') + "\"}")),
+  EXPECT_EQ(statusOf(control(R"({"request":"mark","text":")" + std::string(70'000, 'a') + "\"}")),
             "413");
   EXPECT_EQ(statusOf(send("GET", "/", "Content-Length: 1\r\n")), "413");
   EXPECT_EQ(server_->refusals().oversized, 6);
-  EXPECT_EQ(statusOf(control(R"({"wish":"mark","text":")" + std::string(60'000, 'a') + "\"}")),
+  EXPECT_EQ(statusOf(control(R"({"request":"mark","text":")" + std::string(60'000, 'a') + "\"}")),
             "400");
   EXPECT_THAT(lab_.requests(), IsEmpty());
 }
@@ -169,8 +178,8 @@ TEST_F(WebTest, RefusesMalformedRequests) {
   start();
   const std::string host = "Host: 127.0.0.1\r\n";
   const std::string json = "Content-Type: application/json\r\n";
-  const std::string body = R"({"wish":"release_stop"})";
-  const std::string post = "POST /api/wish HTTP/1.1\r\n" + host + token();
+  const std::string body = R"({"request":"release_stop"})";
+  const std::string post = "POST /api/request HTTP/1.1\r\n" + host + token();
   const std::vector<std::string> texts{
       "garbage\r\n\r\n",
       "\r\n\r\n",
@@ -199,8 +208,9 @@ TEST_F(WebTest, RefusesMalformedRequests) {
 
 TEST_F(WebTest, IgnoresASecondRequestOnAConnection) {
   start();
-  const std::string hidden = request("POST", "/api/wish", token(), R"({"wish":"release_stop"})");
-  const std::string answer = send("POST", "/api/wish", "", hidden);
+  const std::string hidden =
+      request("POST", "/api/request", token(), R"({"request":"release_stop"})");
+  const std::string answer = send("POST", "/api/request", "", hidden);
   EXPECT_EQ(statusOf(answer), "403");
   EXPECT_EQ(answer.find("HTTP/1.1", 1), std::string::npos);
   const std::string pair = request("GET", "/api/me") + hidden;
@@ -216,8 +226,8 @@ TEST_F(WebTest, SurvivesTruncatedAndCorruptedRequests) {
     return (state >> 33) % below;
   };
   const std::string whole =
-      request("POST", "/api/wish", "Range: bytes=0-1,2-\r\nExpect: 100-continue\r\n",
-              R"({"wish":"release_stop"})");  // without the token
+      request("POST", "/api/request", "Range: bytes=0-1,2-\r\nExpect: 100-continue\r\n",
+              R"({"request":"release_stop"})");  // without the token
   for (int i = 0; i < 400; ++i) {
     std::string text = whole.substr(0, i % 3 == 0 ? random(whole.size()) : whole.size());
     for (std::uint64_t changes = random(6); changes > 0 && !text.empty(); --changes) {
@@ -237,9 +247,9 @@ TEST_F(WebTest, SilentClientsDoNotBlockOthers) {
   std::vector<RawClient> silent;
   for (int i = 0; i < 150; ++i) {
     silent.emplace_back(server_->port());
-    silent.back().send(i % 2 == 0 ? "" : "POST /api/wish HTTP/1.1\r\nHost: ");
+    silent.back().send(i % 2 == 0 ? "" : "POST /api/request HTTP/1.1\r\nHost: ");
   }
-  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":""})")), "202");
+  EXPECT_EQ(statusOf(control(R"({"request":"stop","reason":""})")), "202");
   EXPECT_THAT(lab_.requests(), SizeIs(1));
   EXPECT_EQ(server_->refusals().crowded, 0);
 }
@@ -272,7 +282,7 @@ TEST_F(WebTest, OtherHostsLeavePlacesToThisOne) {
   waitForViewers(32);
   for (int i = 0; i < 60; ++i) others.emplace_back(server_->port(), 0, external);
   // Connections are accepted in order: when this one is served, all others have been accepted.
-  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":""})")), "202");
+  EXPECT_EQ(statusOf(control(R"({"request":"stop","reason":""})")), "202");
   local.send(request("GET", "/api/me"));
   EXPECT_EQ(statusOf(local.receiveAll()), "200");
 }
@@ -287,7 +297,7 @@ TEST_F(WebTest, ManyStreamsLeaveAPlaceForAStop) {
   waitForViewers(32);
   for (int i = 0; i < 8; ++i) EXPECT_EQ(statusOf(send("GET", "/api/stream")), "503");
   EXPECT_EQ(server_->refusals().crowded, 8);
-  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":""})")), "202");
+  EXPECT_EQ(statusOf(control(R"({"request":"stop","reason":""})")), "202");
   hub_.publish("stop", "stopping");
   for (RawClient& viewer : viewers) EXPECT_THAT(viewer.receive("stopping"), HasSubstr("stopping"));
   viewers.pop_back();

@@ -146,7 +146,7 @@ TEST(RosGateway, OnePublisherHoldsARobot) {
     other += dut.driven(1, 0.05) ? 0 : 1;
   });
   EXPECT_EQ(other, 0);
-  EXPECT_THAT(dut.diagnostics(1.5), HasSubstr("held by another publisher: "));
+  EXPECT_THAT(dut.diagnostics(1.5), HasSubstr("owned by another publisher: "));
   EXPECT_TRUE(dut.spinActing(
       5, 0.03, [&] { bert.write(forward(-0.2)); }, [&] { return dut.driven(1, -0.2); }))
       << "the first is silent";

@@ -126,7 +126,8 @@ TEST_F(RobotAdoptionTest, ReportsTheTimeoutOfASilentLine) {
   const RobotAdoption::Result result = adopt(5);
   EXPECT_FALSE(result.ok);
   EXPECT_EQ(result.problem,
-            "no HELLO within 10 s, expected a robot; is it powered, and the line's speed right?");
+            "found no answer from a robot within 10 s; check its power and the speed of the line "
+            "(--robot-baud)");
   EXPECT_EQ(loop_.now() - start, 10'000'000);
 }
 
@@ -150,7 +151,7 @@ TEST_F(RobotAdoptionTest, ReportsAnotherSchema) {
   });
   const RobotAdoption::Result result = adopt(5);
   EXPECT_FALSE(result.ok);
-  EXPECT_EQ(result.problem.substr(0, 30), "the robot speaks schema 0x1234");
+  EXPECT_EQ(result.problem.substr(0, 37), "the robot uses protocol schema 0x1234");
 }
 
 TEST_F(RobotAdoptionTest, ReportsALostLine) {

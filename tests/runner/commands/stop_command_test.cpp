@@ -109,8 +109,8 @@ TEST_F(StopCommand, ASilentLabDoesNotDelayTheOthers) {
 
   EXPECT_EQ(code, kFailed);
   EXPECT_THAT(output, HasSubstr("good: stopped, confirmed by 1 robot"));
-  EXPECT_THAT(output, HasSubstr("mute: no robot answers"));
-  EXPECT_THAT(output, HasSubstr("deaf: no robot answers"));
+  EXPECT_THAT(output, HasSubstr("mute: NOT confirmed: no robot answers"));
+  EXPECT_THAT(output, HasSubstr("deaf: NOT confirmed: no robot answers"));
   EXPECT_LT(lab.stopUtime() - begun, kAtOnce_us);
   EXPECT_TRUE(lab.receivedLastCounts());
   EXPECT_LT(took, 9'000'000);

@@ -82,7 +82,7 @@ TEST(LightPreview, OpensGatesOnAProgram) {
 TEST(LightPreview, DrawsACaptionAboveTheLight) {
   const Experiment experiment = scriptOf(step(0, kBright));
   LightPreview dut(experiment, {});
-  const tracker::RgbImage picture = dut.picture(0, 0, 120);
+  const optics::RgbImage picture = dut.picture(0, 0, 120);
   EXPECT_EQ(picture.width, 120);
   ASSERT_GT(picture.height, 90);
   for (int y = picture.height - 90; y < picture.height; ++y) {

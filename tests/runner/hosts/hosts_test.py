@@ -221,7 +221,7 @@ def unreachable(hosts):
         assert not glob.glob(hosts.path('runs/*')), 'something was started'
 
     refuse(experiment(programs='/nowhere'),
-           r'host bench \(ssh bench\): the lab is not there: .*hosts.bench.programs')
+           r'host bench \(ssh bench\): the program lab was not found: .*hosts.bench.programs')
     refuse(experiment(services={'sim_svc': 'me@no-such-machine.invalid'}),
            r'no machine of that name is known')
     os.rename(hosts.path('authorized_keys'), hosts.path('nobody'))
@@ -325,7 +325,7 @@ def doctor(hosts):
     assert re.search(r'ok    DDS domain 0: 0 participants', output), output
     hosts.nothing_left()
     output = doctor_output(experiment(programs='/nowhere'))
-    assert re.search(r'FIX   host bench \(ssh bench\): the lab is not there', output), output
+    assert re.search(r'FIX   host bench \(ssh bench\): the program lab was not found', output), output
 
 
 def main():

@@ -119,7 +119,7 @@ TEST_F(DashboardProcessTest, IsNotRestartedAfterRepeatedFailures) {
   page.start(report_);
   ASSERT_TRUE(superviseUntil(page, [&] { return page.givenUp(); }));
   EXPECT_THAT(faults_, SizeIs(6));
-  EXPECT_THAT(faults_.back(), HasSubstr("everything else goes on"));
+  EXPECT_THAT(faults_.back(), HasSubstr("everything else continues"));
 }
 
 TEST_F(DashboardProcessTest, IsSkippedIfItIsNotInstalled) {
@@ -129,9 +129,10 @@ TEST_F(DashboardProcessTest, IsSkippedIfItIsNotInstalled) {
   page.start(report_);
   EXPECT_TRUE(page.givenUp());
   page.supervise(report_);
-  EXPECT_THAT(faults_, testing::ElementsAre(testing::AllOf(
-                           HasSubstr(missing.program.string() + " is not there: build the lab"),
-                           HasSubstr("everything else goes on"))));
+  EXPECT_THAT(faults_,
+              testing::ElementsAre(testing::AllOf(
+                  HasSubstr(missing.program.string() + " does not exist: ./lab build builds it"),
+                  HasSubstr("everything else continues"))));
 }
 
 }  // namespace

@@ -249,7 +249,7 @@ TEST_F(ExperimentControllerRequests, APauseExtendsTheTimeoutOfACondition) {
   EXPECT_EQ(status().step, 0);
   goTo(20.1);
   EXPECT_EQ(status().step, 1);
-  EXPECT_THAT(controller_->faults(), ElementsAre(HasSubstr("waited 10 s in vain")));
+  EXPECT_THAT(controller_->faults(), ElementsAre(HasSubstr("after 10 s its condition")));
 }
 
 TEST_F(ExperimentControllerRequests, AConditionCanBeMetDuringAPause) {
@@ -347,7 +347,7 @@ TEST_F(ExperimentControllerRequests, ARequestToEndDoesNotHideAnUnmetCondition) {
   ASSERT_FALSE(ending_);
   request(experiment_command_t::END, "enough");
   EXPECT_EQ(ending_, Ending::kUnmet);
-  EXPECT_THAT(why_, HasSubstr("waited 10 s in vain"));
+  EXPECT_THAT(why_, HasSubstr("after 10 s its condition"));
   EXPECT_THAT(why_, HasSubstr("; ended by page: enough"));
 }
 

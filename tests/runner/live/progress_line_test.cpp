@@ -13,7 +13,7 @@ TEST(ProgressText, ShowsTimeLightRobotsProgramsAndLosses) {
   progress.robots_running = {{"abp", 2}, {"bp", 1}};
   progress.lost = 4;
   EXPECT_EQ(progressText(progress),
-            "76 s left | light half: ABP | 3 robots seen | 2 abp, 1 bp | 4 lost");
+            "76 s left | light half: ABP | 3 robots seen | 2 abp, 1 bp | 4 messages lost");
 }
 
 TEST(ProgressText, ShowsTheProgressOfStopRules) {
@@ -24,14 +24,14 @@ TEST(ProgressText, ShowsTheProgressOfStopRules) {
   EXPECT_EQ(
       progressText(progress),
       "at most 76 s left | D_r of abp 7.3 %, wanted 5 %: about 12 s | light - | 0 robots seen "
-      "| no robot | 0 lost");
+      "| no program | 0 messages lost");
 }
 
 TEST(ProgressText, ShowsLongTimesInMinutesAndHours) {
   Progress progress;
   progress.left = 600;
   EXPECT_EQ(progressText(progress),
-            "10 min 00 s left | light - | 0 robots seen | no robot | 0 lost");
+            "10 min 00 s left | light - | 0 robots seen | no program | 0 messages lost");
   progress.left = 2 * 3600 + 90;
   EXPECT_EQ(progressText(progress).substr(0, 15), "2 h 01 min left");
 }

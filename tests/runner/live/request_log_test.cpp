@@ -74,11 +74,11 @@ TEST_F(RequestLogTest, RefusesControlCharactersAndInvalidSenders) {
   log_.take(request);
   EXPECT_THAT(answer().refusal, HasSubstr("control characters"));
   log_.take(requestOf(2, ""));
-  EXPECT_THAT(answer().refusal, HasSubstr("no name"));
+  EXPECT_THAT(answer().refusal, HasSubstr("no sender name"));
   log_.take(requestOf(3, "bad\x1B[2J"));
-  EXPECT_THAT(answer().refusal, HasSubstr("no name"));
+  EXPECT_THAT(answer().refusal, HasSubstr("no sender name"));
   log_.take(requestOf(4, std::string(65, 'x')));
-  EXPECT_THAT(answer().refusal, HasSubstr("no name"));
+  EXPECT_THAT(answer().refusal, HasSubstr("no sender name"));
   EXPECT_TRUE(executed_.empty());
 }
 

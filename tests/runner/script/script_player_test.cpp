@@ -171,7 +171,7 @@ TEST(ScriptPlayer, AnUnmetConditionIsAFault) {
     ASSERT_TRUE(transition);
     EXPECT_EQ(transition->kind, kind);
     EXPECT_THAT(transition->fault,
-                HasSubstr("step 0 \"go\" waited 30 s in vain until a robot is in"));
+                HasSubstr("step 0 \"go\": after 30 s its condition \"a robot is in"));
     EXPECT_THAT(transition->fault, HasSubstr("robot 1 came nearest, to 40.0 cm"));
     EXPECT_THAT(transition->ended_by, HasSubstr("its limit of 30 s"));
     EXPECT_EQ(player.due().has_value(), if_not == IfNot::kNext);

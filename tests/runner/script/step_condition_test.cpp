@@ -97,7 +97,7 @@ TEST(StepCondition, NeedsAllRobotsInsideAtATimeAllowingMissedFrames) {
   dut.take(frame(kBegin, {{1, 1, 1}, {2, 1, 1}, {3, 0, 0}}));
   dut.take(frame(kBegin + 20'000, {{1, 0, 0}, {2, 1, 1}, {3, 1, 1}}));
   EXPECT_EQ(dut.met(), std::nullopt);
-  EXPECT_EQ(dut.progress(), "2 of 3 robots were there at a time, wanted all");
+  EXPECT_EQ(dut.progress(), "at most 2 of 3 robots were there at the same time");
   dut.take(frame(kBegin + 40'000, {{1, 1, 1}, {2, 1, 1}}));
   EXPECT_EQ(dut.met(), kBegin + 40'000);
 }

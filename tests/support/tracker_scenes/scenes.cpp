@@ -274,11 +274,11 @@ void sharpen(optics::GreyImage& image, double amount) {
 
 // Encodes and decodes the picture as JPEG.
 void passAsJpeg(optics::GreyImage& image, int quality) {
-  tracker::RgbImage rgb(image.width, image.height);
+  optics::RgbImage rgb(image.width, image.height);
   for (std::size_t i = 0; i < rgb.pixels.size(); ++i) rgb.pixels[i] = image.pixels[i / 3];
   const cameras::RawLayout layout{
       .fourcc = V4L2_PIX_FMT_MJPEG, .width = image.width, .height = image.height};
-  if (!cameras::greyOfRaw(layout, tracker::jpegBytes(rgb, quality), image)) {
+  if (!cameras::greyOfRaw(layout, optics::jpegBytes(rgb, quality), image)) {
     throw std::runtime_error("the encoded JPEG cannot be decoded");
   }
 }

@@ -131,9 +131,9 @@ TEST_F(BrokenRun, ReportsTheReasonWhenTheDiskFillsAtOnce) {
       labRun(60) + "); code=$?; cp -r " + disk + "/abp-* " + kept.string() + "; exit $code'");
 
   EXPECT_EQ(lab.exit_code, 3) << lab.output;
-  EXPECT_THAT(lab.output, HasSubstr("marked   the disk is full"));
+  EXPECT_THAT(lab.output, HasSubstr("fault    the disk is full"));
   EXPECT_THAT(lab.output, ContainsRegex("no report: .*(disk is full|is the disk full)"));
-  EXPECT_LT(lab.output.find("marked   the disk is full"), lab.output.find("no report: "))
+  EXPECT_LT(lab.output.find("fault    the disk is full"), lab.output.find("no report: "))
       << "the cause must be printed first";
   EXPECT_TRUE(fs::exists(kept / "log.lcmlog")) << lab.output;
   const fs::path provenance = kept / "provenance.json";
@@ -149,7 +149,7 @@ TEST_F(BrokenRun, ClosesTheRunWhenItsFolderIsDeleted) {
   const Finished ended = lab.wait(seconds(20));
 
   EXPECT_EQ(ended.exit_code, 3) << ended.output;
-  EXPECT_THAT(ended.output, HasSubstr("marked   the run's folder"));
+  EXPECT_THAT(ended.output, HasSubstr("fault    the run's folder"));
   EXPECT_THAT(processesWith(runs().string()), IsEmpty());
 }
 
@@ -175,7 +175,7 @@ TEST_F(BrokenRun, RecordsTheDeathOfTheLoggerInTheNextLog) {
 
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   const std::string fault = "lcm-logger died (killed by signal 9) and was restarted";
-  EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
+  EXPECT_THAT(ended.output, HasSubstr("fault    " + fault));
   EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
 }
 
@@ -191,8 +191,8 @@ TEST_F(BrokenRun, ReportsAHangingServiceAndItsReturn) {
   const Finished ended = lab.wait(seconds(60));
 
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
-  const std::string fault = "sim_svc has not been heard of for 3 s";
-  EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
+  const std::string fault = "sim_svc has sent no heartbeat for 3 s";
+  EXPECT_THAT(ended.output, HasSubstr("fault    " + fault));
   EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
   EXPECT_THAT(recorded(experiment_event_t::MARK), Contains(HasSubstr("sim_svc is heard of again")));
 }
@@ -206,9 +206,9 @@ TEST_F(BrokenRun, KillsAServiceThatHangsAtTheEnd) {
 
   const Finished ended = lab.wait(seconds(60));
 
-  EXPECT_THAT(ended.output, HasSubstr("marked   analyzer has not been heard of for 3 s"));
-  const std::string fault = "analyzer did not end when it was asked to and was killed after 3 s";
-  EXPECT_THAT(ended.output, HasSubstr("marked   " + fault));
+  EXPECT_THAT(ended.output, HasSubstr("fault    analyzer has sent no heartbeat for 3 s"));
+  const std::string fault = "analyzer did not end on request and was killed after 3 s";
+  EXPECT_THAT(ended.output, HasSubstr("fault    " + fault));
   EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
 }
 
@@ -221,8 +221,8 @@ TEST_F(BrokenRun, ReportsAHangingLogger) {
 
   const Finished ended = lab.wait(seconds(60));
 
-  EXPECT_THAT(ended.output, HasSubstr("marked   lcm-logger has written nothing for 3 s"));
-  EXPECT_THAT(ended.output, HasSubstr("marked   lcm-logger did not end when it was asked to"));
+  EXPECT_THAT(ended.output, HasSubstr("fault    lcm-logger has written nothing for 3 s"));
+  EXPECT_THAT(ended.output, HasSubstr("fault    lcm-logger did not end on request"));
 }
 
 /// After SIGCONT the runner receives the heartbeats again.

@@ -199,7 +199,7 @@ TEST_P(KilledService, IsRestartedAndTheRunIsMarked) {
   for (const pid_t pid : processes) kill(pid, SIGKILL);
   const Finished ended = lab.wait(seconds(60));
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
-  EXPECT_THAT(ended.output, HasSubstr("marked   " + name + " died (killed by signal 9)"));
+  EXPECT_THAT(ended.output, HasSubstr("fault    " + name + " died (killed by signal 9)"));
   EXPECT_THAT(readFile(theRun() / "report.html"), HasSubstr(name + " died"));
   EXPECT_EQ(fs::exists(theRun() / "log.lcmlog.01"), name == "lcm-logger");
   EXPECT_EQ(run("lab analyze " + theRun().string()).exit_code, 0);

@@ -183,7 +183,7 @@ TEST_F(ConditionalScript, ARunWhoseStopRulesAreNotReachedIsMarked) {
               StartsWith("stop_when was not reached; D_r of abp is known to 0.1 %: relative "
                          "error 0."));
   EXPECT_EQ(dut.end.text, dut.faults[0]);
-  EXPECT_THAT(dut.lab.output, HasSubstr("marked   stop_when was not reached"));
+  EXPECT_THAT(dut.lab.output, HasSubstr("fault    stop_when was not reached"));
 }
 
 TEST_F(ConditionalScript, GoesOnAfterAnUnmetConditionAndReportsItsProgress) {
@@ -199,9 +199,9 @@ TEST_F(ConditionalScript, GoesOnAfterAnUnmetConditionAndReportsItsProgress) {
   ASSERT_THAT(dut.faults, SizeIs(1));
   EXPECT_THAT(
       dut.faults[0],
-      StartsWith("step 0 \"measure\" waited 8 s in vain until D_r of abp is known to 0.1 %: "
-                 "relative error 0."));
-  EXPECT_THAT(dut.lab.output, HasSubstr("marked   step 0 \"measure\""));
+      StartsWith("step 0 \"measure\": after 8 s its condition \"D_r of abp is known to 0.1 %\" "
+                 "was not met: relative error 0."));
+  EXPECT_THAT(dut.lab.output, HasSubstr("fault    step 0 \"measure\""));
 }
 
 TEST_F(ConditionalScript, EndsARunWithAnUnmetCondition) {
@@ -209,8 +209,9 @@ TEST_F(ConditionalScript, EndsARunWithAnUnmetCondition) {
                        step("then", 0, "hold_s = 2"));
   EXPECT_EQ(dut.lab.exit_code, 3) << dut.lab.output;
   EXPECT_THAT(dut.steps, SizeIs(1));
-  EXPECT_THAT(dut.faults, ElementsAre("step 0 \"tumble\" waited 4 s in vain until a tumble: 0 "
-                                      "tumbles, wanted 1; the run ends"));
+  EXPECT_THAT(dut.faults,
+              ElementsAre("step 0 \"tumble\": after 4 s its condition \"a tumble\" was not "
+                          "met: 0 tumbles, wanted 1; the run ends"));
   EXPECT_EQ(dut.end.text, dut.faults[0]);
 }
 
@@ -222,7 +223,7 @@ TEST_F(ConditionalScript, ShowsTheSafeLightToStoppedRobotsBeforeItEnds) {
   EXPECT_EQ(dut.lab.exit_code, 3) << dut.lab.output;
   EXPECT_THAT(dut.steps, SizeIs(1));
   ASSERT_THAT(dut.faults, SizeIs(1));
-  EXPECT_THAT(dut.faults[0], HasSubstr("1 of 2 robots were there at a time, wanted all"));
+  EXPECT_THAT(dut.faults[0], HasSubstr("at most 1 of 2 robots were there at the same time"));
   light_status_t light{};
   robot_status_t robots{};
   readLog({dut.directory / "log.lcmlog"}, [&](const Packet& packet) {

@@ -168,7 +168,7 @@ TEST_F(VirtualRun, ClosesTheRunMarkedWhenTheLogCannotGrow) {
       run("trap '' XFSZ; ulimit -f 2000; exec lab run " + experiment("light_switching").string() +
           " --virtual-time --out " + folder.path().string());
   EXPECT_EQ(lab.exit_code, 3) << lab.output;
-  EXPECT_THAT(lab.output, HasSubstr("marked   cannot go on writing"));
+  EXPECT_THAT(lab.output, HasSubstr("fault    cannot go on writing"));
   EXPECT_TRUE(fs::exists(onlyRun(folder.path()) / "report.html"));
   EXPECT_TRUE(fs::exists(onlyRun(folder.path()) / "provenance.json"));
 }

@@ -57,11 +57,11 @@ bool becomesWanted(const DebugView& view) {
   return waitUntil([&] { return view.wanted(); }, std::chrono::minutes(1));
 }
 
-RgbImage flat(int width, int height) { return {width, height}; }
+optics::RgbImage flat(int width, int height) { return {width, height}; }
 
 /// A noisy picture, which cannot be compressed well.
-RgbImage grain(int width, int height) {
-  RgbImage image(width, height);
+optics::RgbImage grain(int width, int height) {
+  optics::RgbImage image(width, height);
   std::uint32_t state = 1;
   for (std::uint8_t& value : image.pixels) {
     state = state * 1664525U + 1013904223U;

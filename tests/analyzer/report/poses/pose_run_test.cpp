@@ -266,7 +266,7 @@ TEST(AnalyzePoses, ShowsRunsAndTumbles) {
 
   const std::string page = readFile(dut.report);
   EXPECT_THAT(page, HasSubstr("Runs and tumbles"));
-  EXPECT_THAT(page, HasSubstr("Are run times exponential?"));
+  EXPECT_THAT(page, HasSubstr("run times are exponential"));
   const std::string summary = readFile(folder.path() / "out" / "summary.json");
   EXPECT_THAT(summary, HasSubstr("\"run_time_distribution\""));
   EXPECT_THAT(summary, HasSubstr("\"gamma_truncated_per_s\""));
