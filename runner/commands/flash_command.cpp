@@ -122,8 +122,7 @@ ExitCode flash(const FlashOptions& options) {
   }
   fmt::print("flashed: firmware {}.{}, build {:08x}, schema 0x{:04X}\n", met.hello.firmware >> 8,
              met.hello.firmware & 0xFFU, met.hello.build, met.hello.schema);
-  fmt::print("{} = {}\n", met.uid_is_new ? "new uid, stored on the robot: uid" : "uid",
-             met.hello.uid);
+  fmt::print("uid = {}{}\n", met.hello.uid, met.uid_is_new ? " (new, stored on the robot)" : "");
   return kDone;
 }
 

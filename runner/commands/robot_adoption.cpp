@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cstdint>
 #include <random>
 #include <span>
+#include <string>
 #include <utility>
 
 #include "common/experiment/experiment.hpp"
@@ -16,6 +18,34 @@ namespace {
 constexpr std::int64_t kBootloader_us = 2'500'000;  // the stock one takes 1.3 s
 constexpr std::int64_t kRetry_us = 300'000;
 constexpr std::int64_t kAdoptionPatience_us = 10'000'000;
+
+/// "it is busy (status 5)"
+std::string statusText(std::uint8_t status) {
+  const char* meaning = "another error";
+  switch (status) {
+    case wire::kUnknownType:
+      meaning = "it does not know this command";
+      break;
+    case wire::kBadLength:
+      meaning = "the command has a wrong length";
+      break;
+    case wire::kBadValue:
+      meaning = "the value is not allowed";
+      break;
+    case wire::kWrongConfig:
+      meaning = "it has other settings";
+      break;
+    case wire::kBusy:
+      meaning = "it is busy";
+      break;
+    case wire::kStoreFailed:
+      meaning = "writing its EEPROM failed";
+      break;
+    default:
+      break;
+  }
+  return fmt::format("{} (status {})", meaning, status);
+}
 
 }  // namespace
 
@@ -141,7 +171,7 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
   }
 
   void refuse(const char* what, const wire::Ack& ack) {
-    end(fmt::format("the robot refuses {} (status {})", what, ack.status));
+    end(fmt::format("the robot refuses {}: {}", what, statusText(ack.status)));
   }
 
   void giveUp() {

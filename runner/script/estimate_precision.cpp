@@ -38,7 +38,7 @@ double EstimatePrecision::moreData() const {
 
 std::string EstimatePrecision::progress() const {
   if (!std::isfinite(error_)) {
-    return fmt::format("{} was not determined, expected with a relative error of {:.3g}",
+    return fmt::format("{} was not determined, wanted with a relative error of {:.3g}",
                        until_.estimate, until_.relative_error);
   }
   return fmt::format("relative error {:.3g}, wanted {:.3g}", error_, until_.relative_error);

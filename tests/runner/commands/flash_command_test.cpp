@@ -121,11 +121,11 @@ class RobotThread {
 TEST_F(FlashTest, FlashesARobotAndAssignsItsUid) {
   const RobotThread robot(folder_ / "ports");
   EXPECT_THAT(flashed(kDone),
-              testing::ContainsRegex("firmware 1\\.0, .*has one now: uid = [0-9]+"));
+              testing::ContainsRegex("firmware 1\\.0, .*uid = [0-9]+ .new, stored"));
   EXPECT_EQ(called(), "-q -p m328p -c arduino -P " + options_.port + " -b 57600 -D -U flash:w:" +
                           (folder_ / "bin/robot_firmware.hex").string() + ":i");
   // A second time the robot keeps its uid.
-  EXPECT_THAT(flashed(kDone), testing::Not(HasSubstr("has one now")));
+  EXPECT_THAT(flashed(kDone), testing::Not(HasSubstr("new, stored")));
 }
 
 TEST_F(FlashTest, WithAProgrammerSetsTheFuses) {
@@ -143,14 +143,14 @@ TEST_F(FlashTest, WithAProgrammerSetsTheFuses) {
 TEST_F(FlashTest, ReportsAFailureOfAvrdude) {
   const RobotThread robot(folder_ / "ports");
   setAvrdude(1);
-  EXPECT_THAT(flashed(kFailed), HasSubstr("NOT flashed: avrdude ended with code 1"));
+  EXPECT_THAT(flashed(kFailed), HasSubstr("NOT flashed: avrdude failed with exit code 1"));
 }
 
 TEST_F(FlashTest, NeedsAPortAndAFirmware) {
   EXPECT_THAT(refusal(), HasSubstr(options_.port));
   EXPECT_EQ(called(), "") << "nothing was started";
   fs::remove(folder_ / "bin/robot_firmware.hex");
-  EXPECT_THAT(refusal(), HasSubstr("robot_firmware.hex: not there"));
+  EXPECT_THAT(refusal(), HasSubstr("robot_firmware.hex does not exist"));
 }
 
 }  // namespace

@@ -118,7 +118,8 @@ TEST_F(RobotAdoptionTest, ReportsAFailingEeprom) {
   switchOn();
   const RobotAdoption::Result result = adopt(5);
   EXPECT_FALSE(result.ok);
-  EXPECT_EQ(result.problem, "the robot refuses to store the uid (status 6)");
+  EXPECT_EQ(result.problem,
+            "the robot refuses to store the new uid: writing its EEPROM failed (status 6)");
 }
 
 TEST_F(RobotAdoptionTest, ReportsTheTimeoutOfASilentLine) {
@@ -136,7 +137,7 @@ TEST_F(RobotAdoptionTest, ReportsBytesThatAreNoFrames) {
     const std::array<std::uint8_t, 6> garbage{0, 7, 7, 7, 7, 0};
     (void)line_->write(garbage);
   });
-  EXPECT_EQ(adopt(5).problem.substr(0, 24), "bytes that are no frames");
+  EXPECT_EQ(adopt(5).problem.substr(0, 41), "found bytes that are no frames of a robot");
 }
 
 TEST_F(RobotAdoptionTest, ReportsAnotherSchema) {
