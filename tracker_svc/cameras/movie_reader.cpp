@@ -10,6 +10,8 @@
 #include <span>
 #include <utility>
 
+#include "common/camera/camera_source.hpp"
+#include "common/files/file_text.hpp"
 #include "light/median.hpp"
 #include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/grey.hpp"
@@ -19,15 +21,18 @@ namespace {
 
 using nlohmann::json;
 
-bool isAddress(const std::string& source) { return source.find("://") != std::string::npos; }
-
-/// The arguments that name the input; a file name cannot be taken for an option or a protocol.
+/// The arguments that name the input; a file name cannot be taken for an option or a protocol. What
+/// the input names in turn (playlists, references) is opened by the listed protocols only.
 std::vector<std::string> inputOf(const std::string& source) {
-  if (!isAddress(source)) return {"-i", "file:" + source};
-  std::vector<std::string> words;
+  if (!isCameraAddress(source)) return {"-protocol_whitelist", "file", "-i", "file:" + source};
+  const std::string protocols = protocolsOf(source);
+  if (protocols.empty()) throw CameraError(source + ": " + cameraSourceProblem(source));
+  std::vector<std::string> words{"-protocol_whitelist", protocols};
   // Timeout of 5 s for a dead camera [us]; low latency instead of smooth playback.
-  if (source.starts_with("rtsp://")) words = {"-rtsp_transport", "tcp", "-timeout", "5000000"};
-  if (source.starts_with("http")) words = {"-rw_timeout", "5000000"};
+  std::vector<const char*> options;
+  if (source.starts_with("rtsp://")) options = {"-rtsp_transport", "tcp", "-timeout", "5000000"};
+  if (source.starts_with("http")) options = {"-rw_timeout", "5000000"};
+  words.insert(words.end(), options.begin(), options.end());
   for (const char* word : {"-fflags", "nobuffer", "-flags", "low_delay", "-i"}) {
     words.emplace_back(word);
   }
@@ -199,9 +204,10 @@ const char* hintFor(const std::string& errors) {
 }  // namespace
 
 MovieInfo probeMovie(const std::string& source, bool packets) {
-  std::error_code error;
-  if (!isAddress(source) && !std::filesystem::is_regular_file(source, error)) {
-    throw CameraError(source + ": no such file");
+  if (!isCameraAddress(source)) {
+    if (!std::filesystem::exists(source)) throw CameraError(source + ": no such file");
+    const std::string problem = regularFileProblem(source, file_kinds::kMovie);
+    if (!problem.empty()) throw CameraError(source + ": " + problem);
   }
   std::vector<std::string> command = {
       "ffprobe",
