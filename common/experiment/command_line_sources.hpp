@@ -11,8 +11,8 @@ namespace lab {
 /// Sources that the lab executes like code. An experiment file may come from a stranger, so that it
 /// cannot name them, and writeExperiment() never writes them.
 struct CommandLineSources {
-  std::filesystem::path dds_configuration;  ///< --dds-configuration, empty: not given
-  std::string camera_pipeline;              ///< --camera-pipeline, empty: not given
+  std::filesystem::path dds_configuration = {};  ///< --dds-configuration, empty: not given
+  std::string camera_pipeline = {};              ///< --camera-pipeline, empty: not given
 };
 
 /// Enters the sources into an experiment that was read from a file.
