@@ -59,7 +59,8 @@ bool mayBeTerminal(const std::string& path) {
   constexpr unsigned kLastPts = 143;
   struct stat facts {};
   if (stat(path.c_str(), &facts) != 0) return true;  // open() reports why
-  if (!S_ISCHR(facts.st_mode)) return false;
+  if (S_ISBLK(facts.st_mode)) return false;
+  if (!S_ISCHR(facts.st_mode)) return true;  // has no effect: isatty() refuses it
   const unsigned type = major(facts.st_rdev);
   if (type >= kFirstPts && type <= kLastPts) return true;
   std::error_code error;

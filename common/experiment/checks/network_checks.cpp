@@ -67,7 +67,7 @@ void checkHost(const HostSpec& host, Problems& problems) {
   if (host.ssh.empty() || isSshName(host.ssh)) return;
   problems.add("hosts." + host.name + ".ssh",
                "found " + tomlString(host.ssh) +
-                   ", allowed \"machine\" or \"user@machine\"; "
+                   ", allowed \"machine\" or \"user@machine\" "
                    "of letters, digits and _ . - (machine also :), none beginning with -; options "
                    "such as a port belong into ~/.ssh/config");
 }

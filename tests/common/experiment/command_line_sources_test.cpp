@@ -29,7 +29,9 @@ std::string problemOf(const CommandLineSources& sources, Experiment experiment) 
   return "none";
 }
 
-Experiment withSerialRobot(std::string_view more) { return small(more, {"robots[0].body=serial"}); }
+Experiment withSerialRobot(std::string_view more) {
+  return small(more, {"robots[0].body=serial", "robots[0].uid=7"});
+}
 
 TEST(CommandLineSources, GiveTheGatewayItsConfiguration) {
   Experiment dut = small(kRos);
