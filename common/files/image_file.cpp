@@ -1,5 +1,7 @@
 #include "common/files/image_file.hpp"
 
+#include <cstdint>
+
 #include "common/files/file_text.hpp"
 
 namespace lab {

@@ -17,6 +17,7 @@
 #include <fstream>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "common/serial/serial.hpp"
 

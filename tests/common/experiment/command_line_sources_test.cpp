@@ -5,6 +5,7 @@
 
 #include <fstream>
 #include <string>
+#include <string_view>
 
 #include "tests/support/experiment_samples.hpp"
 #include "tests/support/temporary_folder.hpp"

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <lab/light_command_t.hpp>
 #include <lab/robot_stop_t.hpp>
