@@ -342,6 +342,15 @@ TEST_F(Movies, WithoutTheirIndexAreRejected) {
       AllOf(HasSubstr("t.mp4: is not a movie that ffmpeg can read"), HasSubstr("record MKV")));
 }
 
+TEST_F(Movies, ThatAreListsOfOthersAreRejected) {
+  write("endless.mkv", "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:10,\nhttp://127.0.0.1:9/a.ts\n");
+  write("list.mkv", "ffconcat version 1.0\nfile pipe\n");
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+
+  EXPECT_THAT(refusal(folder_ / "endless.mkv"), HasSubstr("it is a playlist"));
+  EXPECT_THAT(refusal(folder_ / "list.mkv"), HasSubstr("it is a playlist"));
+}
+
 TEST_F(Movies, ThatAreTextFilesAreRejected) {
   write("text.avi", "frame,id,x\n0,1,2\n");
   write("empty.avi", "");
