@@ -74,6 +74,17 @@ fs::path outputFolder(const fs::path& run_or_log, const fs::path& wanted) {
   return run_or_log.has_parent_path() ? run_or_log.parent_path() : fs::path(".");
 }
 
+/// The folder of a run may come from a stranger: a link in it must not lead files to another place.
+/// Renaming replaces links that stand where files are written.
+void refuseLink(const fs::path& folder) {
+  if (!fs::is_symlink(fs::symlink_status(folder))) return;
+  throw ReportError(
+      fmt::format("{}: found a symbolic link, expected a folder, into which the report writes; "
+                  "remove the link, "
+                  "or choose another folder with --out",
+                  folder.string()));
+}
+
 /// Writes all files of a record, each completely or not at all.
 AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with_figures) {
   const Scratch scratch(out);
@@ -81,6 +92,7 @@ AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with
   if (with_figures) figures = drawFigures(record, scratch.path());
 
   const fs::path for_paper = "figures";
+  refuseLink(out / for_paper);
   std::vector<std::string> names{"summary.json", "trajectories.csv", "segments.csv"};
   scratch.write("summary.json", summaryJson(record));
   scratch.write("trajectories.csv", trajectoriesCsv(record));

@@ -3,8 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
-#include <fstream>
 #include <string_view>
 
 #include "analyzer/report/record/contract_check.hpp"
@@ -12,22 +10,13 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/message_header.hpp"
+#include "common/files/file_text.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kLogInRun = "log.lcmlog";
-
-/// Whether the sync word of an LCM event is in the first 64 KiB. The first event may be damaged.
-bool looksLikeLog(const fs::path& file) {
-  constexpr std::string_view kSync = "\xed\xa1\xda\x01";
-  std::array<char, 1U << 16U> head{};
-  std::ifstream stream(file, std::ios::binary);
-  stream.read(head.data(), head.size());
-  const std::string_view bytes(head.data(), static_cast<std::size_t>(stream.gcount()));
-  return bytes.find(kSync) != std::string_view::npos;
-}
 
 fs::path logOf(const fs::path& run_or_log) {
   if (!fs::exists(run_or_log)) {
@@ -128,12 +117,16 @@ class Reading {
 std::vector<fs::path> logFiles(const fs::path& run_or_log) {
   const fs::path log = logOf(run_or_log);
   std::vector<fs::path> files = logSeries(log);
+  for (const fs::path& file : files) {
+    const std::string problem = regularFileProblem(file, file_kinds::kLog);
+    if (!problem.empty()) throw ReportError(file.string() + ": " + problem);
+  }
   std::erase_if(files, [](const fs::path& file) { return fs::file_size(file) == 0; });
   if (files.empty()) {
     throw ReportError(log.string() +
                       ": the log is empty; nothing was recorded, so there is nothing to report");
   }
-  if (!looksLikeLog(files.front())) {
+  if (!isLog(files.front())) {
     throw ReportError(log.string() +
                       ": this is not an LCM log; expected a file that lcm-logger or lab run wrote");
   }

@@ -167,10 +167,17 @@ std::string pageText(const std::vector<PaperPanel>& panels, const Reproduction& 
   return page + "</body>\n</html>\n";
 }
 
+/// Renaming replaces a link that stands there, instead of writing where it leads.
 void write(const fs::path& file, const std::string& text) {
-  std::ofstream stream(file, std::ios::binary);
+  fs::path part = file;
+  part += ".part";
+  std::error_code error;
+  fs::remove(part, error);
+  std::ofstream stream(part, std::ios::binary);
   stream << text << std::flush;
-  if (!stream) throw ReportError(fmt::format("cannot write {}: is the disk full?", file.string()));
+  if (stream) fs::rename(part, file, error);
+  if (!stream || error)
+    throw ReportError(fmt::format("cannot write {}: is the disk full?", file.string()));
 }
 
 }  // namespace
@@ -180,6 +187,7 @@ WrittenReproduction writeReproduction(const fs::path& out, const std::vector<Pap
                                       const ReproductionFacts& facts) {
   const fs::path scratch = out / ".drawing";
   std::error_code error;
+  fs::remove_all(scratch, error);  // of an interrupted command; of a link only the link
   fs::create_directories(scratch, error);
   if (error)
     throw ReportError(fmt::format("{}: cannot write here; choose another --out", out.string()));

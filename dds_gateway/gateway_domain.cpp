@@ -1,6 +1,5 @@
 #include "dds_gateway/gateway_domain.hpp"
 
-#include <optional>
 #include <string>
 #include <utility>
 
@@ -11,25 +10,15 @@
 
 namespace lab::gateway {
 namespace fs = std::filesystem;
-namespace {
-
-std::string textOfFile(const fs::path& file) {
-  std::optional<std::string> text = readWholeFile(file);
-  if (!text) {
-    throw ExperimentError({file.string() + ": gateway.configuration cannot be read: is it there?"});
-  }
-  return *std::move(text);
-}
-
-}  // namespace
 
 dds::Domain joinDomain(const Gateway& gateway, const fs::path& directory) {
   std::string where = "gateway";
   try {
     if (!gateway.configuration.empty()) {
-      where = "gateway.configuration";
+      where = "--dds-configuration";
       const fs::path file = directory / gateway.configuration;
-      return {gateway.domain, textOfFile(file), where + " (" + file.string() + ")"};
+      return {gateway.domain, readFileText(file, file_kinds::kDdsConfiguration),
+              where + " (" + file.string() + ")"};
     }
     if (gateway.address.empty()) return {gateway.domain, dds::localConfiguration(), where};
     where = "gateway.address";

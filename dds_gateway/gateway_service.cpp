@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -74,7 +75,14 @@ ServiceDescription serviceDescription() {
   description.name = kName;
   description.summary = "Connects the lab to ROS 2, and its bus to those of other hosts";
   const auto arguments = std::make_shared<LinkArguments>();
-  description.add_options = [arguments](CLI::App& app) { arguments->addTo(app); };
+  const auto sources = std::make_shared<CommandLineSources>();
+  description.add_options = [arguments, sources](CLI::App& app) {
+    arguments->addTo(app);
+    app.add_option("--dds-configuration", sources->dds_configuration,
+                   "Cyclone DDS configuration (XML) to use instead of the lab's own, relative to "
+                   "the experiment file");
+  };
+  description.sources = [sources] { return *sources; };
   description.make = [arguments](const ServiceContext& context) -> std::unique_ptr<Service> {
     return std::make_unique<GatewayService>(context, arguments->options(context));
   };

@@ -1,3 +1,4 @@
+#include <CLI/CLI.hpp>
 #include <filesystem>
 #include <memory>
 
@@ -9,5 +10,11 @@ int main(int argc, char** argv) {
   description.make_cameras = [](lab::AsioLoop& loop, const std::filesystem::path& folder) {
     return std::make_unique<lab::CameraDevices>(loop, folder);
   };
+  lab::CommandLineSources sources;
+  description.add_options = [&sources](CLI::App& app) {
+    app.add_option("--camera-pipeline", sources.camera_pipeline,
+                   "GStreamer pipeline of camera = \"pipeline\": ELEMENT ! ELEMENT ...");
+  };
+  description.sources = [&sources] { return sources; };
   return lab::serviceMain(argc, argv, description);
 }

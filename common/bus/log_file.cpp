@@ -8,12 +8,14 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/contract_upgrade.hpp"
+#include "common/files/file_text.hpp"
 
 namespace lab {
 namespace fs = std::filesystem;
@@ -32,7 +34,7 @@ constexpr std::int32_t kLongestChannel = 999;  // the limit of LCM's own reader
 class MappedFile {
  public:
   explicit MappedFile(const fs::path& path) {
-    const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (file < 0) throw std::runtime_error("cannot open the log " + path.string());
     struct stat status {};
     const bool known = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
@@ -174,6 +176,15 @@ LogReadResult readLog(const std::vector<fs::path>& files, const PacketHandler& h
   LogReadResult result;
   for (const fs::path& path : files) readFile(path, handler, result);
   return result;
+}
+
+bool isLog(const fs::path& file) {
+  if (!regularFileProblem(file, file_kinds::kLog).empty()) return false;
+  std::vector<std::uint8_t> head(1U << 16U);
+  std::ifstream stream(file, std::ios::binary);
+  stream.read(reinterpret_cast<char*>(head.data()), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(stream.gcount()));
+  return findEvent(head, 0) < head.size();
 }
 
 std::vector<fs::path> logSeries(const fs::path& first) {

@@ -51,6 +51,10 @@ struct LogReadResult {
 LogReadResult readLog(const std::vector<std::filesystem::path>& files,
                       const PacketHandler& handler);
 
+/// Whether the file is regular and the sync word of an event is in its first 64 KiB. The first
+/// event may be damaged.
+[[nodiscard]] bool isLog(const std::filesystem::path& file);
+
 /// The files of one log, in order: log.lcmlog, then log.lcmlog.01, log.lcmlog.02 ..., which loggers
 /// write that were restarted during the run.
 std::vector<std::filesystem::path> logSeries(const std::filesystem::path& first);

@@ -152,7 +152,7 @@ CameraCalibration readOpenCvForm(const JsonSection& file) {
 
 CameraCalibration readCameraFile(const std::filesystem::path& path) {
   const std::string name = path.string();
-  const std::string text = readFileText(name);
+  const std::string text = readFileText(path, file_kinds::kCalibration);
   const nlohmann::json root =
       parseJson(name, text, "a camera calibration (lab calibrate camera writes one)");
   const JsonSection file(name, "docs/cameras.md lists the keys", root);

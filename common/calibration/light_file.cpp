@@ -78,7 +78,7 @@ robot_command_t withCalibratedBands(const robot_command_t& command,
 }
 
 LightCalibration readLightFile(const std::filesystem::path& path) {
-  return parseLightFile(path.string(), readFileText(path.string()));
+  return parseLightFile(path.string(), readFileText(path, file_kinds::kCalibration));
 }
 
 LightCalibration parseLightFile(const std::string& name, const std::string& text) {

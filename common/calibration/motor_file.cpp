@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/files/experiment_error.hpp"
+#include "common/files/file_text.hpp"
 #include "common/math/units.hpp"
 
 namespace lab {
@@ -38,10 +39,10 @@ class Reader {
   }
 
   toml::table parse() const {
+    const std::string text = readFileText(name_, file_kinds::kCalibration);
     try {
-      return toml::parse_file(name_);
+      return toml::parse(text, name_);
     } catch (const toml::parse_error& error) {
-      if (error.source().begin.line == 0) fail("cannot be read: is it there?");
       fail(fmt::format("line {}: {}", error.source().begin.line, error.description()));
     }
   }

@@ -45,7 +45,7 @@ void checkLens(const JsonSection& file, const ProjectorCalibration& calibration)
 
 ProjectorCalibration readProjectorFile(const std::filesystem::path& path) {
   const std::string name = path.string();
-  const std::string text = readFileText(name);
+  const std::string text = readFileText(path, file_kinds::kCalibration);
   const nlohmann::json root =
       parseJson(name, text, "a projector calibration (lab calibrate projector writes one)");
   const JsonSection file(name, "docs/calibration.md lists the keys", root);

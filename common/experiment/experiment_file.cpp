@@ -20,14 +20,15 @@ namespace lab {
 namespace {
 
 constexpr std::size_t kMostProblems = 20;
-constexpr std::uintmax_t kMostBytes = 1'000'000;
+constexpr std::uintmax_t kMostBytes = file_kinds::kExperiment.most_bytes;
+constexpr auto kUnknown = static_cast<std::uintmax_t>(-1);  // file_size() of no regular file
 
 [[noreturn]] void refuse(const std::string& name, const std::string& why) {
   throw ExperimentError({name + ": " + why});
 }
 
 void refuseSize(const std::string& name, std::uintmax_t bytes) {
-  if (bytes <= kMostBytes) return;
+  if (bytes <= kMostBytes || bytes == kUnknown) return;
   refuse(name, "found " + std::to_string(bytes) + " bytes, allowed at most " +
                    std::to_string(kMostBytes) + ": is this an experiment file?");
 }
@@ -42,13 +43,8 @@ std::string readFile(const std::filesystem::path& file) {
   if (std::filesystem::is_directory(status)) {
     refuse(name, "found a directory, allowed an experiment file in it");
   }
-  if (!std::filesystem::is_regular_file(status)) {
-    refuse(name, "found something that is no file, allowed an experiment file");
-  }
   refuseSize(name, std::filesystem::file_size(file, error));
-  const std::optional<std::string> text = readWholeFile(file);
-  if (!text) refuse(name, "found a file that cannot be read, allowed one that you may read");
-  return *text;
+  return readFileText(file, file_kinds::kExperiment);
 }
 
 void refuseOtherVersion(const keys::TomlDocument& document) {
@@ -82,10 +78,10 @@ Experiment parseExperiment(std::string_view text, const std::string& name,
   keys::checkShorthand(form, problems);
   keys::expandShorthand(form);
   keys::checkRobots(form, problems);
-  keys::checkCamera(form, problems);
+  keys::checkCamera(form, directory, problems);
   keys::checkLight(form, directory, problems);
   keys::checkStopRules(form, problems);
-  keys::checkNetworks(form, problems);
+  keys::checkNetworks(form, directory, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
   return keys::toExperiment(form);
 }

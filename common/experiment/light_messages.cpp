@@ -3,6 +3,8 @@
 #include <memory>
 #include <stdexcept>
 
+#include "common/files/image_file.hpp"
+
 namespace lab {
 namespace {
 
@@ -221,7 +223,7 @@ ExperimentImages loadImages(const Experiment& experiment, const std::filesystem:
   ExperimentImages images;
   const auto load = [&](const std::string& name) {
     if (name.empty() || images.digests.contains(name)) return;
-    const light::DecodedImage loaded = light::loadImage(directory / name);
+    const light::DecodedImage loaded = loadImage(directory / name);
     if (!loaded.image) throw std::runtime_error(loaded.error);
     images.digests[name] = loaded.image->sha256;
     images.store[loaded.image->sha256] = loaded.image;

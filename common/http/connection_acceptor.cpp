@@ -1,10 +1,12 @@
 #include "common/http/connection_acceptor.hpp"
 
 #include <fmt/format.h>
+#include <linux/sockios.h>
 #include <netdb.h>
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -23,6 +25,7 @@ namespace {
 constexpr int kBacklog = 128;
 // Threads beyond max_connections: those that are being refused or shut down.
 constexpr int kExtraThreads = 8;
+constexpr std::chrono::milliseconds kStalled{1000};
 
 std::string errorText(int error) {
   return std::error_code(error, std::generic_category()).message();
@@ -43,6 +46,18 @@ int listenAt(const addrinfo& endpoint) {
   ::close(socket);
   errno = error;
   return -1;
+}
+
+/// For how long the client has taken nothing of what waits to be sent; 0 if nothing waits.
+std::chrono::milliseconds stalledFor(int socket) {
+  int waiting = 0;  // [byte]
+  tcp_info info{};
+  socklen_t size = sizeof info;
+  if (ioctl(socket, SIOCOUTQ, &waiting) != 0 || waiting == 0 ||
+      getsockopt(socket, IPPROTO_TCP, TCP_INFO, &info, &size) != 0) {
+    return std::chrono::milliseconds(0);
+  }
+  return std::chrono::milliseconds(info.tcpi_last_data_sent);
 }
 
 }  // namespace
@@ -156,19 +171,36 @@ bool ConnectionAcceptor::hasPlaceFor(bool remote) {
       remote && std::ranges::count_if(connections_, is_remote) >= options_.max_remote;
   const auto places = static_cast<std::size_t>(options_.max_connections);
   if (connections_.size() < places && !too_many_remote) return true;
+  const auto chosen = leastNeeded(too_many_remote);
+  if (chosen == connections_.end()) return false;
+  shutdown(chosen->first, SHUT_RDWR);
+  chosen->second.ending = true;
+  return true;
+}
+
+/// The connection to shut down for another client, end() if all are needed.
+std::map<int, ConnectionAcceptor::Connection>::iterator ConnectionAcceptor::leastNeeded(
+    bool only_remote) {
   // Connections from other hosts are shut down first.
   const auto goes_before = [](const Connection& one, const Connection& other) {
     return one.remote != other.remote ? one.remote : one.since < other.since;
   };
-  auto chosen = connections_.end();
+  auto unknown = connections_.end();
+  auto stalled = connections_.end();
+  auto longest = kStalled;
   for (auto entry = connections_.begin(); entry != connections_.end(); ++entry) {
-    if (entry->second.identified || (too_many_remote && !entry->second.remote)) continue;
-    if (chosen == connections_.end() || goes_before(entry->second, chosen->second)) chosen = entry;
+    const Connection& connection = entry->second;
+    if (connection.ending || (only_remote && !connection.remote)) continue;
+    if (!connection.identified) {
+      if (unknown == connections_.end() || goes_before(connection, unknown->second)) {
+        unknown = entry;
+      }
+    } else if (const auto time = stalledFor(entry->first); time >= longest) {
+      longest = time;
+      stalled = entry;
+    }
   }
-  if (chosen == connections_.end()) return false;
-  shutdown(chosen->first, SHUT_RDWR);
-  chosen->second.identified = true;  // so that it is not chosen again
-  return true;
+  return unknown != connections_.end() ? unknown : stalled;
 }
 
 void ConnectionAcceptor::identify(int socket) {

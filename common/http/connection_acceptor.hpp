@@ -25,8 +25,9 @@ struct ListenOptions {
 
 /// Accepts connections and runs `serve` for each on a thread of its own. When all places are taken,
 /// the oldest connection that has not yet been identified is shut down to make room, so that silent
-/// clients never keep others out. Connections from other hosts are limited separately, so that this
-/// host always gets a place.
+/// clients never keep others out; without one, the connection whose client has taken none of its
+/// response for the longest time, of at least a second. Connections from other hosts are limited
+/// separately, so that this host always gets a place.
 class ConnectionAcceptor {
  public:
   /// Called with a non-blocking socket, which is closed afterwards, and with whether there is a
@@ -56,6 +57,7 @@ class ConnectionAcceptor {
   struct Connection {
     std::chrono::steady_clock::time_point since;
     bool identified = false;
+    bool ending = false;  ///< shut down, so that it is not chosen again
     bool remote = false;
     std::thread thread;
   };
@@ -63,6 +65,7 @@ class ConnectionAcceptor {
   void acceptAll();
   void start(int socket, bool remote);
   [[nodiscard]] bool hasPlaceFor(bool remote);
+  [[nodiscard]] std::map<int, Connection>::iterator leastNeeded(bool only_remote);
   void leave(int socket);
   void joinFinished();
 

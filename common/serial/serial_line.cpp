@@ -17,6 +17,7 @@
 #include <fstream>
 #include <sstream>
 #include <utility>
+#include <vector>
 
 #include "common/serial/serial.hpp"
 
@@ -50,6 +51,24 @@ std::string groupOf(const std::string& path) {
   if (stat(path.c_str(), &status) != 0) return "dialout";
   const group* entry = getgrgid(status.st_gid);
   return entry != nullptr ? entry->gr_name : "dialout";
+}
+
+/// Whether the path can be a terminal. Opening another device can already have an effect, so this
+/// is known before: pseudo terminals by their number, others by the kernel's class of devices.
+bool mayBeTerminal(const std::string& path) {
+  constexpr unsigned kFirstPts = 136;  // Documentation/admin-guide/devices.txt of Linux
+  constexpr unsigned kLastPts = 143;
+  struct stat facts {};
+  if (stat(path.c_str(), &facts) != 0) return true;  // open() reports why
+  if (S_ISBLK(facts.st_mode)) return false;
+  if (!S_ISCHR(facts.st_mode)) return true;  // has no effect: isatty() refuses it
+  const unsigned type = major(facts.st_rdev);
+  if (type >= kFirstPts && type <= kLastPts) return true;
+  std::error_code error;
+  const fs::path kind = fs::read_symlink("/sys/dev/char/" + std::to_string(type) + ":" +
+                                             std::to_string(minor(facts.st_rdev)) + "/subsystem",
+                                         error);
+  return error || kind.filename() == "tty";
 }
 
 [[noreturn]] void fail(const std::string& path, const std::string& what) {
@@ -159,6 +178,7 @@ int makeRaw(int descriptor, int baud) {
 }
 
 FileDescriptor openSerialLine(const std::string& path, int baud) {
+  if (!mayBeTerminal(path)) fail(path, "not a serial device");
   FileDescriptor line(::open(path.c_str(), O_RDWR | O_NONBLOCK | O_NOCTTY | O_CLOEXEC));
   if (line.get() < 0) failToOpen(path, errno);
   // The lock comes first, because a process without it must not change the line's settings.

@@ -41,8 +41,9 @@ void end(Node& node, AsioLoop& loop, Service& service) {
 }
 
 void run(const ServiceDescription& description, const Options& options) {
-  const Experiment experiment =
+  Experiment experiment =
       options.experiment.empty() ? Experiment{} : loadExperiment(options.experiment);
+  if (description.sources) adopt(description.sources(), experiment);
   AsioLoop loop;
   LcmBus bus(options.lcm_url);
   SerialDevices ports(loop, options.ports);

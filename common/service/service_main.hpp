@@ -8,6 +8,7 @@
 #include <string>
 
 #include "common/camera/cameras.hpp"
+#include "common/experiment/command_line_sources.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/loop/descriptor_watcher.hpp"
 #include "common/loop/loop.hpp"
@@ -61,7 +62,9 @@ struct ServiceDescription {
   bool needs_experiment = true;  ///< false: --experiment may be left out
   ServiceFactory make;
   std::function<void(CLI::App&)> add_options{};  ///< adds its own command line options
-  bool uses_ports = false;                       ///< whether its command line has --ports
+  /// What only the command line may name (docs/security.md), for the experiment.
+  std::function<CommandLineSources()> sources{};
+  bool uses_ports = false;        ///< whether its command line has --ports
   CamerasFactory make_cameras{};  ///< set by main(); empty: the service uses no cameras
 };
 

@@ -6,22 +6,20 @@
 #include <algorithm>
 #include <set>
 
+#include "common/files/file_text.hpp"
 #include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::uintmax_t kMaxExperimentFile = 1 << 20;  // [byte]
-
 /// Reads name and description. @return false if the file is not an experiment
 bool readHead(ListedExperiment& experiment) {
   experiment.name = experiment.path.stem().string();
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(experiment.path, error);
-  if (error || size > kMaxExperimentFile) return false;
+  const auto text = readWholeFile(experiment.path, file_kinds::kExperiment);
+  if (!text) return false;
   try {
-    const toml::table table = toml::parse_file(experiment.path.string());
+    const toml::table table = toml::parse(*text);
     if (!table.contains("robots") && !table.contains("programs")) return false;
     experiment.name = table["name"].value_or(experiment.name);
     experiment.description = table["description"].value_or(std::string());

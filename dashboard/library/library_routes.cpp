@@ -6,13 +6,13 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
 
+#include "common/files/file_text.hpp"
 #include "dashboard/library/run_compare.hpp"
 #include "dashboard/web/http_response.hpp"
 #include "dashboard/web/json.hpp"
@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxCompared = 8;
-constexpr std::uintmax_t kMaxSummary = 20'000'000;  // [byte]; several times that in memory
+constexpr FileKind kMaxSummary{"a summary", 20'000'000};  // several times that in memory
 
 /// Restricts a file of a run. Its content is not trusted: it must not run scripts with the rights
 /// of the page.
@@ -102,15 +102,14 @@ Decision LibraryRoutes::compare(const HttpRequest& request, HttpResponse& respon
                    name + " has no summary.json; lab analyze creates one from its log");
       return {};
     }
-    if (fs::file_size(*summary) > kMaxSummary) {
+    if (fs::file_size(*summary) > kMaxSummary.most_bytes) {
       respondError(
           response, 409,
           fmt::format("{}: its summary.json is larger than {} MB; use lab report to compare", name,
-                      kMaxSummary / 1'000'000));
+                      kMaxSummary.most_bytes / 1'000'000));
       return {};
     }
-    std::ifstream stream(*summary, std::ios::binary);
-    const std::string text{std::istreambuf_iterator<char>(stream), {}};
+    const std::string text = readWholeFile(*summary, kMaxSummary).value_or("");
     try {
       for (auto& program : curvesOf(name, text)) all.push_back(std::move(program));
     } catch (const std::runtime_error& error) {

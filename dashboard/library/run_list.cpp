@@ -3,11 +3,10 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <regex>
 
+#include "common/files/file_text.hpp"
 #include "dashboard/library/summary_scan.hpp"
 #include "dashboard/web/json.hpp"
 
@@ -18,7 +17,7 @@ namespace {
 constexpr const char* kSummary = "summary.json";
 constexpr const char* kProvenance = "provenance.json";
 constexpr const char* kThumbnail = "trajectory_program.svg";
-constexpr std::uintmax_t kMaxSummaryFile = 64 << 20;  // [byte]
+constexpr FileKind kSummaryFile{"a summary", 64U << 20U};
 constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
                                                    ".json", ".toml", ".pdf"};
 
@@ -27,17 +26,6 @@ std::int64_t changeTime(const fs::path& path) {
   struct stat facts {};
   if (stat(path.c_str(), &facts) != 0) return 0;
   return facts.st_mtim.tv_sec * 1'000'000'000 + facts.st_mtim.tv_nsec;
-}
-
-std::optional<std::string> readFile(const fs::path& path) {
-  std::error_code error;
-  const std::uintmax_t size = fs::file_size(path, error);
-  if (error || size > kMaxSummaryFile) return std::nullopt;
-  std::ifstream file(path, std::ios::binary);
-  std::string text(static_cast<std::size_t>(size), '\0');
-  file.read(text.data(), static_cast<std::streamsize>(size));
-  if (static_cast<std::uintmax_t>(file.gcount()) != size) return std::nullopt;
-  return text;
 }
 
 bool isRun(const fs::path& folder) {
@@ -55,7 +43,7 @@ std::string startOfName(const std::string& name) {
 }
 
 void takeProvenance(const fs::path& folder, PastRun& run) {
-  const std::optional<std::string> text = readFile(folder / kProvenance);
+  const std::optional<std::string> text = readWholeFile(folder / kProvenance, kSummaryFile);
   if (!text) return;
   const auto json = nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object()) {
@@ -69,7 +57,7 @@ void takeProvenance(const fs::path& folder, PastRun& run) {
 }
 
 void takeSummary(const fs::path& folder, PastRun& run) {
-  const std::optional<std::string> text = readFile(folder / kSummary);
+  const std::optional<std::string> text = readWholeFile(folder / kSummary, kSummaryFile);
   if (!text) {
     run.problem =
         "no summary.json: the run is still active or was interrupted; lab analyze creates one from "

@@ -2,7 +2,11 @@
 
 function tokenOfAddress() {
   const given = new URLSearchParams(location.hash.slice(1)).get("token");
-  if (given) sessionStorage.setItem("lab-token", given);
+  if (given) {
+    sessionStorage.setItem("lab-token", given);
+    // The address bar is seen over shoulders, kept in the history and copied into messages.
+    history.replaceState(history.state, "", location.pathname + location.search);
+  }
   return given ?? sessionStorage.getItem("lab-token") ?? "";
 }
 

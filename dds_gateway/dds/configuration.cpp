@@ -41,11 +41,21 @@ std::string plugin(const std::string& element, const std::string& file,
          functions + R"("/>)";
 }
 
+/// The folder may be named in a file of a stranger. Its name becomes part of an XML document, in
+/// which Cyclone also expands $NAME, and a document can load libraries.
+void requirePlainName(const std::string& folder) {
+  if (folder.find_first_of("<>&\"'$`\n\r\t") == std::string::npos) return;
+  throw DdsError("found the folder of certificates \"" + folder.substr(0, 80) +
+                 "\", expected a path without < > & \" ' $ `; rename it");
+}
+
 std::string securityElement(const fs::path& folder) {
+  requirePlainName(fs::absolute(folder).string());
   for (const std::string_view file : kSecurityFiles) {
-    if (fs::exists(folder / file)) continue;
+    if (fs::is_regular_file(folder / file)) continue;
     throw DdsError((folder / file).string() +
-                   ": not found, expected a certificate folder as docs/security.md makes it");
+                   ": not found, or no regular file, expected a certificate folder as "
+                   "docs/security.md makes it");
   }
   const auto& [identity_ca, certificate, key, permissions_ca, governance, permissions] =
       kSecurityFiles;

@@ -45,7 +45,7 @@ class Entity {
 class Domain {
  public:
   /// @param configuration complete XML, as from localConfiguration()
-  /// @param where source of the configuration, for errors: "gateway.configuration (my.xml)"
+  /// @param where source of the configuration, for errors: "--dds-configuration (my.xml)"
   /// @throws DdsError with Cyclone's warnings
   Domain(int id, const std::string& configuration, const std::string& where);
 

@@ -184,11 +184,7 @@ void TopicMapping::take(const std::string& name, const Taken& wanted) {
 }
 
 TopicMapping readTopicMappingFile(const std::filesystem::path& file) {
-  const std::optional<std::string> text = readWholeFile(file);
-  if (!text) {
-    throw ExperimentError({file.string() + ": gateway.mapping cannot be read: is it there?"});
-  }
-  return {*text, file.string()};
+  return {readFileText(file, file_kinds::kMapping), file.string()};
 }
 
 }  // namespace lab::gateway

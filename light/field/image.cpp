@@ -10,7 +10,6 @@
 #include <cmath>
 #include <cstring>
 #include <fstream>
-#include <iterator>
 #include <stdexcept>
 
 namespace lab::light {
@@ -92,15 +91,6 @@ DecodedImage decodeImage(std::span<const std::uint8_t> file) {
     }
   }
   return {std::move(image), {}};
-}
-
-DecodedImage loadImage(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return {nullptr, path.string() + ": " + std::strerror(errno)};
-  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
-  DecodedImage decoded = decodeImage(bytes);
-  if (!decoded.image) decoded.error = path.string() + " " + decoded.error;
-  return decoded;
 }
 
 void attachImages(std::vector<Layer>& layers, const ImageStore& store) {

@@ -43,9 +43,6 @@ struct DecodedImage {
 /// 160 x 120 is shrunk to fit, keeping its proportions to the nearest pixel, by a triangle filter.
 [[nodiscard]] DecodedImage decodeImage(std::span<const std::uint8_t> file);
 
-/// decodeImage() of a file; an error begins with the path.
-[[nodiscard]] DecodedImage loadImage(const std::filesystem::path& path);
-
 /// Images by their SHA-256.
 using ImageStore = std::map<std::string, std::shared_ptr<const Image>>;
 

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "common/experiment/command_line_sources.hpp"
 #include "runner/command_line/command_main.hpp"
 #include "runner/command_line/exit_code.hpp"
 
@@ -18,7 +19,8 @@ struct CalibrateOptions {
   std::filesystem::path out = "runs";  ///< where run folders are made
   std::filesystem::path programs;      ///< folder of the services' programs
   std::vector<std::string> set;        ///< key=value
-  std::vector<std::int32_t> robots;    ///< empty: all
+  CommandLineSources sources;
+  std::vector<std::int32_t> robots;  ///< empty: all
   bool virtual_time = false;
 };
 ExitCode calibrateMotors(const CalibrateOptions& options);
@@ -49,7 +51,8 @@ struct CalibrateCameraOptions {
   std::filesystem::path runs = "runs";  ///< where run folders are made
   std::filesystem::path programs;       ///< folder of the services' programs
   std::vector<std::string> set;         ///< key=value
-  double film_s = 60;                   ///< [s]
+  CommandLineSources sources;
+  double film_s = 60;  ///< [s]
   bool virtual_time = false;
 };
 ExitCode calibrateCamera(const CalibrateCameraOptions& options);
@@ -60,10 +63,11 @@ struct CalibrateProjectorOptions {
   std::filesystem::path runs = "runs";  ///< where run folders are made
   std::filesystem::path programs;       ///< folder of the services' programs
   std::vector<std::string> set;         ///< key=value
-  std::optional<double> surface_cm;     ///< above the floor, of what the light falls on
-  std::string projector_cm;             ///< "x,y,z" of its lens, empty: not known
-  std::string resolution;               ///< "1920x1080" of a display, empty: headless
-  std::int64_t frames = 4;              ///< of the camera, for each pattern
+  CommandLineSources sources;
+  std::optional<double> surface_cm;  ///< above the floor, of what the light falls on
+  std::string projector_cm;          ///< "x,y,z" of its lens, empty: not known
+  std::string resolution;            ///< "1920x1080" of a display, empty: headless
+  std::int64_t frames = 4;           ///< of the camera, for each pattern
   bool virtual_time = false;
   bool force = false;
 };
@@ -75,8 +79,9 @@ struct CalibrateLightOptions {
   std::filesystem::path runs = "runs";  ///< where run folders are made
   std::filesystem::path programs;       ///< folder of the services' programs
   std::vector<std::string> set;         ///< key=value
-  int rounds = 6;                       ///< staircases, at different places
-  std::optional<bool> camera;           ///< looks too; not given: where it is the tracker
+  CommandLineSources sources;
+  int rounds = 6;              ///< staircases, at different places
+  std::optional<bool> camera;  ///< looks too; not given: where it is the tracker
   bool virtual_time = false;
   bool force = false;
 };

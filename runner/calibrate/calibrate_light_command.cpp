@@ -160,7 +160,8 @@ ExitCode calibrateLight(const CalibrateLightOptions& options) {
     throw UserError(options.out.string() +
                     ": already exists; --force replaces it, --out sets another name");
   }
-  const Experiment experiment = loadExperiment(options.file, options.set);
+  Experiment experiment = loadExperiment(options.file, options.set);
+  adopt(options.sources, experiment);
   fmt::print("rounds   {}, about {:.0f} s each\n", options.rounds, LightCalibrator::roundTime());
   std::vector<calibration::LightSample> samples;
   const Launched launched = launch(

@@ -61,7 +61,8 @@ double usualTime(double max) {
 }  // namespace
 
 ExitCode calibrateMotors(const CalibrateOptions& options) {
-  const Experiment experiment = loadExperiment(options.file, options.set);
+  Experiment experiment = loadExperiment(options.file, options.set);
+  adopt(options.sources, experiment);
   const std::vector<std::int32_t> robots = chosenRobots(experiment, options.robots);
   if (robots.empty()) {
     throw UserError(options.file.string() + ": no robot takes commands: nothing to calibrate");

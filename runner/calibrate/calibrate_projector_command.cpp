@@ -175,7 +175,8 @@ ExitCode writeResult(const calibration::ProjectorFit& fit, const calibration::Pr
 ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
   checkOutput(options.out, options.force);
   checkOutput(pictureBeside(options.out), options.force);
-  const Experiment experiment = loadExperiment(options.file, options.set);
+  Experiment experiment = loadExperiment(options.file, options.set);
+  adopt(options.sources, experiment);
   const fs::path directory = options.file.parent_path();
   calibration::PatternView view;
   calibration::PatternReader reader = readerFor(experiment, directory, options, view);

@@ -60,6 +60,7 @@ void addCalibrateCamera(CLI::App& calibrate, Chosen& chosen, const fs::path& pro
       ->capture_default_str();
   command->add_option("--set", options->set, "With an experiment file: key=value (repeatable)")
       ->allow_extra_args(false);
+  addSources(*command, options->sources);
   command->add_flag(
       "--virtual-time", options->virtual_time,
       "With an experiment file: as fast as the machine allows; only camera = \"sim\"");
@@ -93,6 +94,7 @@ void addCalibrateProjector(CLI::App& calibrate, Chosen& chosen, const fs::path& 
   command
       ->add_option("--set", options->set, "key=value: replaces the value of the file (repeatable)")
       ->allow_extra_args(false);
+  addSources(*command, options->sources);
   command->add_flag("--force", options->force, "Replace existing files");
   command->callback(
       [&chosen, options] { chosen = [options] { return calibrateProjector(*options); }; });
@@ -117,6 +119,7 @@ void addCalibrateLight(CLI::App& calibrate, Chosen& chosen, const fs::path& prog
   command
       ->add_option("--set", options->set, "key=value: replaces the value of the file (repeatable)")
       ->allow_extra_args(false);
+  addSources(*command, options->sources);
   command->add_flag("--force", options->force, "Replace an existing file");
   command->callback(
       [&chosen, options] { chosen = [options] { return calibrateLight(*options); }; });
@@ -142,6 +145,7 @@ void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   motors
       ->add_option("--set", options->set, "key=value: replaces the value of the file (repeatable)")
       ->allow_extra_args(false);
+  addSources(*motors, options->sources);
   motors->callback(
       [&chosen, options] { chosen = [options] { return calibrateMotors(*options); }; });
 }

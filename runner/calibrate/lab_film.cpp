@@ -51,6 +51,7 @@ Experiment loadForFilming(const CalibrateCameraOptions& options) {
 
 Experiment labFor(const CalibrateCameraOptions& options) {
   Experiment experiment = loadForFilming(options);
+  adopt(options.sources, experiment);
   Camera& camera = experiment.camera;
   if (camera.tracker != Tracker::kCamera) {
     throw UserError(options.source +

@@ -72,4 +72,18 @@ void addExperiment(CLI::App& command, std::filesystem::path& file) {
       });
 }
 
+void addSources(CLI::App& command, CommandLineSources& sources) {
+  command
+      .add_option_function<std::string>(
+          "--dds-configuration",
+          [&sources](const std::string& file) {
+            sources.dds_configuration = std::filesystem::absolute(file);
+          },
+          "Cyclone DDS configuration (XML) for ROS 2 instead of the lab's own; it can run code")
+      ->type_name("FILE");
+  command.add_option("--camera-pipeline", sources.camera_pipeline,
+                     "GStreamer pipeline of camera = \"pipeline\": ELEMENT ! ELEMENT ...; it can "
+                     "run code");
+}
+
 }  // namespace lab::runner

@@ -5,6 +5,8 @@
 #include <optional>
 #include <string>
 
+#include "common/experiment/command_line_sources.hpp"
+
 namespace CLI {
 class App;
 class Validator;
@@ -28,5 +30,8 @@ void addChoice(CLI::App& command, const std::string& names, std::optional<bool>&
 
 /// FILE: a file, or the name of a shipped experiment.
 void addExperiment(CLI::App& command, std::filesystem::path& file);
+
+/// --dds-configuration and --camera-pipeline. A relative path is one from the working folder.
+void addSources(CLI::App& command, CommandLineSources& sources);
 
 }  // namespace lab::runner

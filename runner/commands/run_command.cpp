@@ -94,6 +94,7 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   }
   const std::vector<std::string> set = settingsOf(options);
   Experiment experiment = loadExperiment(options.file, set);
+  adopt(options.sources, experiment);
   if (options.report) {
     requireProgram("gnuplot", "gnuplot-nox");
     requireReporter(options.programs);
@@ -150,6 +151,7 @@ void addRunOptions(CLI::App& command, RunOptions& options) {
   command.add_option("--out", options.out, "Folder for the folders of runs")->capture_default_str();
   command.add_option("--set", options.set, "key=value: replaces a key of the file (repeatable)")
       ->allow_extra_args(false);
+  addSources(command, options.sources);
   command.add_flag("!--no-report", options.report,
                    "Keep the log only; lab analyze makes the report later");
   addChoice(command, "--web,!--no-web", options.web,

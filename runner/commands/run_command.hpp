@@ -18,6 +18,7 @@ struct RunOptions {
   std::filesystem::path out = "runs";  ///< where run folders are made
   std::filesystem::path programs;      ///< folder of the services' programs
   std::vector<std::string> set;        ///< key=value
+  CommandLineSources sources;          ///< what only the command line may name
   std::optional<std::uint64_t> seed;
   bool virtual_time = false;
   bool report = true;

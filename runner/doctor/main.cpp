@@ -9,6 +9,7 @@
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/process/installation.hpp"
+#include "runner/command_line/command_line_parts.hpp"
 #include "runner/command_line/command_main.hpp"
 #include "runner/command_line/experiment_lookup.hpp"
 #include "runner/doctor/doctor.hpp"
@@ -32,10 +33,13 @@ void addDoctor(CLI::App& app, Chosen& chosen) {
       ->transform([](const std::string& named) {
         return findExperiment(named, installation().experiments).string();
       });
-  command->callback([&chosen, options, file] {
-    chosen = [options, file] {
+  auto sources = std::make_shared<CommandLineSources>();
+  addSources(*command, *sources);
+  command->callback([&chosen, options, file, sources] {
+    chosen = [options, file, sources] {
       constexpr int kListen_ms = 1200;  // participants announce themselves once per second
-      const Experiment experiment = file->empty() ? Experiment{} : loadExperiment(*file);
+      Experiment experiment = file->empty() ? Experiment{} : loadExperiment(*file);
+      adopt(*sources, experiment);
       options->registrations = registryDirectory();
       std::vector<Finding> findings = examine(*options);
       const auto add = [&findings](std::vector<Finding> more) {

@@ -12,7 +12,6 @@ namespace {
 constexpr const char* kLinkSecurity = "security/link";
 constexpr const char* kGatewaySecurity = "security/gateway";
 constexpr const char* kMapping = "gateway/mapping";
-constexpr const char* kConfiguration = "gateway/configuration";
 
 std::string recordingName(std::size_t robot) {
   return "recordings/" + std::to_string(robot) + ".lcmlog";
@@ -54,7 +53,7 @@ std::vector<HostFile> filesFor(const Experiment& e, const fs::path& directory) {
   }
   if (!e.gateway.mapping.empty()) files.push_back({kMapping, directory / e.gateway.mapping, {}});
   if (!e.gateway.configuration.empty()) {
-    files.push_back({kConfiguration, directory / e.gateway.configuration, {}});
+    files.push_back({kDdsConfigurationElsewhere, directory / e.gateway.configuration, {}});
   }
   return files;
 }
@@ -66,7 +65,7 @@ Experiment experimentElsewhere(Experiment e) {
   if (!e.link.security.empty()) e.link.security = kLinkSecurity;
   if (!e.gateway.security.empty()) e.gateway.security = kGatewaySecurity;
   if (!e.gateway.mapping.empty()) e.gateway.mapping = kMapping;
-  if (!e.gateway.configuration.empty()) e.gateway.configuration = kConfiguration;
+  if (!e.gateway.configuration.empty()) e.gateway.configuration = kDdsConfigurationElsewhere;
   return e;
 }
 

@@ -9,6 +9,9 @@
 
 namespace lab::runner {
 
+/// Where filesFor() puts gateway.configuration, relative to the folder of the run on that host.
+inline constexpr const char* kDdsConfigurationElsewhere = "gateway/configuration";
+
 struct HostFile {
   std::string path;              ///< relative to the folder of the run on that host
   std::filesystem::path source;  ///< if empty, `text` is the content

@@ -13,6 +13,7 @@
 #include <thread>
 
 #include "common/experiment/service_placement.hpp"
+#include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/doctor/machine.hpp"
@@ -108,18 +109,31 @@ void RemoteHost::connect() {
   }
   // RemoteHosts decides when a silent connection is lost, so the timeouts of ssh are disabled.
   const std::vector<std::string> arguments{
-      ssh->string(), "-T",
-      "-o",          "BatchMode=yes",
-      "-o",          "ConnectTimeout=10",
-      "-o",          "ServerAliveInterval=0",
-      "-o",          "TCPKeepAlive=no",
-      "-o",          "ForwardX11=no",
-      "-o",          "ForwardAgent=no",
-      "-o",          "ControlPath=none",
-      "-o",          "ClearAllForwardings=yes",
-      "-o",          "RemoteCommand=none",
-      "-o",          "AddressFamily=inet",  // this lab uses DDS and LCM over IPv4 only
-      spec_.ssh,     agentCommand(spec_)};
+      ssh->string(),
+      "-T",
+      "-o",
+      "BatchMode=yes",
+      "-o",
+      "ConnectTimeout=10",
+      "-o",
+      "ServerAliveInterval=0",
+      "-o",
+      "TCPKeepAlive=no",
+      "-o",
+      "ForwardX11=no",
+      "-o",
+      "ForwardAgent=no",
+      "-o",
+      "ControlPath=none",
+      "-o",
+      "ClearAllForwardings=yes",
+      "-o",
+      "RemoteCommand=none",
+      "-o",
+      "AddressFamily=inet",  // this lab uses DDS and LCM over IPv4 only
+      "--",
+      spec_.ssh,
+      agentCommand(spec_)};
   ssh_ =
       std::make_unique<ChildProcess>("ssh", arguments, "/proc/self/fd/" + std::to_string(errors_),
                                      ChildProcess::Streams{to[0], from[1]});
@@ -265,6 +279,8 @@ void RemoteHost::send(const HostFile& file) {
     queue({{"do", "file"}, {"path", file.path}, {"data", encodedBytes(file.text)}});
     return;
   }
+  const std::string problem = regularFileProblem(file.source, file_kinds::kAny);
+  if (!problem.empty()) throw UserError(file.source.string() + ": " + problem);
   const auto stream = std::make_shared<std::ifstream>(file.source, std::ios::binary);
   if (!*stream) throw UserError("cannot read " + file.source.string());
   outbox_.emplace_back([this, stream, path = file.path] {

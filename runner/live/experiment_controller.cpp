@@ -70,8 +70,8 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
   // the calibration converts the bands.
   if (const auto calibration = activeLightCalibration(experiment_, context.directory)) {
     robots_ = withCalibratedBands(robots_, *calibration);
-    light_calibration_ =
-        readFileText((context.directory / experiment_.projector.light_calibration).string());
+    light_calibration_ = readFileText(context.directory / experiment_.projector.light_calibration,
+                                      file_kinds::kCalibration);
   }
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
                                   [this](const robot_status_t& status) { take(status); });

@@ -12,6 +12,7 @@
 #include <optional>
 
 #include "common/bus/lcm_bus.hpp"
+#include "common/experiment/command_line_sources.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/math/units.hpp"
@@ -146,6 +147,7 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
         "\"sim\", or run in real time",
         camera.source));
   }
+  if (camera.tracker == Tracker::kCamera || options.cameras) requirePipeline(experiment);
   requireParts(experiment, virtual_time);
   requireDisk(experiment, options.out);
   if (!virtual_time) {

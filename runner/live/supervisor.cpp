@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/experiment/command_line_sources.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "runner/hosts/host_files.hpp"
@@ -85,8 +86,18 @@ void Supervisor::startServices() {
 }
 
 std::vector<std::string> Supervisor::argumentsOf(const Entry& entry) const {
-  if (entry.name != kGatewayService || !joinsBuses()) return {};
-  return options_.hosts->linkArguments(entry.host);
+  std::vector<std::string> arguments;
+  const std::string pipeline = pipelineOf(run_.experiment.camera);
+  if (entry.name == "tracker_svc" && !pipeline.empty()) {
+    arguments.push_back("--camera-pipeline=" + pipeline);
+  }
+  if (entry.name != kGatewayService) return arguments;
+  if (joinsBuses()) arguments = options_.hosts->linkArguments(entry.host);
+  if (const std::string file = run_.experiment.gateway.configuration; !file.empty()) {
+    arguments.push_back("--dds-configuration=" +
+                        (entry.host.empty() ? file : std::string(kDdsConfigurationElsewhere)));
+  }
+  return arguments;
 }
 
 std::unique_ptr<ServiceProcess> Supervisor::startService(const Entry& entry,

@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 
 #include <fstream>
-#include <iterator>
 #include <vector>
 
+#include "common/bus/log_file.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/motor_file.hpp"
@@ -15,6 +15,7 @@
 #include "common/experiment/experiment_log_size.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "common/files/file_text.hpp"
+#include "dds_gateway/topic_mapping_file.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "projector_ctl/projector_messages.hpp"
@@ -29,10 +30,8 @@ std::string compactUtc(std::int64_t utime) {
   return fmt::format("{:%Y%m%dT%H%M%SZ}", fmt::gmtime(static_cast<std::time_t>(utime / 1'000'000)));
 }
 
-std::vector<std::uint8_t> readFile(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw UserError(fmt::format("cannot read the image {}", path.string()));
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
+std::string sha256(const std::string& text) {
+  return light::sha256({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
 }
 
 /// The log for each robot; empty for robots that are not replayed.
@@ -43,7 +42,7 @@ std::vector<fs::path> findRecordings(const Experiment& experiment, const fs::pat
     if (robot.body == Body::kReplay) {
       log = source / robot.log;
       if (fs::is_directory(log)) log /= files::kLog;
-      if (!fs::is_regular_file(log)) {
+      if (!isLog(log)) {
         throw UserError(
             fmt::format("robots: robot {} replays {}, where there is no log; give the "
                         "folder of a run or a log, relative to the experiment file",
@@ -59,7 +58,7 @@ std::vector<fs::path> findRecordings(const Experiment& experiment, const fs::pat
 void adoptMotors(Experiment& experiment, const fs::path& motors, const fs::path& run) {
   const fs::path name = fs::path(files::kCalibration) / "motors_in_force.toml";
   fs::create_directories(run / files::kCalibration);
-  fs::copy_file(motors, run / name);
+  writeNewFile(run / name, readFileText(motors, file_kinds::kCalibration));
   experiment.hardware.motors = name.string();
 }
 
@@ -73,30 +72,45 @@ void adoptCamera(Experiment& experiment, const std::string& calibration, const f
 void adoptProjector(Experiment& experiment, const fs::path& calibration, const fs::path& run) {
   const fs::path name = fs::path(files::kCalibration) / "projector_in_force.json";
   fs::create_directories(run / files::kCalibration);
-  fs::copy_file(calibration, run / name);
+  writeNewFile(run / name, readFileText(calibration, file_kinds::kCalibration));
   experiment.projector.calibration = name.string();
 }
 
 void adoptLight(Experiment& experiment, const fs::path& calibration, const fs::path& run) {
   const fs::path name = fs::path(files::kCalibration) / "light_in_force.json";
   fs::create_directories(run / files::kCalibration);
-  fs::copy_file(calibration, run / name);
+  writeNewFile(run / name, readFileText(calibration, file_kinds::kCalibration));
   experiment.projector.light_calibration = name.string();
 }
 
-/// Copies the ROS 2 configuration. Certificates are secret and stay where they are.
-void adoptNetwork(Experiment& experiment, const fs::path& source, const fs::path& run) {
-  const auto adopt = [&](std::string& path, const char* name) {
+/// What the run stores of the ROS 2 gateway's files; empty: there is none.
+struct NetworkFiles {
+  std::string mapping;
+  std::string configuration;
+};
+
+NetworkFiles readNetworkFiles(const Gateway& gateway, const fs::path& source) {
+  NetworkFiles files;
+  if (!gateway.mapping.empty()) files.mapping = gateway::topicMappingText(source / gateway.mapping);
+  if (!gateway.configuration.empty()) {
+    files.configuration =
+        readFileText(source / gateway.configuration, file_kinds::kDdsConfiguration);
+  }
+  return files;
+}
+
+/// Stores the ROS 2 configuration. Certificates are secret and stay where they are.
+void adoptNetwork(Experiment& experiment, const NetworkFiles& network, const fs::path& source,
+                  const fs::path& run) {
+  const auto adopt = [&](std::string& path, const std::string& text, const char* name) {
     if (path.empty()) return;
-    const fs::path from = source / path;
-    if (!fs::is_regular_file(from)) return;  // dds_gateway reports what is missing
     const fs::path to = fs::path("gateway") / name;
     fs::create_directories(run / to.parent_path());
-    fs::copy_file(from, run / to);
+    writeNewFile(run / to, text);
     path = to.string();
   };
-  adopt(experiment.gateway.mapping, "mapping.toml");
-  adopt(experiment.gateway.configuration, "cyclonedds.xml");
+  adopt(experiment.gateway.mapping, network.mapping, "mapping.toml");
+  adopt(experiment.gateway.configuration, network.configuration, "cyclonedds.xml");
   for (std::string* folder : {&experiment.gateway.security, &experiment.link.security}) {
     if (!folder->empty()) *folder = fs::absolute(source / *folder).string();
   }
@@ -133,7 +147,7 @@ std::string cameraInForce(const Experiment& experiment, const fs::path& source) 
         "change them, or calibrate at that size",
         file.string(), calibrated.width, calibrated.height, camera.width, camera.height));
   }
-  return readWholeFile(file).value_or("");
+  return readFileText(file, file_kinds::kCalibration);
 }
 
 std::string utcText(std::int64_t utime) {
@@ -168,9 +182,10 @@ void adoptImages(Experiment& experiment, const fs::path& source, const fs::path&
   const auto adopt = [&](std::string& image) {
     if (image.empty()) return;
     const fs::path from = source / image;
-    const fs::path name = light::sha256(readFile(from)) + from.extension().string();
+    const std::string bytes = readFileText(from, file_kinds::kImage);
+    const fs::path name = sha256(bytes) + from.extension().string();
     fs::create_directories(run / files::kImages);
-    fs::copy_file(from, run / files::kImages / name, fs::copy_options::skip_existing);
+    if (!fs::exists(run / files::kImages / name)) writeNewFile(run / files::kImages / name, bytes);
     image = (fs::path(files::kImages) / name).string();
   };
   for (LightStep& step : experiment.light.steps) {
@@ -220,6 +235,7 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   const fs::path light = experiment.projector.light_calibration;
   static_cast<void>(activeLightCalibration(experiment, source));  // throws if unusable
   checkScenes(experiment, source);
+  const NetworkFiles network = readNetworkFiles(experiment.gateway, source);
   run.directory = makeRunDirectory(parent, experiment.name, utime);
   if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);
   if (by_camera) adoptCamera(experiment, camera, run.directory);
@@ -227,7 +243,7 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   if (!light.empty()) adoptLight(experiment, source / light, run.directory);
   adoptRecordings(experiment, recordings, run.directory);
   adoptImages(experiment, source, run.directory);
-  adoptNetwork(experiment, source, run.directory);
+  adoptNetwork(experiment, network, source, run.directory);
   run.effective = writeExperiment(experiment);
   run.experiment = std::move(experiment);
   writeNewFile(run.directory / files::kExperiment, run.effective);

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <cstdlib>
@@ -62,6 +63,29 @@ TEST(AnalyzeRun, WritesAllFilesBesideTheLog) {
   EXPECT_THAT(dut.headline.back(), testing::AllOf(HasSubstr("diffusion of 2 robots"),
                                                   HasSubstr("abp: D = "), HasSubstr(" (law: ")));
   EXPECT_THAT(readFile(dut.report), HasSubstr("<svg"));
+}
+
+TEST(AnalyzeRun, WritesNothingWhereALinkInTheRunLeads) {
+  const TemporaryFolder run;
+  const TemporaryFolder elsewhere;
+  SyntheticLab(run.path() / "log.lcmlog", syntheticExperiment(2, 30, 20, {paperAbp()}, 30)).run();
+  fs::create_directory_symlink(elsewhere.path(), run.path() / "figures");
+  EXPECT_THAT(problemOf(run.path()),
+              testing::AllOf(HasSubstr("figures: found a symbolic link"), HasSubstr("--out")));
+  EXPECT_TRUE(fs::is_empty(elsewhere.path()));
+
+  fs::remove(run.path() / "figures");
+  std::ofstream(elsewhere.path() / "kept") << "kept";
+  fs::create_symlink(elsewhere.path() / "kept", run.path() / "report.html");
+  static_cast<void>(analyzeRun(run.path()));
+  EXPECT_EQ(readFile(elsewhere.path() / "kept"), "kept");
+  EXPECT_FALSE(fs::is_symlink(run.path() / "report.html"));
+}
+
+TEST(AnalyzeRun, DoesNotWaitForALogThatIsAPipe) {
+  const TemporaryFolder run;
+  ASSERT_EQ(mkfifo((run.path() / "log.lcmlog").c_str(), 0600), 0);
+  EXPECT_THAT(problemOf(run.path()), HasSubstr("log.lcmlog: found a pipe"));
 }
 
 TEST(AnalyzeRun, WritesTheSameBytesEveryTimeAndEverywhere) {

@@ -17,6 +17,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
 #include "common/experiment/program_messages.hpp"
+#include "common/files/image_file.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
@@ -265,9 +266,9 @@ TEST_F(ProjectorServiceTest, SavesAPictureOfEachNewFieldAfterItsCrossFade) {
   runTo(3);
 
   const light::DecodedImage safe =
-      light::loadImage(directory / ("light_" + std::to_string(kEpoch) + ".png"));
+      loadImage(directory / ("light_" + std::to_string(kEpoch) + ".png"));
   const light::DecodedImage bright =
-      light::loadImage(directory / ("light_" + std::to_string(kEpoch + 1'000'000) + ".png"));
+      loadImage(directory / ("light_" + std::to_string(kEpoch + 1'000'000) + ".png"));
   const auto files = std::distance(std::filesystem::directory_iterator(directory), {});
   ASSERT_TRUE(safe.image) << safe.error;
   ASSERT_TRUE(bright.image) << bright.error;

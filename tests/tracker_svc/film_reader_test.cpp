@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stb/stb_image_write.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -231,6 +232,19 @@ TEST_F(Pictures, WithAnInvalidTableAreRejected) {
   EXPECT_THAT(refusalOf("t_s,frame\n0,0\n0.5,1\n"), HasSubstr("opened"));
 }
 
+TEST_F(Pictures, AndTheirTableAreReadFromRegularFilesOnly) {
+  writePng(folder_ / "f0.png", pictureOf(0));
+  ASSERT_EQ(mkfifo((folder_ / "frames.csv").c_str(), 0600), 0);
+  EXPECT_THAT(refusal(folder_ / ""), HasSubstr("frames.csv: found a pipe"));
+  ASSERT_EQ(mkfifo((folder_ / "g.png").c_str(), 0600), 0);
+  EXPECT_THAT(refusal(folder_ / "g.png"), HasSubstr("g.png: found a pipe"));
+}
+
+TEST_F(Pictures, OfHugeSizeAreRejectedBeforeTheyAreDecoded) {
+  write("f.pgm", "P5\n30000 30000\n255\n");
+  EXPECT_THAT(refusal(folder_ / "f.pgm"), HasSubstr("found 30000 x 30000 pixels"));
+}
+
 class Movies : public Films {
  protected:
   void SetUp() override {
@@ -328,6 +342,15 @@ TEST_F(Movies, WithoutTheirIndexAreRejected) {
       AllOf(HasSubstr("t.mp4: is not a movie that ffmpeg can read"), HasSubstr("record MKV")));
 }
 
+TEST_F(Movies, ThatAreListsOfOthersAreRejected) {
+  write("endless.mkv", "#EXTM3U\n#EXT-X-TARGETDURATION:10\n#EXTINF:10,\nhttp://127.0.0.1:9/a.ts\n");
+  write("list.mkv", "ffconcat version 1.0\nfile pipe\n");
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+
+  EXPECT_THAT(refusal(folder_ / "endless.mkv"), HasSubstr("it is a playlist"));
+  EXPECT_THAT(refusal(folder_ / "list.mkv"), HasSubstr("it is a playlist"));
+}
+
 TEST_F(Movies, ThatAreTextFilesAreRejected) {
   write("text.avi", "frame,id,x\n0,1,2\n");
   write("empty.avi", "");
@@ -340,6 +363,8 @@ TEST_F(Movies, ThatAreTextFilesAreRejected) {
 
 TEST_F(Films, ThatDoNotExistAreReported) {
   EXPECT_THAT(refusal(folder_ / "none.mkv"), EndsWith("none.mkv: no such file"));
+  ASSERT_EQ(mkfifo((folder_ / "pipe.mkv").c_str(), 0600), 0);
+  EXPECT_THAT(refusal(folder_ / "pipe.mkv"), HasSubstr("pipe.mkv: found a pipe"));
 }
 
 TEST_F(Films, WithoutFfmpegTheErrorNamesThePackage) {

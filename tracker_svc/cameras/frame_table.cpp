@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <sstream>
 #include <string_view>
 
 #include "common/camera/cameras.hpp"
+#include "common/files/file_text.hpp"
 
 namespace lab::cameras {
 namespace {
@@ -32,7 +32,9 @@ std::vector<std::string> split(const std::string& line) {
 }  // namespace
 
 FrameTable::FrameTable(const fs::path& file) : name_(file.string()) {
-  std::ifstream stream(file);
+  FileContent content = readRegularFile(file, file_kinds::kFrameTable);
+  if (!content.text) throw CameraError(name_ + ": " + content.problem);
+  std::istringstream stream(*std::move(content.text));
   std::string line;
   if (!std::getline(stream, line)) fail("is empty, expected a line of column names");
   if (line.starts_with(kByteOrderMark)) line.erase(0, kByteOrderMark.size());

@@ -10,6 +10,8 @@
 #include <span>
 #include <utility>
 
+#include "common/camera/camera_source.hpp"
+#include "common/files/file_text.hpp"
 #include "light/median.hpp"
 #include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/grey.hpp"
@@ -19,15 +21,31 @@ namespace {
 
 using nlohmann::json;
 
-bool isAddress(const std::string& source) { return source.find("://") != std::string::npos; }
+// Containers and streams of pictures. Playlists (hls, dash, concat, imf, sdp) are left out: they
+// name other files, and ffprobe waits for ever for the next entry of one that does not end.
+constexpr const char* kMovieFormats =
+    "matroska,webm,mov,mp4,avi,mpegts,mpeg,mpegvideo,flv,live_flv,asf,ogg,nut,mxf,gxf,rm,wtv,dv,"
+    "dirac,"
+    "ivf,obu,av1,h261,h263,h264,hevc,m4v,vc1,avs2,cavsvideo,dnxhd,mjpeg,mjpeg_2000,smjpeg,mlv,vidc,"
+    "yuv4mpegpipe,ser,gif,apng,fits,bmp_pipe,dpx_pipe,exr_pipe,gif_pipe,j2k_pipe,jpeg_pipe,"
+    "jpegls_pipe,jpegxl_pipe,pam_pipe,pbm_pipe,pgm_pipe,png_pipe,ppm_pipe,qoi_pipe,sgi_pipe,"
+    "sunrast_pipe,tiff_pipe,webp_pipe,tty";
 
-/// The arguments that name the input; a file name cannot be taken for an option or a protocol.
+/// The arguments that name the input; a file name cannot be taken for an option or a protocol. What
+/// an address names in turn is opened by the listed protocols only.
 std::vector<std::string> inputOf(const std::string& source) {
-  if (!isAddress(source)) return {"-i", "file:" + source};
-  std::vector<std::string> words;
+  if (!isCameraAddress(source)) {
+    return {"-protocol_whitelist", "file", "-format_whitelist",
+            kMovieFormats,         "-i",   "file:" + source};
+  }
+  const std::string protocols = protocolsOf(source);
+  if (protocols.empty()) throw CameraError(source + ": " + cameraSourceProblem(source));
+  std::vector<std::string> words{"-protocol_whitelist", protocols};
   // Timeout of 5 s for a dead camera [us]; low latency instead of smooth playback.
-  if (source.starts_with("rtsp://")) words = {"-rtsp_transport", "tcp", "-timeout", "5000000"};
-  if (source.starts_with("http")) words = {"-rw_timeout", "5000000"};
+  std::vector<const char*> options;
+  if (source.starts_with("rtsp://")) options = {"-rtsp_transport", "tcp", "-timeout", "5000000"};
+  if (source.starts_with("http")) options = {"-rw_timeout", "5000000"};
+  words.insert(words.end(), options.begin(), options.end());
   for (const char* word : {"-fflags", "nobuffer", "-flags", "low_delay", "-i"}) {
     words.emplace_back(word);
   }
@@ -199,9 +217,10 @@ const char* hintFor(const std::string& errors) {
 }  // namespace
 
 MovieInfo probeMovie(const std::string& source, bool packets) {
-  std::error_code error;
-  if (!isAddress(source) && !std::filesystem::is_regular_file(source, error)) {
-    throw CameraError(source + ": no such file");
+  if (!isCameraAddress(source)) {
+    if (!std::filesystem::exists(source)) throw CameraError(source + ": no such file");
+    const std::string problem = regularFileProblem(source, file_kinds::kMovie);
+    if (!problem.empty()) throw CameraError(source + ": " + problem);
   }
   std::vector<std::string> command = {
       "ffprobe",
@@ -220,6 +239,10 @@ MovieInfo probeMovie(const std::string& source, bool packets) {
   const std::string answer = probe.readAll();
   const int status = probe.finish();
   const json facts = json::parse(answer, nullptr, false);
+  if (probe.errors().find("Format not on whitelist") != std::string::npos) {
+    noMovie(source, "it is a playlist, or of a kind that is not used for movies",
+            ": convert it to MKV with ffmpeg");
+  }
   if (status != 0 || !facts.is_object()) {
     noMovie(source, probe.lastErrorLine(), hintFor(probe.errors()));
   }

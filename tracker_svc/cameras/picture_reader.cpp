@@ -15,6 +15,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/files/file_text.hpp"
 #include "light/median.hpp"
 #include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/frame_table.hpp"
@@ -27,6 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostDigits = 15;
+constexpr std::int64_t kMostPixels = 200'000'000;
 constexpr const char* kTable = "frames.csv";
 constexpr std::array<const char*, 8> kEndings = {".png", ".jpg", ".jpeg", ".bmp",
                                                  ".pgm", ".ppm", ".tga",  ".pnm"};
@@ -193,12 +195,25 @@ Decoded decode(const fs::path& path) {
   int width = 0;
   int height = 0;
   const std::string name = path.string();
-  if (stbi_info(name.c_str(), &width, &height, &result.channels) == 0) {
+  const FileContent file = readRegularFile(path, file_kinds::kPicture);
+  if (!file.text) {
+    result.error = name + ": " + file.problem;
+    return result;
+  }
+  const auto* bytes = reinterpret_cast<const stbi_uc*>(file.text->data());
+  const int size = static_cast<int>(file.text->size());
+  if (stbi_info_from_memory(bytes, size, &width, &height, &result.channels) == 0) {
     result.error = name + ": is not a picture of a known format (PNG, JPEG, BMP, PGM, TGA)";
     return result;
   }
+  if (std::int64_t{width} * height > kMostPixels) {
+    result.error = name + ": found " + std::to_string(width) + " x " + std::to_string(height) +
+                   " pixels, expected at most 200 million";
+    return result;
+  }
   const int wanted = result.channels >= 3 ? 3 : 1;
-  const StbPixels pixels(stbi_load(name.c_str(), &width, &height, &result.channels, wanted));
+  const StbPixels pixels(
+      stbi_load_from_memory(bytes, size, &width, &height, &result.channels, wanted));
   if (!pixels) {
     result.error = name + ": cannot be decoded: " + stbi_failure_reason();
     return result;

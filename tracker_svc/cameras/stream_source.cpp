@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/camera/camera_source.hpp"
 #include "common/camera/sim_camera.hpp"
 #include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/film_source.hpp"
@@ -23,7 +24,6 @@ namespace {
 using Kind = FrameQueue::Item::Kind;
 
 constexpr std::int64_t kAgain_us = 1'000'000;
-constexpr const char* kGst = "gst:";
 
 /// A program that writes frames, and their format.
 struct StreamCommand {
@@ -69,7 +69,8 @@ StreamCommand pipelineCommand(const std::string& source, const CameraFormat& wan
                       ": the size of a pipeline's pictures is unknown: set width_px and height_px");
   }
   StreamCommand command{source, {"gst-launch-1.0", "-q"}, "gstreamer1.0-tools", wanted, 1, 0};
-  for (const std::string& word : wordsOf(source, source.substr(std::string(kGst).size()))) {
+  for (const std::string& word :
+       wordsOf(source, source.substr(std::string(kPipelinePrefix).size()))) {
     command.words.push_back(word);
     // The names of decoder elements contain "dec": their input was compressed.
     if (word.find("dec") != std::string::npos) command.format.compressed = true;
@@ -239,13 +240,13 @@ class StreamSource final : public FrameSource {
 }  // namespace
 
 bool isStreamSource(const std::string& source) {
-  return source.starts_with(kGst) || source.find("://") != std::string::npos;
+  return source.starts_with(kPipelinePrefix) || isCameraAddress(source);
 }
 
 std::unique_ptr<FrameSource> openStream(AsioLoop& loop, const std::string& source,
                                         const CameraFormat& wanted, CameraHandlers handlers) {
-  StreamCommand command =
-      source.starts_with(kGst) ? pipelineCommand(source, wanted) : networkCommand(source, wanted);
+  StreamCommand command = source.starts_with(kPipelinePrefix) ? pipelineCommand(source, wanted)
+                                                              : networkCommand(source, wanted);
   return std::make_unique<StreamSource>(loop, std::move(command), std::move(handlers));
 }
 

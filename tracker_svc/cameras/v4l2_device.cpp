@@ -47,6 +47,7 @@ bool isLimited(const v4l2_pix_format& pixels) {
 V4l2Device::V4l2Device(V4l2Calls& calls, std::string path, const CameraFormat& wanted)
     : calls_(calls), path_(std::move(path)) {
   const int opened = calls_.open(path_);
+  if (opened == -ENOTTY) fail("is no camera");
   if (opened < 0) failToSet(-opened, "cannot be opened");
   device_ = opened;
   try {

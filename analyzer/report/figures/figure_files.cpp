@@ -46,8 +46,7 @@ std::vector<Figure> drawScripts(std::vector<FigureScript> scripts, const fs::pat
   std::string all;
   for (const FigureScript& one : scripts) all += one.script;
   if (!all.empty()) {
-    runGnuplot(scratch, "cd " + gnuplotText(fs::absolute(scratch).string()) + "\n" + kForScreen +
-                            all + "reset\n" + kForPaper + all + "unset output\n");
+    runGnuplot(scratch, kForScreen + all + "reset\n" + kForPaper + all + "unset output\n");
   }
   std::vector<Figure> figures;
   for (FigureScript& one : scripts) {

@@ -26,10 +26,11 @@ constexpr const char* kMessages = "gnuplot.txt";
 constexpr std::string_view kTitle = "<title>";
 constexpr std::string_view kTitleEnd = "</title>";
 
-/// Starts gnuplot in a clean environment, with its messages in a file.
-pid_t start(const fs::path& script, const fs::path& messages) {
+/// Starts gnuplot in `folder` and in a clean environment, with its messages in a file.
+pid_t start(const fs::path& folder, const fs::path& script, const fs::path& messages) {
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
   for (const int descriptor : {1, 2}) {
     posix_spawn_file_actions_addopen(&actions, descriptor, messages.c_str(),
                                      O_WRONLY | O_CREAT | O_APPEND, 0644);
@@ -75,7 +76,7 @@ void runGnuplot(const fs::path& folder, const std::string& script) {
   const fs::path file = fs::absolute(folder / kScript);
   const fs::path messages = fs::absolute(folder / kMessages);
   std::ofstream(file, std::ios::binary) << script;
-  const bool done = succeeded(start(file, messages));
+  const bool done = succeeded(start(folder, file, messages));
   const std::string output = readWholeFile(messages).value_or("");
   fs::remove(file);
   fs::remove(messages);

@@ -1,11 +1,17 @@
 #include "common/experiment/checks/camera_checks.hpp"
 
 #include <algorithm>
+#include <string>
+
+#include "common/camera/camera_source.hpp"
 
 namespace lab::keys {
 
-void checkCamera(const ExperimentForm& form, Problems& problems) {
+void checkCamera(const ExperimentForm& form, const std::optional<std::filesystem::path>& directory,
+                 Problems& problems) {
   const Camera& camera = form.common.camera;
+  const std::string problem = directory ? cameraSourceProblem(camera.source) : std::string();
+  if (!problem.empty()) problems.add("camera.camera", problem);
   if (camera.tracker != Tracker::kCamera || problems.concern("camera")) return;
   if (camera.source.empty()) {
     problems.add("camera.camera", "found an empty text, allowed \"sim\", a device, a film, ...");

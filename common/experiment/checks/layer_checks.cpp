@@ -19,6 +19,7 @@
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "common/files/file_values.hpp"
+#include "common/files/image_file.hpp"
 #include "light/field/image.hpp"
 
 namespace lab::keys {
@@ -96,8 +97,8 @@ class Images {
  private:
   static light::DecodedImage load(const std::filesystem::path& file) {
     std::error_code error;
-    if (!std::filesystem::is_regular_file(file, error)) return {nullptr, "no such file"};
-    light::DecodedImage decoded = light::loadImage(file);
+    if (!std::filesystem::exists(file, error)) return {nullptr, "no such file"};
+    light::DecodedImage decoded = loadImage(file);
     std::string& why = decoded.error;
     if (why.starts_with(file.string())) why = why.substr(file.string().size());
     why.erase(0, why.find_first_not_of(": "));

@@ -17,10 +17,21 @@ namespace {
 
 bool hasHosts(const Experiment& e) { return !otherHosts(e).empty(); }
 
-/// Whether a name can be an argument of ssh without being taken for an option, a path or two words.
-bool isSshName(const std::string& name) {
-  return !name.empty() && name.front() != '-' &&
-         name.find_first_of(" \t\n\"'\\/;&|<>$`*?()") == std::string::npos;
+bool isPartOfSshName(std::string_view part, std::string_view more) {
+  constexpr std::string_view kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789_.-";
+  return !part.empty() && part.front() != '-' && std::ranges::all_of(part, [&](char letter) {
+    return kLetters.find(letter) != std::string_view::npos ||
+           more.find(letter) != std::string_view::npos;
+  });
+}
+
+/// Whether a name is "machine" or "user@machine". ssh takes names that begin with - for options,
+/// ssh:// for an address with a port, and inserts names into commands of ~/.ssh/config.
+bool isSshName(std::string_view name) {
+  const std::size_t at = name.rfind('@');
+  if (at == std::string_view::npos) return isPartOfSshName(name, ":");
+  return isPartOfSshName(name.substr(0, at), "") && isPartOfSshName(name.substr(at + 1), ":");
 }
 
 std::string serviceList() {
@@ -56,8 +67,9 @@ void checkHost(const HostSpec& host, Problems& problems) {
   if (host.ssh.empty() || isSshName(host.ssh)) return;
   problems.add("hosts." + host.name + ".ssh",
                "found " + tomlString(host.ssh) +
-                   ", allowed \"machine\" or \"user@machine\"; "
-                   "options such as a port belong into ~/.ssh/config");
+                   ", allowed \"machine\" or \"user@machine\" "
+                   "of letters, digits and _ . - (machine also :), none beginning with -; options "
+                   "such as a port belong into ~/.ssh/config");
 }
 
 /// Checks that two services run on the same host, because they share more than messages.
@@ -127,6 +139,17 @@ void checkOwnConfiguration(const Gateway& gateway, Problems& problems) {
                    ", allowed one of the two: a file of yours says it all");
 }
 
+/// A configuration of Cyclone DDS can load libraries and write files.
+void refuseConfigurationInFile(const Gateway& gateway, Problems& problems) {
+  if (gateway.configuration.empty()) return;
+  problems.add("gateway.configuration",
+               "found " + tomlString(gateway.configuration) +
+                   ", which can run code, allowed on the command line only: --dds-configuration "
+                   "FILE (docs/security.md)");
+}
+
+}  // namespace
+
 void checkGateway(const Experiment& e, Problems& problems) {
   const Gateway& gateway = e.gateway;
   checkOwnConfiguration(gateway, problems);
@@ -147,6 +170,8 @@ void checkGateway(const Experiment& e, Problems& problems) {
                  "robots");
   }
 }
+
+namespace {
 
 bool isNumericAddress(const std::string& address) {
   std::array<unsigned char, sizeof(in6_addr)> bytes{};
@@ -182,7 +207,9 @@ void checkCommandRobots(const ExperimentForm& form, Problems& problems) {
 
 }  // namespace
 
-void checkNetworks(const ExperimentForm& form, Problems& problems) {
+void checkNetworks(const ExperimentForm& form,
+                   const std::optional<std::filesystem::path>& directory, Problems& problems) {
+  if (directory) refuseConfigurationInFile(form.common.gateway, problems);
   if (!problems.concern("gateway")) {
     checkGateway(form.common, problems);
     if (!problems.concern("robots")) checkCommandRobots(form, problems);

@@ -203,8 +203,8 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
   const auto painted = [&](Key key) { return tracker.only({Tracker::kCamera}, std::move(key)); };
   const auto modelled = [&](Key key) { return tracker.only({Tracker::kSimPoses}, std::move(key)); };
   v.text(painted({"camera",
-                  "sim: the one that sim_svc simulates; else a device, a movie or an address "
-                  "(docs/cameras.md)"}),
+                  "sim: the one that sim_svc simulates; else a device, a movie, an address, or "
+                  "pipeline: --camera-pipeline of the command line (docs/cameras.md)"}),
          {.most = 400}, camera.source);
   v.number({"fps", "frames per second"}, {1, 500}, camera.fps);
   std::int64_t width = camera.width;

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/camera/camera_source.hpp"
+#include "common/experiment/command_line_sources.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/keys/experiment_form.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
@@ -135,6 +137,9 @@ class TomlWriter final : public KeyVisitor {
 
 std::string writeExperiment(const Experiment& experiment) {
   keys::ExperimentForm form = keys::toForm(experiment);
+  // What only a command line may name does not come back from a file (docs/security.md).
+  form.common.gateway.configuration.clear();
+  if (!pipelineOf(form.common.camera).empty()) form.common.camera.source = kPipelineCamera;
   keys::TomlWriter writer;
   keys::visitKeys(writer, form);
   return writer.result();

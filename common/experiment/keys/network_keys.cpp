@@ -46,7 +46,9 @@ void visitGateway(KeyVisitor& v, Gateway& gateway) {
          {.most = kLongestAddress}, gateway.address);
   v.texts({"peers", "addresses of hosts that multicast does not reach"}, {.most = kLongestAddress},
           {.fewest = 0, .most = 32, .in_line = true}, gateway.peers);
-  v.text({"configuration", "file with a Cyclone DDS configuration to use instead of the lab's own"},
+  v.text({"configuration",
+          "refused in a file, because it can run code: give it on the command line, "
+          "--dds-configuration FILE (docs/security.md)"},
          {.most = kLongestPath}, gateway.configuration);
   v.text({"security", "folder of DDS Security certificates (docs/security.md); \"\": none"},
          {.most = kLongestPath}, gateway.security);

@@ -219,7 +219,7 @@ TEST(ExperimentFile, ThatIsMissingOrADirectoryOrEmptyOrHugeOrNoTextIsRefused) {
   const TemporaryFolder folder;
   EXPECT_THAT(problemsOfFile(folder / "none.toml"), HasSubstr("none.toml: found no such file"));
   EXPECT_THAT(problemsOfFile(folder / "."), HasSubstr("found a directory"));
-  EXPECT_THAT(problemsOfFile("/dev/null"), HasSubstr("/dev/null: found something that is no file"));
+  EXPECT_THAT(problemsOfFile("/dev/null"), HasSubstr("/dev/null: found a device, expected"));
   support::writeFile(folder / "empty.toml", " \n\t\n");
   EXPECT_THAT(problemsOfFile(folder / "empty.toml"), HasSubstr("empty.toml: found an empty file"));
   support::writeFile(folder / "huge.toml", std::string(1'000'001, '#'));

@@ -81,6 +81,18 @@ class Connection(PageTest):
         print(f"{missed} frames arrived while the page was blocked, it used {shown} of them")
         self.assertLess(shown, missed / 2)
 
+    def test_the_token_leaves_the_address_bar_and_stays_valid(self):
+        self.open(robots=2)
+        self.live()
+        address = browser.current_url
+        self.assertNotIn("token", address)
+        self.assertNotIn("#", address)
+        browser.refresh()
+        self.live()
+        self.assertEqual(address, browser.current_url)
+        self.js("location.hash = 'token=another'")
+        self.until("!location.hash && sessionStorage.getItem('lab-token') === 'another'")
+
 
 class Replay(PageTest):
     def test_plays_a_recorded_run_without_commands_to_robots(self):

@@ -5,7 +5,10 @@
 #include <ifaddrs.h>
 #include <net/if.h>
 
+#include <chrono>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <stdexcept>
 #include <vector>
 
@@ -252,6 +255,24 @@ TEST_F(WebTest, SilentClientsDoNotBlockOthers) {
   EXPECT_EQ(statusOf(control(R"({"request":"stop","reason":""})")), "202");
   EXPECT_THAT(lab_.requests(), SizeIs(1));
   EXPECT_EQ(server_->refusals().crowded, 0);
+}
+
+TEST_F(WebTest, DownloadsThatNobodyTakesDoNotBlockOthers) {
+  std::filesystem::create_directories(options_.runs / "a");
+  std::ofstream(options_.runs / "a/experiment.toml") << "";
+  std::ofstream(options_.runs / "a/trajectories.csv") << std::string(4 << 20, '1');
+  start();
+  std::vector<RawClient> stalled;
+  for (int i = 0; i < 200; ++i) {
+    stalled.emplace_back(server_->port(), 4096);
+    stalled.back().send(request("GET", "/api/runs/a/trajectories.csv"));
+  }
+  // Downloads count as stalled after a second, and end by themselves after ten.
+  const auto begin = std::chrono::steady_clock::now();
+  EXPECT_TRUE(waitUntil([&] { return statusOf(send("GET", "/api/me")) == "200"; },
+                        std::chrono::seconds(30)));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(8));
+  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":""})")), "202");
 }
 
 /// A non-loopback address of this host, 0 if there is none.

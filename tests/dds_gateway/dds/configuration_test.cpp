@@ -4,10 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <string_view>
+
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/endpoint.hpp"
 #include "dds_gateway/dds/error.hpp"
 #include "dds_gateway/ros/ros_type.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::dds {
 namespace {
@@ -67,6 +73,32 @@ TEST(Configuration, ATextThatIsNotADocumentIsRefused) {
                 AllOf(HasSubstr("gateway.configuration (my.xml)"), HasSubstr('"' + text + '"'),
                       HasSubstr("<CycloneDDS> ... </CycloneDDS>")));
   }
+}
+
+TEST(Configuration, ANameOfAFolderCannotContinueTheDocument) {
+  const TemporaryFolder parent;
+  for (const std::string name :
+       {"a</IdentityCA></Authentication><Authentication><Library path=\"x.so\"", "a&b", "$HOME"}) {
+    const std::filesystem::path folder = parent.path() / name;
+    std::filesystem::create_directories(folder);
+    for (const std::string_view file : kSecurityFiles) std::ofstream(folder / file) << "x";
+    EXPECT_THAT(errorOf([&] {
+                  (void)networkConfiguration({.address = "127.0.0.1", .security = folder.string()});
+                }),
+                AllOf(HasSubstr("found the folder of certificates"), HasSubstr("rename it")));
+  }
+}
+
+TEST(Configuration, CertificatesAreRegularFiles) {
+  const TemporaryFolder folder;
+  for (const std::string_view file : kSecurityFiles) {
+    std::filesystem::create_symlink("/dev/zero", folder.path() / file);
+  }
+  EXPECT_THAT(
+      errorOf([&] {
+        (void)networkConfiguration({.address = "127.0.0.1", .security = folder.path().string()});
+      }),
+      HasSubstr("identity_ca.pem: not found, or no regular file"));
 }
 
 TEST(Configuration, AnAddressThatThisHostDoesNotHaveIsNamed) {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <lab/light_command_t.hpp>
 #include <lab/robot_stop_t.hpp>
@@ -274,16 +275,16 @@ TEST(RosGateway, ProgramsAndLightFollowTheirCommands) {
 }
 
 /// The output of a gateway that ends with "bad input"; empty if it ends otherwise.
-std::string refusal(const std::string& experiment, const std::string& name,
-                    const std::string& file) {
+std::string refusal(const std::string& experiment, const std::string& name, const std::string& file,
+                    const std::string& options = "") {
   TemporaryFolder folder;
   std::ofstream(folder / "e.toml") << experiment;
   if (!name.empty()) std::ofstream(folder / name) << file;
   const std::string output = (folder / "output").string();
   Program program({"/bin/sh", "-c",
                    "exec timeout 20 " + std::string(LAB_PROGRAMS) + "/dds_gateway --experiment " +
-                       (folder / "e.toml").string() + " --lcm-url '" + lcmUrl(7902) + "' 2> " +
-                       output});
+                       (folder / "e.toml").string() + " --lcm-url '" + lcmUrl(7902) + "' " +
+                       options + " 2> " + output});
   if (program.wait() != 2) return "";
   std::ifstream stream(output);
   return {std::istreambuf_iterator<char>(stream), {}};
@@ -296,17 +297,30 @@ TEST(RosGateway, RefusesFilesThatItCannotUse) {
     return text.replace(text.find(commands), commands.size(), line + "\n");
   };
   // An element of a newer Cyclone.
-  EXPECT_THAT(refusal(with("configuration = \"c.xml\""), "c.xml",
-                      "<CycloneDDS><Domain><Nonsense>1</Nonsense></Domain></CycloneDDS>"),
-              ::testing::AllOf(HasSubstr("gateway.configuration"), HasSubstr("c.xml"),
-                               HasSubstr("Nonsense")));
-  EXPECT_THAT(refusal(with("configuration = \"none.xml\""), "", ""),
-              HasSubstr("none.xml: gateway.configuration cannot be read"));
+  EXPECT_THAT(
+      refusal(with(""), "c.xml", "<CycloneDDS><Domain><Nonsense>1</Nonsense></Domain></CycloneDDS>",
+              "--dds-configuration c.xml"),
+      ::testing::AllOf(HasSubstr("--dds-configuration"), HasSubstr("c.xml"),
+                       HasSubstr("Nonsense")));
+  EXPECT_THAT(refusal(with(""), "", "", "--dds-configuration none.xml"),
+              HasSubstr("none.xml: cannot be read"));
+  EXPECT_THAT(refusal(with(""), "", "", "--dds-configuration /dev/zero"),
+              HasSubstr("/dev/zero: found a device"));
+  EXPECT_THAT(refusal(with("mapping = \"/dev/zero\""), "", ""),
+              HasSubstr("/dev/zero: found a device"));
   EXPECT_THAT(refusal(with("mapping = \"m.toml\""), "m.toml", "fileversion = 1\nrule = 1\n"),
               HasSubstr("m.toml:2: rule: found an unknown key"));
   EXPECT_THAT(refusal(with("mapping = \"m.toml\""), "m.toml",
                       "fileversion = 1\n[[rules]]\ntopic = \"/lab/.*\"\nrename = \"/9\"\n"),
               HasSubstr("gateway.mapping: the rule /lab/.* makes \"/9\" of /lab/"));
+  // A configuration loads any library that it names, so that a file may not name one.
+  const TemporaryFolder loaded;
+  EXPECT_THAT(
+      refusal(with("configuration = \"c.xml\""), "c.xml",
+              "<CycloneDDS><Domain><Tracing><Verbosity>config</Verbosity><OutputFile>" +
+                  (loaded / "trace").string() + "</OutputFile></Tracing></Domain></CycloneDDS>"),
+      HasSubstr("gateway.configuration: found \"c.xml\", which can run code"));
+  EXPECT_FALSE(std::filesystem::exists(loaded / "trace"));
   EXPECT_THAT(refusal(with("address = \"10.99.99.99\""), "", ""), HasSubstr("gateway.address: "));
 }
 

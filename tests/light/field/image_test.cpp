@@ -7,7 +7,6 @@
 #include <string_view>
 
 #include "tests/support/light_samples.hpp"
-#include "tests/support/temporary_folder.hpp"
 
 namespace lab::light {
 namespace {
@@ -19,22 +18,6 @@ std::vector<std::uint8_t> bytesOf(std::string_view text) { return {text.begin(),
 TEST(LightImage, DigestEqualsTheExampleOfTheStandard) {
   EXPECT_EQ(sha256(bytesOf("abc")),
             "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-}
-
-TEST(LightImage, ReadsBackWhatWasWritten) {
-  const std::vector<std::uint8_t> grey = {0, 50, 100, 150, 200, 255};
-  const std::vector<std::uint8_t> png = encodePng(3, 2, grey);
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder / "grey.png";
-  ASSERT_EQ(writeFile(path, png), std::nullopt);
-
-  const DecodedImage dut = loadImage(path);
-
-  ASSERT_TRUE(dut.image) << dut.error;
-  EXPECT_EQ(dut.image->columns, 3);
-  EXPECT_EQ(dut.image->rows, 2);
-  EXPECT_EQ(dut.image->grey, grey);
-  EXPECT_EQ(dut.image->sha256, sha256(png));
 }
 
 TEST(LightImage, LargerThanTheGridIsShrunkToFitWithItsProportions) {
@@ -71,12 +54,6 @@ TEST(LightImage, ThatIsTruncatedIsRejected) {
   const DecodedImage dut = decodeImage(png);
   EXPECT_FALSE(dut.image);
   EXPECT_THAT(dut.error, HasSubstr("cannot be decoded"));
-}
-
-TEST(LightImage, ThatIsMissingIsReportedWithItsPath) {
-  const DecodedImage dut = loadImage("no_such_picture.png");
-  EXPECT_FALSE(dut.image);
-  EXPECT_EQ(dut.error, "no_such_picture.png: No such file or directory");
 }
 
 TEST(LightImage, IsAttachedToTheLayersThatNameIt) {

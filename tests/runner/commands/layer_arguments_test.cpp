@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/experiment/experiment_file.hpp"
+#include "common/files/image_file.hpp"
 #include "light/field/image.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "tests/support/temporary_folder.hpp"
@@ -61,7 +62,7 @@ TEST(LayerArguments, ConvertAnUnknownPictureToAGrid) {
   EXPECT_THAT(dut[0].layer.pixels->grey, testing::ElementsAre(0, 255, 128, 64));
   EXPECT_EQ(light::validate(dut[0].layer), std::nullopt);
 
-  const auto image = light::loadImage(folder / "a.png").image;
+  const auto image = loadImage(folder / "a.png").image;
   const auto known = layersOf({layer}, folder / "", {{image->sha256, image}});
   EXPECT_EQ(known[0].layer.kind, LayerKind::kImage);
   EXPECT_EQ(known[0].layer.image, image->sha256);

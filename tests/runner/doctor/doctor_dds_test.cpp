@@ -81,7 +81,7 @@ TEST(DoctorDds, UsesTheConfigurationOfTheGateway) {
   Gateway gateway;
   gateway.configuration = "no_such.xml";
   EXPECT_THAT(surveyDds(gateway, "/nowhere", 0).problem,
-              HasSubstr("/nowhere/no_such.xml: gateway.configuration"));
+              HasSubstr("/nowhere/no_such.xml: cannot be read"));
 }
 
 TEST(DoctorPorts, NamesPortsInUse) {

@@ -114,6 +114,19 @@ TEST_F(Streams, ThatCannotBeReachedAreRejected) {
   EXPECT_THAT(refusal("rtsp://camera/1", 4, 2), HasSubstr("found 2 x 2 pixels, wanted 4 x 2"));
 }
 
+TEST_F(Streams, OpenTheProtocolsOfACameraOnly) {
+  program("ffprobe", kFacts);
+  EXPECT_THAT(refusal("concat:file:///etc/passwd|http://a", 2, 2), HasSubstr("allowed rtsp://"));
+  EXPECT_THAT(refusal("file:///dev/zero", 2, 2), HasSubstr("allowed rtsp://"));
+
+  program("ffmpeg", "sleep 60");
+  const auto source = open("http://camera/video", 2, 2);
+
+  ASSERT_TRUE(loopUntil(loop, [&] { return !arguments("ffmpeg").empty(); }));
+  EXPECT_THAT(arguments("ffmpeg"),
+              AllOf(Contains("-protocol_whitelist"), Contains("http,https,tcp,tls,httpproxy")));
+}
+
 TEST_F(Streams, OfAPipelineHaveRowsPaddedToWords) {
   program("gst-launch-1.0", "printf 'abcde...fghij...'; sleep 60");
   const auto source = open("gst:aravissrc camera-name=\"A B\" ! queue", 5, 2);

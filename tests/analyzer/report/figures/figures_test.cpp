@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
 #include <sstream>
 #include <thread>
 
@@ -194,6 +195,35 @@ TEST(Gnuplot, ReportsErrorsOfTheScript) {
 
 TEST(Gnuplot, QuotesTextOnOneLineWithoutMarkup) {
   EXPECT_EQ(gnuplotText("a'b\n<c>&"), "'a’b ‹c›+'");
+}
+
+TEST(Gnuplot, ExecutesNothingOfAText) {
+  const TemporaryFolder scratch;
+  std::string names;
+  for (const char* name : {"`touch ran`", "'.system('touch ran').'", "\"; system('touch ran') #",
+                           "'\nsystem 'touch ran'\n'", "\\'; !touch ran", "@touch"}) {
+    names += (names.empty() ? "plot " : ", ") + std::string("1 title ") + gnuplotText(name);
+  }
+
+  runGnuplot(scratch.path(), "set terminal svg\nset output 'a.svg'\n" + names + "\n");
+
+  EXPECT_TRUE(std::filesystem::exists(scratch.path() / "a.svg"));
+  EXPECT_FALSE(std::filesystem::exists(scratch.path() / "ran"));
+}
+
+TEST(Gnuplot, DrawsInFoldersOfAnyName) {
+  const TemporaryFolder parent;
+  const std::filesystem::path folder = parent.path() / "Rita's <runs> & `touch ran`";
+  std::filesystem::create_directory(folder);
+
+  FigureScript script;
+  script.figure.name = "a";
+  script.script = "eval open_figure('a', 300, 200, 8)\nplot x\n";
+
+  const std::vector<Figure> dut = drawScripts({script}, folder);
+
+  ASSERT_EQ(dut.size(), 1U);
+  EXPECT_THAT(dut[0].svg, testing::HasSubstr("<svg"));
 }
 
 TEST(Gnuplot, MakesIdsOfSeveralFiguresDifferent) {

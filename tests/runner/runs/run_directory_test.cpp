@@ -1,0 +1,96 @@
+#include "runner/runs/run_directory.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include "tests/support/experiment_samples.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::AllOf;
+using testing::HasSubstr;
+
+class PreparedRunTest : public testing::Test {
+ protected:
+  PreparedRun prepare(const Experiment& experiment) {
+    return prepareRun(experiment, folder_.path(), folder_ / "runs", 1'750'000'000'000'000);
+  }
+
+  /// The refusal; no folder of a run may exist then.
+  std::string problemOf(const Experiment& experiment) {
+    try {
+      static_cast<void>(prepare(experiment));
+    } catch (const std::exception& error) {
+      EXPECT_FALSE(fs::exists(folder_ / "runs"));
+      return error.what();
+    }
+    return "none";
+  }
+
+  TemporaryFolder folder_;
+};
+
+TEST_F(PreparedRunTest, StoresTheMappingAndTheConfigurationOfTheCommandLine) {
+  const std::string mapping = "fileversion = 1\n[[rules]]\ntopic = \"/lab/.*\"\nallow = false\n";
+  support::writeFile(folder_ / "m.toml", mapping);
+  support::writeFile(folder_ / "c.xml", "<CycloneDDS></CycloneDDS>");
+  Experiment experiment = small("[gateway]\nros = true\nmapping = \"m.toml\"\n");
+  experiment.gateway.configuration = folder_ / "c.xml";
+
+  const PreparedRun dut = prepare(experiment);
+
+  EXPECT_EQ(support::readFile(dut.directory / "gateway/mapping.toml"), mapping);
+  EXPECT_EQ(dut.experiment.gateway.configuration, "gateway/cyclonedds.xml");
+  EXPECT_EQ(support::readFile(dut.directory / "gateway/cyclonedds.xml"),
+            "<CycloneDDS></CycloneDDS>");
+  const Experiment read = loadExperiment(dut.directory / "experiment.toml");
+  EXPECT_EQ(read.gateway.mapping, "gateway/mapping.toml");
+  EXPECT_EQ(read.gateway.configuration, "");
+}
+
+TEST_F(PreparedRunTest, CopiesNoFileThatIsNotWhatItShouldBe) {
+  support::writeFile(folder_ / "secret", "password = \"x\"\n");
+  Experiment mapped = small("[gateway]\nros = true\nmapping = \"secret\"\n");
+  EXPECT_THAT(problemOf(mapped), HasSubstr("secret:1: password: found an unknown key"));
+  mapped.gateway.mapping = "/proc/self/environ";
+  EXPECT_THAT(problemOf(mapped), HasSubstr("found a file of the kernel"));
+
+  Experiment replayed = small();
+  replayed.robots[0].body = Body::kReplay;
+  replayed.robots[0].log = "secret";
+  EXPECT_THAT(problemOf(replayed), AllOf(HasSubstr("secret"), HasSubstr("there is no log")));
+
+  Experiment driven = small();
+  driven.hardware.motors = "secret";
+  EXPECT_THAT(problemOf(driven), HasSubstr("found no [[robots]]"));
+}
+
+TEST_F(PreparedRunTest, WaitsForNoPipe) {
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  Experiment experiment = small();
+  experiment.hardware.motors = "pipe";
+  EXPECT_THAT(problemOf(experiment), HasSubstr("pipe: found a pipe, expected a calibration"));
+  experiment = small();
+  experiment.robots[0].body = Body::kReplay;
+  experiment.robots[0].log = "pipe";
+  EXPECT_THAT(problemOf(experiment), HasSubstr("there is no log"));
+  experiment = small();
+  experiment.projector.light_calibration = "pipe";
+  EXPECT_THAT(problemOf(experiment), HasSubstr("pipe: found a pipe"));
+  experiment = small();
+  experiment.projector.calibration = "pipe";
+  EXPECT_THAT(problemOf(experiment), HasSubstr("pipe: found a pipe"));
+}
+
+}  // namespace
+}  // namespace lab::runner
