@@ -139,7 +139,7 @@ light::Field LightPreview::field(std::size_t step, double time) {
 tracker::RgbImage LightPreview::picture(std::size_t step, double time, int width) {
   const double aspect = experiment_.arena_height / experiment_.arena_width;
   const int height = std::max(1, static_cast<int>(std::lround(width * aspect)));
-  const PreviewMarks marks(experiment_, width);
+  const PreviewMarks marks(experiment_, width, !start_frame_.robots.empty());
   const light::Raster raster = light::rasterise(field(step, time), experiment_.arena_width,
                                                 experiment_.arena_height, width, height);
   const std::vector<std::uint8_t> grey = light::toGrey(raster);
@@ -147,9 +147,7 @@ tracker::RgbImage LightPreview::picture(std::size_t step, double time, int width
   auto pixel = image.pixels.end() - static_cast<std::ptrdiff_t>(3 * grey.size());
   for (const std::uint8_t value : grey) pixel = std::fill_n(pixel, 3, value);
   const LightStep& shown = experiment_.light.steps[step];
-  marks.drawHead(image,
-                 fmt::format("{:.2f} s  {}{}", shown.at + time, shown.label,
-                             start_frame_.robots.empty() ? "" : "  (robots at their start)"));
+  marks.drawHead(image, fmt::format("{:.2f} s  {}", shown.at + time, shown.label), raster);
   marks.drawBands(image, raster);
   marks.drawRobots(image, start_frame_);
   marks.drawScale(image);

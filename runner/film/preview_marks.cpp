@@ -26,7 +26,9 @@ constexpr std::array<Colour, 7> kProgramColours{{{0, 114, 178},
                                                  {86, 180, 233},
                                                  {140, 140, 140}}};
 constexpr Colour kTextColour{255, 255, 255};
-constexpr Colour kRobotColour{255, 140, 0};
+constexpr Colour kAbsentColour{120, 120, 120};
+// Robots are white with a black edge, so that colours belong to programs alone.
+constexpr Colour kRobotColour{255, 255, 255};
 constexpr Colour kShadow{0, 0, 0};
 constexpr int kMargin = 3;                // [px]
 constexpr int kLetter = kGlyphWidth + 1;  // [px]
@@ -56,18 +58,22 @@ void fill(tracker::RgbImage& image, int x, int y, int width, int height, Colour 
 
 }  // namespace
 
-PreviewMarks::PreviewMarks(const Experiment& experiment, int width)
+PreviewMarks::PreviewMarks(const Experiment& experiment, int width, bool with_robots)
     : width_(width),
       scale_(width / experiment.arena_width),
       arena_height_(experiment.arena_height),
       radius_(experiment.hardware.diameter / 2),
       bands_(experiment.light_table.bands) {
-  int x = kMargin;
-  int row = 0;
   for (const LightBand& band : bands_) {
     colours_.push_back(colourOf(experiment, band.program));
-    Entry entry{fmt::format("{} {:.4g}-{:.4g} %", band.program, 100 * band.low, 100 * band.high),
-                colours_.back()};
+    legend_.push_back(
+        {fmt::format("{} {:.4g}-{:.4g} %", band.program, 100 * band.low, 100 * band.high),
+         colours_.back()});
+  }
+  if (with_robots) legend_.push_back({"robots at their start", kRobotColour});
+  int x = kMargin;
+  int row = 0;
+  for (Entry& entry : legend_) {
     const int wide = kSwatch + kMargin + widthOf(entry.text) + 3 * kMargin;
     if (x > kMargin && x + wide > width_) {
       x = kMargin;
@@ -76,7 +82,6 @@ PreviewMarks::PreviewMarks(const Experiment& experiment, int width)
     entry.x = x;
     entry.row = row;
     x += wide;
-    legend_.push_back(std::move(entry));
   }
 }
 
@@ -85,13 +90,23 @@ int PreviewMarks::headHeight() const {
   return kGlyphHeight + 2 * kMargin + (lines == 0 ? 0 : lines * kLine + kMargin);
 }
 
-void PreviewMarks::drawHead(tracker::RgbImage& image, const std::string& caption) const {
+void PreviewMarks::drawHead(tracker::RgbImage& image, const std::string& caption,
+                            const light::Raster& light) const {
   tracker::Canvas(image).text(kMargin, kMargin, caption, kTextColour);
-  for (const Entry& entry : legend_) {
+  for (std::size_t i = 0; i < legend_.size(); ++i) {
+    const Entry& entry = legend_[i];
+    const bool shown = i >= bands_.size() || isSelected(i, light);
     const int y = kGlyphHeight + 2 * kMargin + entry.row * kLine;
-    fill(image, entry.x, y, kSwatch, kSwatch, entry.colour);
-    tracker::Canvas(image).text(entry.x + kSwatch + kMargin, y, entry.text, kTextColour);
+    fill(image, entry.x, y, kSwatch, kSwatch, shown ? entry.colour : kAbsentColour);
+    tracker::Canvas(image).text(entry.x + kSwatch + kMargin, y, entry.text,
+                                shown ? kTextColour : kAbsentColour);
   }
+}
+
+bool PreviewMarks::isSelected(std::size_t band, const light::Raster& light) const {
+  return std::ranges::any_of(light.values, [&each = bands_[band]](float value) {
+    return contains(each, static_cast<double>(value));
+  });
 }
 
 int PreviewMarks::bandAt(double light) const {
@@ -154,11 +169,16 @@ void PreviewMarks::drawRobots(tracker::RgbImage& image,
       const double y = robot.y + radius * std::sin(angle);
       return optics::Pixel{x * scale_, headHeight() + (arena_height_ - y) * scale_};
     };
-    for (int side = 0; side < kSides; ++side) {
-      const double step = 2 * std::numbers::pi / kSides;
-      canvas.line(place(side * step, radius_), place((side + 1) * step, radius_), kRobotColour);
-    }
-    canvas.line(place(robot.theta, radius_), place(robot.theta, 1.5 * radius_), kRobotColour, 2);
+    const auto outline = [&](Colour colour, double edge) {
+      for (int side = 0; side < kSides; ++side) {
+        const double step = 2 * std::numbers::pi / kSides;
+        canvas.line(place(side * step, radius_), place((side + 1) * step, radius_), colour,
+                    1 + edge);
+      }
+      canvas.line(place(robot.theta, radius_), place(robot.theta, 1.5 * radius_), colour, 2 + edge);
+    };
+    outline(kShadow, 2);
+    outline(kRobotColour, 0);
     const std::string id = std::to_string(robot.id);
     if (widthOf(id) > 2 * radius_ * scale_) continue;
     const optics::Pixel centre = place(0, 0);

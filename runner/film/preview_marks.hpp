@@ -17,13 +17,16 @@ namespace lab::runner {
 class PreviewMarks {
  public:
   /// @param width of the pictures [px]
-  PreviewMarks(const Experiment& experiment, int width);
+  /// @param with_robots whether robots are drawn: the head says so
+  PreviewMarks(const Experiment& experiment, int width, bool with_robots);
 
   /// Height of the head above the arena [px].
   [[nodiscard]] int headHeight() const;
 
-  /// Writes the head: the caption, and the programs with the light that selects each.
-  void drawHead(tracker::RgbImage& image, const std::string& caption) const;
+  /// Writes the head: the caption, and the programs with the light that selects each. Programs that
+  /// no light of the picture selects are grey.
+  void drawHead(tracker::RgbImage& image, const std::string& caption,
+                const light::Raster& light) const;
 
   /// Outlines the region of each band in the colour of its program.
   /// @param light of the arena, as large as in the picture
@@ -44,6 +47,7 @@ class PreviewMarks {
   };
 
   [[nodiscard]] int bandAt(double light) const;
+  [[nodiscard]] bool isSelected(std::size_t band, const light::Raster& light) const;
 
   int width_;
   double scale_;         ///< [px/m]
@@ -51,7 +55,7 @@ class PreviewMarks {
   double radius_;        ///< of a robot [m]
   std::vector<LightBand> bands_;
   std::vector<tracker::Colour> colours_;  ///< of the bands
-  std::vector<Entry> legend_;
+  std::vector<Entry> legend_;             ///< of the bands, and of the robots
 };
 
 }  // namespace lab::runner

@@ -156,11 +156,23 @@ TEST(LightPreview, OutlinesTheRegionOfEachBandInTheColourOfItsProgram) {
   EXPECT_TRUE(stand && turn);
 }
 
+TEST(LightPreview, NamesProgramsInGreyThatNoLightOfThePictureSelects) {
+  std::string file = kTwoBands;
+  file.replace(file.find("intensity = 0.8"), 15, "intensity = 0.2");
+  const Experiment experiment = parseExperiment(file, "bands.toml");
+  LightPreview dut(experiment, {});
+  const tracker::RgbImage picture = dut.picture(0, 0, 480);
+  for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {
+    const bool turn = picture.pixels[i] == 213 && picture.pixels[i + 1] == 94;
+    ASSERT_FALSE(turn) << "the colour of the other program";
+  }
+}
+
 TEST(LightPreview, DrawsRobotsWithHeadingAndId) {
   const Experiment experiment = parseExperiment(kTwoBands, "bands.toml");
   LightPreview dut(experiment, {});
   const tracker::RgbImage picture = dut.picture(0, 0, 480);
-  constexpr Rgb kRobot{255, 140, 0};
+  constexpr Rgb kRobot{255, 255, 255};
   EXPECT_EQ(at(picture, 90 + 1.25 * 3.75, 45), kRobot) << "the heading, along x";
   EXPECT_NE(at(picture, 90 - 1.25 * 3.75, 45), kRobot);
   int white = 0;  // the 7
