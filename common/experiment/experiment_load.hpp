@@ -15,11 +15,12 @@ struct ProcessLoad {
 };
 
 /// The processes that a live run has on this machine, the busiest first. Measured on one machine
-/// (tests/benchmarks/README.md, "Robots per core"): others differ by a factor of
+/// (docs/robots_per_core.md): others differ by a factor of
 /// two.
 [[nodiscard]] std::vector<ProcessLoad> expectedLoad(const Experiment& experiment);
 
-/// Why this machine is too slow for a live run, with the way out; empty if it is not.
+/// Why this machine is too slow for a live run, with the way out; empty if it is not. A process has
+/// one thread that works.
 /// @param cores of this machine
 [[nodiscard]] std::string loadProblem(const Experiment& experiment, unsigned cores);
 
