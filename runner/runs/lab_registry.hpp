@@ -1,4 +1,5 @@
-/// Registers the labs that run on this machine, so that `lab stop`, `lab spy` and `lab light` find them.
+/// Registers the labs that run on this machine, so that `lab stop`, `lab spy` and `lab light` find
+/// them.
 #pragma once
 
 #include <filesystem>

@@ -11,7 +11,7 @@ TEST(NearestWord, FindsTheWordThatWasMeant) {
   EXPECT_EQ(nearestWord("ABP", words), "abp");
   EXPECT_EQ(nearestWord("noisyabp", words), "noisy_abp");
   EXPECT_EQ(nearestWord("apb", words), "abp");
-  EXPECT_EQ(nearestWord("stnad", words), "stand");
+  EXPECT_EQ(nearestWord("staand", words), "stand");
 }
 
 TEST(NearestWord, FindsNothingWhereNothingIsSimilar) {

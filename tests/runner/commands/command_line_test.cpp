@@ -120,7 +120,7 @@ TEST(CommandLine, RefusesTwoValuesOfOneOption) {
 }
 
 TEST(CommandLine, SuggestsCommandsAndExperiments) {
-  EXPECT_THAT(errorOf({"runn", "abp"}), EndsWith("; did you mean run?"));
+  EXPECT_THAT(errorOf({"replayy", "log"}), EndsWith("; did you mean replay?"));
   EXPECT_THAT(errorOf({"check", "abpp"}), EndsWith("; did you mean abp?"));
 }
 
