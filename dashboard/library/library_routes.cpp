@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "common/files/file_text.hpp"
+#include "common/process/running_labs.hpp"
 #include "dashboard/library/run_compare.hpp"
 #include "dashboard/web/http_response.hpp"
 #include "dashboard/web/json.hpp"
@@ -59,6 +60,20 @@ void sendFile(const fs::path& path, HttpResponse& response) {
   };
 }
 
+/// The labs that run on this machine. Only clients that may control this lab get the addresses of
+/// their pages, which include the tokens.
+std::string labsJson(bool control) {
+  Json all = Json::array();
+  for (const RunningLab& lab : runningLabs()) {
+    const std::string page = control ? pageOf(lab) : "";
+    all.push_back({{"name", lab.name},
+                   {"directory", lab.directory},
+                   {"replay", lab.replay},
+                   {"address", page.empty() ? Json() : Json(page)}});
+  }
+  return toText(all);
+}
+
 }  // namespace
 
 LibraryRoutes::LibraryRoutes(RunLauncher::Folders folders)
@@ -71,6 +86,8 @@ Decision LibraryRoutes::get(const HttpRequest& request, bool control, HttpRespon
   if (path.starts_with(kRuns)) return file(path.substr(kRuns.size()), response);
   if (path == "/api/runs") {
     respondJson(response, runs_.json());
+  } else if (path == "/api/labs") {
+    respondJson(response, labsJson(control));
   } else if (path == "/api/experiments") {
     respondJson(response, launcher_.experiments());
   } else if (path == "/api/started") {

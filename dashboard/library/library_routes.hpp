@@ -10,8 +10,8 @@
 
 namespace lab::dashboard {
 
-/// Serves the paths /api/runs, /api/compare, /api/experiments, /api/started, /api/check and
-/// /api/start. Thread-safe.
+/// Serves the paths /api/runs, /api/compare, /api/labs, /api/experiments, /api/started, /api/check
+/// and /api/start. Thread-safe.
 class LibraryRoutes {
  public:
   explicit LibraryRoutes(RunLauncher::Folders folders);

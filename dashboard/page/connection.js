@@ -11,7 +11,9 @@ export class Connection {
     const began = performance.now();
     const show = () => {
       const silent = performance.now() - (stream.lastPulse || began);
-      const bus = stream.topics.get("pulse")?.bus_silent_s ?? 0;
+      // null: no message has come from a lab yet.
+      const pulse = stream.topics.get("pulse");
+      const bus = pulse ? pulse.bus_silent_s ?? Infinity : 0;
       const [level, text, short] = state(stream, silent, bus);
       const banner = find("banner");
       banner.hidden = !text;
@@ -20,8 +22,7 @@ export class Connection {
       setText(find("link-text"), short);
       find("link-lamp").dataset.state = level;
       document.body.classList.toggle(
-          "no-lab",
-          !stream.topics.has("lab") && !stream.topics.has("frame") && stream.lastPulse > 0);
+          "no-lab", !stream.topics.has("lab") && bus > BUS_S && stream.lastPulse > 0);
     };
     setInterval(show, 250);
     stream.on("pulse", show);
@@ -55,6 +56,7 @@ function state(stream, silent, bus) {
     return ["bad", heard, "no server"];
   }
   if (bus > BUS_S && !topics.has("lab")) return ["quiet", "", "no lab is running"];
+  if (bus === Infinity) return ["quiet", "", "waiting for the lab"];
   if (bus > BUS_S) {
     const next = "lab spy lists the senders on the bus, lab doctor checks this host";
     const text = `no message from the lab for ${seconds(bus)}: this page shows old data. ${next}`;

@@ -9,6 +9,7 @@ import {find} from "./dom.js";
 import {Estimates} from "./estimates.js";
 import {Health} from "./health.js";
 import {listenToKeys} from "./keys.js";
+import {Labs} from "./labs.js";
 import {Player} from "./player.js";
 import {setPrograms} from "./programs.js";
 import {RobotPanel} from "./robot_panel.js";
@@ -56,6 +57,7 @@ new Health(stream);
 new Player(stream);
 new CameraPicture(stream);
 new Start(stream, controls);
+new Labs();
 listenToKeys(view, controls);
 stream.run();
 

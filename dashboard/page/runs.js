@@ -8,6 +8,7 @@ import {DASH, number, seconds} from "./format.js";
 
 const LOOKS =
     [{color: "#0072B2", symbol: "circle"}, {color: "#D55E00", symbol: "square", dash: "8 3 2 3"}];
+const COMPARED = LOOKS.length;
 const file = (run, name) =>
     `/api/runs/${encodeURIComponent(run)}/${name.split("/").map(encodeURIComponent).join("/")}`;
 
@@ -93,9 +94,21 @@ export class Runs {
     box.addEventListener("change", () => {
       this.#chosen = this.#chosen.filter((name) => name !== run.name);
       if (box.checked) this.#chosen.push(run.name);
-      find("runs-compare").disabled = this.#chosen.length !== 2;
+      this.#judge();
     });
     cell.replaceChildren(box);
+  }
+
+  /** Says why the button does not work. */
+  #judge() {
+    const chosen = this.#chosen.length;
+    find("runs-compare").disabled = chosen !== COMPARED;
+    const change = chosen < COMPARED ? "select one more" : `clear ${chosen - COMPARED}`;
+    setText(
+        find("compare-text"),
+        chosen === 0 || chosen === COMPARED ?
+            "" :
+            `${chosen} selected, ${COMPARED} can be compared: ${change}`);
   }
 
   async #compare() {

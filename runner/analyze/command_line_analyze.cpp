@@ -22,10 +22,8 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
                     "Join the motion before and after reversals (default: yes)");
   command->add_option("--program", options->program,
                       "Poses: program of all robots: abp, noisy_abp, bp, rtp (default: not known)");
-  command
-      ->add_option("--set", options->set,
-                   "Poses: parameter of the program, as v_cm_s=3 (repeatable)")
-      ->allow_extra_args(false);
+  addSettings(*command, options->set, "Poses: parameter of the program, as v_cm_s=3 (repeatable)")
+      ->type_name("NAME=VALUE");
   command
       ->add_option("--scale-cm", options->scale_cm,
                    "Poses: length in cm of one unit of columns x and y")

@@ -58,8 +58,7 @@ void addCalibrateCamera(CLI::App& calibrate, Chosen& chosen, const fs::path& pro
       ->capture_default_str();
   command->add_option("--runs", options->runs, "With an experiment file: folder for the runs")
       ->capture_default_str();
-  command->add_option("--set", options->set, "With an experiment file: key=value (repeatable)")
-      ->allow_extra_args(false);
+  addSettings(*command, options->set, "With an experiment file: replaces a key (repeatable)");
   addSources(*command, options->sources);
   command->add_flag(
       "--virtual-time", options->virtual_time,
@@ -91,9 +90,7 @@ void addCalibrateProjector(CLI::App& calibrate, Chosen& chosen, const fs::path& 
   command->add_flag("--virtual-time", options->virtual_time,
                     "One process, as fast as the machine allows, the same to the bit");
   command->add_option("--runs", options->runs, "Folder for the runs")->capture_default_str();
-  command
-      ->add_option("--set", options->set, "key=value: replaces the value of the file (repeatable)")
-      ->allow_extra_args(false);
+  addSettings(*command, options->set);
   addSources(*command, options->sources);
   command->add_flag("--force", options->force, "Replace existing files");
   command->callback(
@@ -116,9 +113,7 @@ void addCalibrateLight(CLI::App& calibrate, Chosen& chosen, const fs::path& prog
   command->add_flag("--virtual-time", options->virtual_time,
                     "One process, as fast as the machine allows, the same to the bit");
   command->add_option("--runs", options->runs, "Folder for the runs")->capture_default_str();
-  command
-      ->add_option("--set", options->set, "key=value: replaces the value of the file (repeatable)")
-      ->allow_extra_args(false);
+  addSettings(*command, options->set);
   addSources(*command, options->sources);
   command->add_flag("--force", options->force, "Replace an existing file");
   command->callback(
@@ -141,10 +136,8 @@ void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   motors->add_flag("--virtual-time", options->virtual_time,
                    "One process, as fast as the machine allows, the same to the bit");
   motors->add_option("--robot", options->robots, "Only these robots (default: all)");
-  motors->add_option("--out", options->out, "Folder for the runs")->capture_default_str();
-  motors
-      ->add_option("--set", options->set, "key=value: replaces the value of the file (repeatable)")
-      ->allow_extra_args(false);
+  addRunsFolder(*motors, options->out, "Folder for the runs");
+  addSettings(*motors, options->set);
   addSources(*motors, options->sources);
   motors->callback(
       [&chosen, options] { chosen = [options] { return calibrateMotors(*options); }; });

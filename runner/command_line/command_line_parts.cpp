@@ -1,19 +1,33 @@
 #include "runner/command_line/command_line_parts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 #include "common/process/installation.hpp"
+#include "common/text/nearest_word.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/experiment_lookup.hpp"
 
 namespace lab::runner {
+namespace {
+
+/// Key and value of "key = value", without the spaces around them.
+std::pair<std::string, std::string> splitSetting(const std::string& setting) {
+  const std::size_t equals = setting.find('=');
+  const std::string value = equals == std::string::npos ? "" : setting.substr(equals + 1);
+  return {CLI::detail::trim_copy(setting.substr(0, equals)), CLI::detail::trim_copy(value)};
+}
+
+}  // namespace
 
 CLI::Validator between(double low, double high) {
   return {[low, high](const std::string& text) -> std::string {
@@ -45,23 +59,58 @@ void requireCommand(const CLI::App& app) {
     typed += at->get_name() + " ";
   }
   if (at->get_require_subcommand_min() == 0) return;
-  std::string known;
+  std::vector<std::string> known;
   for (const CLI::App* command : at->get_subcommands([](const CLI::App* each) {
          return !each->get_group().empty();  // hidden commands have no group
        })) {
-    known += (known.empty() ? "" : ", ") + command->get_name();
+    known.push_back(command->get_name());
   }
   const std::vector<std::string> rest = app.remaining(true);
-  throw UserError(fmt::format("{}found {}, expected one of {}; lab {}--help says what each does",
+  throw UserError(fmt::format("{}found {}, expected one of {}; lab {}--help says what each does{}",
                               typed.empty() ? "" : typed.substr(0, typed.size() - 1) + ": ",
-                              rest.empty() ? "no command" : "\"" + rest.front() + "\"", known,
-                              typed));
+                              rest.empty() ? "no command" : "\"" + rest.front() + "\"",
+                              fmt::join(known, ", "), typed,
+                              rest.empty() ? "" : didYouMean(rest.front(), known)));
 }
 
 void addChoice(CLI::App& command, const std::string& names, std::optional<bool>& choice,
                const std::string& text) {
   command.add_flag_function(
       names, [&choice](std::int64_t count) { choice = count > 0; }, text);
+}
+
+CLI::Option* addSettings(CLI::App& command, std::vector<std::string>& set,
+                         const std::string& text) {
+  const auto take = [&set](const std::vector<std::string>& given) {
+    std::map<std::string, std::string> values;
+    for (const std::string& setting : given) {
+      const auto [key, value] = splitSetting(setting);
+      const auto [known, is_new] = values.emplace(key, value);
+      if (is_new || known->second == value) continue;
+      throw UserError(fmt::format("--set {}={} and --set {}={}: two values for one key; keep one",
+                                  key, known->second, key, value));
+    }
+    set = given;
+  };
+  return command.add_option_function<std::vector<std::string>>("--set", take, text)
+      ->type_name(kSettingType)
+      ->allow_extra_args(false);
+}
+
+std::vector<std::string> withOption(std::vector<std::string> set, const std::string& option,
+                                    const std::string& key, const std::string& value) {
+  for (const std::string& setting : set) {
+    const auto [set_key, set_value] = splitSetting(setting);
+    if (set_key != key || set_value == value) continue;
+    throw UserError(fmt::format("{} {} and --set {}={}: two values for one key; keep one", option,
+                                value, key, set_value));
+  }
+  set.push_back(key + "=" + value);
+  return set;
+}
+
+void addRunsFolder(CLI::App& command, std::filesystem::path& runs, const std::string& text) {
+  command.add_option("--runs,--out", runs, text)->capture_default_str();
 }
 
 void addExperiment(CLI::App& command, std::filesystem::path& file) {

@@ -4,11 +4,13 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/experiment/command_line_sources.hpp"
 
 namespace CLI {
 class App;
+class Option;
 class Validator;
 }  // namespace CLI
 
@@ -27,6 +29,24 @@ void requireCommand(const CLI::App& app);
 /// A flag that is on, off or not given. CLI11's own flags take "not given" for off.
 void addChoice(CLI::App& command, const std::string& names, std::optional<bool>& choice,
                const std::string& text);
+
+/// The type that --help prints for --set.
+inline constexpr const char* kSettingType = "KEY=VALUE";
+
+/// --set KEY=VALUE, repeatable. Two values for one key are refused: nobody can know which one is
+/// meant.
+CLI::Option* addSettings(CLI::App& command, std::vector<std::string>& set,
+                         const std::string& text = "Replaces a key of the file (repeatable)");
+
+/// The settings and what an option says that stands for a key, as --seed 2 for seed=2.
+/// @throws UserError when a setting contradicts the option
+[[nodiscard]] std::vector<std::string> withOption(std::vector<std::string> set,
+                                                  const std::string& option, const std::string& key,
+                                                  const std::string& value);
+
+/// --runs: the folder in which a run gets its folder. --out, its former name in `lab run`, is the
+/// same.
+void addRunsFolder(CLI::App& command, std::filesystem::path& runs, const std::string& text);
 
 /// FILE: a file, or the name of a shipped experiment.
 void addExperiment(CLI::App& command, std::filesystem::path& file);

@@ -22,6 +22,7 @@
 #include "runner/command_line/build_facts.hpp"
 #include "runner/command_line/command_line_parts.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/unknown_argument.hpp"
 
 namespace lab::runner {
 namespace {
@@ -39,6 +40,11 @@ constexpr std::array<ProgramCommand, 7> kProgramCommands{{
     {"doctor", "lab-doctor",
      "Check this machine; for each problem print the command that fixes it"},
 }};
+
+/// For errors that an unknown option may have caused: CLI11 took its value for an argument.
+void refuseUnknownOption(const CLI::App& app, int argc, const char* const* argv) {
+  if (hasUnknownOption(app)) throw UserError(unknownArgument(app, argc, argv));
+}
 
 }  // namespace
 
@@ -81,11 +87,27 @@ int runCommands(int argc, char** argv, const AddCommands& add) {
   add(app, chosen);
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {  // --help, --version
+    return app.exit(asked);
+  } catch (const CLI::ExtrasError&) {
+    throw UserError(unknownArgument(app, argc, argv));
   } catch (const CLI::RequiredError& error) {
     requireCommand(app);
-    return app.exit(error) == 0 ? kDone : kBadInput;
+    refuseUnknownOption(app, argc, argv);
+    app.exit(error);
+    return kBadInput;
+  } catch (const CLI::ArgumentMismatch& error) {
+    refuseUnknownOption(app, argc, argv);
+    if (const std::string what = repeatedOption(app); !what.empty()) throw UserError(what);
+    app.exit(error);
+    return kBadInput;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kBadInput;
+    refuseUnknownOption(app, argc, argv);
+    app.exit(error);
+    return kBadInput;
+  } catch (const UserError&) {
+    refuseUnknownOption(app, argc, argv);
+    throw;
   }
   return chosen();
 }

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "common/text/nearest_word.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner {
@@ -37,10 +38,11 @@ fs::path findExperiment(const fs::path& named, const fs::path& shipped) {
   if (named.extension() != ".toml") file += ".toml";
   if (isFile(file)) return file;
   const std::vector<std::string> names = namesIn(shipped);
-  throw UserError(fmt::format("no experiment {}: looked for the files {} and {}; {}",
+  throw UserError(fmt::format("no experiment {}: looked for the files {} and {}; {}{}",
                               named.string(), fs::absolute(named).string(), file.string(),
                               names.empty() ? "no experiment is shipped there"
-                                            : fmt::format("there are {}", fmt::join(names, ", "))));
+                                            : fmt::format("there are {}", fmt::join(names, ", ")),
+                              didYouMean(named.stem().string(), names)));
 }
 
 }  // namespace lab::runner

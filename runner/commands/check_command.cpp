@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
@@ -10,6 +11,7 @@
 #include "common/calibration/projector_file.hpp"
 #include "common/experiment/experiment_describe.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/experiment_load.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/run_directory.hpp"
@@ -30,6 +32,8 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
     return analysis::ExactLaw(law).persistenceLength();
   };
   fmt::print("{}", describeExperiment(experiment, length));
+  const std::string problem = loadProblem(experiment, std::thread::hardware_concurrency());
+  if (!problem.empty()) fmt::print("warning       {}\n", problem);
   return kDone;
 }
 

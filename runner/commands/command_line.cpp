@@ -40,8 +40,7 @@ void addCheck(CLI::App& app, Chosen& chosen) {
   auto set = std::make_shared<std::vector<std::string>>();
   CLI::App* command = app.add_subcommand("check", "Check an experiment file and describe the run");
   addExperiment(*command, *file);
-  command->add_option("--set", *set, "key=value: replaces a key of the file (repeatable)")
-      ->allow_extra_args(false);
+  addSettings(*command, *set);
   command->callback([&chosen, file, set] { chosen = [=] { return check(*file, *set); }; });
 }
 
@@ -138,7 +137,7 @@ void addWeb(CLI::App& app, Chosen& chosen, const fs::path& programs) {
       "web", "The dashboard without a running lab: past runs, comparisons, starting experiments");
   command->add_option("--port", options->port, "First port tried (default: 8480)")
       ->check(CLI::Range(1024, 65535));
-  command->add_option("--runs", options->runs, "Folder of past runs")->capture_default_str();
+  addRunsFolder(*command, options->runs, "Folder of past and new runs");
   command->add_flag("--open", options->open, "Open the dashboard in your browser");
   command->callback([&chosen, options] { chosen = [options] { return web(*options); }; });
 }

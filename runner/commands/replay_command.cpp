@@ -159,7 +159,7 @@ void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& optio
                                 .url = url,
                                 .experiment = fs::exists(experiment) ? experiment : fs::path(),
                                 .runs = run.parent_path(),
-                                .address_file = registryFile(".web"),
+                                .address_file = registryFile(kPageFile),
                                 .output = output});
   page->start([](const std::string& what) { printLine("web      " + what); });
 }

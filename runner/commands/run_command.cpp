@@ -28,9 +28,8 @@ constexpr const char* kReporter = "lab-analyze";
 constexpr const char* kReportOfRun = "report-of-run";  // its command, see analyze_commands.hpp
 
 std::vector<std::string> settingsOf(const RunOptions& options) {
-  std::vector<std::string> set = options.set;
-  if (options.seed) set.push_back("seed=" + std::to_string(*options.seed));
-  return set;
+  if (!options.seed) return options.set;
+  return withOption(options.set, "--seed", "seed", std::to_string(*options.seed));
 }
 
 void requireReporter(const fs::path& programs) {
@@ -148,9 +147,8 @@ void addRunOptions(CLI::App& command, RunOptions& options) {
       "--virtual-time", options.virtual_time,
       "Simulate in one process, as fast as possible; the same seed gives the same log");
   command.add_option("--seed", options.seed, "Replaces the seed of the file")->check(wholeNumber());
-  command.add_option("--out", options.out, "Folder for the folders of runs")->capture_default_str();
-  command.add_option("--set", options.set, "key=value: replaces a key of the file (repeatable)")
-      ->allow_extra_args(false);
+  addRunsFolder(command, options.out, "Folder for the folders of runs");
+  addSettings(command, options.set);
   addSources(command, options.sources);
   command.add_flag("!--no-report", options.report,
                    "Keep the log only; lab analyze makes the report later");

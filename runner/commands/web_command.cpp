@@ -86,7 +86,7 @@ ExitCode web(const WebOptions& options) {
                          .url = lcmUrl(choosePort(0)),
                          .runs = fs::absolute(options.runs),
                          .port = options.port,
-                         .address_file = registryFile(".web"),
+                         .address_file = registryFile(kPageFile),
                          .output = output.path()});
   const auto say = [](const std::string& what) { printLine("web      " + what); };
   bool opened = !options.open;

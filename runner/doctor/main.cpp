@@ -27,8 +27,7 @@ void addDoctor(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<DoctorOptions>();
   CLI::App* command = app.add_subcommand("doctor", summaryOf("doctor"));
   auto file = std::make_shared<std::string>();
-  command->add_option("--out", options->runs, "Folder for the folders of runs")
-      ->capture_default_str();
+  addRunsFolder(*command, options->runs, "Folder for the folders of runs");
   command->add_option("FILE", *file, "Experiment: its other hosts are checked too")
       ->transform([](const std::string& named) {
         return findExperiment(named, installation().experiments).string();

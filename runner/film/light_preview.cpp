@@ -10,7 +10,7 @@
 #include <string>
 
 #include "light/field/raster.hpp"
-#include "light/optics/canvas.hpp"
+#include "runner/film/preview_marks.hpp"
 #include "sim_svc/placement.hpp"
 
 namespace lab::runner {
@@ -21,9 +21,6 @@ constexpr double kFramePeriod = 0.2;  // [s] period of the tracker frames that t
 constexpr double kLongestTrail = 60;  // [s] length of a trail
 constexpr double kVisibleDistance = 0.2;  // [m] distance after which a motion is visible
 constexpr double kDefaultSpan = 10;       // [s] for light without a period
-constexpr int kMargin = 3;                // [px] around the text
-constexpr optics::Colour kTextColour{255, 255, 255};
-constexpr optics::Colour kRobotColour{255, 140, 0};
 
 std::int64_t utimeAt(double time) {
   return kStart_utime + static_cast<std::int64_t>(std::llround(time * 1e6));
@@ -139,44 +136,21 @@ light::Field LightPreview::field(std::size_t step, double time) {
   return field;
 }
 
-void LightPreview::mark(optics::RgbImage& image, int top) const {
-  optics::Canvas canvas(image);
-  const double scale = image.width / experiment_.arena_width;
-  const auto pixel = [&](double x, double y) {
-    return optics::Pixel{x * scale, top + (experiment_.arena_height - y) * scale};
-  };
-  const double radius = experiment_.hardware.diameter / 2;
-  constexpr int kSides = 24;
-  for (const projector::ObservedRobot& robot : start_frame_.robots) {
-    const auto rim = [&](double angle) {
-      return pixel(robot.x + radius * std::cos(angle), robot.y + radius * std::sin(angle));
-    };
-    for (int side = 0; side < kSides; ++side) {
-      const double step = 2 * std::numbers::pi / kSides;
-      canvas.line(rim(side * step), rim((side + 1) * step), kRobotColour);
-    }
-    canvas.line(pixel(robot.x, robot.y), rim(robot.theta), kRobotColour);
-  }
-}
-
 optics::RgbImage LightPreview::picture(std::size_t step, double time, int width) {
   const double aspect = experiment_.arena_height / experiment_.arena_width;
   const int height = std::max(1, static_cast<int>(std::lround(width * aspect)));
-  const int top = optics::kGlyphHeight + 2 * kMargin;
-  const std::vector<std::uint8_t> grey = light::toGrey(light::rasterise(
-      field(step, time), experiment_.arena_width, experiment_.arena_height, width, height));
-  optics::RgbImage image(width, height + top);
-  for (std::size_t i = 0; i < grey.size(); ++i) {
-    std::fill_n(image.pixels.begin() +
-                    static_cast<std::ptrdiff_t>(
-                        3 * (i + static_cast<std::size_t>(top) * static_cast<std::size_t>(width))),
-                3, grey[i]);
-  }
-  if (steps_[step].scene.needsPoses()) mark(image, top);
+  const PreviewMarks marks(experiment_, width, !start_frame_.robots.empty());
+  const light::Raster raster = light::rasterise(field(step, time), experiment_.arena_width,
+                                                experiment_.arena_height, width, height);
+  const std::vector<std::uint8_t> grey = light::toGrey(raster);
+  optics::RgbImage image(width, height + marks.headHeight());
+  auto pixel = image.pixels.end() - static_cast<std::ptrdiff_t>(3 * grey.size());
+  for (const std::uint8_t value : grey) pixel = std::fill_n(pixel, 3, value);
   const LightStep& shown = experiment_.light.steps[step];
-  std::string caption = fmt::format("{:.2f} s  {}", shown.at + time, shown.label);
-  if (steps_[step].scene.needsPoses()) caption += "  (robots at their start)";
-  optics::Canvas(image).text(kMargin, kMargin, caption, kTextColour);
+  marks.drawHead(image, fmt::format("{:.2f} s  {}", shown.at + time, shown.label), raster);
+  marks.drawBands(image, raster);
+  marks.drawRobots(image, start_frame_);
+  marks.drawScale(image);
   return image;
 }
 

@@ -35,7 +35,9 @@ class LightPreview {
   /// The light `time` [s] after the step began. `time` must not decrease between calls for a step.
   [[nodiscard]] light::Field field(std::size_t step, double time);
 
-  /// The same as a picture `width` [px] wide with x to the right and y up, with label and time.
+  /// The same as a picture `width` [px] wide with x to the right and y up. Label, time and the
+  /// bands of the light table stand above it; it shows the regions of the bands, the robots at
+  /// their start and a scale.
   [[nodiscard]] optics::RgbImage picture(std::size_t step, double time, int width);
 
   [[nodiscard]] std::size_t steps() const { return experiment_.light.steps.size(); }
@@ -48,7 +50,6 @@ class LightPreview {
   };
 
   [[nodiscard]] std::vector<light::Layer> layers(std::size_t step, double time);
-  void mark(optics::RgbImage& image, int top) const;
 
   const Experiment& experiment_;
   projector::SceneContext scene_context_;

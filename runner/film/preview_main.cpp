@@ -12,8 +12,7 @@ void addPreview(CLI::App& app, Chosen& chosen) {
   addExperiment(*command, options->file);
   command->add_option("--out", options->out, "Folder for NAME_light.png and NAME_light.mp4")
       ->capture_default_str();
-  command->add_option("--set", options->set, "key=value: replaces a key of the file (repeatable)")
-      ->allow_extra_args(false);
+  addSettings(*command, options->set);
   command->callback([&chosen, options] { chosen = [options] { return preview(*options); }; });
 }
 

@@ -16,6 +16,7 @@
 #include "common/files/file_text.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
+#include "common/text/utf8.hpp"
 
 namespace lab::runner {
 namespace {
@@ -203,6 +204,17 @@ void ExperimentController::mark(const std::string& what) {
   record(std::move(event));
 }
 
+void ExperimentController::markRequest(const std::string& what, const std::string& way_out) {
+  mark(what);
+  if (!announce_) return;
+  std::string line = what + (way_out.empty() ? "" : "; " + way_out);
+  repairUtf8(line);
+  // Whoever can send on the bus must not control the terminal.
+  std::ranges::replace_if(
+      line, [](char letter) { return (letter >= 0 && letter < ' ') || letter == 0x7f; }, ' ');
+  announce_(line);
+}
+
 void ExperimentController::sendRobots() {
   if (phase_ == Phase::kIdle) return;
   // A robot that has just booted must receive a stop in force before its first command.
@@ -305,8 +317,9 @@ void ExperimentController::take(const tracked_frame_t& frame) {
 void ExperimentController::take(const robot_stop_t& stop) {
   const bool own = stop.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || !stop_latch_.take(stop)) return;
-  mark(std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") + stop.sender +
-       (stop.reason.empty() ? "" : ": " + stop.reason));
+  markRequest(std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") +
+                  stop.sender + (stop.reason.empty() ? "" : ": " + stop.reason),
+              stop.clear != 0 ? "" : "lab stop --clear, or release on the page, lets them go on");
 }
 
 void ExperimentController::take(const robot_command_t& command) {
@@ -355,7 +368,7 @@ std::string ExperimentController::execute(const experiment_command_t& request) {
       return resumeScript(request.sender);
     case experiment_command_t::MARK:
       if (request.text.empty()) return "a mark needs a text";
-      mark(request.sender + ": " + request.text);
+      markRequest(request.sender + ": " + request.text);
       return {};
     case experiment_command_t::END:
       end("ended by " + request.sender + (request.text.empty() ? "" : ": " + request.text));
@@ -383,14 +396,14 @@ std::string ExperimentController::pauseScript(const std::string& who) {
   if (light_.script().paused()) return "the script is paused already";
   paused_utime_ = loop_.now();
   light_.pause();
-  mark("script paused by " + who);
+  markRequest("script paused by " + who, "lab resume, or resume on the page, continues it");
   return {};
 }
 
 std::string ExperimentController::resumeScript(const std::string& who) {
   if (phase_ != Phase::kScript || !light_.script().paused()) return "the script is not paused";
-  mark(fmt::format("script resumed by {} after {:.1f} s", who,
-                   units::seconds(loop_.now() - paused_utime_)));
+  markRequest(fmt::format("script resumed by {} after {:.1f} s", who,
+                          units::seconds(loop_.now() - paused_utime_)));
   light_.resume();
   return {};
 }
@@ -462,6 +475,7 @@ Progress ExperimentController::progress() const {
   if (phase_ == Phase::kConcluded || phase_ == Phase::kLeaving) progress.elapsed = ended_;
   progress.left = std::max(0.0, experiment_.duration - progress.elapsed);
   progress.at_most = mayEndEarly(experiment_);
+  progress.robots_stopped = phase_ == Phase::kConcluded ? 0 : stop_latch_.robotsStopped();
   progress.paused = phase_ == Phase::kScript && light_.script().paused();
   if (phase_ == Phase::kScript) progress.stop = stop_rules_.progress();
   progress.light = light_.label();

@@ -15,6 +15,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/service/service_main.hpp"
@@ -42,6 +43,12 @@ class ExperimentController final : public Service {
                        std::function<void(Ending, const std::string&)> over);
 
   void begin();
+
+  /// Sets what is called, with a line for the terminal, when somebody stops or releases robots,
+  /// pauses or resumes the script, or writes a remark: from the page or from another terminal.
+  void announceRequests(std::function<void(const std::string&)> announce) {
+    announce_ = std::move(announce);
+  }
 
   /// Replaces the command to the robots. It is sent at once and repeated at 5 Hz. Its header is
   /// filled in.
@@ -82,6 +89,8 @@ class ExperimentController final : public Service {
   /// @return why the request is refused; empty: executed
   [[nodiscard]] std::string execute(const experiment_command_t& request);
   void end(const std::string& why);
+  /// Writes a remark about a request, and announces it with what undoes it.
+  void markRequest(const std::string& what, const std::string& way_out = {});
   [[nodiscard]] std::string pauseScript(const std::string& who);
   [[nodiscard]] std::string resumeScript(const std::string& who);
   [[nodiscard]] experiment_status_t status() const;
@@ -110,6 +119,7 @@ class ExperimentController final : public Service {
   std::string effective_;
   std::string light_calibration_;  ///< its file's text, for the record; empty: none
   std::function<void(Ending, const std::string&)> over_;
+  std::function<void(const std::string&)> announce_;
 
   Phase phase_ = Phase::kIdle;
   std::int64_t paused_utime_ = 0;  ///< begin of the last pause

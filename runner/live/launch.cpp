@@ -37,7 +37,7 @@ void requireDisk(const Experiment& experiment, const fs::path& folder) {
   throw UserError(
       fmt::format("too little disk in {}: this run needs about {} MB, {} MB are free; make room, "
                   "choose another "
-                  "folder with --out, or shorten duration_s",
+                  "folder with --runs, or shorten duration_s",
                   folder.string(), need / 1'000'000, have / 1'000'000));
 }
 

@@ -15,6 +15,7 @@ struct Progress {
   double left = 0;                            ///< [s] of the script
   bool at_most = false;                       ///< the run may end earlier than `left` says
   bool paused = false;                        ///< the script's clock stands still
+  std::size_t robots_stopped = 0;             ///< under a stop that nobody has released
   std::string stop;                           ///< progress of the rules in stop_when
   std::string light;                          ///< label of the step shown
   std::size_t robots_seen = 0;                ///< by the tracker, in the last second

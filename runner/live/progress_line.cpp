@@ -7,6 +7,7 @@
 #include <cstdio>
 
 #include "common/text/duration_text.hpp"
+#include "common/text/format.hpp"
 #include "runner/command_line/print_line.hpp"
 
 namespace lab::runner {
@@ -28,13 +29,18 @@ std::string progressText(const Progress& progress) {
   for (const auto& [name, robots] : progress.robots_running) {
     programs += fmt::format("{}{} {}", programs.empty() ? "" : ", ", robots, name);
   }
-  return fmt::format(
-      "{}{}{} left{} | light {} | {} robot{} seen | {} | {} message{} lost",
-      progress.paused ? "paused, " : "", progress.at_most ? "at most " : "",
-      remainingTimeText(progress.left), progress.stop.empty() ? "" : " | " + progress.stop,
-      progress.light.empty() ? "-" : progress.light, progress.robots_seen,
-      progress.robots_seen == 1 ? "" : "s", programs.empty() ? "no program" : programs,
-      progress.lost, progress.lost == 1 ? "" : "s");
+  std::string stopped;
+  if (progress.robots_stopped > 0) {
+    stopped = fmt::format(" | {} STOPPED: lab stop --clear lets them go on",
+                          countText(static_cast<std::int64_t>(progress.robots_stopped), "robot"));
+  }
+  return fmt::format("{}{}{} left{}{} | light {} | {} robot{} seen | {} | {} message{} lost",
+                     progress.paused ? "paused, " : "", progress.at_most ? "at most " : "",
+                     remainingTimeText(progress.left), stopped,
+                     progress.stop.empty() ? "" : " | " + progress.stop,
+                     progress.light.empty() ? "-" : progress.light, progress.robots_seen,
+                     progress.robots_seen == 1 ? "" : "s",
+                     programs.empty() ? "no program" : programs, progress.lost);
 }
 
 ProgressLine::ProgressLine(double duration)

@@ -90,6 +90,7 @@ class LiveRun {
 
  private:
   void conduct() {
+    controller_.announceRequests([](const std::string& what) { printLine("request  " + what); });
     controller_.begin();
     controlling_ = true;
     for (const std::string& what : early_remarks_) controller_.mark(what);
@@ -156,7 +157,7 @@ class LiveRun {
                                    .url = options_.url,
                                    .experiment = run_.directory / files::kExperiment,
                                    .runs = fs::absolute(run_.directory).parent_path(),
-                                   .address_file = registryFile(".web"),
+                                   .address_file = registryFile(kPageFile),
                                    .address_copy = options_.web_address,
                                    .output = supervisor_.logFolder() / "dashboard.txt"});
     page_->start([this](const std::string& what) { reportDashboard(what); });

@@ -1,6 +1,7 @@
 /// The stops in force in a run. The runner repeats them until a sender releases them.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <lab/robot_stop_t.hpp>
 #include <map>
@@ -21,6 +22,9 @@ class StopLatch {
 
   /// Sets or releases a stop. Without robot_ids it applies to all robots.
   void set(const robot_stop_t& stop);
+
+  /// How many robots are under a stop that nobody has released.
+  [[nodiscard]] std::size_t robotsStopped() const { return latched_.size(); }
 
   /// The messages to repeat now: one for each stop that some robot is still under.
   [[nodiscard]] std::vector<robot_stop_t> inForce(std::int64_t now) const;

@@ -1,15 +1,12 @@
 #include "runner/runs/lab_registry.hpp"
 
 #include <fcntl.h>
-#include <signal.h>
 #include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <charconv>
-#include <cstdlib>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -18,19 +15,6 @@
 namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
-
-bool lives(int pid) { return pid > 0 && (kill(pid, 0) == 0 || errno == EPERM); }
-
-std::optional<RunningLab> read(const fs::path& file) {
-  std::ifstream stream(file);
-  const auto json = nlohmann::json::parse(stream, nullptr, false);
-  try {
-    return RunningLab{json.at("name"), json.at("url"), json.at("pid"), json.at("directory"),
-                      json.at("replay")};
-  } catch (const nlohmann::json::exception&) {
-    return std::nullopt;  // not a registration
-  }
-}
 
 std::string listed(const std::vector<RunningLab>& labs, std::string RunningLab::*what) {
   std::string all;
@@ -73,16 +57,6 @@ class NamesLock {
   int descriptor_ = -1;
 };
 
-/// Whether this is a private file of a dead runner: "4711.web", "4711.web.txt".
-bool isLeftOver(const fs::path& file) {
-  const std::string name = file.filename().string();
-  const std::string owner = name.substr(0, name.find('.'));
-  int pid = 0;
-  const auto [end, error] = std::from_chars(owner.data(), owner.data() + owner.size(), pid);
-  const bool named_by_pid = error == std::errc{} && end == owner.data() + owner.size();
-  return file.extension() != ".json" && named_by_pid && !lives(pid);
-}
-
 /// Another user may have made the folder in /tmp first, so owner and permissions are checked.
 void claim(const fs::path& folder) {
   std::error_code error;
@@ -100,28 +74,6 @@ void claim(const fs::path& folder) {
 }
 
 }  // namespace
-
-fs::path registryDirectory() {
-  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
-  if (runtime != nullptr && *runtime != '\0') return fs::path(runtime) / "active-lab";
-  return fs::temp_directory_path() / ("active-lab-" + std::to_string(geteuid()));
-}
-
-std::vector<RunningLab> runningLabs() {
-  std::vector<RunningLab> labs;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(registryDirectory(), error)) {
-    if (isLeftOver(entry.path())) fs::remove(entry.path(), error);
-    if (entry.path().extension() != ".json") continue;
-    const auto lab = read(entry.path());
-    if (lab && lives(lab->pid)) {
-      labs.push_back(*lab);
-    } else if (lab) {
-      fs::remove(entry.path(), error);
-    }
-  }
-  return labs;
-}
 
 RunningLab findLab(const std::string& name) {
   const std::vector<RunningLab> labs = runningLabs();

@@ -1,27 +1,14 @@
-/// The labs that run on this machine, so that `lab stop`, `lab spy` and `lab light` find them.
+/// Registers the labs that run on this machine, so that `lab stop`, `lab spy` and `lab light` find
+/// them.
 #pragma once
 
 #include <filesystem>
-#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/process/running_labs.hpp"
+
 namespace lab::runner {
-
-struct RunningLab {
-  std::string name;       ///< of the run's folder, with a number appended if it is taken
-  std::string url;        ///< of its bus
-  int pid = 0;            ///< of its runner
-  std::string directory;  ///< of the run
-  bool replay = false;    ///< a replay of a log: there are no robots
-};
-
-/// The folder of the registrations: $XDG_RUNTIME_DIR/active-lab, or one in /tmp that only
-/// the user can access.
-[[nodiscard]] std::filesystem::path registryDirectory();
-
-/// Every registered lab whose runner lives. Removes the files of dead runners.
-[[nodiscard]] std::vector<RunningLab> runningLabs();
 
 /// The lab of that name or run folder; if `name` is empty, the only running one.
 /// @throws UserError when there is none, or several, with their names

@@ -120,8 +120,15 @@ def missing_file_in(line):
 
 
 def with_options(lines, extra):
-    """Appends options to every command of ours in a block."""
-    return [f"{line} {extra}" if own_commands(line) else line for line in lines]
+    """Appends options to every command of ours in a block. They replace settings of the same keys."""
+    keys = re.findall(r"--set ([\w.\[\]]+)=", extra)
+
+    def with_extra(line):
+        for key in keys:
+            line = re.sub(rf" --set {re.escape(key)}=\S+", "", line)
+        return f"{line} {extra}"
+
+    return [with_extra(line) if own_commands(line) else line for line in lines]
 
 
 class Folder:

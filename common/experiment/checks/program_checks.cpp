@@ -4,8 +4,10 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <vector>
 
 #include "common/files/file_values.hpp"
+#include "common/text/nearest_word.hpp"
 
 namespace lab::keys {
 namespace {
@@ -88,8 +90,10 @@ bool wheelsAreKnown(const Problems& problems) {
 void checkProgramName(const ExperimentForm& form, const std::string& path, const std::string& name,
                       Problems& problems) {
   if (problems.concern("programs") || form.common.programs.contains(name)) return;
-  problems.add(
-      path, "found " + tomlString(name) + ", allowed the name of a program: " + programList(form));
+  std::vector<std::string> names;
+  for (const auto& [known, program] : form.common.programs) names.push_back(known);
+  problems.add(path, "found " + tomlString(name) + ", allowed the name of a program: " +
+                         programList(form) + didYouMean(name, names, tomlString));
 }
 
 void checkPrograms(const ExperimentForm& form, Problems& problems) {

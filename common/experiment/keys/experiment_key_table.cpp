@@ -4,13 +4,13 @@
 #include <cctype>
 #include <cstdint>
 #include <functional>
-#include <numeric>
 #include <optional>
 #include <span>
 #include <utility>
 
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
+#include "common/text/nearest_word.hpp"
 
 namespace lab::keys {
 namespace {
@@ -135,21 +135,6 @@ std::vector<Section> collectSections() {
   return collector.sections();
 }
 
-/// The Levenshtein distance (1966).
-std::size_t editDistance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = std::exchange(row[0], i + 1);
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t replaced = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({replaced, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
 }  // namespace
 
 std::string keyTables() {
@@ -179,18 +164,26 @@ std::vector<std::string> keyPathsEndingIn(std::string_view name) {
 }
 
 std::string nearestKey(std::string_view name, const std::vector<std::string>& names) {
-  std::string nearest;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
   for (const std::string& candidate : names) {
-    // A missing unit counts as one letter.
-    const bool no_unit = candidate.starts_with(std::string(name) + "_");
-    const std::size_t distance = no_unit ? 1 : editDistance(name, candidate);
-    if (distance < least) {
-      least = distance;
-      nearest = candidate;
+    if (candidate.starts_with(std::string(name) + "_")) return candidate;  // its unit is missing
+  }
+  return nearestWord(name, names);
+}
+
+std::string keyMeantBy(std::string_view name) {
+  std::vector<std::string> top;
+  std::vector<std::string> lower;
+  for (const Section& section : collectSections()) {
+    const bool named = section.path.find("NAME") != std::string::npos;
+    for (const Row& row : section.rows) {
+      if (section.path.empty()) top.push_back(row.key);
+      const bool meant = row.key == name || row.key.starts_with(std::string(name) + "_");
+      if (meant && !named) lower.push_back(section.path + row.key);
     }
   }
-  return nearest;
+  const std::string key = nearestKey(name, top);
+  const bool exact = key == name || key.starts_with(std::string(name) + "_");
+  return exact || lower.empty() ? key : lower.front();
 }
 
 }  // namespace lab::keys

@@ -11,6 +11,7 @@
 #include "common/experiment/keys/experiment_key_table.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
+#include "common/text/nearest_word.hpp"
 
 namespace lab::keys {
 namespace {
@@ -78,7 +79,7 @@ class TomlReader final : public KeyVisitor {
       return;
     }
     value = kUndecided;
-    refuse(key, *node, choiceText(choices) + (known ? choice->refusal : ""));
+    refuse(key, *node, choiceText(choices) + (known ? choice->refusal : meantBy(found, choices)));
   }
 
   void interval(const Key& key, const Range& range, double& low, double& high) override {
@@ -304,6 +305,16 @@ class TomlReader final : public KeyVisitor {
       problems_.addAt(document_.place(key, node), path,
                       "found an unknown key, " + wayOut(name, scope.allowed));
     }
+  }
+
+  /// "; did you mean X?" for a text that is none of the choices.
+  static std::string meantBy(const std::optional<std::string>& found,
+                             std::span<const Choice> choices) {
+    std::vector<std::string> names;
+    for (const Choice& choice : choices) {
+      if (choice.refusal.empty()) names.emplace_back(choice.name);
+    }
+    return found ? didYouMean(*found, names, tomlString) : "";
   }
 
   static std::string wayOut(const std::string& name, const std::vector<std::string>& allowed) {

@@ -2,7 +2,9 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -152,6 +154,22 @@ TEST_F(LibraryTest, SendsLargeFilesCompletely) {
   for (int i = 0; i < 400'000; ++i) text += std::to_string(i) + "\n";
   support::writeFile(folder_ / "runs/abp-20260131T120000Z/trajectories.csv", text);
   EXPECT_THAT(send("GET", kRun + "trajectories.csv"), EndsWith("\r\n\r\n" + text));
+}
+
+TEST_F(LibraryTest, ListsTheRunningLabsWithTheirPagesForThoseWhoMayControl) {
+  setenv("XDG_RUNTIME_DIR", folder_.path().c_str(), 1);
+  EXPECT_THAT(send("GET", "/api/labs"), EndsWith("\r\n\r\n[]"));
+  const std::string pid = std::to_string(getpid());
+  const fs::path registry = folder_ / "active-lab";
+  support::writeFile(registry / (pid + ".json"),
+                     R"({"name": "abp-1", "url": "udpm://x", "pid": )" + pid +
+                         R"(, "directory": "/runs/abp-1", "replay": false})");
+  EXPECT_THAT(send("GET", "/api/labs", token()), HasSubstr(R"("name":"abp-1")"));
+  EXPECT_THAT(send("GET", "/api/labs", token()), HasSubstr(R"("address":null)"));
+  support::writeFile(registry / (pid + ".web"), "http://127.0.0.1:8481/#token=12\n");
+  EXPECT_THAT(send("GET", "/api/labs", token()),
+              HasSubstr(R"("address":"http://127.0.0.1:8481/#token=12")"));
+  EXPECT_THAT(send("GET", "/api/labs"), HasSubstr(R"("address":null)"));
 }
 
 TEST_F(LibraryTest, ComparesRuns) {

@@ -56,6 +56,7 @@ class MockLab:
         self.port = port
         self.operator_requests = []  # (time, body)
         self.requests = []  # (method, path)
+        self.labs = []  # those that run on this machine
         self.started = {"state": "none", "code": None, "output": "", "address": None, "run": None}
         self.topics = {}
         self.versions = {}
@@ -75,7 +76,7 @@ class MockLab:
             self.changed.notify_all()
 
     def _play(self):
-        world, tick, heard = self.world, 0, time.monotonic()
+        world, tick, heard = self.world, 0, None
         while self.running:
             now = time.monotonic()
             if not self.silent and self.has_lab:
@@ -92,9 +93,13 @@ class MockLab:
                         self.publish(topic, value)
                     self.pools -= 1
                 tick += 1
+            if not self.has_lab and tick == 0:
+                # As the server without a lab, which still publishes its empty arena.
+                self.publish("frame", {"t_us": 1, "robots": [], "unidentified": []})
+                tick += 1
             if int(now * 20) % 20 == 0:
                 self.publish("pulse", {"t_us": int(time.time() * 1e6),
-                                       "bus_silent_s": round(now - heard, 1)})
+                                       "bus_silent_s": heard and round(now - heard, 1)})
             time.sleep(max(0.0, 0.05 - (time.monotonic() - now)))
 
     def take_request(self, body):
@@ -212,6 +217,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.answer(200, world.compare(which["runs"][0].split(",")))
         if path == "/api/experiments":
             return self.answer(200, mock_topics.EXPERIMENTS)
+        if path == "/api/labs":
+            return self.answer(200, self.lab.labs)
         if path == "/api/started":
             return self.answer(200, self.lab.started)
         return self.answer(404, {"error": "no such page"})

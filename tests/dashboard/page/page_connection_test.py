@@ -132,7 +132,62 @@ class Replay(PageTest):
         self.until("!document.getElementById('stop').disabled")
 
 
+class NoLab(PageTest):
+    def test_says_that_no_lab_is_running(self):
+        self.open(lab=False)
+        self.until("document.body.classList.contains('no-lab')")
+        self.says("link-text", "no lab is running")
+        self.assertEqual("quiet", self.js("document.getElementById('link-lamp').dataset.state"))
+        self.says("labs-text", "no lab is running: start an experiment below, or with lab run FILE")
+        self.assertFalse(self.js("!!document.querySelector('#labs li')"))
+
+    def test_lists_running_labs_at_the_top(self):
+        self.open(lab=False)
+        address = "http://127.0.0.1:8481/#token=0"
+        self.lab.labs = [{"name": "abp-1", "directory": "/runs/abp-1", "replay": False,
+                          "address": address},
+                         {"name": "log-2", "directory": "/runs/log-2", "replay": True,
+                          "address": None}]
+        self.until("document.querySelectorAll('#labs li').length === 2")
+        self.assertEqual(address, self.js("document.querySelector('#labs a').href"))
+        self.assertEqual("abp-1 its page", self.js("document.querySelector('#labs li').textContent"))
+        self.assertIn("log-2 (a recorded run) without a page", self.text("labs"))
+        self.assertEqual("running: 2", self.text("labs-text"))
+        above = self.js("""[...document.querySelectorAll('main > *')].every((other) =>
+            other.id === 'labs-section' || !other.offsetParent || other.offsetTop >
+            document.getElementById('labs-section').offsetTop)""")
+        self.assertTrue(above, "the running labs are not at the top")
+
+    def test_lists_a_run_in_virtual_time_that_was_started_here(self):
+        self.open(lab=False)
+        self.lab.started = {"state": "running", "code": None, "output": "", "address": None,
+                            "run": "swarm-3"}
+        self.says("labs", "swarm-3 (started here)")
+
+    def test_the_list_is_not_shown_beside_a_lab(self):
+        self.open(robots=2)
+        self.live()
+        self.assertEqual("live", self.text("link-text"))
+        self.assertEqual("none", self.js(
+            "getComputedStyle(document.getElementById('labs-section')).display"))
+
+
 class PastRuns(PageTest):
+    def test_says_how_many_runs_can_be_compared(self):
+        self.open(robots=2, size=(1280, 4000))
+        self.until("document.querySelectorAll('#runs tbody tr').length === 3")
+        said = [self.text("compare-text")]
+        for box in range(3):
+            browser.execute_script(
+                f"document.querySelectorAll('#runs input')[{box}].click()")
+            said.append(self.text("compare-text"))
+        self.assertEqual(["", "1 selected, 2 can be compared: select one more", "",
+                          "3 selected, 2 can be compared: clear 1"], said)
+        self.assertTrue(self.js("document.getElementById('runs-compare').disabled"))
+        browser.execute_script("document.querySelector('#runs input').click()")
+        self.assertEqual("", self.text("compare-text"))
+        self.assertFalse(self.js("document.getElementById('runs-compare').disabled"))
+
     def test_lists_runs_and_compares_two(self):
         self.open(robots=2, size=(1280, 4000))
         self.until("document.querySelectorAll('#runs tbody tr').length === 3")

@@ -16,6 +16,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
+using testing::Not;
 
 std::string checkOutputOf(const std::vector<std::string>& set) {
   const TemporaryFolder folder;
@@ -32,6 +33,13 @@ TEST(CheckCommand, PrintsThePersistenceLengthOfTheExactLaw) {
   EXPECT_THAT(checkOutputOf({}), HasSubstr("L_s = 4.197 cm"));
   EXPECT_THAT(checkOutputOf({"programs.abp.epsilon_s=0.1", "programs.abp.eta_rad_s=6"}),
               HasSubstr("D_r = 0.6 rad^2/s, L_s = 5.0"));
+}
+
+TEST(CheckCommand, WarnsWhenTheFileAsksForMoreThanThisMachineHas) {
+  EXPECT_THAT(checkOutputOf({}), Not(HasSubstr("warning")));
+  EXPECT_THAT(checkOutputOf({"camera.tracker=camera", "camera.camera=sim", "camera.fps=500",
+                             "camera.width_px=3840", "camera.height_px=2160"}),
+              HasSubstr("warning       needs about "));
 }
 
 }  // namespace

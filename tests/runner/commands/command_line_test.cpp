@@ -13,6 +13,7 @@ namespace lab::runner::command_line_test {
 namespace {
 
 using testing::AllOf;
+using testing::EndsWith;
 using testing::HasSubstr;
 using testing::Not;
 using testing::StartsWith;
@@ -52,6 +53,84 @@ TEST(CommandLine, RefusesAnInvalidSeed) {
     EXPECT_EQ(runLab({"run", "abp", "--seed", seed, "--virtual-time"}), kBadInput);
     EXPECT_THAT(testing::internal::GetCapturedStderr(),
                 HasSubstr("--seed: found " + std::string(seed) + ", allowed whole numbers from 0"));
+  }
+}
+
+std::string errorOf(const std::vector<std::string>& words) {
+  try {
+    static_cast<void>(runLab(words));
+  } catch (const UserError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(CommandLine, NamesAnUnknownOptionAsTypedAndWhatIsMeant) {
+  EXPECT_EQ(errorOf({"run", "abp", "--run", "there"}),
+            "--run: no such option of `lab run`; did you mean --runs?");
+  EXPECT_EQ(errorOf({"run", "--sed=2", "abp"}),
+            "--sed: no such option of `lab run`; did you mean --seed?");
+  // Its value is taken for FILE, and there is no such experiment: the option is the mistake.
+  EXPECT_EQ(errorOf({"run", "--outt", "there", "abp"}),
+            "--outt: no such option of `lab run`; did you mean --out?");
+  EXPECT_EQ(errorOf({"web", "--frobnicate"}),
+            "--frobnicate: no such option of `lab web`; lab web --help lists them");
+  EXPECT_EQ(errorOf({"calibrate", "motors", "abp", "--robots", "2"}),
+            "--robots: no such option of `lab calibrate motors`; did you mean --robot?");
+}
+
+TEST(CommandLine, SaysWhichKeyAnUnknownOptionStandsFor) {
+  EXPECT_EQ(errorOf({"run", "abp", "--duration", "30"}),
+            "--duration: no such option of `lab run`; did you mean --set duration_s=30?");
+  EXPECT_EQ(errorOf({"check", "abp", "--fps=25"}),
+            "--fps: no such option of `lab check`; did you mean --set camera.fps=25?");
+  EXPECT_EQ(errorOf({"run", "abp", "--duration"}),
+            "--duration: no such option of `lab run`; did you mean --set duration_s=...?");
+  // Its --set takes other keys.
+  EXPECT_EQ(errorOf({"web", "--duration", "30"}),
+            "--duration: no such option of `lab web`; lab web --help lists them");
+}
+
+TEST(CommandLine, NamesAWordThatNothingTakes) {
+  EXPECT_EQ(errorOf({"run", "abp", "cr", "more"}),
+            "found \"cr\", but `lab run` takes nothing after FILE; lab run --help lists its "
+            "options");
+  EXPECT_EQ(errorOf({"run", "abp", "duration_s=30"}),
+            "found \"duration_s=30\", but `lab run` takes nothing after FILE; did you mean --set "
+            "duration_s=30?");
+  EXPECT_EQ(errorOf({"stop", "clear"}),
+            "found \"clear\", but `lab stop` takes options only; did you mean --clear?");
+}
+
+TEST(CommandLine, RefusesTwoValuesForOneKey) {
+  EXPECT_EQ(errorOf({"run", "abp", "--seed", "2", "--set", "seed=3"}),
+            "--seed 2 and --set seed=3: two values for one key; keep one");
+  EXPECT_EQ(errorOf({"check", "abp", "--set", "duration_s=5", "--set", "duration_s = 6"}),
+            "--set duration_s=5 and --set duration_s=6: two values for one key; keep one");
+  EXPECT_EQ(
+      errorOf({"programs-of-run", "abp", "--seed", "2", "--set", "seed=2", "--set", "seed = 2"}),
+      "accepted");
+}
+
+TEST(CommandLine, RefusesTwoValuesOfOneOption) {
+  EXPECT_EQ(errorOf({"run", "abp", "--seed", "2", "--seed", "3"}),
+            "--seed: found 2 values, 2 and 3; keep one");
+  EXPECT_EQ(errorOf({"run", "abp", "--runs", "a", "--out", "b"}),
+            "--runs: found 2 values, a and b; keep one");
+}
+
+TEST(CommandLine, SuggestsCommandsAndExperiments) {
+  EXPECT_THAT(errorOf({"replayy", "log"}), EndsWith("; did you mean replay?"));
+  EXPECT_THAT(errorOf({"check", "abpp"}), EndsWith("; did you mean abp?"));
+}
+
+TEST(CommandLine, TakesTheFolderOfRunsByBothItsNames) {
+  for (const char* command : {"programs-of-run", "run", "web"}) {
+    for (const char* name : {"--runs", "--out"}) {
+      // An error after the folder: the folder itself was accepted.
+      EXPECT_THAT(errorOf({command, name, "there", "--frobnicate"}), StartsWith("--frobnicate: "))
+          << command << " " << name;
+    }
   }
 }
 

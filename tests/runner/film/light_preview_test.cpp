@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cstdint>
 #include <string>
 
 #include "common/experiment/experiment_file.hpp"
@@ -91,6 +94,109 @@ TEST(LightPreview, DrawsACaptionAboveTheLight) {
   bool caption = false;
   for (int x = 0; x < picture.width; ++x) caption = caption || *picture.at(x, 5) == 255;
   EXPECT_TRUE(caption);
+}
+
+constexpr const char* kTwoBands = R"(fileversion = 1
+name = "bands"
+duration_s = 100
+[[robots]]
+id = 7
+x_cm = 90
+y_cm = 45
+theta_deg = 0
+[programs.stand]
+model = "stand"
+[programs.turn]
+model = "wheels"
+left_cm_s = 1
+right_cm_s = -1
+[light_table]
+bands = [{light = [0.0, 0.5], program = "stand"}, {light = [0.5, 1.0], program = "turn"}]
+[[light.steps]]
+at_s = 0
+layers = [{kind = "uniform", intensity = 0.2},
+  {kind = "half_plane", x_cm = 60, y_cm = 45, angle_deg = 0, intensity = 0.8}]
+)";
+
+using Rgb = std::array<int, 3>;
+
+/// A pixel by its place in the arena [cm]; the picture ends with the arena.
+Rgb at(const tracker::RgbImage& picture, double x_cm, double y_cm) {
+  const double scale = picture.width / 120.0;
+  const std::uint8_t* pixel =
+      picture.at(static_cast<int>(x_cm * scale),
+                 std::min(picture.height - 1, static_cast<int>(picture.height - y_cm * scale)));
+  return {pixel[0], pixel[1], pixel[2]};
+}
+
+TEST(LightPreview, OutlinesTheRegionOfEachBandInTheColourOfItsProgram) {
+  const Experiment experiment = parseExperiment(kTwoBands, "bands.toml");
+  LightPreview dut(experiment, {});
+  const tracker::RgbImage picture = dut.picture(0, 0, 480);
+  constexpr Rgb kStand{0, 114, 178};  // the colours of the page
+  constexpr Rgb kTurn{213, 94, 0};
+  const Rgb left = at(picture, 59.8, 70);
+  const Rgb right = at(picture, 60.2, 70);
+  EXPECT_TRUE((left == kStand && right == kTurn) || (left == kTurn && right == kStand));
+  EXPECT_NE(left, right);
+  const auto isGrey = [](const Rgb& pixel) { return pixel[0] == pixel[1] && pixel[1] == pixel[2]; };
+  EXPECT_TRUE(isGrey(at(picture, 30, 70)));
+  EXPECT_TRUE(isGrey(at(picture, 110, 70)));
+  // The legend names both: its first swatches have their colours.
+  bool stand = false;
+  bool turn = false;
+  for (int y = 0; y < picture.height - 360; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const std::uint8_t* pixel = picture.at(x, y);
+      const Rgb colour{pixel[0], pixel[1], pixel[2]};
+      stand = stand || colour == kStand;
+      turn = turn || colour == kTurn;
+    }
+  }
+  EXPECT_TRUE(stand && turn);
+}
+
+TEST(LightPreview, NamesProgramsInGreyThatNoLightOfThePictureSelects) {
+  std::string file = kTwoBands;
+  file.replace(file.find("intensity = 0.8"), 15, "intensity = 0.2");
+  const Experiment experiment = parseExperiment(file, "bands.toml");
+  LightPreview dut(experiment, {});
+  const tracker::RgbImage picture = dut.picture(0, 0, 480);
+  for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {
+    const bool turn = picture.pixels[i] == 213 && picture.pixels[i + 1] == 94;
+    ASSERT_FALSE(turn) << "the colour of the other program";
+  }
+}
+
+TEST(LightPreview, DrawsRobotsWithHeadingAndId) {
+  const Experiment experiment = parseExperiment(kTwoBands, "bands.toml");
+  LightPreview dut(experiment, {});
+  const tracker::RgbImage picture = dut.picture(0, 0, 480);
+  constexpr Rgb kRobot{255, 255, 255};
+  EXPECT_EQ(at(picture, 90 + 1.25 * 3.75, 45), kRobot) << "the heading, along x";
+  EXPECT_NE(at(picture, 90 - 1.25 * 3.75, 45), kRobot);
+  int white = 0;  // the 7
+  for (double x = 88; x < 92; x += 0.25) {
+    for (double y = 43; y < 47; y += 0.25) white += at(picture, x, y) == Rgb{255, 255, 255} ? 1 : 0;
+  }
+  EXPECT_GT(white, 8);
+}
+
+TEST(LightPreview, DrawsABarAsLongAsItSays) {
+  const Experiment experiment = scriptOf(step(0, kDark));
+  LightPreview dut(experiment, {});
+  const tracker::RgbImage picture = dut.picture(0, 0, 480);
+  // The longest row of white pixels is the bar: 20 cm of 120 cm.
+  int longest = 0;
+  for (int y = picture.height - 360; y < picture.height; ++y) {
+    int length = 0;
+    for (int x = 0; x < picture.width; ++x) {
+      const std::uint8_t* pixel = picture.at(x, y);
+      length = pixel[0] == 255 && pixel[1] == 255 && pixel[2] == 255 ? length + 1 : 0;
+      longest = std::max(longest, length);
+    }
+  }
+  EXPECT_EQ(longest, 80);
 }
 
 }  // namespace

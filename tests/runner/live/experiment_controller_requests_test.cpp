@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_command_t.hpp>
+#include <lab/robot_stop_t.hpp>
 #include <map>
 #include <optional>
 #include <string>
@@ -25,6 +26,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 constexpr const char* kPlanned = R"(fileversion = 1
 name = "requests"
@@ -152,6 +154,7 @@ class ExperimentControllerRequests : public testing::Test {
   std::vector<experiment_status_t> statuses_;
   std::map<std::int8_t, bool> phases_;
   std::vector<std::string> marks_;
+  std::vector<std::string> announced_;
   std::map<std::string, double> begins_;
   light_command_t light_{};
   std::optional<Ending> ending_;
@@ -320,6 +323,37 @@ TEST_F(ExperimentControllerRequests, ARepeatedMarkIsRecordedOnce) {
   request(experiment_command_t::MARK, "robot 4 lost a wheel, \u03B7 wrong", 5);
   EXPECT_THAT(marks_, ElementsAre("page: robot 4 lost a wheel, \u03B7 wrong"));
   EXPECT_EQ(status().refusal, "");
+}
+
+TEST_F(ExperimentControllerRequests, AnnouncesEachRequestOnceWithWhatUndoesIt) {
+  start(std::string(kPlanned) + kSteps);
+  controller_->announceRequests([this](const std::string& what) { announced_.push_back(what); });
+  robot_stop_t stop{};
+  stop.reason = "from\x1b[2J the page";
+  stop.seq = 7;
+  for (int copy = 0; copy < 3; ++copy) page_.publishCommand(channels::kRobotStop, stop);
+  bus_.deliver();
+  EXPECT_THAT(announced_, ElementsAre("robots stopped by page: from [2J the page; lab stop "
+                                      "--clear, or release on the page, lets them go on"));
+  EXPECT_EQ(controller_->progress().robots_stopped, 1U);
+  stop.reason.clear();
+  stop.clear = 1;
+  stop.seq = 8;
+  page_.publishCommand(channels::kRobotStop, stop);
+  bus_.deliver();
+  EXPECT_EQ(announced_.back(), "stop released by page");
+  EXPECT_EQ(controller_->progress().robots_stopped, 0U);
+
+  goTo(4);
+  request(experiment_command_t::PAUSE, "", 3);
+  EXPECT_EQ(announced_.back(),
+            "script paused by page; lab resume, or resume on the page, continues it");
+  goTo(6);
+  request(experiment_command_t::RESUME);
+  request(experiment_command_t::MARK, "robot 4 lost a wheel");
+  EXPECT_THAT(announced_, SizeIs(5));
+  EXPECT_EQ(announced_[3], "script resumed by page after 2.0 s");
+  EXPECT_EQ(announced_[4], "page: robot 4 lost a wheel");
 }
 
 TEST_F(ExperimentControllerRequests, EndsOnRequestEvenInAPause) {

@@ -27,6 +27,16 @@ TEST(ProgressText, ShowsTheProgressOfStopRules) {
       "| no program | 0 messages lost");
 }
 
+TEST(ProgressText, ShowsHowManyRobotsAreStoppedAndWhatReleasesThem) {
+  Progress progress;
+  progress.left = 80;
+  progress.robots_stopped = 20;
+  progress.robots_running = {{"standing", 20}};
+  EXPECT_EQ(progressText(progress),
+            "80 s left | 20 robots STOPPED: lab stop --clear lets them go on | light - | 0 robots "
+            "seen | 20 standing | 0 lost");
+}
+
 TEST(ProgressText, ShowsLongTimesInMinutesAndHours) {
   Progress progress;
   progress.left = 600;

@@ -55,5 +55,12 @@ TEST(NearestKey, ToleratesSmallMistakesAndAMissingUnit) {
   EXPECT_EQ(nearestKey("x", {}), "");
 }
 
+TEST(KeyMeantBy, FindsAKeyWithoutItsUnitOrItsTable) {
+  EXPECT_EQ(keyMeantBy("duration"), "duration_s");
+  EXPECT_EQ(keyMeantBy("duratoin_s"), "duration_s");
+  EXPECT_EQ(keyMeantBy("fps"), "camera.fps");
+  EXPECT_EQ(keyMeantBy("frobnicate"), "");
+}
+
 }  // namespace
 }  // namespace lab::keys

@@ -1,0 +1,112 @@
+#include "common/experiment/experiment_load.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <string_view>
+
+#include "common/experiment/service_placement.hpp"
+
+namespace lab {
+namespace {
+
+constexpr double kPicture = 1280.0 * 720.0;  // [px] of the measured pictures
+constexpr double kListed = 0.01;             // [1] processes below this are not listed
+
+/// The cost of a process: cores = fixed + robots * robot + frames/s * (frame + robots * both).
+struct Cost {
+  double fixed = 0;  ///< [1]
+  double robot = 0;  ///< [1]
+  double frame = 0;  ///< [s]
+  double both = 0;   ///< [s]
+
+  [[nodiscard]] double cores(double robots, double frames) const {
+    return fixed + robots * robot + frames * (frame + robots * both);
+  }
+};
+
+// Measured by tests/benchmarks/robots_per_core.py, except where another program is named.
+constexpr Cost kRunner{0.0027, 0.12e-4, 20e-6, 0.25e-6};
+constexpr Cost kLogger{0.0033, 0.28e-4, 19e-6, 0.37e-6};
+constexpr Cost kAnalyzer{0, 11.5e-4, 0, 1.23e-6};
+constexpr Cost kProjector{0.0038, 0.06e-4, 10e-6, 0.12e-6};
+constexpr Cost kSimulator{0.0040, 0.15e-4, 28e-6, 0.49e-6};    // with the simulated tracker
+constexpr Cost kPaintingSimulator{0, 30e-4, 1260e-6, 188e-6};  // paints frames instead
+constexpr Cost kTracker{0.0047, 0, 177e-6, 4.5e-6};
+constexpr Cost kGateway{0.0034, 1.57e-4, 16e-6, 3.5e-6};
+constexpr Cost kBridge{0, 15.5e-4, 0, 0};    // robot_bridge_benchmark.sh
+constexpr Cost kChips{0.036, 100e-4, 0, 0};  // robot_emulator: sim_bodies_benchmark
+constexpr double kNativeDevice = 0.95e-4;    // [1] in sim_svc: sim_bodies_benchmark
+
+double count(const Experiment& experiment, Body body) {
+  return static_cast<double>(std::ranges::count(experiment.robots, body, &RobotSpec::body));
+}
+
+/// Of a process that works on every pixel of every picture.
+double pictureCores(Cost cost, double robots, const Camera& camera) {
+  cost.frame *= camera.width * camera.height / kPicture;
+  return cost.cores(robots, camera.fps);
+}
+
+double simulatorCores(const Experiment& experiment) {
+  const auto robots = static_cast<double>(std::ranges::count_if(
+      experiment.robots, [](const RobotSpec& robot) { return isSimulated(robot.body); }));
+  const Camera& camera = experiment.camera;
+  double cores = kSimulator.cores(robots, camera.tracker == Tracker::kSimPoses ? camera.fps : 0);
+  if (isPainted(camera)) cores = pictureCores(kPaintingSimulator, robots, camera);
+  return cores + kNativeDevice * count(experiment, Body::kWire);
+}
+
+}  // namespace
+
+std::vector<ProcessLoad> expectedLoad(const Experiment& experiment) {
+  const auto robots = static_cast<double>(experiment.robots.size());
+  const Camera& camera = experiment.camera;
+  const double chips = count(experiment, Body::kFirmware);
+  const double on_wire = static_cast<double>(std::ranges::count_if(
+      experiment.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); }));
+  std::vector<ProcessLoad> all{{"lab", kRunner.cores(robots, camera.fps)},
+                               {"lcm-logger", kLogger.cores(robots, camera.fps)}};
+  const auto add = [&](std::string_view service, double cores) {
+    if (!isNeeded(experiment, service) || !hostOf(experiment, service).empty()) return;
+    all.push_back({std::string(service), cores});
+  };
+  add("analyzer", kAnalyzer.cores(robots, camera.fps));
+  add("projector_ctl", kProjector.cores(robots, camera.fps));
+  add("robot_bridge", kBridge.cores(on_wire, 0));
+  add("sim_svc", simulatorCores(experiment));
+  add("dds_gateway", experiment.gateway.ros ? kGateway.cores(robots, camera.fps) : kGateway.fixed);
+  add("tracker_svc", pictureCores(kTracker, robots, camera));
+  if (chips > 0 && hostOf(experiment, "sim_svc").empty()) {
+    all.push_back({"robot_emulator", kChips.cores(chips, 0)});
+  }
+  std::ranges::sort(all, std::ranges::greater(), &ProcessLoad::cores);
+  return all;
+}
+
+std::string loadProblem(const Experiment& experiment, unsigned cores) {
+  double sum = 0;
+  std::string list;
+  const std::vector<ProcessLoad> processes = expectedLoad(experiment);
+  for (const ProcessLoad& process : processes) {
+    sum += process.cores;
+    if (process.cores < kListed) continue;
+    list += fmt::format("{}{} {:.2f}", list.empty() ? "" : ", ", process.process, process.cores);
+  }
+  const ProcessLoad& busiest = processes.front();
+  std::string problem;
+  if (cores > 0 && sum > cores) {
+    problem = fmt::format("needs about {:.1f} of {} core{} in real time", sum, cores,
+                          cores == 1 ? "" : "s");
+  } else if (busiest.cores > 1) {
+    problem = fmt::format("needs about {:.1f} cores for {} in real time, which can use only one",
+                          busiest.cores, busiest.process);
+  }
+  if (problem.empty()) return {};
+  return problem + ": " + list +
+         "; lower camera.fps, the size of the pictures or the number of robots, place services on "
+         "other hosts, or use --virtual-time";
+}
+
+}  // namespace lab

@@ -1,0 +1,71 @@
+#include "common/process/running_labs.hpp"
+
+#include <signal.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <charconv>
+#include <cstdlib>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace lab {
+namespace fs = std::filesystem;
+namespace {
+
+std::optional<RunningLab> read(const fs::path& file) {
+  std::ifstream stream(file);
+  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  try {
+    return RunningLab{json.at("name"), json.at("url"), json.at("pid"), json.at("directory"),
+                      json.at("replay")};
+  } catch (const nlohmann::json::exception&) {
+    return std::nullopt;  // not a registration
+  }
+}
+
+/// Whether this is a private file of a dead runner: "4711.web", "4711.web.txt".
+bool isLeftOver(const fs::path& file) {
+  const std::string name = file.filename().string();
+  const std::string owner = name.substr(0, name.find('.'));
+  int pid = 0;
+  const auto [end, error] = std::from_chars(owner.data(), owner.data() + owner.size(), pid);
+  const bool named_by_pid = error == std::errc{} && end == owner.data() + owner.size();
+  return file.extension() != ".json" && named_by_pid && !processLives(pid);
+}
+
+}  // namespace
+
+fs::path registryDirectory() {
+  const char* runtime = std::getenv("XDG_RUNTIME_DIR");
+  if (runtime != nullptr && *runtime != '\0') return fs::path(runtime) / "active-lab";
+  return fs::temp_directory_path() / ("active-lab-" + std::to_string(geteuid()));
+}
+
+bool processLives(int pid) { return pid > 0 && (kill(pid, 0) == 0 || errno == EPERM); }
+
+std::vector<RunningLab> runningLabs() {
+  std::vector<RunningLab> labs;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(registryDirectory(), error)) {
+    if (isLeftOver(entry.path())) fs::remove(entry.path(), error);
+    if (entry.path().extension() != ".json") continue;
+    const auto lab = read(entry.path());
+    if (lab && processLives(lab->pid)) {
+      labs.push_back(*lab);
+    } else if (lab) {
+      fs::remove(entry.path(), error);
+    }
+  }
+  return labs;
+}
+
+std::string pageOf(const RunningLab& lab) {
+  std::ifstream file(registryDirectory() / (std::to_string(lab.pid) + kPageFile));
+  std::string address;
+  std::getline(file, address);
+  return address.starts_with("http://") ? address : "";
+}
+
+}  // namespace lab
