@@ -13,9 +13,9 @@
 namespace lab::runner {
 namespace {
 
-using tracker::Colour;
-using tracker::kGlyphHeight;
-using tracker::kGlyphWidth;
+using optics::Colour;
+using optics::kGlyphHeight;
+using optics::kGlyphWidth;
 
 // Okabe and Ito's palette in the order of dashboard/page/programs.js.
 constexpr std::array<Colour, 7> kProgramColours{{{0, 114, 178},
@@ -45,7 +45,7 @@ Colour colourOf(const Experiment& experiment, const std::string& program) {
   return kProgramColours[place % kProgramColours.size()];
 }
 
-void fill(tracker::RgbImage& image, int x, int y, int width, int height, Colour colour) {
+void fill(optics::RgbImage& image, int x, int y, int width, int height, Colour colour) {
   for (int row = std::max(0, y); row < std::min(y + height, image.height); ++row) {
     for (int column = std::max(0, x); column < std::min(x + width, image.width); ++column) {
       std::uint8_t* pixel = image.at(column, row);
@@ -90,16 +90,16 @@ int PreviewMarks::headHeight() const {
   return kGlyphHeight + 2 * kMargin + (lines == 0 ? 0 : lines * kLine + kMargin);
 }
 
-void PreviewMarks::drawHead(tracker::RgbImage& image, const std::string& caption,
+void PreviewMarks::drawHead(optics::RgbImage& image, const std::string& caption,
                             const light::Raster& light) const {
-  tracker::Canvas(image).text(kMargin, kMargin, caption, kTextColour);
+  optics::Canvas(image).text(kMargin, kMargin, caption, kTextColour);
   for (std::size_t i = 0; i < legend_.size(); ++i) {
     const Entry& entry = legend_[i];
     const bool shown = i >= bands_.size() || isSelected(i, light);
     const int y = kGlyphHeight + 2 * kMargin + entry.row * kLine;
     fill(image, entry.x, y, kSwatch, kSwatch, shown ? entry.colour : kAbsentColour);
-    tracker::Canvas(image).text(entry.x + kSwatch + kMargin, y, entry.text,
-                                shown ? kTextColour : kAbsentColour);
+    optics::Canvas(image).text(entry.x + kSwatch + kMargin, y, entry.text,
+                               shown ? kTextColour : kAbsentColour);
   }
 }
 
@@ -115,7 +115,7 @@ int PreviewMarks::bandAt(double light) const {
   return band == bands_.end() ? -1 : static_cast<int>(std::distance(bands_.begin(), band));
 }
 
-void PreviewMarks::drawBands(tracker::RgbImage& image, const light::Raster& light) const {
+void PreviewMarks::drawBands(optics::RgbImage& image, const light::Raster& light) const {
   std::vector<int> band(light.values.size());
   std::ranges::transform(light.values, band.begin(),
                          [this](float value) { return bandAt(static_cast<double>(value)); });
@@ -141,7 +141,7 @@ void PreviewMarks::drawBands(tracker::RgbImage& image, const light::Raster& ligh
   }
 }
 
-void PreviewMarks::drawScale(tracker::RgbImage& image) const {
+void PreviewMarks::drawScale(optics::RgbImage& image) const {
   // The longest that takes at most a quarter of the width.
   double length = kBars.front();
   for (const double bar : kBars) {
@@ -151,7 +151,7 @@ void PreviewMarks::drawScale(tracker::RgbImage& image) const {
   const int wide = std::max(1, static_cast<int>(std::lround(length / 100 * scale_)));
   const int high = kGlyphHeight + 3 * kMargin;
   const int y = image.height - high;
-  tracker::Canvas canvas(image);
+  optics::Canvas canvas(image);
   canvas.shade(0, y, std::max(wide, widthOf(text)) + 2 * kMargin, high);
   canvas.text(kMargin, y + kMargin / 2, text, kTextColour);
   const int bar = y + kGlyphHeight + kMargin;
@@ -159,10 +159,10 @@ void PreviewMarks::drawScale(tracker::RgbImage& image) const {
   for (const int end : {kMargin, kMargin + wide - 1}) fill(image, end, bar - 1, 1, 3, kTextColour);
 }
 
-void PreviewMarks::drawRobots(tracker::RgbImage& image,
+void PreviewMarks::drawRobots(optics::RgbImage& image,
                               const projector::ObservedFrame& frame) const {
   constexpr int kSides = 24;
-  tracker::Canvas canvas(image);
+  optics::Canvas canvas(image);
   for (const projector::ObservedRobot& robot : frame.robots) {
     const auto place = [&](double angle, double radius) {
       const double x = robot.x + radius * std::cos(angle);

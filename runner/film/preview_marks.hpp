@@ -25,23 +25,23 @@ class PreviewMarks {
 
   /// Writes the head: the caption, and the programs with the light that selects each. Programs that
   /// no light of the picture selects are grey.
-  void drawHead(tracker::RgbImage& image, const std::string& caption,
+  void drawHead(optics::RgbImage& image, const std::string& caption,
                 const light::Raster& light) const;
 
   /// Outlines the region of each band in the colour of its program.
   /// @param light of the arena, as large as in the picture
-  void drawBands(tracker::RgbImage& image, const light::Raster& light) const;
+  void drawBands(optics::RgbImage& image, const light::Raster& light) const;
 
   /// A bar with its length in cm in the lower left corner of the picture.
-  void drawScale(tracker::RgbImage& image) const;
+  void drawScale(optics::RgbImage& image) const;
 
   /// Discs with the heading, and with the id where there is room for it.
-  void drawRobots(tracker::RgbImage& image, const projector::ObservedFrame& frame) const;
+  void drawRobots(optics::RgbImage& image, const projector::ObservedFrame& frame) const;
 
  private:
   struct Entry {
     std::string text;
-    tracker::Colour colour;
+    optics::Colour colour;
     int x = 0;
     int row = 0;
   };
@@ -54,8 +54,8 @@ class PreviewMarks {
   double arena_height_;  ///< [m]
   double radius_;        ///< of a robot [m]
   std::vector<LightBand> bands_;
-  std::vector<tracker::Colour> colours_;  ///< of the bands
-  std::vector<Entry> legend_;             ///< of the bands, and of the robots
+  std::vector<optics::Colour> colours_;  ///< of the bands
+  std::vector<Entry> legend_;            ///< of the bands, and of the robots
 };
 
 }  // namespace lab::runner

@@ -121,7 +121,7 @@ layers = [{kind = "uniform", intensity = 0.2},
 using Rgb = std::array<int, 3>;
 
 /// A pixel by its place in the arena [cm]; the picture ends with the arena.
-Rgb at(const tracker::RgbImage& picture, double x_cm, double y_cm) {
+Rgb at(const optics::RgbImage& picture, double x_cm, double y_cm) {
   const double scale = picture.width / 120.0;
   const std::uint8_t* pixel =
       picture.at(static_cast<int>(x_cm * scale),
@@ -132,7 +132,7 @@ Rgb at(const tracker::RgbImage& picture, double x_cm, double y_cm) {
 TEST(LightPreview, OutlinesTheRegionOfEachBandInTheColourOfItsProgram) {
   const Experiment experiment = parseExperiment(kTwoBands, "bands.toml");
   LightPreview dut(experiment, {});
-  const tracker::RgbImage picture = dut.picture(0, 0, 480);
+  const optics::RgbImage picture = dut.picture(0, 0, 480);
   constexpr Rgb kStand{0, 114, 178};  // the colours of the page
   constexpr Rgb kTurn{213, 94, 0};
   const Rgb left = at(picture, 59.8, 70);
@@ -161,7 +161,7 @@ TEST(LightPreview, NamesProgramsInGreyThatNoLightOfThePictureSelects) {
   file.replace(file.find("intensity = 0.8"), 15, "intensity = 0.2");
   const Experiment experiment = parseExperiment(file, "bands.toml");
   LightPreview dut(experiment, {});
-  const tracker::RgbImage picture = dut.picture(0, 0, 480);
+  const optics::RgbImage picture = dut.picture(0, 0, 480);
   for (std::size_t i = 0; i < picture.pixels.size(); i += 3) {
     const bool turn = picture.pixels[i] == 213 && picture.pixels[i + 1] == 94;
     ASSERT_FALSE(turn) << "the colour of the other program";
@@ -171,7 +171,7 @@ TEST(LightPreview, NamesProgramsInGreyThatNoLightOfThePictureSelects) {
 TEST(LightPreview, DrawsRobotsWithHeadingAndId) {
   const Experiment experiment = parseExperiment(kTwoBands, "bands.toml");
   LightPreview dut(experiment, {});
-  const tracker::RgbImage picture = dut.picture(0, 0, 480);
+  const optics::RgbImage picture = dut.picture(0, 0, 480);
   constexpr Rgb kRobot{255, 255, 255};
   EXPECT_EQ(at(picture, 90 + 1.25 * 3.75, 45), kRobot) << "the heading, along x";
   EXPECT_NE(at(picture, 90 - 1.25 * 3.75, 45), kRobot);
@@ -185,7 +185,7 @@ TEST(LightPreview, DrawsRobotsWithHeadingAndId) {
 TEST(LightPreview, DrawsABarAsLongAsItSays) {
   const Experiment experiment = scriptOf(step(0, kDark));
   LightPreview dut(experiment, {});
-  const tracker::RgbImage picture = dut.picture(0, 0, 480);
+  const optics::RgbImage picture = dut.picture(0, 0, 480);
   // The longest row of white pixels is the bar: 20 cm of 120 cm.
   int longest = 0;
   for (int y = picture.height - 360; y < picture.height; ++y) {
