@@ -176,7 +176,11 @@ void RemoteHosts::attend() {
 }
 
 void RemoteHosts::take(const link_status_t& status) {
-  if (status.host == own_name_) last_link_status_ = Steady::now();
+  if (status.host == own_name_) {
+    last_link_status_ = Steady::now();
+  } else if (!hosts_.contains(status.host)) {
+    return;  // of another lab on this bus
+  }
   auto& peers = peers_[status.host];
   peers.clear();
   for (const link_peer_t& peer : status.peers) peers[peer.host] = peer;

@@ -164,7 +164,7 @@ class LiveRun {
 
   void superviseDashboard() {
     if (!page_) return;
-    page_->supervise([this](const std::string& what) { reportDashboard(what); });
+    page_->supervise(loop_.now(), [this](const std::string& what) { reportDashboard(what); });
     if (!page_->address().empty() || page_->givenUp()) announce();
   }
 
@@ -238,7 +238,8 @@ class LiveRun {
     if (finishing_) return;
     superviseDashboard();
     const bool all_up = supervisor_.restartEnded(
-        [this](const std::string& what) { controller_.fault(what); }, [this] { return resume(); });
+        loop_.now(), [this](const std::string& what) { controller_.fault(what); },
+        [this] { return resume(); });
     if (!all_up) closeEarly("a process would not stay up");
     supervisor_.checkHeartbeats(
         loop_.now(), [this](const std::string& what) { controller_.fault(what); },
