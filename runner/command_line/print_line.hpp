@@ -2,13 +2,18 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <string_view>
+#include <vector>
 
 namespace lab::runner {
 
 /// Prints a line on stdout. On a terminal it replaces the progress line, which is then printed
 /// again below it.
 void printLine(std::string_view text);
+
+/// Prints why a run is marked, one line each.
+void printFaults(const std::vector<std::string>& faults);
 
 /// Calls `print`. When nobody reads stdout any more (`lab run ... | head`), stdout is redirected to
 /// /dev/null and the run goes on.

@@ -11,6 +11,7 @@
 #include "common/experiment/experiment_describe.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/run_directory.hpp"
 
@@ -29,7 +30,7 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
     const analysis::ProgramLaw law = analysis::toLaw(program, experiment.hardware.diameter);
     return analysis::ExactLaw(law).persistenceLength();
   };
-  fmt::print("{}", describeExperiment(experiment, length));
+  fmt::print("{}", printableLines(describeExperiment(experiment, length)));
   return kDone;
 }
 

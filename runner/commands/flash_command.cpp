@@ -11,6 +11,7 @@
 #include "common/process/child_process.hpp"
 #include "common/process/installation.hpp"
 #include "common/serial/serial_devices.hpp"
+#include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/commands/robot_adoption.hpp"
 
@@ -114,7 +115,7 @@ ExitCode flash(const FlashOptions& options) {
     met.problem = error.what();
   }
   if (!met.ok) {
-    fmt::print("flashed, but {}: {}\n", options.port, met.problem);
+    fmt::print("flashed, but {}: {}\n", options.port, printable(met.problem));
     return kFailed;
   }
   fmt::print("flashed: firmware {}.{}, build {:08x}, schema 0x{:04X}\n", met.hello.firmware >> 8,

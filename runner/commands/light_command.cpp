@@ -14,6 +14,7 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/math/units.hpp"
 #include "common/service/node.hpp"
+#include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/commands/layer_arguments.hpp"
 #include "runner/runs/lab_registry.hpp"
@@ -91,7 +92,7 @@ ExitCode light(const LightOptions& options) {
   node.close();
   if (!done) {
     fmt::print("{}: the projector did not show it{}\n", lab.name,
-               refusal.empty() ? "" : ": " + refusal);
+               refusal.empty() ? "" : ": " + printable(refusal));
     return kFailed;
   }
   fmt::print("{}: {}\n", lab.name,

@@ -13,7 +13,9 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/process/child_process.hpp"
 #include "common/process/installation.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/command_line_parts.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/live/dashboard_process.hpp"
 #include "runner/live/progress_line.hpp"
 
@@ -66,7 +68,7 @@ bool makeReport(const fs::path& programs, const fs::path& directory) {
     }
     return reporter.code() == 0;
   } catch (const std::system_error& error) {
-    fmt::print(stderr, "lab: no report: {}\n", error.what());
+    fmt::print(stderr, "lab: no report: {}\n", printable(error.what()));
     return false;
   }
 }
@@ -108,9 +110,10 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   line.reset();
   const RunOutcome& outcome = launched.outcome;
   if (outcome.interrupted) {
-    fmt::print("{} after {:.0f} s of {:.10g} s\n", outcome.ended_because, elapsed, duration);
+    fmt::print("{} after {:.0f} s of {:.10g} s\n", printable(outcome.ended_because), elapsed,
+               duration);
   }
-  for (const std::string& fault : outcome.faults) fmt::print("marked   {}\n", fault);
+  printFaults(outcome.faults);
   std::fflush(stdout);
   // The run is over and its log is kept. A report that cannot be made is a failure of its own.
   const bool reported = !options.report || makeReport(options.programs, launched.directory);

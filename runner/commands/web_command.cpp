@@ -12,6 +12,7 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/process/child_process.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/print_line.hpp"
 #include "runner/commands/commands.hpp"
@@ -60,7 +61,7 @@ void superviseOpener(std::unique_ptr<ChildProcess>& opener) {
 /// Prints the output of the dashboard on stderr: there is no run folder in which to look.
 void showOutput(const fs::path& output) {
   std::ifstream file(output);
-  for (std::string line; std::getline(file, line);) fmt::print(stderr, "{}\n", line);
+  for (std::string line; std::getline(file, line);) fmt::print(stderr, "{}\n", printable(line));
 }
 
 }  // namespace

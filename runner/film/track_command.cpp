@@ -18,6 +18,7 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/output_file.hpp"
 #include "runner/command_line/progress_bar.hpp"
 #include "runner/film/film_commands.hpp"
@@ -249,7 +250,7 @@ class Film {
     if (!problem.empty()) {
       const bool named = problem.starts_with(options_.source);
       fmt::print("marked   {}{}; the poses of what could be read are kept\n",
-                 named ? "" : options_.source + ": ", problem);
+                 named ? "" : options_.source + ": ", printable(problem));
     }
     return problem.empty() && overlay_problem_.empty() ? kDone : kMarked;
   }

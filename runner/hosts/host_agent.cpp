@@ -210,8 +210,13 @@ class Agent {
                       installation().installHint(name, "build the lab there (./lab build)"));
     }
     std::vector<std::string> arguments{
-        program.string(), "--experiment",
-        (folder_.path() / request.at("experiment").get<std::string>()).string(), "--lcm-url", url_};
+        program.string(),
+        "--experiment",
+        (folder_.path() / request.at("experiment").get<std::string>()).string(),
+        "--lcm-url",
+        url_,
+        "--clock-offset-us",
+        std::to_string(loop_.clockOffset())};
     if (request.value("uses_ports", false)) {
       arguments.insert(arguments.end(), {"--ports", (folder_.path() / files::kPorts).string()});
     }

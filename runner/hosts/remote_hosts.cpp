@@ -11,6 +11,7 @@
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/service_placement.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner {
@@ -167,7 +168,7 @@ void RemoteHosts::begin(const PreparedRun& run, const std::string& lab,
   for (auto& [name, host] : hosts_) {
     host.heard = Steady::now();
     const std::string& warning = host.remote->warning();
-    if (!warning.empty()) fmt::print(stderr, "warn     host {}: {}\n", name, warning);
+    if (!warning.empty()) fmt::print(stderr, "warn     host {}: {}\n", name, printable(warning));
   }
 }
 

@@ -52,7 +52,7 @@ class LiveRun {
         node_(bus_, loop_, {"lab", 0, loop_.now()}),
         controller_({node_, loop_, run.experiment, run.directory}, run.effective,
                     [this](Ending ending, const std::string& why) { over(ending, why); }),
-        supervisor_(run, options) {
+        supervisor_(run, options, loop_.clockOffset()) {
     if (procedure) {
       if (options.cameras) cameras_ = options.cameras(loop_, run.directory / files::kPorts);
       procedure_.emplace(bus_, loop_, cameras_ ? *cameras_ : noCameras(), run, loop_.now(),

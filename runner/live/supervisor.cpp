@@ -26,8 +26,9 @@ constexpr int kLoggerPatience_ms = 10000;  // it writes its buffers before it en
 
 }  // namespace
 
-Supervisor::Supervisor(const PreparedRun& run, const LiveOptions& options)
-    : run_(run), options_(options) {
+Supervisor::Supervisor(const PreparedRun& run, const LiveOptions& options,
+                       std::int64_t clock_offset_us)
+    : run_(run), options_(options), clock_offset_us_(clock_offset_us) {
   fs::create_directories(logFolder());
 }
 
@@ -88,8 +89,13 @@ std::vector<std::string> Supervisor::argumentsOf(const Entry& entry) const {
 
 std::unique_ptr<ServiceProcess> Supervisor::startService(const Entry& entry, const fs::path& file) {
   if (!entry.host.empty()) return startThere(entry, file);
-  std::vector<std::string> arguments{(options_.programs / entry.name).string(), "--experiment",
-                                     file.string(), "--lcm-url", options_.url};
+  std::vector<std::string> arguments{(options_.programs / entry.name).string(),
+                                     "--experiment",
+                                     file.string(),
+                                     "--lcm-url",
+                                     options_.url,
+                                     "--clock-offset-us",
+                                     std::to_string(clock_offset_us_)};
   if (entry.uses_ports) {
     arguments.insert(arguments.end(), {"--ports", (run_.directory / files::kPorts).string()});
   }

@@ -21,7 +21,9 @@ namespace lab::runner {
 /// on other hosts.
 class Supervisor {
  public:
-  Supervisor(const PreparedRun& run, const LiveOptions& options);
+  /// @param clock_offset_us of the runner's loop: all services of this machine share its time,
+  ///   also those that are restarted after a step of the wall clock
+  Supervisor(const PreparedRun& run, const LiveOptions& options, std::int64_t clock_offset_us);
 
   void startLogger();
 
@@ -102,6 +104,7 @@ class Supervisor {
 
   const PreparedRun& run_;
   const LiveOptions& options_;
+  std::int64_t clock_offset_us_;
   OrphanGuard guard_;  ///< of the processes below
   Entry logger_{.name = "lcm-logger"};
   std::vector<Entry> services_;
