@@ -42,6 +42,8 @@ constexpr int kMostRecordedStops = 200;
 constexpr int kMostAnswers = 500;
 constexpr std::int64_t kLimitPeriod_us = 10'000'000;
 
+constexpr const char* kAnalyzer = "analyzer";
+
 /// The message without the robots that are not admitted; nothing if all are.
 template <typename Message>
 std::optional<Message> withoutRefused(const Message& message, RobotAdmission& admission) {
@@ -394,7 +396,11 @@ void ExperimentController::take(const service_status_t& status) {
     return;
   }
   errors_recorded_.insert(what);
-  status.sender == kObserverService ? mark(what) : fault(what);
+  // The analyzer reports an overload. That costs results, but no data, unless the run waits for
+  // them.
+  const bool observes = status.sender == kObserverService ||
+                        (status.sender == kAnalyzer && isDispensable(experiment_, kAnalyzer));
+  observes ? mark(what) : fault(what);
 }
 
 void ExperimentController::repeatStops() {
