@@ -8,12 +8,16 @@
 #include <sys/time.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <numeric>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/loop/asio_loop.hpp"
