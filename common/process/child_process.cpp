@@ -86,7 +86,7 @@ bool arrangeDescriptors(Launch& launch) {
     prctl(PR_SET_PDEATHSIG, launch.death_signal);
     if (getppid() != launch.parent) _exit(127);  // it died before the line above
   }
-  if (launch.group == ChildSettings::Group::kOwn) setpgid(0, 0);
+  if (launch.group == ChildSettings::Group::kSeparate) setpgid(0, 0);
   if (launch.group == ChildSettings::Group::kSession) setsid();
   resetSignals(launch);
   if (!arrangeDescriptors(launch)) giveUp(launch.failed);

@@ -22,8 +22,8 @@ struct ChildSettings {
 
   enum class Group {
     kShared,  ///< signals of the terminal reach it; it keeps the signals that this process ignores
-    kOwn,     ///< signals of the terminal do not reach it
-    kSession  ///< as kOwn, and without the terminal
+    kSeparate,  ///< signals of the terminal do not reach it
+    kSession    ///< as kSeparate, and without the terminal
   };
 
   /// The program first: a path, or a name that is looked up in PATH.
@@ -36,7 +36,7 @@ struct ChildSettings {
   /// Further descriptors: the number here, the number there. It inherits no others, so no socket of
   /// this process stays open in a child.
   std::vector<std::pair<int, int>> handed_on{};
-  Group group = Group::kOwn;
+  Group group = Group::kSeparate;
   /// The kernel sends it this signal when the thread that started it ends. 0: the child may outlive
   /// this process, and the destructor leaves it alone.
   int death_signal = SIGKILL;

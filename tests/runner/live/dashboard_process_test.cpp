@@ -50,7 +50,7 @@ class DashboardProcessTest : public testing::Test {
   bool superviseUntil(DashboardProcess& page, const std::function<bool()>& done) {
     for (int i = 0; i < 1000 && !done(); ++i) {
       page.supervise(now_us_, report_);
-      now_us_ += 10'000;
+      now_us_ += 100'000;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return done();
