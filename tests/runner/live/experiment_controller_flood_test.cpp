@@ -16,6 +16,7 @@
 #include "common/loop/virtual_loop.hpp"
 #include "common/service/node.hpp"
 #include "runner/live/experiment_controller.hpp"
+#include "tests/support/experiment_samples.hpp"
 
 namespace lab::runner::controller_flood_test {
 namespace {
@@ -24,19 +25,6 @@ using testing::Contains;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
-
-constexpr const char* kFile = R"(fileversion = 1
-name = "flood"
-duration_s = 60
-program = "abp"
-[[robots]]
-id = 1
-[programs.abp]
-model = "abp"
-v_cm_s = 3
-epsilon_s = 0.5
-eta_rad_s = 3
-)";
 
 class ExperimentControllerFlood : public testing::Test {
  protected:
@@ -85,7 +73,7 @@ class ExperimentControllerFlood : public testing::Test {
   MemoryBus bus_{[this] { return loop_.now(); }};
   Node node_{bus_, loop_, {"lab", 0, 1}};
   Node foreign_{bus_, loop_, {"foreign", 0, 1}};
-  Experiment experiment_ = parseExperiment(kFile, "test");
+  Experiment experiment_ = small();
   std::optional<ExperimentController> controller_;
   std::string ended_;
   std::int64_t seq_ = 0;
