@@ -1,5 +1,8 @@
 #include "analyzer/analyzer_service.hpp"
 
+#include <fmt/format.h>
+
+#include <cstdint>
 #include <memory>
 
 #include "analyzer/service/analysis_message.hpp"
@@ -32,13 +35,24 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
 }
 
 void AnalyzerService::beginRound() {
+  const std::int64_t begin = loop_.now();
   round_ = feed_.results();
+  if (const auto period = pace_.note(begin, loop_.now())) {
+    node_.noteError(
+        fmt::format("overloaded: results are computed every {} s only, from all samples; the "
+                    "report is computed "
+                    "from the log and is complete",
+                    *period));
+  }
   round_utime_ = feed_.lastFrameUtime();
   published_ = 0;
 }
 
 void AnalyzerService::publishDue() {
-  if (slot_ == 0) beginRound();
+  if (slot_ == 0) {
+    if (!pace_.isDue(loop_.now())) return;
+    beginRound();
+  }
   ++slot_;
   const std::size_t due = round_.size() * static_cast<std::size_t>(slot_) / kSlots;
   for (; published_ < due; ++published_) {

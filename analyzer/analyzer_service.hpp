@@ -5,13 +5,15 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
+#include "analyzer/service/round_pace.hpp"
 #include "common/service/service_main.hpp"
 
 namespace lab::analysis {
 
 /// Listens to frames, robots and light, and publishes the results so far: one ANALYSIS message per
 /// program for the pool of its robots and one for each robot. Each is sent once a second, evenly
-/// spread over the second.
+/// spread over the second; less often on a machine that is too slow for that (RoundPace), and the
+/// heartbeat says so.
 class AnalyzerService final : public Service {
  public:
   explicit AnalyzerService(const ServiceContext& context);
@@ -27,7 +29,8 @@ class AnalyzerService final : public Service {
   std::vector<FeedResult> round_;  ///< Results of the current second.
   std::size_t published_ = 0;      ///< Number of them already published.
   std::int64_t round_utime_ = 0;   ///< Last frame in them [us since 1970].
-  int slot_ = 0;                   ///< Slot within the second.
+  RoundPace pace_;
+  int slot_ = 0;  ///< Slot within the second.
 };
 
 /// For serviceMain() and for the lab in one process.

@@ -2,8 +2,10 @@
 
 #include <cctype>
 #include <cerrno>
+#include <chrono>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -15,6 +17,9 @@ namespace {
 
 constexpr int kDefaultPort = 7667;
 constexpr int kMostInOneDrain = 10'000;
+// Timers, such as that of the heartbeat, wait no longer when messages arrive faster than they are
+// handled.
+constexpr std::chrono::milliseconds kLongestDrain{100};
 
 /// Escapes a channel name, which LCM takes as a regular expression: ROBOT.1 would match ROBOTX1.
 std::string literally(std::string_view channel) {
@@ -100,12 +105,17 @@ void LcmBus::drain() { drainFor(0); }
 bool LcmBus::drainFor(int timeout_ms) {
   if (draining_) throw std::logic_error("drain() inside a handler: LCM would abort");
   draining_ = true;
+  using Clock = std::chrono::steady_clock;
+  std::optional<Clock::time_point> first;
   int handled = 0;
   int result = 1;
   for (int wait = timeout_ms; result > 0 && handled < kMostInOneDrain; wait = 0) {
     errno = 0;
     result = lcm_handle_timeout(lcm_.get(), wait);
     if (result > 0) ++handled;
+    const Clock::time_point now = Clock::now();
+    if (!first) first = now;
+    if (now - *first > kLongestDrain) break;
   }
   draining_ = false;
   if (error_) std::rethrow_exception(std::exchange(error_, nullptr));

@@ -11,7 +11,23 @@ bool anyRobot(const Experiment& experiment, bool (*fits)(Body)) {
                              [fits](const RobotSpec& robot) { return fits(robot.body); });
 }
 
+bool joinsHosts(const Experiment& experiment) {
+  return experiment.link.join == JoinBy::kDds && !otherHosts(experiment).empty();
+}
+
 }  // namespace
+
+bool waitsForEstimates(const Experiment& experiment) {
+  return !experiment.stop_when.empty() ||
+         std::ranges::any_of(experiment.light.steps,
+                             [](const LightStep& step) { return !step.until.estimate.empty(); });
+}
+
+bool isDispensable(const Experiment& experiment, std::string_view service) {
+  if (service == "analyzer") return !waitsForEstimates(experiment);
+  if (service == "dds_gateway") return !experiment.gateway.commands && !joinsHosts(experiment);
+  return service == kObserverService;
+}
 
 bool isNeeded(const Experiment& experiment, std::string_view service) {
   if (service == "robot_bridge") return anyRobot(experiment, isOnWire);
@@ -20,9 +36,7 @@ bool isNeeded(const Experiment& experiment, std::string_view service) {
     return anyRobot(experiment, [](Body body) { return body != Body::kSerial; });
   }
   if (service == "dds_gateway") {
-    const bool joins_hosts =
-        experiment.link.join == JoinBy::kDds && !otherHosts(experiment).empty();
-    return experiment.gateway.ros || joins_hosts;
+    return experiment.gateway.ros || joinsHosts(experiment);
   }
   return true;
 }

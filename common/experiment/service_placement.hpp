@@ -21,6 +21,13 @@ inline constexpr std::string_view kObserverService = "dashboard";
 /// Whether the experiment needs this service.
 [[nodiscard]] bool isNeeded(const Experiment& experiment, std::string_view service);
 
+/// Whether the script or stop_when waits for estimates of the analyzer.
+[[nodiscard]] bool waitsForEstimates(const Experiment& experiment);
+
+/// Whether a run that needs this service can go on without it: nothing that happens to the robots
+/// depends on it, and the log can be analyzed later.
+[[nodiscard]] bool isDispensable(const Experiment& experiment, std::string_view service);
+
 /// The services that the experiment needs, in the order of kServiceNames.
 [[nodiscard]] std::vector<std::string> neededServices(const Experiment& experiment);
 

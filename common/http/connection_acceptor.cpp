@@ -5,7 +5,6 @@
 #include <netdb.h>
 #include <netinet/tcp.h>
 #include <poll.h>
-#include <sys/eventfd.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -91,13 +90,11 @@ ConnectionAcceptor::ConnectionAcceptor(ListenOptions options) : options_(std::mo
                                          port, port + ports_tried - 1));
   }
   port_ = localAddress(listener_).port;
-  wakeup_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
 }
 
 ConnectionAcceptor::~ConnectionAcceptor() {
   close();
   if (listener_ >= 0) ::close(listener_);
-  if (wakeup_ >= 0) ::close(wakeup_);
 }
 
 void ConnectionAcceptor::open(Serve serve) {
@@ -112,7 +109,7 @@ void ConnectionAcceptor::close() {
     closing_ = true;
   }
   left_.notify_all();
-  eventfd_write(wakeup_, 1);
+  wakeup_.signal();
   accepting_.join();
   {
     std::unique_lock lock(mutex_);
@@ -130,7 +127,7 @@ void ConnectionAcceptor::acceptAll() {
       std::unique_lock lock(mutex_);
       left_.wait(lock, [&] { return closing_ || connections_.size() < most; });
     }
-    std::array<pollfd, 2> entries{pollfd{listener_, POLLIN, 0}, pollfd{wakeup_, POLLIN, 0}};
+    std::array<pollfd, 2> entries{pollfd{listener_, POLLIN, 0}, pollfd{wakeup_.get(), POLLIN, 0}};
     poll(entries.data(), entries.size(), -1);
     if (closing_) return;
     const int socket = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK);

@@ -11,6 +11,8 @@
 #include <thread>
 #include <vector>
 
+#include "common/process/event_descriptor.hpp"
+
 namespace lab {
 
 struct ListenOptions {
@@ -71,7 +73,7 @@ class ConnectionAcceptor {
 
   ListenOptions options_;
   int listener_ = -1;
-  int wakeup_ = -1;  ///< eventfd that wakes the accepting thread when the acceptor closes
+  EventDescriptor wakeup_;  ///< wakes the accepting thread when the acceptor closes
   int port_ = 0;
   Serve serve_;
   std::atomic<bool> closing_ = false;

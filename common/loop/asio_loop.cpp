@@ -14,6 +14,10 @@ namespace {
 using Steady = std::chrono::steady_clock;
 using Microseconds = std::chrono::microseconds;
 
+std::int64_t inMicroseconds(Steady::time_point time) {
+  return std::chrono::duration_cast<Microseconds>(time.time_since_epoch()).count();
+}
+
 struct Repeating {
   Repeating(asio::io_context& io, std::int64_t period, std::int64_t first, Loop::Callback call)
       : timer(io), period_us(period), next_utime(first), callback(std::move(call)) {}
@@ -93,11 +97,20 @@ struct AsioLoop::Implementation {
   }
 };
 
-AsioLoop::AsioLoop() : implementation_(std::make_unique<Implementation>()) {}
+AsioLoop::AsioLoop(std::optional<std::int64_t> clock_offset_us)
+    : implementation_(std::make_unique<Implementation>()) {
+  if (clock_offset_us) {
+    implementation_->wall_start = inMicroseconds(implementation_->steady_start) + *clock_offset_us;
+  }
+}
 
 AsioLoop::~AsioLoop() = default;
 
 std::int64_t AsioLoop::now() const { return implementation_->now(); }
+
+std::int64_t AsioLoop::clockOffset() const {
+  return implementation_->wall_start - inMicroseconds(implementation_->steady_start);
+}
 
 void AsioLoop::at(std::int64_t utime, Callback callback) {
   if (utime <= now()) {  // timers that expired together would fire in any order

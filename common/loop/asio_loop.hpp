@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include "common/loop/descriptor_watcher.hpp"
 #include "common/loop/loop.hpp"
@@ -18,10 +19,15 @@ namespace lab {
 /// clock during a run changes neither timers nor time stamps.
 class AsioLoop final : public Loop, public DescriptorWatcher {
  public:
-  AsioLoop();
+  /// @param clock_offset_us the clockOffset() of another process on this machine, for its time;
+  ///   nothing: the wall clock now
+  explicit AsioLoop(std::optional<std::int64_t> clock_offset_us = std::nullopt);
   ~AsioLoop() override;
 
   [[nodiscard]] std::int64_t now() const override;
+
+  /// now() minus the steady clock of this machine [us].
+  [[nodiscard]] std::int64_t clockOffset() const;
   [[nodiscard]] bool isVirtual() const override { return false; }
   void at(std::int64_t utime, Callback callback) override;
   void every(std::int64_t period_us, std::int64_t first_utime, Callback callback) override;

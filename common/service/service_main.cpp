@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <optional>
 #include <thread>
 
@@ -24,6 +25,7 @@ struct Options {
   std::string experiment;
   std::string lcm_url = defaultLcmUrl();
   std::string ports = defaultPortsFolder();
+  std::optional<std::int64_t> clock_offset_us;
 };
 
 constexpr std::int64_t kForwardTimeout_us = 500'000;
@@ -44,7 +46,7 @@ void run(const ServiceDescription& description, const Options& options) {
   Experiment experiment =
       options.experiment.empty() ? Experiment{} : loadExperiment(options.experiment);
   if (description.sources) adopt(description.sources(), experiment);
-  AsioLoop loop;
+  AsioLoop loop(options.clock_offset_us);
   LcmBus bus(options.lcm_url);
   SerialDevices ports(loop, options.ports);
   const std::unique_ptr<Cameras> own_cameras =
@@ -83,6 +85,9 @@ int serviceMain(int argc, char** argv, const ServiceDescription& description) {
                    "Folder of the lines to simulated robots and of the simulated camera")
         ->capture_default_str();
   }
+  app.add_option("--clock-offset-us", options.clock_offset_us,
+                 "Wall clock minus steady clock of this machine, so that a service that lab run "
+                 "restarts keeps the time of the others");
   if (description.add_options) description.add_options(app);
   app.set_version_flag("--version", kVersion);
   try {

@@ -1,12 +1,6 @@
 #include "dashboard/control/request_queue.hpp"
 
-#include <sys/eventfd.h>
-#include <unistd.h>
-
-#include <cerrno>
 #include <condition_variable>
-#include <cstdint>
-#include <system_error>
 #include <utility>
 
 namespace lab::dashboard {
@@ -69,21 +63,9 @@ struct RequestQueue::PendingRequest {
 };
 
 RequestQueue::RequestQueue(Handlers handlers, std::chrono::milliseconds timeout)
-    : handlers_(std::move(handlers)),
-      timeout_(timeout),
-      descriptor_(eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {
-  if (descriptor_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
-}
+    : handlers_(std::move(handlers)), timeout_(timeout) {}
 
-RequestQueue::~RequestQueue() {
-  close();
-  ::close(descriptor_);
-}
-
-bool RequestQueue::wakeLoop() const {
-  const std::uint64_t one = 1;
-  return ::write(descriptor_, &one, sizeof one) == sizeof one || errno == EAGAIN;
-}
+RequestQueue::~RequestQueue() { close(); }
 
 bool RequestQueue::run(Queue& queue, std::function<void()> work) {
   const auto pending = std::make_shared<PendingRequest>(std::move(work));
@@ -93,7 +75,7 @@ bool RequestQueue::run(Queue& queue, std::function<void()> work) {
     std::erase_if(queue, [](const auto& waiting) { return waiting->isWithdrawn(); });
     if (closed_ || queue.size() >= kMaxPending) return false;
     queue.push_back(pending);
-    if (!wakeLoop()) return false;
+    pending_.signal();
   }
   return pending->wait(timeout_);
 }
@@ -114,14 +96,13 @@ void RequestQueue::serve() {
   Queue claimed;
   {
     const std::lock_guard lock(mutex_);
-    std::uint64_t count = 0;
-    if (::read(descriptor_, &count, sizeof count) < 0 && errno != EAGAIN) return;
+    pending_.clear();
     claimed.swap(requests_);
     if (!queries_.empty()) {
       claimed.push_back(std::move(queries_.front()));
       queries_.pop_front();
     }
-    if (!queries_.empty()) (void)wakeLoop();
+    if (!queries_.empty()) pending_.signal();
   }
   for (const auto& pending : claimed) pending->execute();
 }

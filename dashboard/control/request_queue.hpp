@@ -11,6 +11,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/process/event_descriptor.hpp"
 #include "dashboard/control/lab_request_handler.hpp"
 
 namespace lab::dashboard {
@@ -38,7 +39,7 @@ class RequestQueue final : public LabRequestHandler {
                                                  std::string_view which) override;
 
   /// Is readable while something is pending.
-  [[nodiscard]] int descriptor() const { return descriptor_; }
+  [[nodiscard]] int descriptor() const { return pending_.get(); }
 
   /// Handles all pending requests and one query. The descriptor stays readable while more queries
   /// wait, so that the loop can do other work in between. Call it on the loop's thread.
@@ -53,11 +54,10 @@ class RequestQueue final : public LabRequestHandler {
 
   /// @return whether the work was done
   bool run(Queue& queue, std::function<void()> work);
-  [[nodiscard]] bool wakeLoop() const;
 
   Handlers handlers_;
   std::chrono::milliseconds timeout_;
-  int descriptor_;  ///< an eventfd
+  EventDescriptor pending_;
   std::mutex mutex_;
   bool closed_ = false;
   Queue requests_;

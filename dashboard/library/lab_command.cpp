@@ -2,20 +2,22 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <signal.h>
-#include <spawn.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <stdexcept>
-#include <system_error>
 #include <thread>
+#include <utility>
+
+#include "common/process/child_process.hpp"
+#include "common/process/file_descriptor.hpp"
+#include "common/process/pipe.hpp"
 
 namespace lab::dashboard {
 namespace fs = std::filesystem;
@@ -28,44 +30,14 @@ constexpr const char* kOutput = "output.txt";
 constexpr int kRunning = std::numeric_limits<int>::min();  // in place of an exit code
 constexpr std::chrono::milliseconds kPollPeriod{100};      // for the flag `stop`
 
-int codeOf(int status) {
-  return WIFSIGNALED(status) ? 128 + WTERMSIG(status) : WEXITSTATUS(status);
-}
-
-/// Starts a program in a new session, with empty input and its output going to `output`. It
-/// inherits no other descriptors: an inherited listening socket would keep the server's port
-/// occupied.
-pid_t startSession(const std::vector<std::string>& arguments, int output) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, output, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, output, STDERR_FILENO);
-  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-  posix_spawnattr_t attributes;
-  posix_spawnattr_init(&attributes);
-  sigset_t none;
-  sigemptyset(&none);
-  sigset_t all;
-  sigfillset(&all);
-  posix_spawnattr_setsigmask(&attributes, &none);
-  posix_spawnattr_setsigdefault(&attributes, &all);
-  posix_spawnattr_setflags(&attributes,
-                           POSIX_SPAWN_SETSID | POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF);
-  std::vector<char*> raw;
-  // exec takes char* and does not write through it.
-  for (const std::string& argument : arguments) raw.push_back(const_cast<char*>(argument.c_str()));
-  raw.push_back(nullptr);
-  pid_t pid = -1;
-  const int error =
-      posix_spawn(&pid, arguments.front().c_str(), &actions, &attributes, raw.data(), environ);
-  posix_spawnattr_destroy(&attributes);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) {
-    throw std::runtime_error("cannot start " + arguments.front() + ": " +
-                             std::generic_category().message(error));
-  }
-  return pid;
+/// In a new session, with empty input and its output going to `output`. It may outlive this
+/// program.
+ChildSettings inSession(const std::vector<std::string>& arguments, int output) {
+  return {.arguments = arguments,
+          .output = output,
+          .errors = output,
+          .group = ChildSettings::Group::kSession,
+          .death_signal = 0};
 }
 
 }  // namespace
@@ -82,44 +54,34 @@ std::string tailOf(std::string text, std::size_t bytes) {
 
 CommandResult runCommand(const std::vector<std::string>& arguments,
                          std::chrono::milliseconds timeout, const std::atomic<bool>& stop) {
-  std::array<int, 2> ends{};
-  if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error("cannot create a pipe");
-  pid_t pid = -1;
-  try {
-    pid = startSession(arguments, ends[1]);
-  } catch (...) {
-    close(ends[0]);
-    close(ends[1]);
-    throw;
-  }
-  close(ends[1]);
+  Pipe pipe = makePipe();
+  ChildProcess child(inSession(arguments, pipe.in.get()));
+  pipe.in = FileDescriptor();
   CommandResult result;
   const auto deadline = Clock::now() + timeout;
   std::array<char, 4096> buffer{};
   while (true) {
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now());
-    pollfd entry{ends[0], POLLIN, 0};
+    pollfd entry{pipe.out.get(), POLLIN, 0};
     const bool over = left <= 0ms || stop;
     const int ready =
         over ? 0 : poll(&entry, 1, static_cast<int>(std::min(left, kPollPeriod).count()));
     if ((ready < 0 && errno == EINTR) || (ready == 0 && !over)) continue;
     if (ready == 0) {
       result.was_killed = true;
-      kill(-pid, SIGKILL);  // the whole process group
+      child.signalGroup(SIGKILL);
     }
     if (ready <= 0) break;
-    const ssize_t count = read(ends[0], buffer.data(), buffer.size());
+    const ssize_t count = read(pipe.out.get(), buffer.data(), buffer.size());
     if (count <= 0) break;
     result.output.append(buffer.data(), static_cast<std::size_t>(count));
     if (result.output.size() > 4 * kMaxOutput) {
       result.output = tailOf(std::move(result.output), kMaxOutput);
     }
   }
-  close(ends[0]);
-  int status = 0;
-  while (waitpid(pid, &status, 0) < 0 && errno == EINTR) {
-  }
-  result.code = codeOf(status);
+  pipe.out = FileDescriptor();
+  child.wait();
+  result.code = child.code();
   result.output = tailOf(std::move(result.output), kMaxOutput);
   return result;
 }
@@ -134,27 +96,20 @@ fs::path DetachedCommand::makeFolder() {
 
 DetachedCommand::DetachedCommand(fs::path folder, const std::vector<std::string>& arguments)
     : folder_(std::move(folder)), code_(std::make_shared<std::atomic<int>>(kRunning)) {
-  const int file = open((folder_ / kOutput).c_str(),
-                        O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600);
-  if (file < 0) throw std::runtime_error("cannot write in " + folder_.string());
-  pid_t pid = -1;
+  const FileDescriptor file(open((folder_ / kOutput).c_str(),
+                                 O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW, 0600));
+  if (file.get() < 0) throw std::runtime_error("cannot write in " + folder_.string());
+  std::unique_ptr<ChildProcess> child;
   try {
-    pid = startSession(arguments, file);
+    child = std::make_unique<ChildProcess>(inSession(arguments, file.get()));
   } catch (...) {
-    close(file);
     fs::remove_all(folder_);
     throw;
   }
-  close(file);
-  // Without waitpid() the ended process would remain as a zombie. The thread may outlive this
-  // object.
-  std::thread([pid, code = code_] {
-    int status = 0;
-    pid_t found = -1;
-    do {
-      found = waitpid(pid, &status, 0);
-    } while (found < 0 && errno == EINTR);
-    *code = found == pid ? codeOf(status) : -1;
+  // Without a wait the ended process would remain as a zombie. The thread may outlive this object.
+  std::thread([child = std::move(child), code = code_] {
+    child->wait();
+    *code = child->code();
   }).detach();
 }
 

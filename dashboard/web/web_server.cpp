@@ -13,6 +13,7 @@
 #include <variant>
 
 #include "common/http/http_server.hpp"
+#include "common/text/fnv1a.hpp"
 #include "dashboard/control/json_object_reader.hpp"
 #include "dashboard/control/operator_request_reader.hpp"
 #include "dashboard/library/library_routes.hpp"
@@ -38,13 +39,9 @@ ListenOptions listenOptions(const WebOptions& options) {
           .send_buffer = 128 * 1024};
 }
 
-/// A hash of the content, for the ETag header (64-bit FNV-1a).
+/// A hash of the content, for the ETag header.
 std::string entityTag(std::string_view content) {
-  std::uint64_t hash = 0xcbf29ce484222325;
-  for (const char byte : content) {
-    hash = (hash ^ static_cast<unsigned char>(byte)) * 0x100000001b3;
-  }
-  return fmt::format("\"{:016x}\"", hash);
+  return fmt::format("\"{:016x}\"", fnv1a(content));
 }
 
 }  // namespace

@@ -127,14 +127,14 @@ Matching Writer::matching() const {
 }
 
 Reader::Reader(const Domain& domain, const dds_topic_descriptor_t& type, const std::string& topic,
-               const Qos& qos, const Waker& waker)
+               const Qos& qos, const EventDescriptor& waker)
     : name_(topic), topic_(topicOf(domain, type, topic)) {
   const QosHandle handle = made(qos);
   // Cyclone takes void* and passes it back unchanged.
-  const ListenerHandle listener(dds_create_listener(const_cast<Waker*>(&waker)),
+  const ListenerHandle listener(dds_create_listener(const_cast<EventDescriptor*>(&waker)),
                                 dds_delete_listener);
   dds_lset_data_available(listener.get(), [](dds_entity_t /*reader*/, void* argument) {
-    static_cast<const Waker*>(argument)->ring();
+    static_cast<const EventDescriptor*>(argument)->signal();
   });
   reader_ =
       checked(dds_create_reader(domain.participant(), topic_.get(), handle.get(), listener.get()),

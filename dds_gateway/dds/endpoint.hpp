@@ -7,8 +7,8 @@
 #include <functional>
 #include <string>
 
+#include "common/process/event_descriptor.hpp"
 #include "dds_gateway/dds/domain.hpp"
-#include "dds_gateway/dds/waker.hpp"
 
 namespace lab::dds {
 
@@ -65,7 +65,7 @@ class Reader {
   /// @param waker signalled on each arrival; outlives the reader
   /// @throws DdsError
   Reader(const Domain& domain, const dds_topic_descriptor_t& type, const std::string& topic,
-         const Qos& qos, const Waker& waker);
+         const Qos& qos, const EventDescriptor& waker);
 
   /// Calls `handler` with each sample that has arrived, at most `most`; the sample is valid only
   /// during the call. Samples without data (disposals) are skipped.

@@ -12,10 +12,10 @@
 
 #include "common/bus/channels.hpp"
 #include "common/math/units.hpp"
+#include "common/process/event_descriptor.hpp"
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/endpoint.hpp"
-#include "dds_gateway/dds/waker.hpp"
 #include "dds_gateway/link/link.h"
 #include "dds_gateway/link/link_core.hpp"
 #include "dds_gateway/link/link_peers.hpp"
@@ -149,7 +149,7 @@ struct BusLink::Implementation {
   bool leaving = false;     ///< the node has published its closing messages
   bool heard_last = false;  ///< the last of them has come back from the bus
 
-  dds::Waker waker;
+  EventDescriptor waker;
   dds::Domain domain;
   dds::Writer packets_out;
   dds::Writer heartbeats_out;
@@ -179,7 +179,7 @@ BusLink::Implementation::Implementation(Node& its_node, Loop& its_loop,
       heartbeats_out(domain, lab_link_Sign_desc, topicOf(options, "signs"), heartbeatQos()),
       packets_in(domain, lab_link_Packet_desc, packetTopic(options), packetQos(), waker),
       heartbeats_in(domain, lab_link_Sign_desc, topicOf(options, "signs"), heartbeatQos(), waker) {
-  watch = descriptors.watch(waker.fileDescriptor(), [this] { takeAll(); });
+  watch = descriptors.watch(waker.get(), [this] { takeAll(); });
   node.subscribeAll([this](const Packet& packet) { forwardPacket(packet); });
   loop.every(kPingPeriod, loop.now(), [this] { send(peers.ping(now())); });
   loop.every(kTickPeriod, loop.now() + kTickPeriod, [this] { tick(); });
@@ -252,7 +252,7 @@ bool BusLink::Implementation::isForwarding() {
 }
 
 void BusLink::Implementation::takeAll() {
-  waker.quiet();
+  waker.clear();
   const int heartbeats = heartbeats_in.take(kMostAtOnce, [this](const void* sample, dds::WriterId) {
     take(*static_cast<const WireHeartbeat*>(sample));
   });
@@ -261,7 +261,7 @@ void BusLink::Implementation::takeAll() {
   const int packets = packets_in.take(kMostAtOnce, [this](const void* sample, dds::WriterId) {
     take(*static_cast<const WirePacket*>(sample));
   });
-  if (heartbeats == kMostAtOnce || packets == kMostAtOnce) waker.ring();
+  if (heartbeats == kMostAtOnce || packets == kMostAtOnce) waker.signal();
   release();
 }
 

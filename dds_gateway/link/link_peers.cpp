@@ -8,6 +8,7 @@
 
 #include "common/bus/fingerprints.hpp"
 #include "common/process/version.hpp"
+#include "common/text/fnv1a.hpp"
 
 namespace lab::gateway {
 namespace {
@@ -17,14 +18,10 @@ constexpr double kBetterThanNeeded = 0.9;
 /// Without an answer for this time the way back is considered closed [us].
 constexpr std::int64_t kNoAnswer = 3'000'000;
 
-/// FNV-1a, 64 bit: gives the same number for the same list on every host.
 std::string digest(const std::string& text) {
-  std::uint64_t hash = 14695981039346656037U;
-  for (const char letter : text) {
-    hash = (hash ^ static_cast<unsigned char>(letter)) * 1099511628211U;
-  }
   std::array<char, 17> digits{};
-  std::snprintf(digits.data(), digits.size(), "%016llx", static_cast<unsigned long long>(hash));
+  std::snprintf(digits.data(), digits.size(), "%016llx",
+                static_cast<unsigned long long>(fnv1a(text)));
   return digits.data();
 }
 

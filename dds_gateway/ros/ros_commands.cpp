@@ -184,15 +184,15 @@ Answer RosCommands::program(std::int32_t robot, dds::WriterId writer, const std:
 }
 
 void RosCommands::watch() {
-  watch_ = descriptors_.watch(waker_.fileDescriptor(), [this] { look(); });
+  watch_ = descriptors_.watch(waker_.get(), [this] { look(); });
 }
 
 void RosCommands::look() {
   watch_.reset();
   loop_.at(loop_.now() + kPause_us, [this] { watch(); });
-  waker_.quiet();
+  waker_.clear();
   for (const auto& subscription : ros_subscriptions_) {
-    if (subscription->read()) waker_.ring();
+    if (subscription->read()) waker_.signal();
   }
   send();
 }

@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
+#include "common/process/event_descriptor.hpp"
 #include "common/service/service_main.hpp"
 #include "dds_gateway/dds/domain.hpp"
-#include "dds_gateway/dds/waker.hpp"
 #include "dds_gateway/ros/command_arbiter.hpp"
 #include "dds_gateway/ros/light_arbiter.hpp"
 #include "dds_gateway/ros/ros_names.hpp"
@@ -58,7 +58,7 @@ class RosCommands {
   CommandArbiter arbiter_;
   LightArbiter light_;
   robot_order_t table_;  ///< the experiment's light table, without its bands
-  dds::Waker waker_;
+  EventDescriptor waker_;
   std::list<std::unique_ptr<RosSubscription>> ros_subscriptions_;
   std::unique_ptr<DescriptorWatcher::Watch> watch_;
 };

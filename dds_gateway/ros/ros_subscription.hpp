@@ -23,7 +23,7 @@ class RosSubscription {
   static constexpr int kDepth = 256;  ///< samples that may wait between two reads
 
   RosSubscription(const dds::Domain& domain, const ros::RosType& type, std::string topic,
-                  dds::Qos qos, const dds::Waker& waker)
+                  dds::Qos qos, const EventDescriptor& waker)
       : topic_(std::move(topic)),
         type_name_(type.descriptor->m_typename),
         reader_(domain, *type.descriptor, ros::topicName(topic_), deep(std::move(qos)), waker) {}
@@ -77,7 +77,7 @@ class TypedRosSubscription final : public RosSubscription {
   using Act = std::function<Answer(dds::WriterId, const Value&)>;
 
   TypedRosSubscription(const dds::Domain& domain, const std::string& topic, const dds::Qos& qos,
-                       const dds::Waker& waker, Keep keep, Act act)
+                       const EventDescriptor& waker, Keep keep, Act act)
       : RosSubscription(domain, ros::rosType<Message>(), topic, qos, waker),
         keep_(std::move(keep)),
         act_(std::move(act)) {}

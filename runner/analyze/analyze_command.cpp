@@ -6,6 +6,7 @@
 
 #include "analyzer/analyze_run.hpp"
 #include "common/math/units.hpp"
+#include "common/text/printable.hpp"
 #include "runner/analyze/analyze_commands.hpp"
 #include "runner/runs/run_directory.hpp"
 
@@ -14,7 +15,7 @@ namespace fs = std::filesystem;
 namespace {
 
 void printHeadline(const report::AnalyzedRun& analyzed) {
-  for (const std::string& line : analyzed.headline) fmt::print("{}\n", line);
+  for (const std::string& line : analyzed.headline) fmt::print("{}\n", printable(line));
   fmt::print("report   {}\n", fs::absolute(analyzed.report).lexically_normal().string());
 }
 
@@ -71,7 +72,7 @@ ExitCode reportOfRun(const fs::path& directory) {
     return kDone;
   } catch (const std::exception& error) {
     std::fflush(stdout);
-    fmt::print(stderr, "lab: no report: {}\n", error.what());
+    fmt::print(stderr, "lab: no report: {}\n", printable(error.what()));
     return kFailed;
   }
 }

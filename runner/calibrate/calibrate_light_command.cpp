@@ -25,6 +25,7 @@
 #include "runner/calibrate/light_calibrator.hpp"
 #include "runner/calibrate/light_margins.hpp"
 #include "runner/calibrate/projector_calibrator.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/live/launch.hpp"
 
 namespace lab::runner {
@@ -111,7 +112,7 @@ std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
               done();
             });
       });
-  for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
+  printFaults(launched.outcome.faults);
   if (problem.empty()) return pictures.observations();
   fmt::print("camera   {}\n", problem);
   return std::nullopt;
@@ -181,7 +182,7 @@ ExitCode calibrateLight(const CalibrateLightOptions& options) {
         return std::make_unique<LightCalibrator>(context, controller, options.rounds, samples,
                                                  report_round, std::move(done));
       });
-  for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
+  printFaults(launched.outcome.faults);
   const double width = experiment.arena_width;
   const double height = experiment.arena_height;
   const calibration::LightFit fit = calibration::fitLight(samples, width, height);

@@ -17,6 +17,7 @@
 #include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
 #include "runner/calibrate/motor_calibrator.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/live/launch.hpp"
 
 namespace lab::runner {
@@ -91,7 +92,7 @@ ExitCode calibrateMotors(const CalibrateOptions& options) {
                                                  std::move(done));
       });
 
-  for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
+  printFaults(launched.outcome.faults);
   const fs::path folder = launched.directory / files::kCalibration;
   fs::create_directories(folder);
   writeNewFile(folder / "motors.toml", calibration::motorsFile(reports));

@@ -25,6 +25,7 @@
 #include "runner/calibrate/calibration_lab.hpp"
 #include "runner/calibrate/projector_calibrator.hpp"
 #include "runner/command_line/output_file.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/live/launch.hpp"
 
 namespace lab::runner {
@@ -203,7 +204,7 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
               done();
             });
       });
-  for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
+  printFaults(launched.outcome.faults);
   if (!problem.empty()) {
     fmt::print("refused   {}\n", problem);
     return launched.outcome.closed_early ? kClosedEarly : kFailed;

@@ -13,6 +13,7 @@
 #include "common/math/units.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/live/launch.hpp"
 #include "tracker_svc/camera_devices.hpp"
 
@@ -148,7 +149,7 @@ FilmedLab filmLab(const CalibrateCameraOptions& options) {
         folder = context.directory / files::kCalibration / "film";
         return std::make_unique<LabFilm>(context, controller, folder, film.count, std::move(done));
       });
-  for (const std::string& fault : launched.outcome.faults) fmt::print("marked   {}\n", fault);
+  printFaults(launched.outcome.faults);
   film.first = (folder / "f0000.pgm").string();
   if (!fs::exists(film.first)) {
     throw UserError(options.source + ": the camera " + lab.camera.source +

@@ -19,6 +19,7 @@
 #include "common/bus/bus_error.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/process/installation.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/build_facts.hpp"
 #include "runner/command_line/command_line_parts.hpp"
 #include "runner/command_line/exit_code.hpp"
@@ -120,19 +121,19 @@ int guardedMain(const std::function<int()>& command) {
   try {
     return command();
   } catch (const ExperimentError& error) {
-    std::cerr << error.what() << "\n";
+    std::cerr << printableLines(error.what()) << "\n";
     return kBadInput;
   } catch (const UserError& error) {
-    std::cerr << "lab: " << error.what() << "\n";
+    std::cerr << "lab: " << printableLines(error.what()) << "\n";
     return kBadInput;
   } catch (const report::ReportError& error) {
-    std::cerr << "lab: " << error.what() << "\n";
+    std::cerr << "lab: " << printableLines(error.what()) << "\n";
     return kBadInput;
   } catch (const BusError& error) {
-    std::cerr << "lab: " << error.what() << "\n";
+    std::cerr << "lab: " << printableLines(error.what()) << "\n";
     return kBadInput;
   } catch (const std::exception& error) {
-    std::cerr << "lab: " << error.what() << "\n";
+    std::cerr << "lab: " << printableLines(error.what()) << "\n";
     return kFailed;
   }
 }

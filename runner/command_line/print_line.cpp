@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <system_error>
 
+#include "common/text/printable.hpp"
+
 namespace lab::runner {
 
 void evenWithoutReader(const std::function<void()>& print) {
@@ -18,9 +20,13 @@ void evenWithoutReader(const std::function<void()>& print) {
 
 void printLine(std::string_view text) {
   evenWithoutReader([text] {
-    fmt::print("{}{}\n", isatty(STDOUT_FILENO) == 1 ? "\r\033[K" : "", text);
+    fmt::print("{}{}\n", isatty(STDOUT_FILENO) == 1 ? "\r\033[K" : "", printable(text));
     std::fflush(stdout);
   });
+}
+
+void printFaults(const std::vector<std::string>& faults) {
+  for (const std::string& fault : faults) fmt::print("fault    {}\n", printable(fault));
 }
 
 }  // namespace lab::runner

@@ -13,6 +13,7 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_load.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/run_directory.hpp"
 
@@ -31,9 +32,9 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
     const analysis::ProgramLaw law = analysis::toLaw(program, experiment.hardware.diameter);
     return analysis::ExactLaw(law).persistenceLength();
   };
-  fmt::print("{}", describeExperiment(experiment, length));
+  fmt::print("{}", printableLines(describeExperiment(experiment, length)));
   const std::string problem = loadProblem(experiment, std::thread::hardware_concurrency());
-  if (!problem.empty()) fmt::print("warning       {}\n", problem);
+  if (!problem.empty()) fmt::print("warning       {}\n", printable(problem));
   return kDone;
 }
 

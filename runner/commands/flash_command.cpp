@@ -1,22 +1,19 @@
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <cstdio>
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <system_error>
 #include <vector>
 
 #include "common/loop/asio_loop.hpp"
+#include "common/process/child_process.hpp"
 #include "common/process/installation.hpp"
 #include "common/serial/serial_devices.hpp"
+#include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/commands/robot_adoption.hpp"
-
-extern char** environ;
 
 namespace lab::runner {
 namespace {
@@ -62,17 +59,19 @@ std::vector<Line> avrdudeLines(const FlashOptions& options, const fs::path& hex)
 
 /// Runs a program on this terminal until it ends. @return its exit code
 int execute(const Line& line) {
-  std::vector<char*> arguments;
-  for (const std::string& word : line) arguments.push_back(const_cast<char*>(word.c_str()));
-  arguments.push_back(nullptr);
-  pid_t child = 0;
-  if (posix_spawnp(&child, arguments[0], nullptr, nullptr, arguments.data(), environ) != 0) {
+  try {
+    // It goes on if this process is killed: a robot must not be left with half a program.
+    ChildProcess program({.arguments = line,
+                          .input = ChildSettings::kInherited,
+                          .output = ChildSettings::kInherited,
+                          .errors = ChildSettings::kInherited,
+                          .group = ChildSettings::Group::kShared,
+                          .death_signal = 0});
+    program.wait();
+    return program.code();
+  } catch (const std::system_error&) {
     throw UserError(line[0] + ": cannot be started; apt-get install " + line[0]);
   }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
-  }
-  return WIFEXITED(status) ? WEXITSTATUS(status) : 128;
 }
 
 RobotAdoption::Result meet(AsioLoop& loop, SerialDevices& ports, const FlashOptions& options) {
@@ -117,7 +116,7 @@ ExitCode flash(const FlashOptions& options) {
   }
   if (!met.ok) {
     fmt::print("flashed, but the robot at {} does not answer as expected: {}\n", options.port,
-               met.problem);
+               printable(met.problem));
     return kFailed;
   }
   fmt::print("flashed: firmware {}.{}, build {:08x}, schema 0x{:04X}\n", met.hello.firmware >> 8,

@@ -14,6 +14,7 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/math/units.hpp"
 #include "common/service/node.hpp"
+#include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/commands/layer_arguments.hpp"
 #include "runner/runs/lab_registry.hpp"
@@ -94,7 +95,7 @@ ExitCode light(const LightOptions& options) {
     fmt::print("{}: NOT confirmed: {}\n", lab.name,
                refusal.empty() ? fmt::format("projector_ctl did not report this light within {} s",
                                              kLightTimeout_us / units::kSecond_us)
-                               : "refused: " + refusal);
+                               : "refused: " + printable(refusal));
     return kFailed;
   }
   fmt::print("{}: {}\n", lab.name,

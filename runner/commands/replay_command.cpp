@@ -105,7 +105,7 @@ class Player {
   }
 
   void supervisePage() {
-    page_->supervise([](const std::string& what) { printLine("web      " + what); });
+    page_->supervise(loop_.now(), [](const std::string& what) { printLine("web      " + what); });
   }
 
   void key() {

@@ -8,6 +8,7 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/service/experiment_request.hpp"
 #include "common/service/node.hpp"
+#include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/lab_registry.hpp"
 
@@ -65,7 +66,7 @@ ExitCode sendRequest(const RequestOptions& options, std::int8_t action, const st
   const std::string what = !request.answered()         ? "NOT confirmed: no answer"
                            : request.refusal().empty() ? done
                                                        : "refused: " + request.refusal();
-  fmt::print("{}: {}\n", lab.name, what);
+  fmt::print("{}: {}\n", lab.name, printable(what));
   return request.answered() && request.refusal().empty() ? kDone : kFailed;
 }
 

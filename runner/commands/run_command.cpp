@@ -2,21 +2,20 @@
 
 #include <fmt/format.h>
 #include <signal.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <cerrno>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <optional>
+#include <system_error>
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/service_placement.hpp"
+#include "common/process/child_process.hpp"
 #include "common/process/installation.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/command_line_parts.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/live/dashboard_process.hpp"
 #include "runner/live/progress_line.hpp"
 
@@ -40,46 +39,37 @@ void requireReporter(const fs::path& programs) {
       file.string(), installation().installHint(kReporter, "./lab build builds it")));
 }
 
-/// Runs in the child between fork and exec, so only system calls are allowed.
-[[noreturn]] void becomeReporter(char* const* arguments, pid_t parent) {
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // who kills `lab run` ends its report too
-  if (getppid() != parent) _exit(1);
-  // Signals that this process survives must not end the report either: exec keeps "ignored", but
-  // resets handlers.
+/// Whether this process survives SIGTERM.
+bool outlivesSigterm() {
   struct sigaction term {};
-  if (sigaction(SIGTERM, nullptr, &term) == 0 && term.sa_handler != SIG_DFL) {
-    signal(SIGTERM, SIG_IGN);
-  }
-  execv(arguments[0], arguments);
-  _exit(127);
+  return sigaction(SIGTERM, nullptr, &term) == 0 && term.sa_handler != SIG_DFL;
 }
 
 /// Lets lab-analyze write the report into the run's folder and print its headline here.
 /// @return whether there is a report; if not, a line on stderr says why
 bool makeReport(const fs::path& programs, const fs::path& directory) {
   const std::string program = (programs / kReporter).string();
-  std::string command = kReportOfRun;
-  std::string folder = directory.string();
-  // exec takes char* and does not write through it.
-  char* const arguments[] = {const_cast<char*>(program.c_str()), command.data(), folder.data(),
-                             nullptr};
-  const pid_t parent = getpid();
-  const pid_t child = fork();
-  if (child == 0) becomeReporter(arguments, parent);
-  if (child < 0) {
-    fmt::print(stderr, "lab: no report: cannot start {}: {}\n", program, std::strerror(errno));
+  ChildSettings settings{.arguments = {program, kReportOfRun, directory.string()},
+                         .input = ChildSettings::kInherited,
+                         .output = ChildSettings::kInherited,
+                         .errors = ChildSettings::kInherited,
+                         .group = ChildSettings::Group::kShared,
+                         // Who kills `lab run` ends its report too.
+                         .death_signal = SIGKILL};
+  // A signal that this process survives must not end the report either: exec keeps "ignored", but
+  // resets handlers.
+  if (outlivesSigterm()) settings.ignored_signals = {SIGTERM};
+  try {
+    ChildProcess reporter(settings);
+    reporter.wait();
+    if (const int signal = reporter.endingSignal()) {
+      fmt::print(stderr, "lab: no report: {} was killed by signal {}\n", kReporter, signal);
+    }
+    return reporter.code() == 0;
+  } catch (const std::system_error& error) {
+    fmt::print(stderr, "lab: no report: {}\n", printable(error.what()));
     return false;
   }
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return false;
-  }
-  if (WIFSIGNALED(status)) {
-    fmt::print(stderr, "lab: no report: {} was killed by signal {}\n", kReporter, WTERMSIG(status));
-  } else if (WEXITSTATUS(status) == 127) {
-    fmt::print(stderr, "lab: no report: {} cannot be executed\n", program);
-  }
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 }  // namespace
@@ -120,9 +110,10 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   line.reset();
   const RunOutcome& outcome = launched.outcome;
   if (outcome.interrupted) {
-    fmt::print("{} after {:.0f} s of {:.10g} s\n", outcome.ended_because, elapsed, duration);
+    fmt::print("{} after {:.0f} s of {:.10g} s\n", printable(outcome.ended_because), elapsed,
+               duration);
   }
-  for (const std::string& fault : outcome.faults) fmt::print("fault    {}\n", fault);
+  printFaults(outcome.faults);
   std::fflush(stdout);
   // The run is over and its log is kept. A report that cannot be made is a failure of its own.
   const bool reported = !options.report || makeReport(options.programs, launched.directory);

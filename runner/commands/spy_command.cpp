@@ -19,6 +19,7 @@
 #include "common/bus/stream_counter.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/math/units.hpp"
+#include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/lab_registry.hpp"
 
@@ -86,13 +87,14 @@ class Spy {
       heard.received_at_last_show = stream.received;
       const std::string lost =
           seqCountsMessages(key.channel) ? fmt::format("{}", stream.lost) : "-";
-      fmt::print("{:<17} {:<18} {:<14} {:>8.1f} {:>8} {:>8.0f} {:>9} {:>7}\n", key.channel,
-                 heard.type, key.sender, rate, heard.bytes,
-                 units::seconds(now - heard.last_received_utime) * 1000, stream.received, lost);
+      fmt::print("{:<17} {:<18} {:<14} {:>8.1f} {:>8} {:>8.0f} {:>9} {:>7}\n",
+                 printable(key.channel), printable(heard.type), printable(key.sender), rate,
+                 heard.bytes, units::seconds(now - heard.last_received_utime) * 1000,
+                 stream.received, lost);
     }
     for (const auto& [channel, errors] : counter_.decodeErrors()) {
       fmt::print("{:<17} NOT DECODED {:>8} messages: other message versions, or another program\n",
-                 channel, errors);
+                 printable(channel), errors);
     }
     showLinks();
     fmt::print("\n");
@@ -104,9 +106,9 @@ class Spy {
     for (const auto& [host, status] : links_) {
       for (const link_peer_t& peer : status.peers) {
         const auto state = static_cast<std::size_t>(peer.state);
-        fmt::print("link {} - {}: {}, clock {:+.2f} ms, lost {}, received {} {}\n", host, peer.host,
-                   state < kStates.size() ? kStates[state] : kStates[0], peer.clock_offset * 1e3,
-                   peer.lost, peer.received, peer.trouble);
+        fmt::print("link {} - {}: {}, clock {:+.2f} ms, lost {}, received {} {}\n", printable(host),
+                   printable(peer.host), state < kStates.size() ? kStates[state] : kStates[0],
+                   peer.clock_offset * 1e3, peer.lost, peer.received, printable(peer.trouble));
       }
     }
   }

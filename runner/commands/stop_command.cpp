@@ -17,6 +17,7 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/service/node.hpp"
 #include "common/service/stop_coordinator.hpp"
+#include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/lab_registry.hpp"
 
@@ -26,7 +27,7 @@ namespace {
 constexpr std::int64_t kStopTick_us = 20'000;  // StopCoordinator decides when to repeat
 
 void printNotAsked(const RunningLab& lab, bool clear, const BusError& error) {
-  fmt::print("{}: NOT {}, {}\n", lab.name, clear ? "released" : "stopped", error.what());
+  fmt::print("{}: NOT {}, {}\n", lab.name, clear ? "released" : "stopped", printable(error.what()));
 }
 
 /// Asks the robots of one lab to stop (or releases the stop) until each has confirmed it.
@@ -115,7 +116,7 @@ class StopRequest {
   [[nodiscard]] bool tell() const {
     if (!overruled_by_.empty()) {
       fmt::print("{}: NOT {}, {} came from {}\n", lab_.name, clear_ ? "released" : "stopped",
-                 clear_ ? "a newer stop" : "a newer release", overruled_by_);
+                 clear_ ? "a newer stop" : "a newer release", printable(overruled_by_));
       return false;
     }
     std::string missing;

@@ -4,6 +4,7 @@
 #include <ostream>
 
 #include "common/process/installation.hpp"
+#include "common/text/printable.hpp"
 
 namespace lab::runner {
 namespace {
@@ -187,8 +188,8 @@ std::vector<Finding> examine(const DoctorOptions& options) {
 
 void print(std::ostream& out, const std::vector<Finding>& findings) {
   for (const Finding& finding : findings) {
-    out << labelOf(finding.level) << finding.what << '\n';
-    if (!finding.fix.empty()) out << "      " << finding.fix << '\n';
+    out << labelOf(finding.level) << printableLines(finding.what) << '\n';
+    if (!finding.fix.empty()) out << "      " << printableLines(finding.fix) << '\n';
   }
 }
 

@@ -14,17 +14,21 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <iterator>
-#include <memory>
 #include <sstream>
 #include <system_error>
 #include <thread>
+#include <utility>
 
+#include "common/process/child_process.hpp"
 #include "common/process/installation.hpp"
+#include "common/process/output_tail.hpp"
+#include "common/process/pipe.hpp"
 #include "runner/runs/network.hpp"
 
 namespace lab::runner {
@@ -142,12 +146,19 @@ std::optional<std::string> interfaceOfRoute(std::string_view answer) {
 }
 
 std::optional<std::string> multicastInterface() {
-  const std::string command = std::string("ip route get ") + kGroup + " 2>/dev/null";
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> pipe(popen(command.c_str(), "r"), pclose);
-  if (!pipe) return std::nullopt;
-  std::array<char, 512> answer{};
-  const std::size_t size = std::fread(answer.data(), 1, answer.size(), pipe.get());
-  return interfaceOfRoute({answer.data(), size});
+  constexpr std::chrono::seconds kPatience{2};
+  try {
+    Pipe pipe = makePipe();
+    ChildProcess ip({.arguments = {"ip", "route", "get", kGroup}, .output = pipe.in.get()});
+    pipe.in = FileDescriptor();
+    ip.waitFor(kPatience);
+    OutputTail answer(512);
+    answer.open(std::move(pipe.out));
+    answer.take();
+    return interfaceOfRoute(answer.text());
+  } catch (const std::system_error&) {
+    return std::nullopt;
+  }
 }
 
 std::string unpinnedWarning() {

@@ -2,9 +2,7 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
@@ -19,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/process/pipe.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner {
@@ -61,46 +60,30 @@ MovieWriter::MovieWriter(fs::path file, int width, int height, double fps)
         "a movie needs the program ffmpeg, which is not installed: apt-get install ffmpeg; or ask "
         "for a contact sheet with --overlay NAME.png");
   }
-  std::array<int, 2> pipe{};
-  messages_ = open("/tmp", O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (messages_ < 0 || pipe2(pipe.data(), O_CLOEXEC) != 0) {
+  messages_ = FileDescriptor(open("/tmp", O_TMPFILE | O_RDWR | O_CLOEXEC, 0600));
+  if (messages_.get() < 0) {
     throw std::runtime_error(std::string("cannot start ffmpeg: ") + std::strerror(errno));
   }
-  input_ = pipe[1];
-  posix_spawn_file_actions_t actions{};
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_adddup2(&actions, pipe[0], STDIN_FILENO);
-  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, messages_, STDERR_FILENO);
-  posix_spawnattr_t attributes{};
-  posix_spawnattr_init(&attributes);
-  // In its own process group, so that Ctrl-C does not end ffmpeg before its input ends.
-  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
-  const std::vector<std::string> words = arguments(file_, width, height, fps);
-  std::vector<char*> pointers;
-  for (const std::string& word : words) pointers.push_back(const_cast<char*>(word.c_str()));
-  pointers.push_back(nullptr);
-  const int error = posix_spawnp(&pid_, "ffmpeg", &actions, &attributes, pointers.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  posix_spawnattr_destroy(&attributes);
-  close(pipe[0]);
-  if (error != 0) {
-    pid_ = -1;
-    throw std::runtime_error(std::string("cannot start ffmpeg: ") + std::strerror(error));
-  }
+  Pipe pipe = makePipe();
+  // In its own process group, so that Ctrl-C does not end ffmpeg before its input ends. If this
+  // process is killed, ffmpeg completes the movie with the pictures that it has.
+  child_.emplace(ChildSettings{.arguments = arguments(file_, width, height, fps),
+                               .input = pipe.out.get(),
+                               .errors = messages_.get(),
+                               .death_signal = 0});
+  input_ = std::move(pipe.in);
 }
 
 MovieWriter::~MovieWriter() {
-  if (pid_ > 0) kill(pid_, SIGKILL);
-  static_cast<void>(wait());
-  if (messages_ >= 0) close(messages_);
+  if (child_) child_->signal(SIGKILL);
+  wait();
 }
 
 void MovieWriter::write(const optics::RgbImage& image) {
   const std::uint8_t* data = image.pixels.data();
   std::size_t left = image.pixels.size();
   while (left > 0) {
-    const ssize_t written = ::write(input_, data, left);
+    const ssize_t written = ::write(input_.get(), data, left);
     if (written < 0 && errno == EINTR) continue;
     if (written <= 0) fail();
     data += written;
@@ -110,26 +93,20 @@ void MovieWriter::write(const optics::RgbImage& image) {
 
 void MovieWriter::finish() {
   // ffmpeg does not always fail on errors such as a full disk, but it prints them.
-  const int status = wait();
+  wait();
   struct stat messages {};
-  if (status != 0 || fstat(messages_, &messages) != 0 || messages.st_size > 0) fail();
+  if (child_->code() != 0 || fstat(messages_.get(), &messages) != 0 || messages.st_size > 0) fail();
 }
 
-int MovieWriter::wait() {
-  if (input_ >= 0) close(std::exchange(input_, -1));
-  int status = 0;
-  if (pid_ > 0) {
-    while (waitpid(pid_, &status, 0) < 0 && errno == EINTR) {
-    }
-    pid_ = -1;
-  }
-  return status;
+void MovieWriter::wait() {
+  input_ = FileDescriptor();
+  if (child_) child_->wait();
 }
 
 void MovieWriter::fail() {
-  static_cast<void>(wait());
+  wait();
   std::array<char, 400> message{};
-  const ssize_t length = pread(messages_, message.data(), message.size() - 1, 0);
+  const ssize_t length = pread(messages_.get(), message.data(), message.size() - 1, 0);
   std::string text(message.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
   text = text.substr(0, text.find('\n'));
   throw std::runtime_error(fmt::format("{}: ffmpeg could not write it: {}", file_.string(),

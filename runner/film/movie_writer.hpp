@@ -1,10 +1,11 @@
 /// Writes a movie by a pipe to the program ffmpeg.
 #pragma once
 
-#include <sys/types.h>
-
 #include <filesystem>
+#include <optional>
 
+#include "common/process/child_process.hpp"
+#include "common/process/file_descriptor.hpp"
 #include "light/optics/rgb_image.hpp"
 
 namespace lab::runner {
@@ -29,13 +30,13 @@ class MovieWriter {
   void finish();
 
  private:
-  [[nodiscard]] int wait();
+  void wait();
   [[noreturn]] void fail();
 
   std::filesystem::path file_;
-  int input_ = -1;     ///< standard input of ffmpeg
-  int messages_ = -1;  ///< temporary file with ffmpeg's standard error
-  pid_t pid_ = -1;
+  FileDescriptor input_;     ///< standard input of ffmpeg
+  FileDescriptor messages_;  ///< temporary file with ffmpeg's standard error
+  std::optional<ChildProcess> child_;
 };
 
 /// Whether an executable file with this name is in $PATH.

@@ -18,6 +18,7 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/output_file.hpp"
 #include "runner/command_line/progress_bar.hpp"
 #include "runner/film/film_commands.hpp"
@@ -243,13 +244,13 @@ class Film {
     fmt::print("poses    {}\n", options_.out.string());
     if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
     if (!overlay_problem_.empty()) {
-      fmt::print("marked   {}: no overlay was written: {}\n", options_.overlay.string(),
+      fmt::print("fault    {}: no overlay was written: {}\n", options_.overlay.string(),
                  overlay_problem_);
     }
     if (!problem.empty()) {
       const bool named = problem.starts_with(options_.source);
-      fmt::print("marked   {}{}; the poses of what could be read are kept\n",
-                 named ? "" : options_.source + ": ", problem);
+      fmt::print("fault    {}{}; the poses of what could be read are kept\n",
+                 named ? "" : options_.source + ": ", printable(problem));
     }
     return problem.empty() && overlay_problem_.empty() ? kDone : kClosedEarly;
   }

@@ -1,6 +1,5 @@
 #include "runner/hosts/host_agent.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
 #include <unistd.h>
@@ -26,12 +25,14 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/process/installation.hpp"
+#include "common/process/orphan_guard.hpp"
+#include "common/process/pipe.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/doctor/machine.hpp"
 #include "runner/hosts/agent_lock.hpp"
 #include "runner/hosts/host_contract.hpp"
 #include "runner/hosts/json_lines.hpp"
-#include "runner/live/child_process.hpp"
+#include "runner/live/local_process.hpp"
 #include "runner/runs/lab_registry.hpp"
 #include "runner/runs/network.hpp"
 #include "runner/runs/run_directory.hpp"
@@ -58,31 +59,28 @@ class HostFolder {
     std::string name = (fs::temp_directory_path() / "active-lab-host-XXXXXX").string();
     if (mkdtemp(name.data()) == nullptr) throw UserError("cannot make a folder " + name);
     path_ = name;
-    std::array<int, 2> ends{};
-    if (pipe2(ends.data(), O_CLOEXEC) != 0) throw UserError("cannot make a pipe");
+    Pipe pipe = makePipe();
     const pid_t cleaner = fork();
-    if (cleaner == 0) clean(ends);
-    close(ends[0]);
-    alive_pipe_ = ends[1];
+    if (cleaner == 0) clean(pipe.out.get(), pipe.in.get());
+    alive_pipe_ = std::move(pipe.in);
   }
   ~HostFolder() {
     std::error_code error;
     fs::remove_all(path_, error);
-    close(alive_pipe_);
   }
   HostFolder(const HostFolder&) = delete;
   HostFolder& operator=(const HostFolder&) = delete;
   [[nodiscard]] const fs::path& path() const { return path_; }
 
  private:
-  [[noreturn]] void clean(const std::array<int, 2>& ends) const {
+  [[noreturn]] void clean(int wait_for, int own_end) const {
     setsid();
     for (const int signal : {SIGHUP, SIGINT, SIGTERM, SIGPIPE}) ::signal(signal, SIG_IGN);
     for (int descriptor = 0; descriptor < 3; ++descriptor)
       close(descriptor);  // ssh waits while one of them is open
-    close(ends[1]);
+    close(own_end);
     char unused = 0;
-    while (read(ends[0], &unused, 1) < 0 && errno == EINTR) {
+    while (read(wait_for, &unused, 1) < 0 && errno == EINTR) {
     }
     // Services that are ending may still write files, so the folder is removed again later.
     std::error_code error;
@@ -95,7 +93,7 @@ class HostFolder {
   }
 
   fs::path path_;
-  int alive_pipe_ = -1;
+  FileDescriptor alive_pipe_;
 };
 
 class Agent {
@@ -125,7 +123,7 @@ class Agent {
  private:
   struct Running {
     std::string name;
-    std::unique_ptr<ChildProcess> process;
+    std::unique_ptr<LocalProcess> process;
     fs::path output;
     std::streamoff read = 0;
     std::string partial_line;  ///< output since the last end of line
@@ -162,10 +160,7 @@ class Agent {
     } else if (what == "end" || what == "kill") {
       Running* service = find(request.at("service"));
       if (service == nullptr || !service->process->running()) return;
-      if (what == "end")
-        service->process->terminate();
-      else
-        kill(service->process->pid(), SIGKILL);
+      what == "end" ? service->process->terminate() : service->process->kill();
     } else if (what == "stop") {
       loop_.stop();
     } else if (what != "alive") {
@@ -215,8 +210,13 @@ class Agent {
                       installation().installHint(name, "build the lab there (./lab build)"));
     }
     std::vector<std::string> arguments{
-        program.string(), "--experiment",
-        (folder_.path() / request.at("experiment").get<std::string>()).string(), "--lcm-url", url_};
+        program.string(),
+        "--experiment",
+        (folder_.path() / request.at("experiment").get<std::string>()).string(),
+        "--lcm-url",
+        url_,
+        "--clock-offset-us",
+        std::to_string(loop_.clockOffset())};
     if (request.value("uses_ports", false)) {
       arguments.insert(arguments.end(), {"--ports", (folder_.path() / files::kPorts).string()});
     }
@@ -227,7 +227,8 @@ class Agent {
     auto service = std::make_unique<Running>();
     service->name = name;
     service->output = folder_.path() / fmt::format("{}.{}.txt", name, ++starts_);
-    service->process = std::make_unique<ChildProcess>(name, arguments, service->output);
+    service->process = std::make_unique<LocalProcess>(arguments, service->output);
+    if (const pid_t pid = service->process->pid(); pid > 0) guard_.watch(pid);
     services_.push_back(std::move(service));
     lines_.send({{"say", "started"}, {"service", name}});
   }
@@ -305,6 +306,7 @@ class Agent {
 
   fs::path programs_;
   const HostFolder& folder_;
+  OrphanGuard guard_;
   AsioLoop loop_;
   JsonLines lines_;
   std::optional<AgentLock> agent_lock_;

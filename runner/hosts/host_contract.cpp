@@ -15,18 +15,12 @@
 #include "common/math/units.hpp"
 #include "common/process/installation.hpp"
 #include "common/process/version.hpp"
+#include "common/text/fnv1a.hpp"
 #include "runner/command_line/revision.hpp"
 #include "runner/doctor/machine.hpp"
 
 namespace lab::runner {
 namespace {
-
-/// FNV-1a hash of the list: it is only compared for equality.
-std::string digest(const std::string& text) {
-  std::uint64_t hash = 0xcbf29ce484222325U;
-  for (const char c : text) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3U;
-  return fmt::format("{:016x}", hash);
-}
 
 std::string versionText(const HostHello& hello) {
   return hello.version + (hello.revision.empty() ? "" : " (" + hello.revision + ")");
@@ -52,7 +46,7 @@ HostHello ownHello() {
   HostHello hello;
   hello.version = kVersion;
   hello.contract_version = kContractVersion;
-  hello.fingerprints = digest(fingerprintList());
+  hello.fingerprints = fmt::format("{:016x}", fnv1a(fingerprintList()));
   hello.revision = sourceRevision();
   std::array<char, 256> name{};
   gethostname(name.data(), name.size() - 1);

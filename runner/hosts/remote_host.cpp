@@ -1,20 +1,20 @@
 #include "runner/hosts/remote_host.hpp"
 
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/mman.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
+#include <csignal>
 #include <cstdint>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <system_error>
 #include <thread>
+#include <utility>
 
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
+#include "common/process/pipe.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/doctor/machine.hpp"
 #include "runner/hosts/host_agent.hpp"
@@ -30,15 +30,10 @@ using std::chrono::milliseconds;
 constexpr int kPings = 11;
 constexpr int kStep_ms = 5;
 constexpr int kDisconnectTimeout_ms = 6000;
+constexpr milliseconds kSshEnds{1000};
 constexpr double kUnresponsive = 2.0;       // [s] of silence; after it no answer is awaited
 constexpr std::size_t kChunk = 256 * 1024;  // [byte] of a file per message
 constexpr std::size_t kMostRequestBytes = 8 * kChunk;
-constexpr std::int64_t kMostErrorText = 16384;  // [byte]
-
-void closeIfOpen(int& descriptor) {
-  if (descriptor >= 0) close(descriptor);
-  descriptor = -1;
-}
 
 }  // namespace
 
@@ -101,12 +96,6 @@ void RemoteHost::connect() {
   closeConnection();
   const auto ssh = findProgram("ssh");
   if (!ssh) throw UserError("ssh is not installed: sudo apt-get install openssh-client");
-  std::array<int, 2> to{};
-  std::array<int, 2> from{};
-  errors_ = memfd_create("ssh", MFD_CLOEXEC);
-  if (errors_ < 0 || pipe2(to.data(), O_CLOEXEC) != 0 || pipe2(from.data(), O_CLOEXEC) != 0) {
-    throw UserError("no more files can be opened: ulimit -n");
-  }
   // RemoteHosts decides when a silent connection is lost, so the timeouts of ssh are disabled.
   const std::vector<std::string> arguments{
       ssh->string(),
@@ -134,14 +123,21 @@ void RemoteHost::connect() {
       "--",
       spec_.ssh,
       agentCommand(spec_)};
-  ssh_ =
-      std::make_unique<ChildProcess>("ssh", arguments, "/proc/self/fd/" + std::to_string(errors_),
-                                     ChildProcess::Streams{to[0], from[1]});
-  close(to[0]);
-  close(from[1]);
-  input_ = to[1];
-  output_ = from[0];
-  lines_.emplace(output_, input_);
+  try {
+    Pipe to = makePipe();
+    Pipe from = makePipe();
+    Pipe errors = makePipe();
+    ssh_.emplace(ChildSettings{.arguments = arguments,
+                               .input = to.out.get(),
+                               .output = from.in.get(),
+                               .errors = errors.in.get()});
+    errors_.open(std::move(errors.out));
+    input_ = std::move(to.in);
+    output_ = std::move(from.out);
+  } catch (const std::system_error& error) {
+    throw UserError(std::string(error.what()) + ": is ulimit -n or ulimit -u too low?");
+  }
+  lines_.emplace(output_.get(), input_.get());
   clock_ = {};
   reports_.clear();
   trouble_.clear();
@@ -153,29 +149,23 @@ void RemoteHost::connect() {
 void RemoteHost::closeConnection() {
   lines_.reset();
   outbox_.clear();
-  closeIfOpen(input_);  // ends the agent
+  input_ = FileDescriptor();  // ends the agent
   if (ssh_) {
-    ssh_->terminate();
-    ssh_->waitOrKill(1000);
+    ssh_->signal(SIGTERM);
+    ssh_->waitFor(kSshEnds);
   }
   ssh_.reset();
-  closeIfOpen(output_);
-  closeIfOpen(errors_);
+  output_ = FileDescriptor();
+  errors_.close();
 }
 
 double RemoteHost::silentFor() const {
   return std::chrono::duration<double>(Steady::now() - last_receive_).count();
 }
 
-std::string RemoteHost::sshErrors() const {
-  std::string text(kMostErrorText, '\0');
-  const ssize_t size = errors_ < 0 ? 0 : pread(errors_, text.data(), text.size(), 0);
-  text.resize(size > 0 ? static_cast<std::size_t>(size) : 0);
-  return text;
-}
-
 void RemoteHost::attend() {
   if (!lines_) return;
+  errors_.take();
   lines_->receive([this](const Json& message) { handle(message); }, [](const std::string&) {});
   if (!lines_) return;
   const auto now = Steady::now();
@@ -187,7 +177,8 @@ void RemoteHost::attend() {
   lines_->flush();
   if (state_ == State::kRefused || ssh_->running()) return;
   state_ = State::kGone;
-  if (trouble_.empty()) trouble_ = sshTrouble(spec_, sshErrors(), ssh_->ending());
+  errors_.take();
+  if (trouble_.empty()) trouble_ = sshTrouble(spec_, errors_.text(), ssh_->ending());
   closeConnection();
 }
 

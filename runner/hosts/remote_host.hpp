@@ -12,10 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "common/process/child_process.hpp"
+#include "common/process/output_tail.hpp"
 #include "runner/hosts/host_contract.hpp"
 #include "runner/hosts/host_files.hpp"
 #include "runner/hosts/json_lines.hpp"
-#include "runner/live/child_process.hpp"
+#include "runner/live/service_process.hpp"
 
 namespace lab::runner {
 
@@ -102,7 +104,6 @@ class RemoteHost {
   void request(const char* what, const std::string& service);
   void write(const std::string& service, const std::string& text) const;
   void closeConnection();
-  [[nodiscard]] std::string sshErrors() const;
 
   HostSpec spec_;
   double max_clock_offset_;
@@ -113,10 +114,10 @@ class RemoteHost {
   ClockMeasurement clock_;
   int connection_ = 0;
   std::filesystem::path logs_;
-  int errors_ = -1;  ///< memory file with the standard error of ssh
-  int input_ = -1;   ///< standard input of ssh
-  int output_ = -1;  ///< standard output of ssh
-  std::unique_ptr<ChildProcess> ssh_;
+  OutputTail errors_{65536};  ///< [byte] of the standard error of ssh
+  FileDescriptor input_;      ///< standard input of ssh
+  FileDescriptor output_;     ///< standard output of ssh
+  std::optional<ChildProcess> ssh_;
   std::optional<JsonLines> lines_;
   /// Messages to send, in order. Each function sends one part and returns whether it was the last.
   std::deque<std::function<bool()>> outbox_;

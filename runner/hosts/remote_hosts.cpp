@@ -11,6 +11,7 @@
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/service_placement.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner {
@@ -167,7 +168,7 @@ void RemoteHosts::begin(const PreparedRun& run, const std::string& lab,
   for (auto& [name, host] : hosts_) {
     host.heard = Steady::now();
     const std::string& warning = host.remote->warning();
-    if (!warning.empty()) fmt::print(stderr, "warn     host {}: {}\n", name, warning);
+    if (!warning.empty()) fmt::print(stderr, "warn     host {}: {}\n", name, printable(warning));
   }
 }
 
@@ -176,7 +177,11 @@ void RemoteHosts::attend() {
 }
 
 void RemoteHosts::take(const link_status_t& status) {
-  if (status.host == own_name_) last_link_status_ = Steady::now();
+  if (status.host == own_name_) {
+    last_link_status_ = Steady::now();
+  } else if (!hosts_.contains(status.host)) {
+    return;  // of another lab on this bus
+  }
   auto& peers = peers_[status.host];
   peers.clear();
   for (const link_peer_t& peer : status.peers) peers[peer.host] = peer;

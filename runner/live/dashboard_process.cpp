@@ -17,7 +17,6 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kMostPageRestarts = 5;  // as for the services
 constexpr int kPatience_ms = 2000;
 constexpr const char* kBuild = "./lab build builds it";
 
@@ -63,7 +62,7 @@ void DashboardProcess::startProcess() {
   if (options_.port != 0) {
     arguments.insert(arguments.end(), {"--port", std::to_string(options_.port)});
   }
-  process_ = std::make_unique<ChildProcess>("dashboard", arguments, options_.output);
+  process_ = std::make_unique<LocalProcess>(arguments, options_.output, LocalProcess::Death::kKill);
 }
 
 void DashboardProcess::giveUp(const std::string& why, const Say& say) {
@@ -72,20 +71,25 @@ void DashboardProcess::giveUp(const std::string& why, const Say& say) {
   say(fmt::format("no dashboard: {}; everything else continues", why));
 }
 
-void DashboardProcess::supervise(const Say& say) {
+void DashboardProcess::supervise(std::int64_t now, const Say& say) {
   if (!process_) return;
   findAddress();
   if (process_->running()) return;
-  const std::string ending = process_->ending();
-  if (++restarts_ > kMostPageRestarts) {
-    giveUp(fmt::format("its process died {} times (the last time: {}); see {}", restarts_, ending,
-                       options_.output.string()),
-           say);
-    return;
+  if (!restart_utime_) {
+    const std::string ending = process_->ending();
+    restart_utime_ = limit_.noteDeath(now);
+    if (!restart_utime_) {
+      giveUp(fmt::format("its process {} (the last time: {}); see {}", tooOftenText(), ending,
+                         options_.output.string()),
+             say);
+      return;
+    }
+    say(fmt::format("dashboard died ({}) and {}", ending, restartText(*restart_utime_ - now)));
   }
+  if (now < *restart_utime_) return;
+  restart_utime_.reset();
   try {
     startProcess();
-    say(fmt::format("dashboard died ({}) and was restarted", ending));
   } catch (const std::exception& problem) {
     giveUp(problem.what(), say);
   }

@@ -1,6 +1,7 @@
 /// The dashboard beside a run: a process on which nothing depends.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -9,7 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "runner/live/child_process.hpp"
+#include "runner/live/local_process.hpp"
+#include "runner/live/restart_limit.hpp"
 
 namespace lab::runner {
 
@@ -41,9 +43,9 @@ class DashboardProcess {
   void start(const Say& say);
 
   /// Call regularly: prints the address once it is known and when it changes, and restarts a dead
-  /// process.
+  /// process (RestartLimit).
   /// @param say called for each death
-  void supervise(const Say& say);
+  void supervise(std::int64_t now, const Say& say);
 
   /// The address with its token; empty: not known yet.
   [[nodiscard]] const std::string& address() const { return address_; }
@@ -60,9 +62,10 @@ class DashboardProcess {
   void giveUp(const std::string& why, const Say& say);
 
   DashboardOptions options_;
-  std::unique_ptr<ChildProcess> process_;
+  std::unique_ptr<LocalProcess> process_;
   std::string address_;
-  int restarts_ = 0;
+  RestartLimit limit_;
+  std::optional<std::int64_t> restart_utime_;  ///< it is dead until then
   bool given_up_ = false;
 };
 

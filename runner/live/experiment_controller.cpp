@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "common/bus/channels.hpp"
@@ -34,11 +35,27 @@ constexpr std::int64_t kLightPatience_us = 2'000'000;
 constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
 constexpr std::int64_t kStatusPeriod_us = 500'000;  // 2 Hz
+// Bounds for what others publish, far above what operators and programs need.
+constexpr std::size_t kMostOtherRobots = 1000;
+constexpr std::size_t kMostErrors = 1000;  // different texts of last_error
+constexpr int kMostRequests = 200;         // in kLimitPeriod_us, as the next two
+constexpr int kMostRecordedStops = 200;
+constexpr int kMostAnswers = 500;
+constexpr std::int64_t kLimitPeriod_us = 10'000'000;
 
-bool waitsForEstimates(const Experiment& experiment) {
-  return !experiment.stop_when.empty() ||
-         std::ranges::any_of(experiment.light.steps,
-                             [](const LightStep& step) { return !step.until.estimate.empty(); });
+constexpr const char* kAnalyzer = "analyzer";
+
+/// The message without the robots that are not admitted; nothing if all are.
+template <typename Message>
+std::optional<Message> withoutRefused(const Message& message, RobotAdmission& admission) {
+  const auto refused = [&admission](const auto& robot) {
+    return !admission.admits(robot.robot_id);
+  };
+  if (std::ranges::none_of(message.robots, refused)) return std::nullopt;
+  Message admitted = message;
+  std::erase_if(admitted.robots, refused);
+  admitted.num_robots = static_cast<std::int32_t>(admitted.robots.size());
+  return admitted;
 }
 
 }  // namespace
@@ -66,7 +83,11 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
                   },
               .end = [this](const ScriptTransition& transition) { endScript(transition); }}),
       stop_rules_(context.experiment),
-      stop_latch_(context.experiment) {
+      stop_latch_(context.experiment),
+      admission_(context.experiment, kMostOtherRobots),
+      requests_(kMostRequests, kLimitPeriod_us),
+      recorded_stops_(kMostRecordedStops, kLimitPeriod_us),
+      answers_(kMostAnswers, kLimitPeriod_us) {
   // The experiment's bands are intensities on the arena. Robots compare their sensor readings, so
   // the calibration converts the bands.
   if (const auto calibration = activeLightCalibration(experiment_, context.directory)) {
@@ -74,10 +95,16 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
     light_calibration_ = readFileText(context.directory / experiment_.projector.light_calibration,
                                       file_kinds::kCalibration);
   }
-  node_.subscribe<robot_status_t>(channels::kRobotStatus,
-                                  [this](const robot_status_t& status) { take(status); });
-  node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
-                                   [this](const tracked_frame_t& frame) { take(frame); });
+  node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
+    const auto admitted = withoutRefused(status, admission_);
+    take(admitted ? *admitted : status);
+    reportRefused();
+  });
+  node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& frame) {
+    const auto admitted = withoutRefused(frame, admission_);
+    take(admitted ? *admitted : frame);
+    reportRefused();
+  });
   node_.subscribe<service_status_t>(channels::kServiceStatus,
                                     [this](const service_status_t& status) { take(status); });
   node_.subscribe<robot_stop_t>(channels::kRobotStop,
@@ -270,7 +297,7 @@ void ExperimentController::endIfStopped() {
 }
 
 void ExperimentController::take(const robot_status_t& status) {
-  for (const std::string& dispute : owners_.take(status)) {
+  for (const std::string& dispute : owners_.take(status, loop_.now())) {
     fault(dispute);
     over_(Ending::kBroken, dispute);
   }
@@ -314,16 +341,46 @@ void ExperimentController::take(const tracked_frame_t& frame) {
   light_.take(frame);
 }
 
+/// Reports that a bound was reached, once. @param what one of a few texts
+void ExperimentController::limitReached(const std::string& what) {
+  if (limits_reached_.insert(what).second) fault(what);
+}
+
+void ExperimentController::reportRefused() {
+  if (!admission_.refused()) return;
+  limitReached(fmt::format(
+      "more than {} robots on the bus are not of this run; further ones are ignored: is another "
+      "program publishing here?",
+      admission_.mostOthers()));
+}
+
 void ExperimentController::take(const robot_stop_t& stop) {
   const bool own = stop.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || !stop_latch_.take(stop)) return;
+  if (stop_latch_.refused()) {
+    limitReached(fmt::format(
+        "more than {} robots that are not of this run were told to stop; further ones are not "
+        "stopped again when they restart",
+        StopLatch::kMostOthers));
+  }
+  if (!recorded_stops_.allows(loop_.now())) {
+    limitReached(fmt::format("more than {} stops in {} s: they hold, but not each is recorded",
+                             kMostRecordedStops, kLimitPeriod_us / units::kSecond_us));
+    return;
+  }
   markRequest(std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") +
                   stop.sender + (stop.reason.empty() ? "" : ": " + stop.reason),
               stop.clear != 0 ? "" : "lab stop --clear, or release on the page, lets them go on");
 }
 
 void ExperimentController::take(const robot_command_t& command) {
-  if (command.sender != node_.identity().name) yielded_.take(command, loop_.now());
+  if (command.sender == node_.identity().name) return;
+  robot_command_t admitted = command;
+  for (robot_order_t& order : admitted.orders) {
+    std::erase_if(order.robot_ids, [this](std::int32_t id) { return !admission_.admits(id); });
+  }
+  yielded_.take(admitted, loop_.now());
+  reportRefused();
 }
 
 void ExperimentController::take(const analysis_t& analysis) {
@@ -342,9 +399,21 @@ void ExperimentController::take(const analysis_t& analysis) {
 void ExperimentController::take(const service_status_t& status) {
   const bool own = status.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || status.last_error.empty()) return;
-  if (!errors_recorded_.insert(status.sender + ": " + status.last_error).second) return;
   const std::string what = status.sender + ": " + status.last_error;
-  status.sender == kObserverService ? mark(what) : fault(what);
+  if (errors_recorded_.contains(what)) return;
+  if (errors_recorded_.size() >= kMostErrors) {
+    limitReached(
+        fmt::format("services reported more than {} different errors; further ones are "
+                    "not recorded: their output is in the run's folder",
+                    kMostErrors));
+    return;
+  }
+  errors_recorded_.insert(what);
+  // The analyzer reports an overload. That costs results, but no data, unless the run waits for
+  // them.
+  const bool observes = status.sender == kObserverService ||
+                        (status.sender == kAnalyzer && isDispensable(experiment_, kAnalyzer));
+  observes ? mark(what) : fault(what);
 }
 
 void ExperimentController::repeatStops() {
@@ -356,11 +425,17 @@ void ExperimentController::repeatStops() {
 void ExperimentController::take(const experiment_command_t& request) {
   if (phase_ == Phase::kIdle) return;
   request_log_.take(request);
-  sendStatus();
+  // Above the limit the next periodic status has the answer.
+  if (answers_.allows(loop_.now())) sendStatus();
 }
 
 std::string ExperimentController::execute(const experiment_command_t& request) {
   if (phase_ == Phase::kConcluded) return "the run is over";
+  // Whatever else happens on the bus, the run can be ended.
+  if (request.action != experiment_command_t::END && !requests_.allows(loop_.now())) {
+    return fmt::format("too many requests: more than {} in {} s", kMostRequests,
+                       kLimitPeriod_us / units::kSecond_us);
+  }
   switch (request.action) {
     case experiment_command_t::PAUSE:
       return pauseScript(request.sender);

@@ -21,7 +21,9 @@
 #include "common/service/service_main.hpp"
 #include "runner/live/handshake.hpp"
 #include "runner/live/progress.hpp"
+#include "runner/live/rate_limit.hpp"
 #include "runner/live/request_log.hpp"
+#include "runner/live/robot_admission.hpp"
 #include "runner/live/robot_owners.hpp"
 #include "runner/live/stop_latch.hpp"
 #include "runner/script/light_controller.hpp"
@@ -105,6 +107,8 @@ class ExperimentController final : public Service {
   void endIfStopped();
   void announceStart();
   void record(experiment_event_t event);
+  void limitReached(const std::string& what);
+  void reportRefused();
   void sendRobots();
   [[nodiscard]] bool hasEchoed(const RobotSpec& robot) const;
   [[nodiscard]] bool allEchoed() const;
@@ -136,6 +140,12 @@ class ExperimentController final : public Service {
   YieldedRobots yielded_;
   StopLatch stop_latch_;
   std::set<std::string> errors_recorded_;  ///< last_error texts of services, each recorded once
+  // Whatever is published on the bus, the memory of this class and what it publishes stay bounded.
+  RobotAdmission admission_;
+  RateLimit requests_;                    ///< of others that are executed
+  RateLimit recorded_stops_;              ///< of others that are recorded one by one
+  RateLimit answers_;                     ///< EXPERIMENT_STATUS sent at once
+  std::set<std::string> limits_reached_;  ///< texts, each reported once
   RobotOwners owners_;
   std::map<std::int32_t, robot_state_t> states_;
   std::map<std::int32_t, tracked_pose_t> poses_;

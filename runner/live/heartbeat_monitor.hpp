@@ -31,6 +31,9 @@ class HeartbeatMonitor {
     heartbeats_[name] = {.heard_us = clock_us_, .patience_us = patience_us};
   }
 
+  /// The process is known to be dead: its silence is no news.
+  void forget(const std::string& name) { heartbeats_.erase(name); }
+
   /// A heartbeat. Processes that are not expected are ignored.
   void beat(const std::string& name);
 

@@ -18,6 +18,7 @@
 #include "common/math/units.hpp"
 #include "common/process/installation.hpp"
 #include "common/process/version.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/doctor/doctor.hpp"
 #include "runner/hosts/remote_hosts.hpp"
@@ -59,7 +60,7 @@ void requireParts(const Experiment& experiment, bool virtual_time) {
 /// With ttl 0 the kernel keeps messages on this machine only while the interface does not change.
 void warnUnpinned() {
   if (const std::string warning = unpinnedWarning(); !warning.empty()) {
-    fmt::print(stderr, "warn     {}\n", warning);
+    fmt::print(stderr, "warn     {}\n", printable(warning));
   }
 }
 
@@ -183,7 +184,7 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
     name = registration->name();
   }
   const auto announce = [&head] {
-    fmt::print("{}", head);
+    fmt::print("{}", printableLines(head));
     std::fflush(stdout);
   };
   RunOutcome outcome = execute(options, prepared, name, url, logger, hosts ? &*hosts : nullptr,

@@ -8,6 +8,7 @@
 
 #include "common/text/duration_text.hpp"
 #include "common/text/format.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/print_line.hpp"
 
 namespace lab::runner {
@@ -58,7 +59,7 @@ void ProgressLine::print(const Progress& progress) {
   if (!terminal_) {
     if (progress.elapsed < next_print_) return;
     next_print_ = progress.elapsed + duration_ / kPrints;
-    fmt::print("running  {}\n", progressText(progress));
+    fmt::print("running  {}\n", printable(progressText(progress)));
     std::fflush(stdout);
     return;
   }
@@ -67,7 +68,7 @@ void ProgressLine::print(const Progress& progress) {
   if (shown_ && now - last_shown_us_ < kShortest_us) return;
   last_shown_us_ = now;
   shown_ = true;
-  fmt::print("\r\033[Krunning  {}", progressText(progress));
+  fmt::print("\r\033[Krunning  {}", printable(progressText(progress)));
   std::fflush(stdout);
 }
 

@@ -52,7 +52,7 @@ class LiveRun {
         node_(bus_, loop_, {"lab", 0, loop_.now()}),
         controller_({node_, loop_, run.experiment, run.directory}, run.effective,
                     [this](Ending ending, const std::string& why) { over(ending, why); }),
-        supervisor_(run, options) {
+        supervisor_(run, options, loop_.clockOffset()) {
     if (procedure) {
       if (options.cameras) cameras_ = options.cameras(loop_, run.directory / files::kPorts);
       procedure_.emplace(bus_, loop_, cameras_ ? *cameras_ : noCameras(), run, loop_.now(),
@@ -165,7 +165,7 @@ class LiveRun {
 
   void superviseDashboard() {
     if (!page_) return;
-    page_->supervise([this](const std::string& what) { reportDashboard(what); });
+    page_->supervise(loop_.now(), [this](const std::string& what) { reportDashboard(what); });
     if (!page_->address().empty() || page_->givenUp()) announce();
   }
 
@@ -240,7 +240,8 @@ class LiveRun {
     if (finishing_) return;
     superviseDashboard();
     const bool all_up = supervisor_.restartEnded(
-        [this](const std::string& what) { controller_.fault(what); }, [this] { return resume(); });
+        loop_.now(), [this](const std::string& what) { controller_.fault(what); },
+        [this] { return resume(); });
     if (!all_up) closeEarly("a process of the run died too often");
     supervisor_.checkHeartbeats(
         loop_.now(), [this](const std::string& what) { controller_.fault(what); },

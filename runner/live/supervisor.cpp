@@ -20,7 +20,6 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kMostRestarts = 5;
 constexpr const char* kGatewayService = "dds_gateway";
 constexpr int kServicePatience_ms = 3000;
 constexpr int kLinkSettles_ms = 300;       // [ms] for the last messages of other hosts
@@ -28,8 +27,9 @@ constexpr int kLoggerPatience_ms = 10000;  // it writes its buffers before it en
 
 }  // namespace
 
-Supervisor::Supervisor(const PreparedRun& run, const LiveOptions& options)
-    : run_(run), options_(options) {
+Supervisor::Supervisor(const PreparedRun& run, const LiveOptions& options,
+                       std::int64_t clock_offset_us)
+    : run_(run), options_(options), clock_offset_us_(clock_offset_us) {
   fs::create_directories(logFolder());
 }
 
@@ -44,10 +44,8 @@ fs::path Supervisor::logFile() const {
 
 void Supervisor::startLogger() {
   // Its options -l, --increment and --strftime are broken in LCM 1.3.1; --lcm-url= works.
-  logger_.process = std::make_unique<ChildProcess>(
-      logger_.name,
-      std::vector<std::string>{options_.lcm_logger.string(), "-q", "--lcm-url=" + options_.url,
-                               logFile().string()},
+  logger_.process = startHere(
+      {options_.lcm_logger.string(), "-q", "--lcm-url=" + options_.url, logFile().string()},
       logFolder() / "lcm-logger.txt");
   heartbeats_.expect(logger_.name);
   log_size_ = 0;
@@ -100,16 +98,27 @@ std::vector<std::string> Supervisor::argumentsOf(const Entry& entry) const {
   return arguments;
 }
 
-std::unique_ptr<ServiceProcess> Supervisor::startService(const Entry& entry,
-                                                         const fs::path& file) const {
+std::unique_ptr<ServiceProcess> Supervisor::startService(const Entry& entry, const fs::path& file) {
   if (!entry.host.empty()) return startThere(entry, file);
-  std::vector<std::string> arguments{(options_.programs / entry.name).string(), "--experiment",
-                                     file.string(), "--lcm-url", options_.url};
+  std::vector<std::string> arguments{(options_.programs / entry.name).string(),
+                                     "--experiment",
+                                     file.string(),
+                                     "--lcm-url",
+                                     options_.url,
+                                     "--clock-offset-us",
+                                     std::to_string(clock_offset_us_)};
   if (entry.uses_ports) {
     arguments.insert(arguments.end(), {"--ports", (run_.directory / files::kPorts).string()});
   }
   for (const std::string& argument : argumentsOf(entry)) arguments.push_back(argument);
-  return std::make_unique<ChildProcess>(entry.name, arguments, logOf(entry));
+  return startHere(arguments, logOf(entry));
+}
+
+std::unique_ptr<LocalProcess> Supervisor::startHere(const std::vector<std::string>& arguments,
+                                                    const fs::path& output) {
+  auto process = std::make_unique<LocalProcess>(arguments, output);
+  if (process->pid() > 0) guard_.watch(process->pid());
+  return process;
 }
 
 std::unique_ptr<ServiceProcess> Supervisor::startThere(const Entry& entry,
@@ -158,7 +167,7 @@ std::string Supervisor::endedWith() const {
 std::string Supervisor::missing() const {
   std::string names;
   for (const Entry& entry : services_) {
-    const bool here = ready_.contains({entry.name, entry.process->localPid()});
+    const bool here = entry.ready_pid != 0 && entry.ready_pid == entry.process->localPid();
     if (entry.host.empty() ? here : entry.process->ready()) continue;
     names += (names.empty() ? "" : ", ") + titleOf(entry.name, entry.host);
     if (!entry.process->running()) names += " (" + entry.process->ending() + ")";
@@ -167,9 +176,9 @@ std::string Supervisor::missing() const {
 }
 
 void Supervisor::noteHeartbeat(const std::string& sender, pid_t pid, bool ready) {
-  if (ready) ready_.emplace(sender, pid);
-  for (const Entry& entry : services_) {
+  for (Entry& entry : services_) {
     if (entry.name != sender || !entry.host.empty() || entry.process->localPid() != pid) continue;
+    if (ready) entry.ready_pid = pid;
     heartbeats_.beat(sender);
     ++heartbeats_since_growth_;
   }
@@ -208,9 +217,10 @@ bool Supervisor::anyEnded() const {
   return ended(logger_) || std::any_of(services_.begin(), services_.end(), ended);
 }
 
-bool Supervisor::restartEnded(const std::function<void(const std::string&)>& report,
+bool Supervisor::restartEnded(std::int64_t now,
+                              const std::function<void(const std::string&)>& report,
                               const std::function<fs::path()>& resume) {
-  const bool all_up = restartEach(resume);
+  const bool all_up = restartEach(now, resume);
   if (!all_up || loggerWrites()) reportHeld(report);
   return all_up;
 }
@@ -219,26 +229,45 @@ void Supervisor::reportHeld(const std::function<void(const std::string&)>& repor
   for (const std::string& what : std::exchange(held_, {})) report(what);
 }
 
-bool Supervisor::restartEach(const std::function<fs::path()>& resume) {
-  const auto died = [this](Entry& entry) {
-    if (entry.process->running()) return false;
-    const bool own_fault = entry.process->ending() != kWithItsHost;
-    const bool again = (entry.restarts += own_fault ? 1 : 0) <= kMostRestarts;
-    held_.push_back(fmt::format("{} died ({}) and was {}", titleOf(entry.name, entry.host),
-                                entry.process->ending(),
-                                again ? "restarted" : "not restarted, because it died too often"));
-    return true;
-  };
-  if (died(logger_)) {
-    if (logger_.restarts > kMostRestarts) return false;
-    startLogger();
+/// Decides when a process that has died is started again, if at all.
+void Supervisor::noteDeath(Entry& entry, std::int64_t now) {
+  const std::string title = titleOf(entry.name, entry.host);
+  const std::string ending = entry.process->ending();
+  if (entry.host.empty()) heartbeats_.forget(entry.name);
+  entry.restart_utime = ending == kWithItsHost ? now : entry.limit.noteDeath(now);
+  if (entry.restart_utime) {
+    held_.push_back(
+        fmt::format("{} died ({}) and {}", title, ending, restartText(*entry.restart_utime - now)));
+    return;
   }
+  entry.left_out = true;
+  held_.push_back(fmt::format(
+      "{} died ({}) and is not started again: it {}{}; see {}", title, ending, tooOftenText(),
+      isDispensable(run_.experiment, entry.name) ? "; the run continues without it" : "",
+      logOf(entry).string()));
+}
+
+/// Whether a process is dead and must be started now.
+bool Supervisor::isDue(Entry& entry, std::int64_t now) {
+  if (entry.left_out || entry.process->running()) return false;
+  if (!entry.restart_utime) noteDeath(entry, now);
+  if (!entry.restart_utime || now < *entry.restart_utime) return false;
+  entry.restart_utime.reset();
+  ++entry.restarts;
+  return true;
+}
+
+bool Supervisor::restartEach(std::int64_t now, const std::function<fs::path()>& resume) {
+  if (isDue(logger_, now)) startLogger();
+  if (logger_.left_out) return false;
   for (Entry& entry : services_) {
-    if (!died(entry)) continue;
-    if (entry.restarts > kMostRestarts) return false;
-    const fs::path file = entry.name == "sim_svc" ? resume() : run_.directory / files::kExperiment;
-    entry.process = startService(entry, file);
-    if (entry.host.empty()) heartbeats_.expect(entry.name);
+    if (isDue(entry, now)) {
+      const fs::path file =
+          entry.name == "sim_svc" ? resume() : run_.directory / files::kExperiment;
+      entry.process = startService(entry, file);
+      if (entry.host.empty()) heartbeats_.expect(entry.name);
+    }
+    if (entry.left_out && !isDispensable(run_.experiment, entry.name)) return false;
   }
   return true;
 }

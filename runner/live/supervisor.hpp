@@ -5,13 +5,14 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <set>
+#include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
-#include "runner/live/child_process.hpp"
+#include "common/process/orphan_guard.hpp"
 #include "runner/live/heartbeat_monitor.hpp"
+#include "runner/live/local_process.hpp"
+#include "runner/live/restart_limit.hpp"
 #include "runner/live/run_live.hpp"
 
 namespace lab::runner {
@@ -20,7 +21,9 @@ namespace lab::runner {
 /// on other hosts.
 class Supervisor {
  public:
-  Supervisor(const PreparedRun& run, const LiveOptions& options);
+  /// @param clock_offset_us of the runner's loop: all services of this machine share its time,
+  ///   also those that are restarted after a step of the wall clock
+  Supervisor(const PreparedRun& run, const LiveOptions& options, std::int64_t clock_offset_us);
 
   void startLogger();
 
@@ -46,11 +49,13 @@ class Supervisor {
   /// Folder of the output of all processes.
   [[nodiscard]] std::filesystem::path logFolder() const;
 
-  /// Restarts processes that died.
+  /// Restarts processes that died (RestartLimit). A service that the run can do without
+  /// (isDispensable()) is left out when it dies too often.
   /// @param report called with a sentence for each, once a logger runs that records it
   /// @param resume makes the experiment file for a restarted sim_svc
-  /// @return false when a process died too often and is given up
-  [[nodiscard]] bool restartEnded(const std::function<void(const std::string&)>& report,
+  /// @return false when a process died too often without which there is no run
+  [[nodiscard]] bool restartEnded(std::int64_t now,
+                                  const std::function<void(const std::string&)>& report,
                                   const std::function<std::filesystem::path()>& resume);
 
   /// Checks that the services of this machine send heartbeats and that the log grows. Call at least
@@ -73,16 +78,25 @@ class Supervisor {
     std::unique_ptr<ServiceProcess> process{};
     int restarts = 0;
     bool uses_ports = false;
-    std::string host{};  ///< "": this machine
+    std::string host{};                           ///< "": this machine
+    pid_t ready_pid = 0;                          ///< of the process here that said READY
+    RestartLimit limit{};                         ///< counts its deaths
+    std::optional<std::int64_t> restart_utime{};  ///< it is dead until then
+    bool left_out = false;                        ///< it died too often
   };
 
   void checkLogGrowth();
   void add(const std::string& name, const std::string& host, bool uses_ports);
-  [[nodiscard]] std::unique_ptr<ServiceProcess> startService(
-      const Entry& entry, const std::filesystem::path& file) const;
+  [[nodiscard]] std::unique_ptr<ServiceProcess> startService(const Entry& entry,
+                                                             const std::filesystem::path& file);
   [[nodiscard]] std::unique_ptr<ServiceProcess> startThere(const Entry& entry,
                                                            const std::filesystem::path& file) const;
-  [[nodiscard]] bool restartEach(const std::function<std::filesystem::path()>& resume);
+  [[nodiscard]] bool restartEach(std::int64_t now,
+                                 const std::function<std::filesystem::path()>& resume);
+  [[nodiscard]] bool isDue(Entry& entry, std::int64_t now);
+  void noteDeath(Entry& entry, std::int64_t now);
+  [[nodiscard]] std::unique_ptr<LocalProcess> startHere(const std::vector<std::string>& arguments,
+                                                        const std::filesystem::path& output);
   [[nodiscard]] std::filesystem::path logFile() const;
   [[nodiscard]] std::vector<std::string> argumentsOf(const Entry& entry) const;
   [[nodiscard]] bool joinsBuses() const;
@@ -90,9 +104,10 @@ class Supervisor {
 
   const PreparedRun& run_;
   const LiveOptions& options_;
-  Entry logger_{"lcm-logger"};
+  std::int64_t clock_offset_us_;
+  OrphanGuard guard_;  ///< of the processes below
+  Entry logger_{.name = "lcm-logger"};
   std::vector<Entry> services_;
-  std::set<std::pair<std::string, pid_t>> ready_;
   std::vector<std::string> held_;  ///< sentences to report once a logger runs
   HeartbeatMonitor heartbeats_;
   std::uintmax_t log_size_ = 0;      ///< at the last check

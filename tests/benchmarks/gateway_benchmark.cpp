@@ -100,13 +100,13 @@ void bareWriter() {
 void bareReader(int pipe) {
   const dds::Domain domain(kDomain, dds::localConfiguration(), "reader");
   const auto& type = ros::rosType<ros::Illuminance>();
-  dds::Waker waker;
+  EventDescriptor waker;
   dds::Reader reader(domain, *type.descriptor, ros::topicName(kThrough), ros::defaultQos(type),
                      waker);
   for (bool reported = false;;) {
-    pollfd waiting{waker.fileDescriptor(), POLLIN, 0};
+    pollfd waiting{waker.get(), POLLIN, 0};
     poll(&waiting, 1, 1000);
-    waker.quiet();
+    waker.clear();
     reader.take(1000, [](const void*, dds::WriterId) {});
     if (!reported && reader.received() > 100) reported = write(pipe, "r", 1) == 1;
   }
@@ -193,9 +193,9 @@ class DdsEnd {
                 ros::defaultQos(ros::rosType<ros::Illuminance>()), waker_),
         thread_([this, &over] {
           while (!over) {
-            pollfd waiting{waker_.fileDescriptor(), POLLIN, 0};
+            pollfd waiting{waker_.get(), POLLIN, 0};
             poll(&waiting, 1, 100);
-            waker_.quiet();
+            waker_.clear();
             reader_.take(1000, [this](const void* data, dds::WriterId) {
               const auto& stamp = static_cast<const ros::Illuminance*>(data)->header.stamp;
               delays.add(std::int64_t{stamp.sec} * 1'000'000 + stamp.nanosec / 1000);
@@ -206,7 +206,7 @@ class DdsEnd {
   Delays delays;
 
  private:
-  dds::Waker waker_;
+  EventDescriptor waker_;
   dds::Reader reader_;
   std::thread thread_;
 };

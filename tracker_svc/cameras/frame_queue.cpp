@@ -1,19 +1,10 @@
 #include "tracker_svc/cameras/frame_queue.hpp"
 
-#include <sys/eventfd.h>
-#include <unistd.h>
-
 #include <algorithm>
 #include <chrono>
 #include <utility>
 
-#include "common/camera/cameras.hpp"
-
 namespace lab::cameras {
-
-FrameQueue::FrameQueue() : ready_(eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
-  if (ready_.get() < 0) throw CameraError("no event descriptor available");
-}
 
 bool FrameQueue::push(Item item) {
   std::unique_lock lock(mutex_);
@@ -38,8 +29,7 @@ bool FrameQueue::pushDroppingOldest(Item item) {
 bool FrameQueue::add(Item item) {
   if (!open_) return false;
   items_.push_back(std::move(item));
-  const std::uint64_t one = 1;
-  static_cast<void>(!write(ready_.get(), &one, sizeof one));
+  ready_.signal();
   return true;
 }
 
@@ -82,10 +72,7 @@ std::optional<FrameQueue::Item> FrameQueue::pop() {
       item = std::move(items_.front());
       items_.pop_front();
     }
-    if (items_.empty()) {
-      std::uint64_t count = 0;
-      static_cast<void>(!read(ready_.get(), &count, sizeof count));
-    }
+    if (items_.empty()) ready_.clear();
   }
   changed_.notify_all();
   return item;

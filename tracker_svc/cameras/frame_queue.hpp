@@ -8,7 +8,7 @@
 #include <optional>
 #include <string>
 
-#include "common/process/file_descriptor.hpp"
+#include "common/process/event_descriptor.hpp"
 #include "light/optics/grey_image.hpp"
 
 namespace lab::cameras {
@@ -26,9 +26,6 @@ class FrameQueue {
     optics::GreyImage image;
     std::string text;
   };
-
-  /// @throws CameraError if the system has no free descriptor
-  FrameQueue();
 
   /// Maximum number of waiting frames.
   static constexpr std::size_t kCapacity = 4;
@@ -56,7 +53,7 @@ class FrameQueue {
  private:
   bool add(Item item);  // under the lock: pop() clears the event under the same lock
 
-  FileDescriptor ready_;
+  EventDescriptor ready_;
   std::mutex mutex_;
   std::condition_variable changed_;
   bool open_ = true;

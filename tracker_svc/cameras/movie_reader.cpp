@@ -13,8 +13,8 @@
 #include "common/camera/camera_source.hpp"
 #include "common/files/file_text.hpp"
 #include "light/median.hpp"
-#include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/grey.hpp"
+#include "tracker_svc/cameras/media_process.hpp"
 
 namespace lab::cameras {
 namespace {
@@ -192,7 +192,7 @@ class MovieReader final : public FilmReader {
 
   std::string source_;
   MovieInfo facts_;
-  ChildProcess decoder_;
+  MediaProcess decoder_;
   optics::GreyImage image_;
   std::vector<std::uint8_t> colour_;
   std::int64_t count_ = 0;
@@ -235,7 +235,7 @@ MovieInfo probeMovie(const std::string& source, bool packets) {
                   ":stream_side_data=rotation") +
           (packets ? ":packet=pts_time,dts_time,flags" : "")};
   for (const std::string& word : inputOf(source)) command.push_back(word);
-  ChildProcess probe(command, source + ": movies are read by", "ffmpeg");
+  MediaProcess probe(command, source + ": movies are read by", "ffmpeg");
   const std::string answer = probe.readAll();
   const int status = probe.finish();
   const json facts = json::parse(answer, nullptr, false);

@@ -17,9 +17,9 @@
 
 #include "common/files/file_text.hpp"
 #include "light/median.hpp"
-#include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/frame_table.hpp"
 #include "tracker_svc/cameras/grey.hpp"
+#include "tracker_svc/cameras/media_process.hpp"
 #include "tracker_svc/cameras/stb_pixels.hpp"
 
 namespace lab::cameras {
@@ -232,7 +232,7 @@ Decoded decode(const fs::path& path) {
 std::string markOf(const fs::path& picture) {
   if (!endingOf(picture).starts_with(".jp")) return "";
   try {
-    ChildProcess probe({"ffprobe", "-v", "error", "-of", "csv=p=0", "-show_entries",
+    MediaProcess probe({"ffprobe", "-v", "error", "-of", "csv=p=0", "-show_entries",
                         "frame_tags=Orientation", "-i", "file:" + picture.string()},
                        picture.string() + ": its orientation is read by", "ffmpeg");
     const int orientation = std::atoi(probe.readAll().c_str());

@@ -12,10 +12,10 @@
 
 #include "common/camera/camera_source.hpp"
 #include "common/camera/sim_camera.hpp"
-#include "tracker_svc/cameras/child_process.hpp"
 #include "tracker_svc/cameras/film_source.hpp"
 #include "tracker_svc/cameras/frame_queue.hpp"
 #include "tracker_svc/cameras/grey.hpp"
+#include "tracker_svc/cameras/media_process.hpp"
 #include "tracker_svc/cameras/movie_reader.hpp"
 
 namespace lab::cameras {
@@ -126,7 +126,7 @@ class Stream {
   /// @return why it ended
   std::string runOnce() {
     try {
-      auto fresh = std::make_unique<ChildProcess>(
+      auto fresh = std::make_unique<MediaProcess>(
           command_.words, command_.source + ": it is read by", command_.package);
       const std::lock_guard lock(mutex_);
       child_ = std::move(fresh);
@@ -174,7 +174,7 @@ class Stream {
   std::vector<std::uint8_t> bytes_;
   FrameQueue feed_;
   std::mutex mutex_;  ///< guards child_, which the other thread may access
-  std::unique_ptr<ChildProcess> child_;
+  std::unique_ptr<MediaProcess> child_;
   std::int64_t count_ = 0;
   bool troubled_ = false;
   std::thread thread_;  ///< last member: it uses all members above

@@ -2,19 +2,20 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <spawn.h>
-#include <sys/wait.h>
 
 #include <algorithm>
-#include <array>
 #include <cerrno>
-#include <cstdlib>
+#include <csignal>
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <system_error>
+#include <vector>
 
 #include "analyzer/report_error.hpp"
 #include "common/files/file_text.hpp"
+#include "common/process/child_process.hpp"
+#include "common/process/file_descriptor.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
@@ -26,41 +27,34 @@ constexpr const char* kMessages = "gnuplot.txt";
 constexpr std::string_view kTitle = "<title>";
 constexpr std::string_view kTitleEnd = "</title>";
 
-/// Starts gnuplot in `folder` and in a clean environment, with its messages in a file.
-pid_t start(const fs::path& folder, const fs::path& script, const fs::path& messages) {
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addchdir_np(&actions, folder.c_str());
-  for (const int descriptor : {1, 2}) {
-    posix_spawn_file_actions_addopen(&actions, descriptor, messages.c_str(),
-                                     O_WRONLY | O_CREAT | O_APPEND, 0644);
+/// Runs gnuplot in `folder` and in a clean environment, with its messages in a file.
+/// @return whether it succeeded
+bool draws(const fs::path& folder, const fs::path& script, const fs::path& messages) {
+  const FileDescriptor file(
+      open(messages.c_str(), O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0644));
+  if (file.get() < 0) {
+    throw ReportError(fmt::format("cannot write {}: {}", messages.string(), std::strerror(errno)));
   }
-  std::string program = "gnuplot";
-  std::string defaults = "--default-settings";
-  std::string file = script.string();
-  std::array<char*, 4> arguments{program.data(), defaults.data(), file.data(), nullptr};
-  std::string locale = "LC_ALL=C";
-  std::string zone = "TZ=UTC";
-  std::array<char*, 3> environment{locale.data(), zone.data(), nullptr};
-  pid_t child = 0;
-  const int error = posix_spawnp(&child, program.c_str(), &actions, nullptr, arguments.data(),
-                                 environment.data());
-  posix_spawn_file_actions_destroy(&actions);
-  if (error == ENOENT || error == EACCES) {
+  try {
+    ChildProcess gnuplot({.arguments = {"gnuplot", "--default-settings", script.string()},
+                          .environment = std::vector<std::string>{"LC_ALL=C", "TZ=UTC"},
+                          .folder = folder.string(),
+                          .input = ChildSettings::kInherited,
+                          .output = file.get(),
+                          .errors = file.get(),
+                          .group = ChildSettings::Group::kShared,
+                          .death_signal = SIGKILL});
+    gnuplot.wait();
+    return gnuplot.code() == 0;
+  } catch (const std::system_error& error) {
+    if (error.code() != std::errc::no_such_file_or_directory &&
+        error.code() != std::errc::permission_denied) {
+      throw ReportError(error.what());
+    }
     throw ReportError(
         "gnuplot, which draws the figures, is not installed; get it with "
         "'sudo apt-get install gnuplot-nox' and analyze the run again");
   }
-  if (error != 0) throw ReportError(fmt::format("cannot start gnuplot: {}", std::strerror(error)));
-  return child;
-}
-
-bool succeeded(pid_t child) {
-  int status = 0;
-  while (waitpid(child, &status, 0) < 0) {
-    if (errno != EINTR) return false;
-  }
-  return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 
 void replaceAll(std::string& text, std::string_view from, std::string_view to) {
@@ -76,7 +70,7 @@ void runGnuplot(const fs::path& folder, const std::string& script) {
   const fs::path file = fs::absolute(folder / kScript);
   const fs::path messages = fs::absolute(folder / kMessages);
   std::ofstream(file, std::ios::binary) << script;
-  const bool done = succeeded(start(folder, file, messages));
+  const bool done = draws(folder, file, messages);
   const std::string output = readWholeFile(messages).value_or("");
   fs::remove(file);
   fs::remove(messages);

@@ -8,12 +8,16 @@
 #include <sys/time.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <numeric>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/loop/asio_loop.hpp"
@@ -73,6 +77,23 @@ TEST(LcmBus, DoesNotStarveTimersInAFlood) {
     ASSERT_LE(heard - before, kMostInOneDrain);
   }
   EXPECT_GT(heard, kMostInOneDrain);
+}
+
+/// A service that is slower than its messages: its heartbeat comes between two drains.
+TEST(LcmBus, ReturnsToTheLoopWhenHandlersAreSlow) {
+  LcmBus sender(lcmUrl(kPort));
+  LcmBus dut(lcmUrl(kPort));
+  std::size_t heard = 0;
+  dut.subscribe("SLOW", [&heard](const Packet&) {
+    ++heard;
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  });
+  constexpr std::size_t kMessages = 500;  // one second of work
+  for (std::size_t i = 0; i < kMessages; ++i) sender.publish("SLOW", number(1));
+  int drains = 0;
+  for (bool any = true; any && heard < kMessages; ++drains) any = dut.drainFor(kPatience_ms);
+  EXPECT_EQ(heard, kMessages);
+  EXPECT_GE(drains, 5);
 }
 
 TEST(LcmBus, TakesChannelNamesLiterally) {  // LCM takes them for regular expressions

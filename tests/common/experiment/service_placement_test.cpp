@@ -39,5 +39,25 @@ TEST(ServicePlacement, OnlyHostsOfNeededServicesAreInUse) {
   EXPECT_THAT(hostsInUse(experiment), ElementsAre("bench"));
 }
 
+TEST(ServicePlacement, OnlyWhatNothingDependsOnIsDispensable) {
+  Experiment experiment = withBody(Body::kSim);
+  experiment.gateway.ros = true;
+  EXPECT_TRUE(isDispensable(experiment, "analyzer"));
+  EXPECT_TRUE(isDispensable(experiment, "dds_gateway"));
+  EXPECT_TRUE(isDispensable(experiment, "dashboard"));
+  for (const char* service :
+       {"sim_svc", "robot_bridge", "projector_ctl", "tracker_svc", "lcm-logger"}) {
+    EXPECT_FALSE(isDispensable(experiment, service)) << service;
+  }
+
+  experiment.gateway.commands = true;
+  EXPECT_FALSE(isDispensable(experiment, "dds_gateway")) << "robots are driven from ROS 2";
+  experiment.gateway.commands = false;
+  experiment.services["sim_svc"].host = "bench";
+  EXPECT_FALSE(isDispensable(experiment, "dds_gateway")) << "it joins the buses";
+  experiment.stop_when.resize(1);
+  EXPECT_FALSE(isDispensable(experiment, "analyzer")) << "its estimates end the run";
+}
+
 }  // namespace
 }  // namespace lab::service_placement_test

@@ -33,6 +33,19 @@ TEST(AsioLoop, StampsWithTheWallClock) {
   EXPECT_FALSE(dut.isVirtual());
 }
 
+/// A service that is restarted after a step of the wall clock.
+TEST(AsioLoop, KeepsTheTimeOfAnotherProcess) {
+  constexpr std::int64_t kStep_us = -3'600'000'000;
+  const AsioLoop runner(AsioLoop().clockOffset() + kStep_us);
+  const AsioLoop service(runner.clockOffset());
+  EXPECT_EQ(service.clockOffset(), runner.clockOffset());
+  const std::int64_t before = runner.now();
+  const std::int64_t now = service.now();
+  EXPECT_GE(now, before);
+  EXPECT_LE(now, runner.now());
+  EXPECT_LT(now, wallClock() + kStep_us / 2);
+}
+
 TEST(AsioLoop, FiresTimersInOrderAndNeverEarly) {
   AsioLoop dut;
   std::string order;

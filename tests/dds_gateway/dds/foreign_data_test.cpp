@@ -61,7 +61,7 @@ class ForeignData : public testing::Test {
   Domain dut;
   Peer peer;
   Peer other;
-  Waker waker;
+  EventDescriptor waker;
   const ros::RosType& type = ros::rosType<ros::PoseStamped>();
 };
 

@@ -128,7 +128,7 @@ class Match : public testing::TestWithParam<Style> {
 
   Domain dut;
   Peer peer;
-  Waker waker;
+  EventDescriptor waker;
 };
 
 TEST_P(Match, OurWritersMatchTheirReaders) {

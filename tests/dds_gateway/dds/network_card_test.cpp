@@ -39,7 +39,7 @@ std::vector<std::string> caller() {
 /// Whether our endpoints find those of the node on the other machine, within `patience`.
 bool met(const std::string& configuration, std::chrono::milliseconds patience) {
   const Domain dut(0, configuration, "test");
-  Waker waker;
+  EventDescriptor waker;
   const Writer writer(dut, *kType.descriptor, "rt/a", ros::defaultQos(kType));
   const Reader reader(dut, *kType.descriptor, "rt/b", ros::defaultQos(kType), waker);
   const Peer elsewhere(caller());

@@ -74,7 +74,7 @@ class Secured : public testing::TestWithParam<std::string> {};
 
 TEST_P(Secured, TalkBothWays) {
   const Domain dut(0, configuration("ours/lab"), "test");
-  const Waker waker;
+  const EventDescriptor waker;
   Writer writer(dut, *kType.descriptor, "rt/out", ros::latchedQos(kType));
   Reader reader(dut, *kType.descriptor, "rt/in", ros::defaultQos(kType), waker);
   Peer bench(peerAs(GetParam()));
@@ -95,7 +95,7 @@ INSTANTIATE_TEST_SUITE_P(Certificates, Secured, testing::Values("ours/bench", "o
 
 TEST(Security, ParticipantsWithoutCertificateNeitherReceiveNorAreReceived) {
   const Domain dut(0, configuration("ours/lab"), "test");
-  const Waker waker;
+  const EventDescriptor waker;
   Writer writer(dut, *kType.descriptor, "rt/out", ros::latchedQos(kType));
   Reader reader(dut, *kType.descriptor, "rt/in", ros::defaultQos(kType), waker);
   const ros::Float64 sample{0.5};

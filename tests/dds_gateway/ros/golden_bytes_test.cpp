@@ -60,7 +60,7 @@ TEST_P(GoldenBytes, AreSent) {
 TEST_P(GoldenBytes, AreUnderstood) {
   std::vector<dds::Writer> writers;
   std::vector<std::unique_ptr<dds::Reader>> readers;
-  const dds::Waker waker;
+  const EventDescriptor waker;
   for (std::size_t i = 0; i < messages.size(); ++i) {
     const RosType& type = *messages[i].type;
     readers.push_back(

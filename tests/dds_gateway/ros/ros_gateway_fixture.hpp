@@ -128,7 +128,7 @@ class RosReader {
   [[nodiscard]] dds::Matching matching() const { return reader_.matching(); }
 
  private:
-  dds::Waker waker_;
+  EventDescriptor waker_;
   dds::Reader reader_;
 };
 

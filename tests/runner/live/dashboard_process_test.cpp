@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <csignal>
+#include <cstdint>
 #include <fstream>
 #include <thread>
 
@@ -48,7 +49,8 @@ class DashboardProcessTest : public testing::Test {
   /// Supervises it until `done`, at most for 10 s.
   bool superviseUntil(DashboardProcess& page, const std::function<bool()>& done) {
     for (int i = 0; i < 1000 && !done(); ++i) {
-      page.supervise([this](const std::string& what) { faults_.push_back(what); });
+      page.supervise(now_us_, report_);
+      now_us_ += 100'000;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
     }
     return done();
@@ -56,6 +58,7 @@ class DashboardProcessTest : public testing::Test {
 
   TemporaryFolder folder_;
   std::vector<std::string> faults_;
+  std::int64_t now_us_ = 0;
   std::function<void(const std::string&)> report_ = [this](const std::string& what) {
     faults_.push_back(what);
   };
@@ -119,6 +122,7 @@ TEST_F(DashboardProcessTest, IsNotRestartedAfterRepeatedFailures) {
   page.start(report_);
   ASSERT_TRUE(superviseUntil(page, [&] { return page.givenUp(); }));
   EXPECT_THAT(faults_, SizeIs(6));
+  EXPECT_EQ(faults_[1], "dashboard died (exit code 3) and is restarted in 0.5 s");
   EXPECT_THAT(faults_.back(), HasSubstr("everything else continues"));
 }
 
@@ -128,7 +132,7 @@ TEST_F(DashboardProcessTest, IsSkippedIfItIsNotInstalled) {
   DashboardProcess page(missing);
   page.start(report_);
   EXPECT_TRUE(page.givenUp());
-  page.supervise(report_);
+  page.supervise(now_us_, report_);
   EXPECT_THAT(faults_,
               testing::ElementsAre(testing::AllOf(
                   HasSubstr(missing.program.string() + " does not exist: ./lab build builds it"),

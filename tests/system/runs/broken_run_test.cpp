@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/prctl.h>
 
 #include <algorithm>
 #include <chrono>
@@ -210,6 +211,52 @@ TEST_F(BrokenRun, KillsAServiceThatHangsAtTheEnd) {
   const std::string fault = "analyzer did not end on request and was killed after 3 s";
   EXPECT_THAT(ended.output, HasSubstr("fault    " + fault));
   EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
+}
+
+/// The run needs robots, light and tracker; the log can be analyzed later.
+TEST_F(BrokenRun, GoesOnWithoutAnAnalyzerThatKeepsDying) {
+  Background lab(labRun(20));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  pid_t killed = -1;
+  // Restarted at once, then after 0.5, 1, 2 and 4 s.
+  for (int deaths = 0; deaths < 6; ++deaths) {
+    pid_t analyzer = -1;
+    ASSERT_TRUE(waitUntil(
+        [&] {
+          analyzer = processOf(lab, "analyzer");
+          return analyzer > 0 && analyzer != killed;
+        },
+        seconds(10)))
+        << "death " << deaths << "\n"
+        << lab.output();
+    kill(analyzer, SIGKILL);
+    killed = analyzer;
+  }
+
+  const Finished ended = lab.wait(seconds(60));
+
+  EXPECT_EQ(ended.exit_code, 0) << ended.output;
+  EXPECT_THAT(ended.output,
+              HasSubstr("fault    analyzer died (killed by signal 9) and is not started again: "
+                        "it died too often (6 times in 60 s); the run goes on"));
+  EXPECT_THAT(recorded(experiment_event_t::END), Contains("the script is over"));
+  EXPECT_THAT(recorded(experiment_event_t::FAULT),
+              Contains("analyzer died (killed by signal 9) and is restarted in 0.5 s"));
+}
+
+/// This process becomes the parent of what the runner leaves behind, in the same session: the
+/// kernel then does not wake a stopped orphan by itself.
+TEST_F(BrokenRun, AStoppedServiceDoesNotOutliveAKilledRunner) {
+  prctl(PR_SET_CHILD_SUBREAPER, 1);
+  Background lab(labRun(600));
+  ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
+  const pid_t simulator = processOf(lab, "sim_svc");
+  ASSERT_GT(simulator, 0);
+  kill(simulator, SIGSTOP);
+  lab.signal(SIGKILL);
+
+  EXPECT_TRUE(waitUntil([&] { return processesWith(runs().string()).empty(); }, seconds(10)));
+  prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 TEST_F(BrokenRun, ReportsAHangingLogger) {
