@@ -238,7 +238,7 @@ TEST_F(BrokenRun, GoesOnWithoutAnAnalyzerThatKeepsDying) {
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output,
               HasSubstr("fault    analyzer died (killed by signal 9) and is not started again: "
-                        "it died too often (6 times in 60 s); the run goes on"));
+                        "it died too often (6 times in 60 s); the run continues"));
   EXPECT_THAT(recorded(experiment_event_t::END), Contains("the script is over"));
   EXPECT_THAT(recorded(experiment_event_t::FAULT),
               Contains("analyzer died (killed by signal 9) and is restarted in 0.5 s"));
