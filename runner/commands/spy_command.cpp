@@ -95,6 +95,7 @@ class Spy {
                  channel, errors);
     }
     showLinks();
+    for (const std::string& line : bus_.refused().linesSince({})) fmt::print("{}\n", line);
     fmt::print("\n");
     std::fflush(stdout);
   }

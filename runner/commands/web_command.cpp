@@ -51,6 +51,7 @@ pid_t openInBrowser(const std::string& address, const fs::path& redirect) {
   for (const int stream : {0, 1, 2}) {
     posix_spawn_file_actions_addopen(&files, stream, "/dev/null", O_RDWR, 0);
   }
+  posix_spawn_file_actions_addclosefrom_np(&files, STDERR_FILENO + 1);
   pid_t pid = 0;
   if (posix_spawn(&pid, program.c_str(), &files, &attributes, arguments, environ) != 0) {
     pid = 0;

@@ -28,6 +28,7 @@ namespace {
   dup2(streams.input >= 0 ? streams.input : open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(streams.output >= 0 ? streams.output : output, STDOUT_FILENO);
   dup2(output, STDERR_FILENO);
+  close_range(STDERR_FILENO + 1, ~0U, 0);  // liblcm's sockets are open across exec
   execv(arguments[0], arguments);
   _exit(127);
 }

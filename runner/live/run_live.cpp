@@ -53,6 +53,7 @@ class LiveRun {
         controller_({node_, loop_, run.experiment, run.directory}, run.effective,
                     [this](Ending ending, const std::string& why) { over(ending, why); }),
         supervisor_(run, options) {
+    node_.reportBus([this] { return bus_.refused().rows(); });
     if (procedure) {
       if (options.cameras) cameras_ = options.cameras(loop_, run.directory / files::kPorts);
       procedure_.emplace(bus_, loop_, cameras_ ? *cameras_ : noCameras(), run, loop_.now(),
