@@ -4,18 +4,14 @@
 #include <netinet/in.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <memory>
-#include <system_error>
 #include <utility>
 
 namespace lab {
 
 std::vector<std::uint32_t> interfaceAddresses() {
   ifaddrs* raw = nullptr;
-  if (getifaddrs(&raw) != 0) {
-    throw std::system_error(errno, std::generic_category(), "this machine's addresses");
-  }
+  if (getifaddrs(&raw) != 0) return {};
   const std::unique_ptr<ifaddrs, decltype(&freeifaddrs)> list(raw, &freeifaddrs);
   std::vector<std::uint32_t> addresses;
   for (const ifaddrs* entry = list.get(); entry != nullptr; entry = entry->ifa_next) {
@@ -43,7 +39,9 @@ bool OwnAddresses::contains(std::uint32_t address) {
 
 void OwnAddresses::read() {
   read_at_ = clock_();
-  addresses_ = read_();
+  std::vector<std::uint32_t> addresses = read_();
+  if (addresses.empty()) return;
+  addresses_ = std::move(addresses);
   std::sort(addresses_.begin(), addresses_.end());
 }
 

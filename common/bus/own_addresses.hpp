@@ -8,8 +8,8 @@
 
 namespace lab {
 
-/// IPv4 addresses of all interfaces of this network namespace, in host byte order.
-/// @throws std::system_error
+/// IPv4 addresses of all interfaces of this network namespace, in host byte order. Empty if they
+/// cannot be read, for example because no descriptor is free.
 [[nodiscard]] std::vector<std::uint32_t> interfaceAddresses();
 
 /// Remembers the addresses and reads them again when it is asked for an unknown one, at most once a

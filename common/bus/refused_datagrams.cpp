@@ -23,6 +23,8 @@ std::string_view refusalText(Refusal reason) {
   switch (reason) {
     case Refusal::kStranger:
       return "source is not this machine";
+    case Refusal::kUnicast:
+      return "not sent to the group";
     case Refusal::kNotLcm:
       return "not an LCM datagram";
     case Refusal::kBadChannel:
@@ -45,6 +47,14 @@ void RefusedDatagrams::count(Refusal reason, const DatagramSource& source, std::
   Count& count = counts_[static_cast<std::size_t>(reason)];
   count.datagrams += datagrams;
   count.last = source;
+}
+
+void RefusedDatagrams::add(const RefusedDatagrams& other) {
+  for (std::size_t i = 0; i < kRefusals; ++i) {
+    const auto reason = static_cast<Refusal>(i);
+    const Count& more = other.of(reason);
+    if (more.datagrams > 0) count(reason, more.last, more.datagrams);
+  }
 }
 
 std::vector<std::string> RefusedDatagrams::linesSince(const RefusedDatagrams& before) const {

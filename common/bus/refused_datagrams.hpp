@@ -24,6 +24,7 @@ struct DatagramSource {
 /// Why a datagram became no message.
 enum class Refusal : std::uint8_t {
   kStranger,       ///< its source is not this machine, and the bus is not open to others
+  kUnicast,        ///< sent to an address of this machine instead of the group (UnicastSink)
   kNotLcm,         ///< no header of LCM
   kBadChannel,     ///< a channel name that does not end, or is longer than LCM allows
   kBadFragment,    ///< a fragment outside of its message, or one that overlaps another
@@ -32,7 +33,7 @@ enum class Refusal : std::uint8_t {
   kQueueFull,      ///< a message for which this process had no more room
   kReceiveBuffer,  ///< lost in the kernel, because the socket's receive buffer was full
 };
-inline constexpr std::size_t kRefusals = 8;
+inline constexpr std::size_t kRefusals = 9;
 
 /// The reason in words, as "source is not this machine".
 [[nodiscard]] std::string_view refusalText(Refusal reason);
@@ -45,6 +46,8 @@ class RefusedDatagrams {
   };
 
   void count(Refusal reason, const DatagramSource& source, std::int64_t datagrams = 1);
+
+  void add(const RefusedDatagrams& other);
 
   [[nodiscard]] const Count& of(Refusal reason) const {
     return counts_[static_cast<std::size_t>(reason)];

@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <chrono>
 #include <cstring>
+#include <new>
 #include <system_error>
 #include <utility>
 
@@ -228,9 +229,13 @@ void UdpmReceiver::takeBatch(Batch& batch, int datagrams) {
       assembler_.refused().count(Refusal::kStranger, datagram.source);
       continue;
     }
-    std::optional<UdpmMessage> message =
-        assembler_.take(datagram.source, datagram.bytes, datagram.utime);
-    if (message) keep(std::move(*message), datagram.source);
+    try {
+      std::optional<UdpmMessage> message =
+          assembler_.take(datagram.source, datagram.bytes, datagram.utime);
+      if (message) keep(std::move(*message), datagram.source);
+    } catch (const std::bad_alloc&) {
+      assembler_.refused().count(Refusal::kQueueFull, datagram.source);
+    }
   }
 }
 
@@ -255,9 +260,10 @@ void UdpmReceiver::keep(UdpmMessage message, const DatagramSource& source) {
     assembler_.refused().count(Refusal::kQueueFull, source);
     return;
   }
-  if (waiting_.empty()) signalEvent(waiting_event_);
+  const bool is_first = waiting_.empty();
   waiting_.push_back(std::move(message));
   waiting_bytes_ += bytes;
+  if (is_first) signalEvent(waiting_event_);
 }
 
 void UdpmReceiver::fail(int error) {

@@ -18,7 +18,7 @@
 #include <vector>
 
 #include "common/bus/lcm_bus.hpp"
-#include "common/bus/udpm_url.hpp"
+#include "common/bus/unicast_sink.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/process/file_descriptor.hpp"
 #include "tests/common/bus/udpm_datagrams.hpp"
@@ -144,6 +144,10 @@ class BusBesideANeighbour : public testing::Test {
     return bus_->refused().of(Refusal::kStranger);
   }
 
+  static RefusedDatagrams::Count unicast(const UnicastSink& sink) {
+    return sink.refused().of(Refusal::kUnicast);
+  }
+
   Neighbour neighbour_;
   std::unique_ptr<LcmBus> bus_;
   std::vector<std::string> heard_;
@@ -210,6 +214,43 @@ TEST_F(BusBesideANeighbour, HearsNobodyWhoUsesAnAddressOfThisMachine) {
   EXPECT_EQ(sourceText(strangers().last), "10.77.1.77:7811");
   hearOwn();
   EXPECT_THAT(heard_, Each(kOwn));
+}
+
+TEST_F(BusBesideANeighbour, HasASinkThatKeepsUnicastAwayFromStockPrograms) {
+  const std::string address = required("ADDRESS_A");
+  std::unique_ptr<FileDescriptor> stock;  // as liblcm 1.3.1 opens it
+  std::unique_ptr<UnicastSink> dut;
+  {
+    const NetworkNamespaceScope there(required("HOST_A"));
+    stock = std::make_unique<FileDescriptor>(
+        socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    const int share = 1;
+    setsockopt(stock->get(), SOL_SOCKET, SO_REUSEADDR, &share, sizeof share);
+    sockaddr_in any{};
+    any.sin_family = AF_INET;
+    any.sin_port = htons(kPort);
+    ASSERT_EQ(bind(stock->get(), reinterpret_cast<const sockaddr*>(&any), sizeof any), 0);
+    dut = std::make_unique<UnicastSink>(kPort);
+  }
+  const auto attack = [&] { neighbour_.send(whole("A", kForeign), address.c_str()); };
+  const auto waits = [](int descriptor) {
+    pollfd readable{descriptor, POLLIN, 0};
+    return poll(&readable, 1, static_cast<int>(kPatience * 1e3)) == 1;
+  };
+
+  for (int i = 0; i < kAttacks; ++i) attack();
+  const double end = gateway::steadySeconds() + kPatience;
+  while (unicast(*dut).datagrams < kAttacks && gateway::steadySeconds() < end) {
+    const NetworkNamespaceScope there(required("HOST_A"));
+    dut->update();
+  }
+  EXPECT_EQ(unicast(*dut).datagrams, kAttacks);
+  EXPECT_TRUE(sourceText(unicast(*dut).last).starts_with("10.77.1.254:"));
+  char byte = 0;
+  EXPECT_LT(recv(stock->get(), &byte, 1, 0), 0);
+  dut.reset();
+  attack();
+  EXPECT_TRUE(waits(stock->get()));
 }
 
 TEST_F(BusBesideANeighbour, KeepsTimersAndMessagesInAFloodOfOthers) {

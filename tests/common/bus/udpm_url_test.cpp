@@ -74,6 +74,11 @@ TEST(OwnAddresses, AreReadAgainForAnUnknownOneAtMostOnceASecond) {
   EXPECT_TRUE(dut.contains(7));
   EXPECT_FALSE(dut.contains(8));
   EXPECT_EQ(reads, 2);
+  addresses.clear();  // they cannot be read
+  now += std::chrono::seconds(1);
+  EXPECT_FALSE(dut.contains(8));
+  EXPECT_EQ(reads, 3);
+  EXPECT_TRUE(dut.contains(7));
 }
 
 TEST(OwnAddresses, ContainLoopback) {
