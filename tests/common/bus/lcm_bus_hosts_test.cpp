@@ -39,7 +39,7 @@ constexpr int kAttacks = 40;
 constexpr double kPatience = 20;  // [s]
 constexpr const char* kGroup = "239.255.76.67";
 constexpr const char* kNeighbour = "10.77.1.254";
-constexpr std::string_view kOwn = "own";
+constexpr std::string_view kOfThisHost = "own";
 constexpr std::string_view kForeign = "foreign";
 
 /// Sends from the router to host A.
@@ -126,9 +126,9 @@ class BusBesideANeighbour : public testing::Test {
 
   /// Publishes a message on host A and waits for it, so that all sent before has come, too.
   void hearOwn() {
-    const std::size_t before = heardOf(kOwn);
-    publish(kOwn);
-    EXPECT_TRUE(until([&] { return heardOf(kOwn) > before; }));
+    const std::size_t before = heardOf(kOfThisHost);
+    publish(kOfThisHost);
+    EXPECT_TRUE(until([&] { return heardOf(kOfThisHost) > before; }));
   }
 
   bool until(const std::function<bool()>& condition) {
@@ -160,7 +160,7 @@ TEST_F(BusBesideANeighbour, HearsNoUnicastWhetherOpenOrNot) {
       neighbour_.send(whole("A", kForeign), required("ADDRESS_A").c_str());
     }
     hearOwn();
-    EXPECT_THAT(heard_, Each(kOwn)) << "ttl " << ttl;
+    EXPECT_THAT(heard_, Each(kOfThisHost)) << "ttl " << ttl;
   }
 }
 
@@ -171,7 +171,7 @@ TEST_F(BusBesideANeighbour, RefusesMulticastOfOthersAndNamesThem) {
   EXPECT_TRUE(until([this] { return strangers().datagrams == kAttacks; }));
   EXPECT_TRUE(sourceText(strangers().last).starts_with("10.77.1.254:"));
   hearOwn();
-  EXPECT_THAT(heard_, AllOf(SizeIs(Ge(1U)), Each(kOwn)));
+  EXPECT_THAT(heard_, AllOf(SizeIs(Ge(1U)), Each(kOfThisHost)));
 }
 
 TEST_F(BusBesideANeighbour, HearsMulticastOfOthersIfTheUrlOpensIt) {
@@ -197,7 +197,7 @@ TEST_F(BusBesideANeighbour, IsOpenOnlyToTheNetworkOfItsRoute) {
   }
   for (int i = 0; i < kAttacks; ++i) neighbour_.send(whole("A", kForeign), kGroup);
   hearOwn();
-  EXPECT_THAT(heard_, Each(kOwn));
+  EXPECT_THAT(heard_, Each(kOfThisHost));
 }
 
 /// The kernel drops datagrams from outside with a source of this machine.
@@ -213,7 +213,7 @@ TEST_F(BusBesideANeighbour, HearsNobodyWhoUsesAnAddressOfThisMachine) {
   EXPECT_EQ(strangers().datagrams, 1);
   EXPECT_EQ(sourceText(strangers().last), "10.77.1.77:7811");
   hearOwn();
-  EXPECT_THAT(heard_, Each(kOwn));
+  EXPECT_THAT(heard_, Each(kOfThisHost));
 }
 
 TEST_F(BusBesideANeighbour, HasASinkThatKeepsUnicastAwayFromStockPrograms) {
@@ -263,17 +263,17 @@ TEST_F(BusBesideANeighbour, KeepsTimersAndMessagesInAFloodOfOthers) {
   loop.every(10'000, loop.now(), [&] {
     if (++ticks > kTicks) return;
     for (int i = 0; i < kPerTick; ++i) neighbour_.send(whole("A", kForeign), kGroup);
-    publish(kOwn);
+    publish(kOfThisHost);
   });
   const std::int64_t give_up = loop.now() + static_cast<std::int64_t>(kPatience * 1e6);
   loop.every(5'000, loop.now(), [&] {
     const std::int64_t counted =
         strangers().datagrams + bus_->refused().of(Refusal::kReceiveBuffer).datagrams;
-    const bool all = counted >= kTicks * kPerTick && heardOf(kOwn) == kTicks;
+    const bool all = counted >= kTicks * kPerTick && heardOf(kOfThisHost) == kTicks;
     if (all || loop.now() > give_up) loop.stop();
   });
   loop.run();
-  EXPECT_EQ(heardOf(kOwn), static_cast<std::size_t>(kTicks));
+  EXPECT_EQ(heardOf(kOfThisHost), static_cast<std::size_t>(kTicks));
   EXPECT_EQ(heard_.size(), static_cast<std::size_t>(kTicks));
   EXPECT_EQ(strangers().datagrams, kTicks * kPerTick);
 }
