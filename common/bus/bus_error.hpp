@@ -1,6 +1,7 @@
 /// The error of the message bus.
 #pragma once
 
+#include <cstddef>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -13,11 +14,12 @@ class BusError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// LCM limits channel names to 63 characters; every bus enforces this limit.
+/// LCM_MAX_CHANNEL_NAME_LENGTH; every bus enforces this limit.
+inline constexpr std::size_t kLongestChannelName = 63;
+
 /// @throws BusError for a longer name
 inline void checkChannelName(std::string_view channel) {
-  constexpr std::size_t kLongest = 63;
-  if (channel.size() <= kLongest) return;
+  if (channel.size() <= kLongestChannelName) return;
   throw BusError("channel name '" + std::string(channel) + "' is longer than 63 characters");
 }
 

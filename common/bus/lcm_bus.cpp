@@ -1,16 +1,22 @@
 #include "common/bus/lcm_bus.hpp"
 
+#include <poll.h>
+
 #include <cctype>
 #include <cerrno>
 #include <chrono>
+#include <cstddef>
 #include <cstdint>
 #include <cstdlib>
 #include <optional>
 #include <stdexcept>
 #include <string_view>
+#include <system_error>
 #include <utility>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/udpm_receiver.hpp"
+#include "common/bus/udpm_url.hpp"
 
 namespace lab {
 namespace {
@@ -45,34 +51,69 @@ std::string defaultLcmUrl() {
 
 struct LcmBus::Subscription {
   LcmBus* bus;
+  std::optional<std::string> channel;  ///< nothing: every channel
   PacketHandler handler;
+
+  void call(const Packet& packet) const {
+    try {
+      handler(packet);
+    } catch (...) {
+      if (!bus->error_) bus->error_ = std::current_exception();
+    }
+  }
 
   static void handle(const lcm_recv_buf_t* buffer, const char* channel, void* user_data) {
     if (channel == channels::kLcmSelfTest) return;
-    const auto* subscription = static_cast<const Subscription*>(user_data);
-    try {
-      subscription->handler({channel,
-                             {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size},
-                             buffer->recv_utime});
-    } catch (...) {
-      std::exception_ptr& error = subscription->bus->error_;
-      if (!error) error = std::current_exception();
-    }
+    static_cast<const Subscription*>(user_data)->call(
+        {channel,
+         {static_cast<const std::uint8_t*>(buffer->data), buffer->data_size},
+         buffer->recv_utime});
   }
 };
 
-LcmBus::LcmBus(const std::string& url) : lcm_(lcm_create(url.c_str()), &lcm_destroy) {
-  // lcm_get_fileno() makes LCM send a probe to itself, which fails if multicast does not loop back.
-  if (!lcm_ || lcm_get_fileno(lcm_.get()) < 0) {
-    throw BusError(
-        "the LCM bus " + url +
-        " cannot be opened: this machine has no usable multicast route (or the URL is wrong). On a "
-        "machine without a network: sudo ip link set lo up && sudo ip route add 224.0.0.0/4 dev "
-        "lo");
+LcmBus::LcmBus(const std::string& url)
+    : url_(url.empty() ? defaultLcmUrl() : url), lcm_(nullptr, &lcm_destroy) {
+  if (providerOf(url_) == "mpudpm") {
+    throw BusError("the LCM bus " + url_ +
+                   " cannot be opened: LCM would receive from every machine; expected "
+                   "udpm://GROUP:PORT?ttl=0");
+  }
+  lcm_.reset(lcm_create(url_.c_str()));
+  const std::optional<UdpmUrl> udpm = parseUdpmUrl(url_);
+  if (!lcm_) throw BusError(noMulticast());
+  if (udpm) {
+    receiveFrom(*udpm);
+  } else if (lcm_get_fileno(lcm_.get()) < 0) {
+    throw BusError(noMulticast());
   }
 }
 
 LcmBus::~LcmBus() = default;
+
+std::string LcmBus::noMulticast() const {
+  return "the LCM bus " + url_ +
+         " cannot be opened: this machine has no usable multicast route (or the URL is wrong). On "
+         "a machine without a network: sudo ip link set lo up && sudo ip route add 224.0.0.0/4 dev "
+         "lo";
+}
+
+/// Sends LCM's probe to itself, which does not arrive if multicast does not loop back.
+void LcmBus::receiveFrom(const UdpmUrl& udpm) {
+  constexpr std::string_view kProbe = "lcm self test";
+  constexpr int kProbes = 100;
+  constexpr int kProbeWait_ms = 100;  // liblcm waits for 10 s altogether, too
+  try {
+    receiver_ = std::make_unique<UdpmReceiver>(udpm);
+  } catch (const std::system_error& error) {
+    throw BusError(noMulticast() + " (" + error.what() + ")");
+  }
+  for (int i = 0; i < kProbes; ++i) {
+    publish(channels::kLcmSelfTest,
+            {reinterpret_cast<const std::uint8_t*>(kProbe.data()), kProbe.size()});
+    if (receiver_->waitForProbe(kProbeWait_ms)) return;
+  }
+  throw BusError(noMulticast());
+}
 
 void LcmBus::publish(std::string_view channel, Bytes data) {
   checkChannelName(channel);
@@ -84,13 +125,20 @@ void LcmBus::publish(std::string_view channel, Bytes data) {
 }
 
 void LcmBus::subscribe(std::string_view channel, PacketHandler handler) {
-  add(literally(channel), std::move(handler));
+  add(std::string(channel), literally(channel), std::move(handler));
+  if (receiver_) receiver_->subscribe(channel);
 }
 
-void LcmBus::subscribeAll(PacketHandler handler) { add(".*", std::move(handler)); }
+void LcmBus::subscribeAll(PacketHandler handler) {
+  add(std::nullopt, ".*", std::move(handler));
+  if (receiver_) receiver_->subscribeAll();
+}
 
-void LcmBus::add(const std::string& pattern, PacketHandler handler) {
-  subscriptions_.push_back(std::make_unique<Subscription>(this, std::move(handler)));
+void LcmBus::add(std::optional<std::string> channel, const std::string& pattern,
+                 PacketHandler handler) {
+  subscriptions_.push_back(
+      std::make_unique<Subscription>(Subscription{this, std::move(channel), std::move(handler)}));
+  if (receiver_) return;
   lcm_subscription_t* subscription = lcm_subscribe(
       lcm_.get(), pattern.c_str(), &Subscription::handle, subscriptions_.back().get());
   if (subscription == nullptr) throw BusError("LCM cannot subscribe to " + pattern);
@@ -98,7 +146,13 @@ void LcmBus::add(const std::string& pattern, PacketHandler handler) {
   lcm_subscription_set_queue_capacity(subscription, kUnlimited);
 }
 
-int LcmBus::fileDescriptor() const { return lcm_get_fileno(lcm_.get()); }
+int LcmBus::fileDescriptor() const {
+  return receiver_ ? receiver_->fileDescriptor() : lcm_get_fileno(lcm_.get());
+}
+
+RefusedDatagrams LcmBus::refused() const {
+  return receiver_ ? receiver_->refused() : RefusedDatagrams{};
+}
 
 void LcmBus::drain() { drainFor(0); }
 
@@ -111,7 +165,7 @@ bool LcmBus::drainFor(int timeout_ms) {
   int result = 1;
   for (int wait = timeout_ms; result > 0 && handled < kMostInOneDrain; wait = 0) {
     errno = 0;
-    result = lcm_handle_timeout(lcm_.get(), wait);
+    result = receiver_ ? handleReceived(wait) : lcm_handle_timeout(lcm_.get(), wait);
     if (result > 0) ++handled;
     const Clock::time_point now = Clock::now();
     if (!first) first = now;
@@ -122,6 +176,30 @@ bool LcmBus::drainFor(int timeout_ms) {
   // EINTR: a signal ended the wait, so that the caller can check its stop flag.
   if (result < 0 && errno != EINTR) throw BusError("LCM receives no more messages");
   return handled > 0;
+}
+
+int LcmBus::handleReceived(int timeout_ms) {
+  std::optional<UdpmMessage> message = receiver_->next();
+  if (!message && timeout_ms > 0) {
+    pollfd readable{receiver_->fileDescriptor(), POLLIN, 0};
+    const int result = poll(&readable, 1, timeout_ms);
+    if (result <= 0) return result;
+    message = receiver_->next();
+  }
+  if (!message) {
+    errno = receiver_->error();
+    return errno == 0 ? 0 : -1;
+  }
+  const Packet packet{
+      message->channel, {message->data.get(), message->size}, message->received_utime};
+  // By index, because a handler may subscribe.
+  for (std::size_t i = 0; i < subscriptions_.size(); ++i) {
+    const Subscription& subscription = *subscriptions_[i];
+    if (!subscription.channel || *subscription.channel == packet.channel) {
+      subscription.call(packet);
+    }
+  }
+  return 1;
 }
 
 }  // namespace lab

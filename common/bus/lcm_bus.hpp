@@ -5,31 +5,42 @@
 
 #include <exception>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "common/bus/bus.hpp"
 #include "common/bus/bus_error.hpp"
+#include "common/bus/refused_datagrams.hpp"
 
 namespace lab {
 
-/// The URL of a bus on `port`. ttl = 0 keeps messages on this machine. recv_buf_size is needed by
-/// every subscriber, lcm-logger included: with the default socket buffer, messages of several
-/// datagrams are lost. Only different ports separate two buses, because LCM 1.3.1 binds to any
-/// address and so receives from every multicast group.
+class UdpmReceiver;
+struct UdpmUrl;
+
+/// The URL of a bus on `port`. ttl = 0 keeps messages on this machine, and LcmBus then takes
+/// messages of this machine only. recv_buf_size is needed by every subscriber, lcm-logger included:
+/// with the default socket buffer, messages of several datagrams are lost. Only different ports
+/// separate two buses, because programs with LCM 1.3.1 (lcm-logger) bind to any address and so
+/// receive from every multicast group.
 std::string lcmUrl(int port, int ttl = 0);
 
 /// The value of the environment variable LCM_DEFAULT_URL; if unset, lcmUrl() of LCM's default port
 /// 7667.
 std::string defaultLcmUrl();
 
-/// Works around four limitations of LCM 1.3.1. The constructor detects a network without multicast,
-/// which LCM does not report. Queues are unlimited instead of 31 messages long. Channel names are
-/// matched literally instead of as regular expressions. Exceptions of handlers do not unwind
-/// through LCM's C code: they are stored, and drain() throws them.
+/// Sends with liblcm, and receives UDP multicast (udpm://) with UdpmReceiver, because liblcm takes
+/// datagrams of every sender and can be made to write out of bounds. Other URLs (memq://, file://)
+/// are received with liblcm, too.
+///
+/// The constructor detects a network without multicast, which LCM does not report. A queue holds
+/// 64 MB instead of LCM's 31 messages. Channel names are matched literally, not as regular
+/// expressions as LCM does. All handlers get a message even if one throws: the first exception is
+/// stored, and drain() throws it.
 class LcmBus final : public Bus {
  public:
+  /// @param url empty: defaultLcmUrl()
   /// @throws BusError with the command that repairs the network
   explicit LcmBus(const std::string& url);
   ~LcmBus() override;
@@ -40,6 +51,9 @@ class LcmBus final : public Bus {
 
   /// Readable while messages are waiting.
   [[nodiscard]] int fileDescriptor() const;
+
+  /// What was received and refused, or lost; nothing with memq:// and file://.
+  [[nodiscard]] RefusedDatagrams refused() const;
 
   /// Handles all waiting messages, at most 10 000 in one call so that timers and signals are not
   /// starved.
@@ -52,10 +66,16 @@ class LcmBus final : public Bus {
 
  private:
   struct Subscription;
-  void add(const std::string& pattern, PacketHandler handler);
 
+  void receiveFrom(const UdpmUrl& udpm);
+  void add(std::optional<std::string> channel, const std::string& pattern, PacketHandler handler);
+  int handleReceived(int timeout_ms);
+  [[nodiscard]] std::string noMulticast() const;
+
+  std::string url_;
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
   std::unique_ptr<lcm_t, decltype(&lcm_destroy)> lcm_;
+  std::unique_ptr<UdpmReceiver> receiver_;  ///< nothing: LCM receives
   std::exception_ptr error_;
   bool draining_ = false;
 };

@@ -99,6 +99,10 @@ void Node::beat() {
     status.received.push_back(count);
   }
   status.received.insert(status.received.end(), other_streams_.begin(), other_streams_.end());
+  if (bus_rows_) {
+    const std::vector<stream_count_t> rows = bus_rows_();
+    status.received.insert(status.received.end(), rows.begin(), rows.end());
+  }
   status.num_received = static_cast<std::int32_t>(status.received.size());
   publish(channels::kServiceStatus, status);
 }

@@ -85,6 +85,9 @@ class Node {
   /// such as serial lines. They replace the rows of an earlier call.
   void reportStreams(std::vector<stream_count_t> rows) { other_streams_ = std::move(rows); }
 
+  /// As reportStreams(), for rows that are read at each heartbeat: the bus's own losses.
+  void reportBus(std::function<std::vector<stream_count_t>()> rows) { bus_rows_ = std::move(rows); }
+
   /// Reports the end of the service with its final counts, several times because a message may be
   /// lost.
   void close();
@@ -116,6 +119,7 @@ class Node {
   std::int64_t remaining_closing_reports_ = 0;  ///< closing messages still to be sent
   StreamCounter streams_;
   std::vector<stream_count_t> other_streams_;
+  std::function<std::vector<stream_count_t>()> bus_rows_;
 };
 
 }  // namespace lab

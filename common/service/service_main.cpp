@@ -29,6 +29,7 @@ struct Options {
 };
 
 constexpr std::int64_t kForwardTimeout_us = 500'000;
+constexpr std::int64_t kReportRefused_us = 10'000'000;
 constexpr auto kForwardPoll = std::chrono::milliseconds(2);
 
 /// Closes the node. A service that forwards messages then receives the closing messages from the
@@ -53,11 +54,18 @@ void run(const ServiceDescription& description, const Options& options) {
       description.make_cameras ? description.make_cameras(loop, options.ports) : nullptr;
   Cameras& cameras = own_cameras ? *own_cameras : noCameras();
   Node node(bus, loop, {description.name, description.origin, loop.now()});
+  node.reportBus([&bus] { return bus.refused().rows(); });
   const std::unique_ptr<Service> service =
       description.make({node, loop, experiment, fs::path(options.experiment).parent_path(), ports,
                         fs::canonical("/proc/self/exe").parent_path(), cameras, loop});
   loop.onReadable(bus.fileDescriptor(), [&bus] { bus.drain(); });
   loop.onSignals({SIGINT, SIGTERM}, [&loop](int) { loop.stop(); });
+  RefusedDatagrams reported;
+  loop.every(kReportRefused_us, loop.now() + kReportRefused_us, [&bus, &reported] {
+    const RefusedDatagrams refused = bus.refused();
+    for (const std::string& line : refused.linesSince(reported)) spdlog::warn("{}", line);
+    reported = refused;
+  });
   node.start();
   try {
     loop.run();

@@ -97,6 +97,7 @@ class Spy {
                  printable(channel), errors);
     }
     showLinks();
+    for (const std::string& line : bus_.refused().linesSince({})) fmt::print("{}\n", line);
     fmt::print("\n");
     std::fflush(stdout);
   }

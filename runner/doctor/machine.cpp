@@ -98,11 +98,15 @@ std::string textOf(const fs::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// /proc/net/igmp lists a group as the hexadecimal digits of its address in network byte order.
-bool groupHasListener() {
+/// /proc/net lists LCM's group as the hexadecimal digits of its address in network byte order.
+std::string groupDigits() {
   std::array<char, 9> digits{};
   std::snprintf(digits.data(), digits.size(), "%08X", inet_addr(kGroup));
-  return textOf("/proc/net/igmp").find(digits.data()) != std::string::npos;
+  return digits.data();
+}
+
+bool groupHasListener() {
+  return textOf("/proc/net/igmp").find(groupDigits()) != std::string::npos;
 }
 
 }  // namespace
@@ -210,7 +214,9 @@ std::vector<int> listeningPorts(std::string_view proc_net_udp) {
     std::istringstream fields(line);
     std::string slot, own, peer;
     fields >> slot >> own >> peer;
-    if (!own.starts_with("00000000:") || peer != "00000000:0000") continue;
+    // LcmBus and LCM 1.5 bind to the group, LCM 1.3.1 to any address.
+    const bool listens = own.starts_with("00000000:") || own.starts_with(groupDigits() + ":");
+    if (!listens || peer != "00000000:0000") continue;
     const int number = std::stoi(own.substr(own.find(':') + 1), nullptr, 16);
     if (number >= kFirstPort && number <= kLastPort) ports.push_back(number);
   }

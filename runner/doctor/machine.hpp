@@ -47,9 +47,9 @@ struct Problem {
 [[nodiscard]] std::vector<std::filesystem::path> staleRegistrations(
     const std::filesystem::path& folder);
 
-/// UDP ports from 20000 to 59999 that are bound to all addresses and not connected, as LCM's
-/// sockets are; ascending. Other programs may have such sockets too. @param proc_net_udp text of
-/// /proc/net/udp
+/// UDP ports from 20000 to 59999 that are bound to all addresses or to LCM's group and not
+/// connected, as LCM's sockets are; ascending. Other programs may have such sockets too. @param
+/// proc_net_udp text of /proc/net/udp
 [[nodiscard]] std::vector<int> listeningPorts(std::string_view proc_net_udp);
 
 struct MachineFacts {

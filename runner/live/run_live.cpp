@@ -13,6 +13,7 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/bus/unicast_sink.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/asio_loop.hpp"
@@ -31,6 +32,7 @@ namespace {
 constexpr std::int64_t kSupervise_us = 100'000;
 constexpr std::int64_t kShowEvery_us = 500'000;
 constexpr std::int64_t kDiskEvery_us = 1'000'000;
+constexpr std::int64_t kSinkEvery_us = 1'000'000;
 constexpr std::int64_t kReadyTimeout_us = 10'000'000;
 constexpr std::int64_t kAttend_us = 50'000;
 constexpr std::int64_t kJoinTimeout_us = 20'000'000;
@@ -52,7 +54,13 @@ class LiveRun {
         node_(bus_, loop_, {"lab", 0, loop_.now()}),
         controller_({node_, loop_, run.experiment, run.directory}, run.effective,
                     [this](Ending ending, const std::string& why) { over(ending, why); }),
-        supervisor_(run, options, loop_.clockOffset()) {
+        supervisor_(run, options, loop_.clockOffset()),
+        unicast_sink_(static_cast<std::uint16_t>(options.port)) {
+    node_.reportBus([this] {
+      RefusedDatagrams refused = bus_.refused();
+      refused.add(unicast_sink_.refused());
+      return refused.rows();
+    });
     if (procedure) {
       if (options.cameras) cameras_ = options.cameras(loop_, run.directory / files::kPorts);
       procedure_.emplace(bus_, loop_, cameras_ ? *cameras_ : noCameras(), run, loop_.now(),
@@ -96,6 +104,7 @@ class LiveRun {
     for (const std::string& what : early_remarks_) controller_.mark(what);
     loop_.every(kSupervise_us, loop_.now(), [this] { supervise(); });
     loop_.every(kShowEvery_us, loop_.now(), [this] { show_(controller_.progress()); });
+    loop_.every(kSinkEvery_us, loop_.now(), [this] { unicast_sink_.update(); });
     loop_.every(kDiskEvery_us, loop_.now(), [this] { watchDisk(); });
     if (hosts() != nullptr) loop_.every(kAttend_us, loop_.now(), [this] { watchHosts(); });
     loop_.run();
@@ -322,6 +331,7 @@ class LiveRun {
   ExperimentController controller_;
   std::optional<ProcedureNode> procedure_;
   Supervisor supervisor_;
+  UnicastSink unicast_sink_;  ///< for lcm-logger
   std::optional<DashboardProcess> page_;
   RunOutcome outcome_;
   bool announced_ = false;

@@ -1,8 +1,10 @@
 // The live bus and the limitations of LCM 1.3.1 that it works around, in a private network.
 #include "common/bus/lcm_bus.hpp"
 
+#include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <sched.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -21,6 +23,8 @@
 
 #include "common/bus/channels.hpp"
 #include "common/loop/asio_loop.hpp"
+#include "common/process/file_descriptor.hpp"
+#include "tests/common/bus/udpm_datagrams.hpp"
 
 namespace lab {
 namespace {
@@ -273,6 +277,91 @@ TEST(LcmBus, WakesTheLiveLoop) {
   loop.soon([&dut] { dut.publish("A", number(0)); });
   loop.run();
   EXPECT_THAT(heard, ElementsAre(0, 1, 2));
+}
+
+/// Sends datagrams of any bytes to the bus.
+class RawSender {
+ public:
+  void send(const udpm_test::Datagram& datagram) const {
+    sockaddr_in to{};
+    to.sin_family = AF_INET;
+    to.sin_port = htons(kPort);
+    to.sin_addr.s_addr = inet_addr("239.255.76.67");
+    EXPECT_EQ(sendto(socket_.get(), datagram.data(), datagram.size(), 0,
+                     reinterpret_cast<const sockaddr*>(&to), sizeof to),
+              static_cast<ssize_t>(datagram.size()));
+  }
+
+ private:
+  FileDescriptor socket_{socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)};
+};
+
+TEST(LcmBus, SurvivesTheFragmentsThatMakeLiblcmWriteOutOfBounds) {
+  LcmBus dut(lcmUrl(kPort));
+  std::vector<int> heard;
+  dut.subscribeAll(into(heard));
+  const RawSender sender;
+  std::string content("A\0", 2);
+  content += std::string(1000, 'x');
+  sender.send(udpm_test::fragment({.message_size = 2000, .fragments = 3}, content));
+  // Offset and size add up to 2^32.
+  sender.send(udpm_test::fragment(
+      {.message_size = 2000, .offset = 0U - 60'000U, .number = 1, .fragments = 3},
+      std::string(60'000, 'x')));
+  dut.publish("A", number(7));
+  drainUntil(dut, heard, 1);
+  EXPECT_THAT(heard, ElementsAre(7));
+  EXPECT_EQ(dut.refused().of(Refusal::kBadFragment).datagrams, 1);
+}
+
+TEST(LcmBus, JoinsMessagesOfSeveralDatagrams) {
+  constexpr std::size_t kSize = 1'000'000;
+  LcmBus dut(lcmUrl(kPort));
+  std::vector<std::uint8_t> data(kSize);
+  for (std::size_t i = 0; i < kSize; ++i) data[i] = static_cast<std::uint8_t>(i * i >> 7);
+  std::vector<std::uint8_t> heard;
+  dut.subscribe("BIG", [&heard](const Packet& packet) {
+    heard.assign(packet.data.begin(), packet.data.end());
+  });
+  dut.publish("BIG", data);
+  dut.drainFor(kPatience_ms);
+  EXPECT_TRUE(heard == data);
+}
+
+TEST(LcmBus, BoundsAndCountsWhatWaits) {
+  constexpr std::size_t kSize = 60'000;
+  constexpr std::size_t kMost = (64U << 20) / kSize;
+  LcmBus sender(lcmUrl(kPort));
+  LcmBus dut(lcmUrl(kPort));
+  std::size_t heard = 0;
+  dut.subscribe("BIG", [&heard](const Packet&) { ++heard; });
+  const std::vector<std::uint8_t> data(kSize);
+  const auto left_out = [&dut] { return dut.refused().of(Refusal::kQueueFull).datagrams; };
+  for (std::size_t i = 0; i < 100 * kMost && left_out() == 0; ++i) sender.publish("BIG", data);
+  EXPECT_GT(left_out(), 0);
+
+  while (dut.drainFor(100)) {
+  }
+  EXPECT_GT(heard, 0U);
+  EXPECT_LE(heard, kMost + 200);  // more come while the first are handled
+  const std::size_t before = heard;
+  sender.publish("BIG", data);
+  EXPECT_TRUE(dut.drainFor(kPatience_ms));
+  EXPECT_EQ(heard, before + 1);
+}
+
+TEST(LcmBus, TakesNoProviderThatReceivesFromEverybody) {
+  EXPECT_THROW(LcmBus("mpudpm://239.255.76.67:7811"), BusError);
+}
+
+TEST(LcmBus, ReceivesInMemoryWithLcm) {
+  LcmBus dut("memq://");
+  std::vector<int> heard;
+  dut.subscribe("A", into(heard));
+  dut.publish("A", number(1));
+  dut.publish("B", number(2));
+  drainUntil(dut, heard, 1);
+  EXPECT_THAT(heard, ElementsAre(1));
 }
 
 }  // namespace

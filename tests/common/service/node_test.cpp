@@ -204,6 +204,19 @@ TEST_F(NodeTest, CountsUndecodableMessagesAndDoesNotHandleThem) {
   EXPECT_EQ(status.received[1].decode_errors, 4);
 }
 
+TEST_F(NodeTest, ReportsTheLossesOfItsBusAsTheyAreAtEachHeartbeat) {
+  stream_count_t row{};
+  row.channel = "bus";
+  dut_.reportBus([&row] { return std::vector{row}; });
+  dut_.start();
+  for (row.lost = 1; row.lost < 3; ++row.lost) {
+    const service_status_t& status = nextBeat();
+    ASSERT_EQ(status.received.size(), 1U);
+    EXPECT_EQ(status.received[0].channel, "bus");
+    EXPECT_EQ(status.received[0].lost, row.lost);
+  }
+}
+
 TEST_F(NodeTest, HasTheFinalCountsInEachClosingMessage) {
   dut_.start();
   loop_.every(kSecond / 50, kStart, [this] { publish<robot_status_t>(channels::kRobotStatus); });

@@ -85,7 +85,7 @@ TEST_F(Machine, ARegistrationIsStaleWhenItsProcessIsGone) {
   EXPECT_THAT(staleRegistrations(folder_ / "absent"), IsEmpty());
 }
 
-TEST_F(Machine, ListsThePortsThatListenOnEveryAddress) {
+TEST_F(Machine, ListsThePortsThatListenOnEveryAddressOrOnLcmsGroup) {
   const char* text =
       "   sl  local_address rem_address   st tx_queue rx_queue tr\n"
       " 5210: 00000000:7531 00000000:0000 07 00000000:00000000 00:00000000\n"   // 30001
@@ -94,9 +94,11 @@ TEST_F(Machine, ListsThePortsThatListenOnEveryAddress) {
       " 5213: 0100007F:7532 00000000:0000 07 00000000:00000000 00:00000000\n"   // one address
       " 5214: 00000000:7533 08080808:0035 01 00000000:00000000 00:00000000\n"   // connected
       " 5215: 00000000:4E1F 00000000:0000 07 00000000:00000000 00:00000000\n"   // 19999
-      " 5216: 00000000:EA60 00000000:0000 07 00000000:00000000 00:00000000\n";  // 60000
+      " 5216: 00000000:EA60 00000000:0000 07 00000000:00000000 00:00000000\n"   // 60000
+      " 5217: 434CFFEF:7534 00000000:0000 07 00000000:00000000 00:00000000\n"   // 30004, group
+      " 5218: 444CFFEF:7535 00000000:0000 07 00000000:00000000 00:00000000\n";  // another group
 
-  EXPECT_THAT(listeningPorts(text), ElementsAre(20000, 30001));
+  EXPECT_THAT(listeningPorts(text), ElementsAre(20000, 30001, 30004));
 }
 
 TEST_F(Machine, SurveyFillsTheFactsThatEveryMachineHas) {

@@ -1,0 +1,80 @@
+"""A run to whose bus another computer sends messages and the fragments that make liblcm write out of bounds.
+
+  two_hosts.sh bus_attack_test.py FOLDER_OF_PROGRAMS   (the lab is on host A, the attacker on the router)
+"""
+import glob
+import json
+import os
+import shutil
+import socket
+import struct
+import subprocess
+import sys
+import tempfile
+import time
+
+PROGRAMS = os.path.abspath(sys.argv[1])
+PORT = 23471
+
+EXPERIMENT = f'''
+fileversion = 1
+name = "attacked"
+duration_s = 4
+program = "abp"
+
+[network]
+port = {PORT}
+
+[[robots]]
+count = 3
+id = 1
+
+[programs.abp]
+model = "abp"
+v_cm_s = 3
+epsilon_s = 0.5
+eta_rad_s = 3
+'''
+
+MESSAGE = b'LC02' + bytes(4) + b'ROBOT_COMMAND\0' + b'forged'
+FIRST = b'LC03' + struct.pack('>IIIHH', 9, 2000, 0, 0, 3) + b'LIGHT_COMMAND\0' + bytes(1000)
+# Offset and size add up to 2^32.
+SECOND = b'LC03' + struct.pack('>IIIHH', 9, 2000, 2**32 - 60000, 1, 3) + bytes(60000)
+
+
+def main():
+    folder = tempfile.mkdtemp(prefix='lab-attacked-')
+    file = os.path.join(folder, 'attacked.toml')
+    with open(file, 'w', encoding='ascii') as stream:
+        stream.write(EXPERIMENT)
+    lab = subprocess.Popen([os.environ['TWO_HOSTS'], 'on', 'A', os.path.join(PROGRAMS, 'lab'), 'run', file,
+                            '--out', os.path.join(folder, 'runs')],
+                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                           env=dict(os.environ, XDG_RUNTIME_DIR=folder))
+    logs = os.path.join(folder, 'runs', '*', 'log.lcmlog')
+    while lab.poll() is None and not any(os.path.getsize(log) for log in glob.glob(logs)):
+        time.sleep(0.05)
+    attacker = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+    bursts = 0
+    while lab.poll() is None:
+        for datagram in (MESSAGE, FIRST, SECOND):
+            attacker.sendto(datagram, (os.environ['ADDRESS_A'], PORT))
+        bursts += 1
+        time.sleep(0.02)
+    text = lab.stdout.read()
+    print(text)
+    assert lab.returncode == 0, lab.returncode
+    assert bursts > 100, bursts
+    (summary,) = glob.glob(os.path.join(folder, 'runs', '*', 'summary.json'))
+    with open(summary, encoding='utf-8') as stream:
+        losses = json.load(stream)['losses']
+    print(losses)
+    assert losses['decode_errors'] == {}, 'a forged message was recorded'
+    rows = [row for row in losses['listeners'] if row['sender'].startswith('not sent to the group, last 10.77.1.254:')]
+    assert [row['listener'] for row in rows] == ['lab'], 'the attack is not reported'
+    assert not glob.glob(logs + '.*'), 'the logger was restarted'
+    shutil.rmtree(folder)
+    print('passed')
+
+
+main()
