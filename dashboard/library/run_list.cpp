@@ -18,7 +18,8 @@ namespace {
 constexpr const char* kSummary = "summary.json";
 constexpr const char* kProvenance = "provenance.json";
 constexpr const char* kThumbnail = "trajectory_program.svg";
-constexpr std::uintmax_t kMaxSummaryFile = 64 << 20;  // [byte]
+// [byte] a summary of 250 robots on four programs has 10 MB
+constexpr std::uintmax_t kMaxSummaryFile = 16 << 20;
 constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
                                                    ".json", ".toml", ".pdf"};
 

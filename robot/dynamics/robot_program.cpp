@@ -106,7 +106,9 @@ std::string checkWheels(const RobotProgram& p, const WheelLimits& limits) {
   return reason;
 }
 
-std::string check(const RobotProgram& physics, const WheelLimits& limits) {
+}  // namespace
+
+std::string outOfRange(const RobotProgram& physics, const WheelLimits& limits) {
   switch (physics.kind) {
     case kNone:
       return std::string();
@@ -123,11 +125,9 @@ std::string check(const RobotProgram& physics, const WheelLimits& limits) {
   return text("program kind: found %g, allowed 0 to 5", physics.kind);
 }
 
-}  // namespace
-
 ParamsResult toProgramParams(const RobotProgram& physics, const WheelLimits& limits) {
   ParamsResult result;
-  result.reason = check(physics, limits);
+  result.reason = outOfRange(physics, limits);
   result.ok = result.reason.empty();
   if (!result.ok) {
     return result;
