@@ -59,7 +59,9 @@ class Reading {
   /// @param start of the run, if the log has one
   Reading(const MessageSinks& sinks, const std::optional<experiment_event_t>& start)
       : sinks_(sinks) {
-    if (start) runner_ = {start->sender, start->instance};
+    if (!start) return;
+    runner_ = {start->sender, start->instance};
+    contract_.take(*start);
   }
 
   void take(const Packet& packet) {
@@ -158,7 +160,6 @@ class Reading {
                          event.sender, event.instance, runner_->first, runner_->second));
       return;
     }
-    if (event.kind == experiment_event_t::START) contract_.take(event);
     sinks_.event(event);
   }
 
@@ -184,17 +185,22 @@ class Reading {
   std::optional<std::pair<std::string, std::int64_t>> runner_;  ///< sender and instance
 };
 
-/// How much a START event is worth: that of this run states a contract version that exists.
+constexpr int kWholeStart = 4;
+
+/// How much of a START event can be right: that of this run states a contract version that exists,
+/// this software's types, and an experiment. Each START is sent several times, and one copy may be
+/// damaged.
 int rankOf(const experiment_event_t& start) {
   if (start.contract_version < kOldestContractVersion ||
       start.contract_version > kContractVersion) {
     return 1;
   }
+  if (!ContractCheck::changedType(start.fingerprints).empty()) return 2;
   try {
     static_cast<void>(parseExperiment(start.text, "experiment in the log"));
-    return 3;
+    return kWholeStart;
   } catch (const ExperimentError&) {
-    return 2;
+    return 3;
   }
 }
 
@@ -216,7 +222,6 @@ std::vector<fs::path> logFiles(const fs::path& run_or_log) {
 }
 
 std::optional<experiment_event_t> findStart(const std::vector<fs::path>& files) {
-  constexpr int kBest = 3;
   std::optional<experiment_event_t> start;
   int rank = 0;
   try {
@@ -228,7 +233,7 @@ std::optional<experiment_event_t> findStart(const std::vector<fs::path>& files) 
       if (own <= rank) return;
       rank = own;
       start = std::move(event);
-      if (rank == kBest) throw Enough{};
+      if (rank == kWholeStart) throw Enough{};
     });
   } catch (const Enough&) {
   }

@@ -57,9 +57,9 @@ struct LogFacts {
 /// @throws ReportError if there is none, or if it is empty or not an LCM log.
 [[nodiscard]] std::vector<std::filesystem::path> logFiles(const std::filesystem::path& run_or_log);
 
-/// The START event of the run: the first one whose contract version this software reads and whose
-/// experiment is valid, else whose contract version it reads, else the first. Only its sender's
-/// events are those of the run.
+/// The START event of the run: the first one whose contract version, types and experiment this
+/// software reads, else the one of which it reads most. Only its sender's events are those of the
+/// run.
 [[nodiscard]] std::optional<experiment_event_t> findStart(
     const std::vector<std::filesystem::path>& files);
 

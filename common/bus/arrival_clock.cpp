@@ -26,30 +26,35 @@ bool ArrivalClock::continues(const Moment& before, const Moment& after) {
   return std::abs(step) <= kWindow_us || std::abs(step - passed) <= kWindow_us;
 }
 
-ArrivalClock::Stream& ArrivalClock::streamOf(std::string_view sender, std::int64_t instance) {
+ArrivalClock::Stream* ArrivalClock::streamOf(std::string_view sender, std::int64_t instance) {
   const auto found = std::ranges::find_if(streams_, [&](const Stream& stream) {
     return stream.instance == instance && stream.sender == sender;
   });
-  if (found != streams_.end()) return *found;
-  if (streams_.size() < kMostStreams)
-    streams_.push_back({std::string(sender), instance, {}, {}, 0});
-  return streams_.back();
+  if (found != streams_.end()) return &*found;
+  if (streams_.size() >= kMostStreams) return nullptr;
+  streams_.push_back({std::string(sender), instance, {}, {}, 0});
+  return &streams_.back();
 }
 
 bool ArrivalClock::accepts(std::string_view sender, std::int64_t instance, std::int64_t utime,
                            std::int64_t now) {
-  Stream& stream = streamOf(sender, instance);
   const Moment moment{utime, now};
-  const std::optional<Moment>& before = stream.last ? stream.last : last_;
-  if (before && !continues(*before, moment)) {
-    const bool agrees = stream.doubt && continues(*stream.doubt, moment);
-    stream.agreeing = agrees ? stream.agreeing + 1 : 1;
-    stream.doubt = moment;
-    if (stream.agreeing < kAgreeing) return false;
+  Stream* const stream = streamOf(sender, instance);
+  if (stream == nullptr) {
+    const bool fits = !last_ || continues(*last_, moment);
+    if (fits) last_ = moment;
+    return fits;
   }
-  stream.doubt.reset();
-  stream.agreeing = 0;
-  stream.last = last_ = moment;
+  const std::optional<Moment>& before = stream->last ? stream->last : last_;
+  if (before && !continues(*before, moment)) {
+    const bool agrees = stream->doubt && continues(*stream->doubt, moment);
+    stream->agreeing = agrees ? stream->agreeing + 1 : 1;
+    stream->doubt = moment;
+    if (stream->agreeing < kAgreeing) return false;
+  }
+  stream->doubt.reset();
+  stream->agreeing = 0;
+  stream->last = last_ = moment;
   return true;
 }
 

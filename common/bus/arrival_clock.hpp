@@ -17,6 +17,7 @@ namespace lab {
 /// queue late, and clocks may differ. A live service keeps its clock against steps of the wall
 /// clock; one that starts after a step has another clock, as has a replay after a jump: after
 /// kAgreeing messages of a sender in a row that continue each other, its new time is accepted.
+/// Senders beyond a limit must keep the time of the channel.
 class ArrivalClock {
  public:
   /// Far above the jitter of frames and packets, far below every silence that counts as one.
@@ -43,10 +44,10 @@ class ArrivalClock {
   };
 
   static bool continues(const Moment& before, const Moment& after);
-  Stream& streamOf(std::string_view sender, std::int64_t instance);
+  Stream* streamOf(std::string_view sender, std::int64_t instance);  ///< nullptr: too many
 
-  std::vector<Stream> streams_;  ///< the last one is shared by all senders beyond the limit
-  std::optional<Moment> last_;   ///< last accepted of any sender
+  std::vector<Stream> streams_;
+  std::optional<Moment> last_;  ///< last accepted of any sender
 };
 
 /// Whether utime is the time of a measurement, which passes as the receiver's clock does. Commands

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kUnwatched_us = 1'000'000;     // between frames while no page is open
 constexpr std::size_t kMaxSenders = 16;               // of frames
-constexpr std::int64_t kRunnerSilent_us = 2'000'000;  // it sends a status twice a second
+constexpr std::int64_t kRunnerSilent_us = 1'000'000;  // it sends five messages a second
 constexpr const char* kPool = "pool";
 constexpr const char* kRuns = "runtimes";
 constexpr const char* kHistory = "history";

@@ -1,6 +1,8 @@
 #include "analyzer/report/record/message_loss.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <tuple>
 
 #include "common/bus/stream_counter.hpp"
@@ -11,7 +13,8 @@ namespace lab::report {
 
 namespace {
 
-constexpr std::size_t kMostStreams = 64;  // of one sender: the lab has 21 channels
+constexpr std::size_t kMostStreams = 64;           // of one sender: the lab has 21 channels
+constexpr std::int64_t kFarthestSeq = 10'000'000;  // two days at 50 messages a second
 
 }  // namespace
 
@@ -55,9 +58,15 @@ void MessageLossCounter::count(std::string_view channel, const MessageHeader& he
     return;
   }
   Stream& stream = *found;
-  if (stream.received++ == 0) stream.first_seq = stream.last_seq = header.seq;
-  stream.first_seq = std::min(stream.first_seq, header.seq);
-  stream.last_seq = std::max(stream.last_seq, header.seq);
+  // A damaged number would be the largest or the smallest for ever.
+  const bool far = std::abs(header.seq - stream.last_seq) > kFarthestSeq;
+  if (stream.received++ == 0 || (far && stream.received == 2)) {
+    stream.first_seq = stream.last_seq = header.seq;
+  }
+  if (stream.received == 1 || !far) {
+    stream.first_seq = std::min(stream.first_seq, header.seq);
+    stream.last_seq = std::max(stream.last_seq, header.seq);
+  }
   stream.largest_age_us = std::max(stream.largest_age_us, received_utime - header.utime);
 }
 
@@ -71,6 +80,7 @@ void MessageLossCounter::take(const service_status_t& status) {
     Stream* const found = from.stream(count.channel);
     if (found == nullptr) continue;
     Stream& stream = *found;
+    if (count.messages - std::max(stream.last_seq, stream.sent_last) > kFarthestSeq) continue;
     if (!from.has_status) {
       stream.sent_first = count.messages;
       stream.received_first = stream.received;
