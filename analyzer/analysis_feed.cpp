@@ -92,6 +92,7 @@ void AnalysisFeed::take(const tracked_frame_t& frame) {
 void AnalysisFeed::take(const robot_status_t& status) {
   for (const robot_state_t& state : status.robots) {
     if (replayed_robots_.contains(state.robot_id)) continue;
+    if (boots_.size() >= Analysis::kMostRobots && !boots_.contains(state.robot_id)) continue;
     anchor(state.utime);
     const std::int64_t boot = bootOf(status, state);
     analysis_.addTelemetry(state.robot_id, toLaw(lawful(state), wheel_base_),

@@ -83,6 +83,7 @@ class AnalysisFeed {
   /// Time of the last frame taken [us since 1970]; 0: none yet.
   [[nodiscard]] std::int64_t lastFrameUtime() const { return last_frame_utime_; }
 
+  [[nodiscard]] const AnalysisCounters& counters() const { return analysis_.counters(); }
   [[nodiscard]] std::vector<int> robots() const { return analysis_.robots(); }
   [[nodiscard]] StitcherCounters robotCounters(int robot) const {
     return analysis_.robotCounters(robot);

@@ -4,13 +4,17 @@
 
 #include <algorithm>
 #include <string_view>
+#include <utility>
 
 #include "analyzer/report/record/contract_check.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/bus/arrival_clock.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/message_header.hpp"
+#include "common/bus/message_values.hpp"
 #include "common/files/file_text.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;
@@ -37,29 +41,30 @@ fs::path logOf(const fs::path& run_or_log) {
 /// Thrown to stop reading a log early.
 struct Enough {};
 
-/// Decodes one message and passes it to its sink. @return whether it could be decoded.
-template <class Message, class Sink>
-bool deliver(Bytes data, const Sink& sink) {
-  Message message{};
-  if (!decode(data, message)) return false;
-  sink(message);
-  return true;
-}
-
 class Reading {
  public:
-  explicit Reading(const MessageSinks& sinks) : sinks_(sinks) {}
+  /// @param start of the run, if the log has one
+  Reading(const MessageSinks& sinks, const std::optional<experiment_event_t>& start)
+      : sinks_(sinks) {
+    if (!start) return;
+    runner_ = {start->sender, start->instance};
+    contract_.take(*start);
+  }
 
   void take(const Packet& packet) {
     if (facts_.first_utime == 0) facts_.first_utime = packet.received_utime;
     facts_.last_utime = std::max(facts_.last_utime, packet.received_utime);
     if (!isLabChannel(packet.channel)) {
-      ++facts_.other_channels[std::string(packet.channel)];
+      countOther(packet.channel);
       return;
     }
     const std::optional<MessageHeader> header = peekHeader(packet.data);
     if (!header || !contract_.accept(packet.channel, header->fingerprint)) {
       ++facts_.decode_errors[std::string(packet.channel)];
+      return;
+    }
+    if (const auto problem = impossibleHeader(header->utime, header->seq)) {
+      refuse(packet.channel, header->sender, *problem);
       return;
     }
     loss_counter_.count(packet.channel, *header, packet.received_utime);
@@ -70,47 +75,121 @@ class Reading {
     contract_.judge(log_name);
     facts_.events = read.events;
     facts_.damaged_places = read.resyncs;
+    facts_.bad_times = read.bad_times;
     facts_.streams = loss_counter_.streams();
+    facts_.foreign_senders = loss_counter_.uncounted();
     return std::move(facts_);
   }
 
  private:
+  /// Decodes one message and passes it to its sink, if its numbers are possible and its time
+  /// continues its stream. @return whether it could be decoded.
+  template <class Message, class Sink>
+  bool deliver(const Packet& packet, const Sink& sink) {
+    Message message{};
+    if (!decode(packet.data, message)) return false;
+    if (const auto problem = impossibleValue(message)) {
+      refuse(packet.channel, message.sender, *problem);
+      return true;
+    }
+    const bool timely = !timesFollowClock(packet.channel) ||
+                        clocks_[std::string(packet.channel)].accepts(
+                            message.sender, message.instance, message.utime, packet.received_utime);
+    if (!timely) {
+      refuse(packet.channel, message.sender,
+             fmt::format("utime: found {}, {:.1f} s from its arrival, expected the time of the "
+                         "messages before it",
+                         message.utime, units::seconds(message.utime - packet.received_utime)));
+      return true;
+    }
+    sink(message);
+    return true;
+  }
+
   bool dispatch(const Packet& packet) {
     if (packet.channel == channels::kTrackedFrame) {
-      ++facts_.frames;
-      return deliver<tracked_frame_t>(packet.data, sinks_.frame);
-    }
-    if (packet.channel == channels::kRobotStatus) {
-      return deliver<robot_status_t>(packet.data, sinks_.robots);
-    }
-    if (packet.channel == channels::kLightStatus) {
-      return deliver<light_status_t>(packet.data, sinks_.light);
-    }
-    if (packet.channel == channels::kExperimentEvent) {
-      return deliver<experiment_event_t>(packet.data, [this](const experiment_event_t& event) {
-        if (event.kind == experiment_event_t::START) contract_.take(event);
-        sinks_.event(event);
+      return deliver<tracked_frame_t>(packet, [this](const tracked_frame_t& frame) {
+        ++facts_.frames;
+        sinks_.frame(frame);
       });
     }
+    if (packet.channel == channels::kRobotStatus) {
+      return deliver<robot_status_t>(packet, sinks_.robots);
+    }
+    if (packet.channel == channels::kLightStatus) {
+      return deliver<light_status_t>(packet, sinks_.light);
+    }
+    if (packet.channel == channels::kExperimentEvent) {
+      return deliver<experiment_event_t>(packet,
+                                         [this](const experiment_event_t& event) { take(event); });
+    }
     if (packet.channel == channels::kServiceStatus) {
-      return deliver<service_status_t>(packet.data, [this](const service_status_t& status) {
+      return deliver<service_status_t>(packet, [this](const service_status_t& status) {
         contract_.take(status);
         loss_counter_.take(status);
         sinks_.service(status);
       });
     }
     if (packet.channel == channels::kLinkStatus) {
-      return deliver<link_status_t>(packet.data, sinks_.link);
+      return deliver<link_status_t>(packet, sinks_.link);
     }
     if (packet.channel == channels::kClock) facts_.virtual_time = true;
     return true;
+  }
+
+  void take(const experiment_event_t& event) {
+    const std::pair sender{event.sender, event.instance};
+    if (!runner_) runner_ = sender;
+    if (*runner_ != sender) {
+      refuse(channels::kExperimentEvent, event.sender,
+             fmt::format("sender: found \"{}\" (instance {}), expected the runner \"{}\" "
+                         "(instance {})",
+                         event.sender, event.instance, runner_->first, runner_->second));
+      return;
+    }
+    sinks_.event(event);
+  }
+
+  void refuse(std::string_view channel, std::string_view sender, const std::string& problem) {
+    RefusedMessages& refused = facts_.refused[std::string(channel)];
+    if (refused.count++ == 0) refused.first = fmt::format("from {}: {}", sender, problem);
+  }
+
+  void countOther(std::string_view channel) {
+    constexpr std::size_t kMostOthers = 100;
+    std::string name(channel);
+    if (facts_.other_channels.size() >= kMostOthers && !facts_.other_channels.contains(name)) {
+      name = "further channels";
+    }
+    ++facts_.other_channels[name];
   }
 
   const MessageSinks& sinks_;
   LogFacts facts_;
   MessageLossCounter loss_counter_;
   ContractCheck contract_;
+  std::map<std::string, ArrivalClock> clocks_;                  ///< by channel
+  std::optional<std::pair<std::string, std::int64_t>> runner_;  ///< sender and instance
 };
+
+constexpr int kWholeStart = 4;
+
+/// How much of a START event can be right: that of this run states a contract version that exists,
+/// this software's types, and an experiment. Each START is sent several times, and one copy may be
+/// damaged.
+int rankOf(const experiment_event_t& start) {
+  if (start.contract_version < kOldestContractVersion ||
+      start.contract_version > kContractVersion) {
+    return 1;
+  }
+  if (!ContractCheck::changedType(start.fingerprints).empty()) return 2;
+  try {
+    static_cast<void>(parseExperiment(start.text, "experiment in the log"));
+    return kWholeStart;
+  } catch (const ExperimentError&) {
+    return 3;
+  }
+}
 
 }  // namespace
 
@@ -135,13 +214,17 @@ std::vector<fs::path> logFiles(const fs::path& run_or_log) {
 
 std::optional<experiment_event_t> findStart(const std::vector<fs::path>& files) {
   std::optional<experiment_event_t> start;
+  int rank = 0;
   try {
-    readLog(files, [&start](const Packet& packet) {
+    readLog(files, [&](const Packet& packet) {
       experiment_event_t event{};
       if (packet.channel != channels::kExperimentEvent || !decode(packet.data, event)) return;
-      if (event.kind != experiment_event_t::START) return;
+      if (event.kind != experiment_event_t::START || impossibleValue(event)) return;
+      const int own = rankOf(event);
+      if (own <= rank) return;
+      rank = own;
       start = std::move(event);
-      throw Enough{};
+      if (rank == kWholeStart) throw Enough{};
     });
   } catch (const Enough&) {
   }
@@ -149,7 +232,7 @@ std::optional<experiment_event_t> findStart(const std::vector<fs::path>& files) 
 }
 
 LogFacts readMessages(const std::vector<fs::path>& files, const MessageSinks& sinks) {
-  Reading reading(sinks);
+  Reading reading(sinks, findStart(files));
   const LogReadResult read = readLog(files, [&](const Packet& packet) { reading.take(packet); });
   return reading.finish(read, files.front().filename().string());
 }

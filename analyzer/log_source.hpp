@@ -29,6 +29,12 @@ struct MessageSinks {
   std::function<void(const link_status_t&)> link;
 };
 
+/// Messages of one channel that are not used, because something in them is impossible.
+struct RefusedMessages {
+  std::int64_t count = 0;
+  std::string first;  ///< the reason for the first one: sender, field, found, expected
+};
+
 /// Counts of a finished reading.
 struct LogFacts {
   std::int64_t events = 0;
@@ -40,18 +46,26 @@ struct LogFacts {
   std::vector<StreamLoss> streams;
   std::map<std::string, std::int64_t> decode_errors;  ///< by channel of the lab
   std::map<std::string, std::int64_t>
-      other_channels;  ///< messages on channels that are not the lab's
+      other_channels;                              ///< messages on channels that are not the lab's
+  std::map<std::string, RefusedMessages> refused;  ///< by channel of the lab
+  std::int64_t bad_times = 0;                      ///< messages whose time of arrival is damaged
+  std::int64_t foreign_senders =
+      0;  ///< messages of senders beyond the limit, not counted by stream
 };
 
 /// The files behind RUN (a run's folder) or LOG (a log file, with its continuations).
 /// @throws ReportError if there is none, or if it is empty or not an LCM log.
 [[nodiscard]] std::vector<std::filesystem::path> logFiles(const std::filesystem::path& run_or_log);
 
-/// The first START event; reading stops there.
+/// The START event of the run: the first one whose contract version, types and experiment this
+/// software reads, else the one of which it reads most. Only its sender's events are those of the
+/// run.
 [[nodiscard]] std::optional<experiment_event_t> findStart(
     const std::vector<std::filesystem::path>& files);
 
-/// Reads the whole log once.
+/// Reads the whole log once. Messages with impossible numbers (message_values.hpp), times that do
+/// not continue their stream (arrival_clock.hpp), and events of others than the run's runner are
+/// counted and not passed on.
 /// @throws ReportError if the log has another contract version.
 [[nodiscard]] LogFacts readMessages(const std::vector<std::filesystem::path>& files,
                                     const MessageSinks& sinks);

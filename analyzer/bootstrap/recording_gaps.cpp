@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "analyzer/tracks/track_stitcher.hpp"
+#include "common/math/saturated.hpp"
 
 namespace lab::analysis {
 
@@ -14,7 +15,7 @@ double SegmentLengths::lengthOf(std::size_t bin) {
 
 void SegmentLengths::add(double frames) {
   const double bin = 4 * std::log2(std::max(frames, 1.0));
-  ++counts_[std::min(static_cast<std::size_t>(bin), kBins - 1)];
+  ++counts_[std::min(saturated<std::size_t>(bin), kBins - 1)];
 }
 
 SegmentLengths& SegmentLengths::operator+=(const SegmentLengths& other) {

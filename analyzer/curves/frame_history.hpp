@@ -70,7 +70,7 @@ class FrameHistory {
             time_[position], x_[position], y_[position], theta_[position]};
   }
 
-  /// The frame of a slot of the collection.
+  /// The frame of a slot of the collection. The collection must have the slot.
   [[nodiscard]] Fix collected(std::int64_t slot) const {
     return at(kHistory + static_cast<std::size_t>(slot - first_));
   }

@@ -12,11 +12,12 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kFirstBlock = 0.25;  // s
-constexpr double kLongestStep = 0.3;  // s between frames; longer gaps do not count as observed
-constexpr double kLongestGap = 2;     // s; longer gaps do not count as lost frames
-constexpr double kSameTime = 1e-3;    // frame periods; a reversal may last a whole number of frames
-constexpr int kFraction = 24;         // binary digits of a slot after the point
+constexpr double kFirstBlock = 0.25;   // s
+constexpr double kLongestStep = 0.3;   // s between frames; longer gaps do not count as observed
+constexpr double kLongestGap = 2;      // s; longer gaps do not count as lost frames
+constexpr double kMostLost = 1 << 24;  // frames; no window spans them, and slots would overflow
+constexpr double kSameTime = 1e-3;  // frame periods; a reversal may last a whole number of frames
+constexpr int kFraction = 24;       // binary digits of a slot after the point
 constexpr std::size_t kBegin = FrameHistory::kHistory;
 
 std::int64_t wholeSlot(std::uint64_t slot) { return static_cast<std::int64_t>(slot >> kFraction); }
@@ -93,6 +94,7 @@ std::size_t MsdAccumulator::memoryBytes() const {
 }
 
 void MsdAccumulator::add(const Sample& sample) {
+  if (!std::isfinite(sample.free_time)) return;
   if (empty_ || sample.segment != last_.segment) {
     beginSegment(sample);
   } else {
@@ -137,8 +139,12 @@ void MsdAccumulator::beginSegment(const Sample& sample) {
 bool MsdAccumulator::resume(const Sample& sample, double dt) {
   flush();
   const double frames = std::round(dt / period_);
-  if (frames < 1) {
+  if (!(frames >= 1)) {
     return false;  // shortly after a join: closer to the last slot than to the next one
+  }
+  if (frames > kMostLost) {
+    beginSegment(sample);
+    return true;
   }
   const bool is_hole = dt > std::max(kLongestStep, 1.5 * period_);
   blocks_.addTime(is_hole ? period_ : dt);

@@ -8,6 +8,7 @@
 
 #include "analyzer/laws/geometric_sums.hpp"
 #include "analyzer/laws/numerics.hpp"
+#include "common/math/saturated.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -76,7 +77,7 @@ HeldNoise::HeldNoise(Noise noise, double va, double width, double amplitude, dou
 int HeldNoise::points() const {
   // chi makes width * epsilon / (2 pi) oscillations in a hold, its square twice as many.
   const double more = 6 * width_ * epsilon_;
-  return more < 182 ? 18 + static_cast<int>(more) : 200;  // also if `more` is nan
+  return more < 182 ? 18 + saturated<int>(more) : 200;  // also if `more` is nan
 }
 
 double HeldNoise::chi(double t) const {

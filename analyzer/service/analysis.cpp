@@ -12,13 +12,20 @@ namespace lab::analysis {
 namespace {
 
 constexpr std::size_t kFramesForPeriod = 20;
+constexpr double kShortestPeriod = 1e-4;        // s, shorter than that of any camera
 constexpr double kUnbiasedShare = 0.1;          // of the median dwell time
 constexpr std::size_t kMaxDwellTimes = 100000;  // limit of memory, per program
 
 }  // namespace
 
-Analysis::Robot& Analysis::robotOf(int id) {
-  return robots_.try_emplace(id, config_.stitcher).first->second;
+Analysis::Robot* Analysis::robotOf(int id) {
+  const auto known = robots_.find(id);
+  if (known != robots_.end()) return &known->second;
+  if (robots_.size() >= kMostRobots) {
+    ++counters_.left_out;
+    return nullptr;
+  }
+  return &robots_.try_emplace(id, config_.stitcher).first->second;
 }
 
 int Analysis::programOf(const ProgramLaw& law) {
@@ -30,6 +37,10 @@ int Analysis::programOf(const ProgramLaw& law) {
   if (!free && !ExactLaw(law).exists()) {
     return -1;
   }
+  if (programs_.size() >= kMostPrograms) {
+    ++counters_.left_out;
+    return -1;
+  }
   programs_.push_back(law);
   dwell_times_.emplace_back();
   return static_cast<int>(programs_.size()) - 1;
@@ -39,10 +50,11 @@ void Analysis::addTelemetry(int robot, const ProgramLaw& law, RobotTelemetry tel
   ++counters_.telemetry;
   telemetry.program = programOf(law);
   telemetry.sense_distance = senseDistance(law);
-  Robot& target = robotOf(robot);
-  recordDwellTime(target, telemetry);
-  target.stitcher.addTelemetry(telemetry, samples_);
-  take(robot, target);
+  Robot* const target = robotOf(robot);
+  if (target == nullptr) return;
+  recordDwellTime(*target, telemetry);
+  target->stitcher.addTelemetry(telemetry, samples_);
+  take(robot, *target);
 }
 
 void Analysis::recordDwellTime(Robot& robot, const RobotTelemetry& telemetry) {
@@ -88,7 +100,7 @@ void Analysis::measurePeriod(bool force) {
     first_frames_.clear();
     return;
   }
-  config_.frame_period = medianOf(steps);
+  config_.frame_period = std::max(medianOf(steps), kShortestPeriod);
   for (const Frame& frame : std::exchange(first_frames_, {})) {
     dispatch(frame);
   }
@@ -101,11 +113,12 @@ void Analysis::dispatch(const Frame& frame) {
       ++counters_.duplicate_robots;
       continue;
     }
-    Robot& robot = robotOf(pose.robot);
-    robot.stitcher.addFrame({frame.time, frame.frame, pose.x, pose.y, pose.theta, pose.sigma,
-                             pose.sigma_theta, pose.valid},
-                            samples_);
-    take(pose.robot, robot);
+    Robot* const robot = robotOf(pose.robot);
+    if (robot == nullptr) continue;
+    robot->stitcher.addFrame({frame.time, frame.frame, pose.x, pose.y, pose.theta, pose.sigma,
+                              pose.sigma_theta, pose.valid},
+                             samples_);
+    take(pose.robot, *robot);
   }
 }
 
@@ -120,6 +133,12 @@ void Analysis::take(int id, Robot& robot) {
     }
     auto& program = robot.programs[sample.program];
     if (!program) {
+      if (of_robots_ >= kMostOfRobots) {
+        robot.programs.erase(sample.program);
+        ++counters_.left_out;
+        continue;
+      }
+      ++of_robots_;
       program = std::make_unique<ProgramAnalysis>(law, config_.frame_period, config_.max_lag);
       if (config_.compare_joins) {
         program->collectJoins(config_.frame_period, config_.max_lag);

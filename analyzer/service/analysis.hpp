@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <map>
@@ -47,6 +48,7 @@ struct AnalysisCounters {
   std::int64_t duplicate_robots =
       0;                       ///< Poses dropped because their robot appears twice in a frame.
   std::int64_t telemetry = 0;  ///< Telemetry messages received.
+  std::int64_t left_out = 0;   ///< Poses and telemetry of robots and programs beyond the limits.
 };
 
 /// The analysis of a whole lab: takes camera frames and telemetry of many robots in the order of
@@ -54,6 +56,12 @@ struct AnalysisCounters {
 /// offline.
 class Analysis {
  public:
+  /// More than any lab has; what exceeds them is left out and counted. A program of a robot takes
+  /// up to 150 kB.
+  static constexpr std::size_t kMostRobots = 1000;
+  static constexpr std::size_t kMostPrograms = 64;
+  static constexpr std::size_t kMostOfRobots = 2000;  ///< programs, summed over the robots
+
   explicit Analysis(const AnalysisConfig& config) : config_(config) {}
 
   /// Takes a frame. A robot that appears twice in it is dropped from it.
@@ -118,7 +126,7 @@ class Analysis {
     double program_start = 0;
   };
 
-  Robot& robotOf(int id);
+  Robot* robotOf(int id);  ///< nullptr: beyond the limit
   int programOf(const ProgramLaw& law);
   void recordDwellTime(Robot& robot, const RobotTelemetry& telemetry);
   void dispatch(const Frame& frame);
@@ -130,6 +138,7 @@ class Analysis {
   std::map<int, Robot> robots_;
   std::vector<ProgramLaw> programs_;
   std::vector<std::vector<float>> dwell_times_;  ///< Per program, s.
+  std::size_t of_robots_ = 0;                    ///< Programs, summed over the robots.
   std::vector<Frame> first_frames_;  ///< Frames that wait until the frame period is known.
   std::vector<Sample> samples_;
   bool spatial_light_ = false;

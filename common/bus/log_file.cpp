@@ -8,13 +8,16 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <fstream>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string_view>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/contract_upgrade.hpp"
+#include "common/bus/value_checker.hpp"
 #include "common/files/file_text.hpp"
 
 namespace lab {
@@ -105,26 +108,108 @@ std::optional<Event> eventAt(Bytes file, std::size_t at) {
                end};
 }
 
-void readFile(const fs::path& path, const PacketHandler& handler, LogReadResult& result) {
-  const MappedFile mapped(path);
-  const Bytes file = mapped.bytes();
-  std::size_t whole = 0;  // the end of the last whole event
-  std::size_t at = findEvent(file, 0);
-  while (at < file.size()) {
-    const std::optional<Event> event = eventAt(file, at);
-    if (!event) {
-      at = findEvent(file, at + 1);
-      continue;
+/// The whole events of a file, one after the other.
+class EventReader {
+ public:
+  explicit EventReader(Bytes file) : file_(file), at_(findEvent(file, 0)) {}
+
+  /// @return nothing at the end of the file
+  std::optional<Event> next() {
+    while (at_ < file_.size()) {
+      const std::optional<Event> event = eventAt(file_, at_);
+      if (!event) {
+        at_ = findEvent(file_, at_ + 1);
+        continue;
+      }
+      if (at_ != whole_) ++resyncs_;
+      whole_ = event->end;
+      at_ = findEvent(file_, whole_);
+      if (event->channel != channels::kLcmSelfTest) return event;
     }
-    if (at != whole) ++result.resyncs;
-    whole = event->end;
-    at = findEvent(file, whole);
-    if (event->channel == channels::kLcmSelfTest) continue;
-    ++result.events;
-    const std::optional<std::vector<std::uint8_t>> newer = upgraded(event->data);
-    handler({event->channel, newer ? Bytes(*newer) : event->data, event->utime});
+    if (whole_ != file_.size()) ++resyncs_;
+    whole_ = file_.size();
+    return std::nullopt;
   }
-  if (file.size() != whole) ++result.resyncs;
+
+  [[nodiscard]] std::int64_t resyncs() const { return resyncs_; }
+
+ private:
+  Bytes file_;
+  std::size_t at_;
+  std::size_t whole_ = 0;  ///< the end of the last whole event
+  std::int64_t resyncs_ = 0;
+};
+
+/// The times of arrival of a log's events. A time is damaged if it is far from that of the event
+/// before, and farther from that of the event after than these two are from each other. A step that
+/// is none is a silence of the bus, or one of the logger's clock.
+class ArrivalTimes {
+ public:
+  /// @param following the next events, at least two where the file has them
+  /// @return the time of the event, or of one beside it if its own is damaged
+  std::int64_t of(const Event& event, std::span<const Event> following, LogReadResult& result) {
+    if (!before_ && !following.empty()) before_ = firstBefore(event, following);
+    if (isPossible(event.utime) && fits(event.utime, following)) {
+      before_ = event.utime;
+    } else {
+      ++result.bad_times;
+    }
+    return before_.value_or(0);
+  }
+
+ private:
+  static constexpr std::int64_t kNear_us = 10'000'000;
+  static constexpr std::int64_t kLongestSilence_us = 3'600'000'000;
+
+  static bool isPossible(std::int64_t utime) {
+    return utime >= 0 && utime <= ValueChecker::kLatestUtime;
+  }
+
+  /// The time that stands for the event before the first one.
+  static std::optional<std::int64_t> firstBefore(const Event& event,
+                                                 std::span<const Event> following) {
+    const std::int64_t next = following.front().utime;
+    if (following.size() < 2 || !isPossible(next) || !isPossible(following[1].utime) ||
+        std::abs(following[1].utime - next) > kNear_us) {
+      return std::nullopt;
+    }
+    const bool far = !isPossible(event.utime) || std::abs(event.utime - next) > kLongestSilence_us;
+    return far ? std::optional(next) : std::nullopt;
+  }
+
+  [[nodiscard]] bool fits(std::int64_t utime, std::span<const Event> following) const {
+    if (!before_ || std::abs(utime - *before_) <= kNear_us) return true;
+    if (following.empty() || !isPossible(following.front().utime)) {
+      return utime > *before_ && utime - *before_ <= kLongestSilence_us;
+    }
+    const std::int64_t next = following.front().utime;
+    return std::abs(next - utime) <= std::abs(next - *before_);
+  }
+
+  std::optional<std::int64_t> before_;
+};
+
+void readFile(const fs::path& path, const PacketHandler& handler, ArrivalTimes& times,
+              LogReadResult& result) {
+  constexpr std::size_t kAhead = 2;  // events that are read before one is handled
+  const MappedFile mapped(path);
+  EventReader reader(mapped.bytes());
+  std::vector<Event> events;
+  while (true) {
+    while (events.size() <= kAhead) {
+      const std::optional<Event> event = reader.next();
+      if (!event) break;
+      events.push_back(*event);
+    }
+    if (events.empty()) break;
+    const Event event = events.front();
+    events.erase(events.begin());
+    ++result.events;
+    const std::int64_t utime = times.of(event, events, result);
+    const std::optional<std::vector<std::uint8_t>> newer = upgraded(event.data);
+    handler({event.channel, newer ? Bytes(*newer) : event.data, utime});
+  }
+  result.resyncs += reader.resyncs();
 }
 
 }  // namespace
@@ -174,7 +259,8 @@ void LogWriter::fail() const {
 
 LogReadResult readLog(const std::vector<fs::path>& files, const PacketHandler& handler) {
   LogReadResult result;
-  for (const fs::path& path : files) readFile(path, handler, result);
+  ArrivalTimes times;
+  for (const fs::path& path : files) readFile(path, handler, times, result);
   return result;
 }
 

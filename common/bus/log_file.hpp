@@ -40,13 +40,16 @@ class LogWriter {
 /// The outcome of reading a log.
 struct LogReadResult {
   std::int64_t events = 0;
-  std::int64_t resyncs = 0;  ///< damaged places that were skipped, including a truncated end
+  std::int64_t resyncs = 0;    ///< damaged places that were skipped, including a truncated end
+  std::int64_t bad_times = 0;  ///< events whose time of arrival was damaged
 };
 
 /// Calls `handler` for every event of the files, in the order of `files`. LCM's own reader stops at
 /// the first damaged byte, or skips good events after a damaged length. This one continues at the
 /// next whole event and counts the damaged place. Messages of older contract versions are converted
-/// to the present one.
+/// to the present one. A damaged time of arrival is replaced by that of the event before; times are
+/// from 0 to ValueChecker::kLatestUtime, and step only where the logger's clock did, or where the
+/// bus was silent.
 /// @throws std::runtime_error if a file cannot be opened or read
 LogReadResult readLog(const std::vector<std::filesystem::path>& files,
                       const PacketHandler& handler);

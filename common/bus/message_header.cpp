@@ -1,5 +1,7 @@
 #include "common/bus/message_header.hpp"
 
+#include <algorithm>
+
 namespace lab {
 namespace {
 
@@ -22,6 +24,8 @@ std::optional<MessageHeader> peekHeader(Bytes data) {
   if (length < 1 || length > kLongestSender) return std::nullopt;
   const auto size = static_cast<std::size_t>(length);
   if (data.size() < kSender + size + 16) return std::nullopt;
+  const Bytes sender = data.subspan(kSender, size);
+  if (std::ranges::find(sender, 0) != sender.end() - 1) return std::nullopt;
   MessageHeader header;
   header.fingerprint = bigEndian(data.first(8));
   header.utime = bigEndian(data.subspan(8, 8));

@@ -19,7 +19,8 @@ struct MessageHeader {
   std::int64_t seq = 0;
 };
 
-/// @return nothing if the bytes are too short or the sender's length is impossible
+/// @return nothing if the bytes are too short, or if the sender's length is impossible or not that
+/// of a text that ends at its first zero
 [[nodiscard]] std::optional<MessageHeader> peekHeader(Bytes data);
 
 }  // namespace lab

@@ -34,6 +34,10 @@ void StreamCounter::count(std::string_view channel, std::string_view sender, std
   if (last_ == nullptr || last_->first.instance != instance || last_->first.channel != channel ||
       last_->first.sender != sender) {
     StreamKey key{std::string(channel), std::string(sender), instance};
+    if (streams_.size() >= kMostStreams && !streams_.contains(key)) {
+      ++uncounted_;
+      return;
+    }
     last_ = &*streams_.try_emplace(std::move(key)).first;
   }
   StreamCount& stream = last_->second;

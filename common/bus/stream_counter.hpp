@@ -1,6 +1,7 @@
 /// Counts received and lost messages. Heartbeats, logs and reports show the counts.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -35,6 +36,10 @@ struct StreamCount {
 /// behind) reduces the lost count again; a duplicate does not.
 class StreamCounter {
  public:
+  /// A lab of many hosts has a hundred streams at one receiver. With this many, a heartbeat still
+  /// fits into a message of 60 KB.
+  static constexpr std::size_t kMostStreams = 256;
+
   void count(std::string_view channel, std::string_view sender, std::int64_t instance,
              std::int64_t seq, std::int64_t utime);
   void countDecodeError(std::string_view channel) { ++decode_errors_[std::string(channel)]; }
@@ -45,9 +50,13 @@ class StreamCounter {
   }
   [[nodiscard]] std::int64_t lost() const;
 
+  /// Messages of streams beyond kMostStreams, which are not counted by stream.
+  [[nodiscard]] std::int64_t uncounted() const { return uncounted_; }
+
  private:
   std::map<StreamKey, StreamCount> streams_;
   std::map<std::string, std::int64_t> decode_errors_;
+  std::int64_t uncounted_ = 0;
   // The stream of the last message. Messages often come in sequences of one stream, and this saves
   // building a key for each.
   std::pair<const StreamKey, StreamCount>* last_ = nullptr;

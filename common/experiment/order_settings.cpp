@@ -9,6 +9,8 @@
 namespace lab {
 namespace {
 
+constexpr double kSlowestReversal = 1e-6;  // m/s
+
 /// Light of 0..1 in counts of the robot's 10-bit converter, rounded as the converter does, so that
 /// light on an edge belongs to the band above it. The upper edge 1 becomes 1024, because full light
 /// reads 1023 and belongs to a band up to 1.
@@ -77,7 +79,8 @@ OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimi
   }
   result.core.reversal.enabled = order.reverse_on != robot_order_t::REVERSE_NEVER;
   if (result.core.reversal.enabled) {
-    if (!(order.reverse_speed > 0 && order.reverse_speed <= limits.v_max &&
+    // The robot counts whole micrometres per second: less than one would be none.
+    if (!(order.reverse_speed >= kSlowestReversal && order.reverse_speed <= limits.v_max &&
           order.reverse_distance >= 0 && order.reverse_distance <= 4)) {
       result.refusal = "a reversal needs a speed up to the wheels' limit and at most 4 m";
       return result;

@@ -9,6 +9,7 @@
 #include "common/bus/channels.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
+#include "common/text/utf8.hpp"
 
 namespace lab {
 namespace {
@@ -51,6 +52,28 @@ void Node::close() {
   for (remaining_closing_reports_ = kClosingMessages; remaining_closing_reports_ > 0;
        --remaining_closing_reports_)
     beat();
+}
+
+void Node::refuse(std::string_view channel, const std::string& sender, const std::string& problem) {
+  streams_.countDecodeError(channel);
+  // Once for each channel: a flood must not hide what else is reported.
+  if (!refused_on_.emplace(channel).second) return;
+  std::string text = std::string(channel) + " from " + sender + " refused: " + problem;
+  repairUtf8(text);
+  noteError(text);
+}
+
+void Node::noteStreamLimit() {
+  if (std::exchange(stream_limit_noted_, true)) return;
+  noteError("more than " + std::to_string(StreamCounter::kMostStreams) +
+            " streams of messages: the losses of further senders are not counted; end the programs "
+            "that do not belong to this lab, or give it a port of its own");
+}
+
+std::string Node::lateOrEarly(std::int64_t utime, std::int64_t now) {
+  return "utime: found " + std::to_string(utime) + ", " +
+         std::to_string((utime - now) / units::kSecond_us) +
+         " s from this host's clock, expected the time of the messages before it";
 }
 
 std::int64_t& Node::sentOn(std::string_view channel) {

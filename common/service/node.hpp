@@ -5,12 +5,16 @@
 #include <functional>
 #include <lab/service_status_t.hpp>
 #include <map>
+#include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "common/bus/arrival_clock.hpp"
 #include "common/bus/bus.hpp"
+#include "common/bus/message_values.hpp"
 #include "common/bus/stream_counter.hpp"
 #include "common/loop/loop.hpp"
 
@@ -50,16 +54,31 @@ class Node {
     send(channel, message, sentOn(channel));
   }
 
-  /// Calls `handler` with every message of this channel. Undecodable messages are only counted.
+  /// Calls `handler` with every message of this channel whose numbers are possible
+  /// (message_values.hpp) and whose time continues that of its stream (arrival_clock.hpp). The
+  /// others, and undecodable ones, are counted as decode errors; the reason is in the heartbeat.
   template <class Message>
   void subscribe(std::string_view channel, std::function<void(const Message&)> handler) {
-    bus_.subscribe(channel, [this, handler = std::move(handler)](const Packet& packet) {
+    std::optional<ArrivalClock> clock;
+    if (timesFollowClock(channel)) clock.emplace();
+    bus_.subscribe(channel, [this, handler = std::move(handler),
+                             clock = std::move(clock)](const Packet& packet) mutable {
       Message message{};
       if (!decode(packet.data, message)) {
         streams_.countDecodeError(packet.channel);
         return;
       }
+      if (const auto problem = impossibleValue(message)) {
+        refuse(packet.channel, message.sender, *problem);
+        return;
+      }
+      const std::int64_t now = loop_.now();
+      if (clock && !clock->accepts(message.sender, message.instance, message.utime, now)) {
+        refuse(packet.channel, message.sender, lateOrEarly(message.utime, now));
+        return;
+      }
       streams_.count(packet.channel, message.sender, message.instance, message.seq, message.utime);
+      if (streams_.uncounted() > 0) noteStreamLimit();
       handler(message);
     });
   }
@@ -98,6 +117,9 @@ class Node {
 
  private:
   void beat();
+  void refuse(std::string_view channel, const std::string& sender, const std::string& problem);
+  void noteStreamLimit();
+  static std::string lateOrEarly(std::int64_t utime, std::int64_t now);
   std::int64_t& sentOn(std::string_view channel);
 
   template <class Message>
@@ -118,6 +140,8 @@ class Node {
   std::map<std::string, std::int64_t, std::less<>> sent_;
   std::int64_t remaining_closing_reports_ = 0;  ///< closing messages still to be sent
   StreamCounter streams_;
+  std::set<std::string, std::less<>> refused_on_;  ///< channels whose refusals have been named
+  bool stream_limit_noted_ = false;
   std::vector<stream_count_t> other_streams_;
   std::function<std::vector<stream_count_t>()> bus_rows_;
 };

@@ -6,6 +6,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
+
+#include "common/math/saturated.hpp"
 
 namespace lab {
 namespace {
@@ -41,7 +44,7 @@ std::string withoutTrailingZeros(std::string text) {
 
 /// The number of decimals that shows `figures` significant figures of a number of this size.
 int decimalsFor(double size, int figures) {
-  return std::clamp(figures - 1 - static_cast<int>(std::floor(std::log10(size))), 0, 12);
+  return saturated<int>(std::clamp(figures - 1 - std::floor(std::log10(size)), 0.0, 12.0));
 }
 
 bool isPlain(char letter) {
@@ -76,7 +79,7 @@ std::string durationText(double seconds) {
   if (!std::isfinite(seconds)) return kNone;
   if (seconds < 0) return fmt::format("-{}", durationText(-seconds));
   if (seconds < 99.95) return withoutTrailingZeros(fmt::format("{:.1f}", seconds)) + " s";
-  const auto whole = static_cast<std::int64_t>(std::llround(seconds));
+  const auto whole = saturated<std::int64_t>(std::round(seconds));
   if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
   return fmt::format("{} h {} min", whole / 3600, whole % 3600 / 60);
 }
@@ -86,7 +89,8 @@ std::string countText(std::int64_t count, std::string_view noun) {
 }
 
 std::string groupedText(std::int64_t count) {
-  const std::string digits = std::to_string(count < 0 ? -count : count);
+  const auto size = static_cast<std::uint64_t>(count);
+  const std::string digits = std::to_string(count < 0 ? 0 - size : size);
   std::string text;
   if (count < 0) text += '-';
   for (std::size_t i = 0; i < digits.size(); ++i) {

@@ -17,7 +17,8 @@ namespace {
 constexpr const char* kSummary = "summary.json";
 constexpr const char* kProvenance = "provenance.json";
 constexpr const char* kThumbnail = "trajectory_program.svg";
-constexpr FileKind kSummaryFile{"a summary", 64U << 20U};
+// A summary of 250 robots on four programs has 10 MB.
+constexpr FileKind kSummaryFile{"a summary", 16U << 20U};
 constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
                                                    ".json", ".toml", ".pdf"};
 

@@ -1,6 +1,10 @@
 #include "dashboard/library/summary_scan.hpp"
 
+#include <cstddef>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+
+#include "common/math/saturated.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -11,8 +15,8 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
   [[nodiscard]] SummaryFacts& facts() { return facts_; }
   [[nodiscard]] bool isSummary() const { return format_; }
 
-  bool null() override { return true; }
-  bool boolean(bool) override { return true; }
+  bool null() override { return goesOn(); }
+  bool boolean(bool) override { return goesOn(); }
   bool number_integer(number_integer_t value) override {
     return number(static_cast<double>(value));
   }
@@ -23,19 +27,19 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
   bool binary(binary_t&) override { return true; }
 
   bool string(string_t& value) override {
-    if (isDeep()) return true;
+    if (isDeep()) return goesOn();
     if (path_ == "/experiment") facts_.experiment = value;
     if (isInProgram() && path_ == "/programs[]/name") facts_.programs.back().name = value;
     if (isInProgram() && path_ == "/programs[]/pool/verdict")
       facts_.programs.back().verdict = value;
-    return true;
+    return goesOn();
   }
 
   bool start_object(std::size_t) override {
     ends_.push_back(path_.size());
     if (path_ == "/programs[]") facts_.programs.emplace_back();
     if (path_ == "/faults[]") ++facts_.faults;
-    return true;
+    return goesOn() && ends_.size() <= kDeepest;
   }
   bool key(string_t& name) override {
     path_.resize(ends_.back());
@@ -46,7 +50,7 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
   bool start_array(std::size_t) override {
     ends_.push_back(path_.size());
     path_ += "[]";
-    return true;
+    return goesOn() && ends_.size() <= kDeepest;
   }
   bool end_array() override { return leave(); }
   bool parse_error(std::size_t, const std::string&, const nlohmann::detail::exception&) override {
@@ -58,13 +62,17 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
   [[nodiscard]] bool isDeep() const { return ends_.size() > 4; }
   [[nodiscard]] bool isInProgram() const { return !facts_.programs.empty(); }
 
+  /// The summary of a large run has a million numbers; one of many more is none of this lab.
+  bool goesOn() { return ++values_ < kMostValues; }
+
   bool number(double value) {
-    if (isDeep()) return true;
+    if (isDeep()) return goesOn();
     if (path_ == "/format") format_ = true;
     if (path_ == "/duration_s") facts_.duration_s = value;
-    if (path_ == "/losses/log[]/lost") facts_.lost += static_cast<std::int64_t>(value);
+    if (path_ == "/losses/log[]/lost")
+      facts_.lost = saturated<std::int64_t>(static_cast<double>(facts_.lost) + value);
     if (isInProgram() && path_ == "/programs[]/pool/max_z") facts_.programs.back().max_z = value;
-    return true;
+    return goesOn();
   }
 
   bool leave() {
@@ -73,7 +81,11 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
     return true;
   }
 
+  static constexpr std::size_t kMostValues = 4'000'000;
+  static constexpr std::size_t kDeepest = 50;
+
   SummaryFacts facts_;
+  std::size_t values_ = 0;
   bool format_ = false;
   std::string path_;
   std::vector<std::size_t> ends_;  ///< lengths of path_ at which the open levels began

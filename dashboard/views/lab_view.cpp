@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/message_values.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
 #include "dashboard/health/advice.hpp"
@@ -12,8 +13,9 @@
 namespace lab::dashboard {
 namespace {
 
-constexpr std::int64_t kUnwatched_us = 1'000'000;  // between frames while no page is open
-constexpr std::size_t kMaxSenders = 16;            // of frames
+constexpr std::int64_t kUnwatched_us = 1'000'000;     // between frames while no page is open
+constexpr std::size_t kMaxSenders = 16;               // of frames
+constexpr std::int64_t kRunnerSilent_us = 1'000'000;  // it sends five messages a second
 constexpr const char* kPool = "pool";
 constexpr const char* kRuns = "runtimes";
 constexpr const char* kHistory = "history";
@@ -49,7 +51,7 @@ void LabView::on(std::string_view channel,
                  std::function<void(const Message&, std::int64_t)> handler) {
   takes_[std::string(channel)] = [handler = std::move(handler)](Bytes data, std::int64_t now) {
     Message message{};
-    if (!decode(data, message)) return false;
+    if (!decode(data, message) || impossibleValue(message)) return false;
     handler(message, now);
     return true;
   };
@@ -122,7 +124,7 @@ bool LabView::isWanted(std::string_view channel, const MessageHeader& header) {
 
 void LabView::take(const Packet& packet, std::int64_t now) {
   const std::optional<MessageHeader> header = peekHeader(packet.data);
-  if (!header) {
+  if (!header || impossibleHeader(header->utime, header->seq)) {
     health_.countNotUnderstood(packet.channel);
     return;
   }
@@ -132,12 +134,23 @@ void LabView::take(const Packet& packet, std::int64_t now) {
   }
   health_.count(packet.channel, *header, now);
   if (header->sender != sender_) bus_utime_ = now;
+  if (run_info_.isRunner(header->sender, header->instance)) runner_utime_ = now;
   const auto found = takes_.find(packet.channel);
   if (found == takes_.end() || !isWanted(packet.channel, *header)) return;
   if (!found->second(packet.data, now)) health_.countNotUnderstood(packet.channel);
 }
 
-void LabView::take(const experiment_event_t& event, std::int64_t) {
+void LabView::take(const experiment_event_t& event, std::int64_t now) {
+  // Only the run's own runner reports its events, and no other run begins beside it.
+  if (!run_info_.isRunner(event.sender, event.instance)) {
+    const bool runs = !run_info_.conductor().empty() && !timeline_.ended() &&
+                      now - runner_utime_ < kRunnerSilent_us;
+    if (runs || event.kind != experiment_event_t::START) {
+      health_.countNotUnderstood(channels::kExperimentEvent);
+      return;
+    }
+    runner_utime_ = now;
+  }
   if (event.kind == experiment_event_t::START) {
     const std::string before = run_info_.text();
     const RunInfo::RunChange change = run_info_.take(event);

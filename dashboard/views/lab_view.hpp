@@ -115,7 +115,8 @@ class LabView {
   std::int64_t trails_utime_ = 0;
   std::int64_t bus_utime_ = 0;  ///< last message of another sender, 0: none
   std::int64_t light_utime_ = 0;
-  std::int64_t frame_utime_ = 0;  ///< when topic `frame` was published
+  std::int64_t runner_utime_ = 0;  ///< last message of the run's runner
+  std::int64_t frame_utime_ = 0;   ///< when topic `frame` was published
   std::uint64_t frame_count_ = 0;
   std::uint64_t timeline_version_ = 0;
   bool run_info_changed_ = true;

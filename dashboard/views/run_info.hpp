@@ -6,6 +6,7 @@
 #include <lab/program_t.hpp>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/experiment/experiment.hpp"
@@ -36,6 +37,11 @@ class RunInfo {
 
   /// Sender of START, which controls the run; empty before the first one.
   [[nodiscard]] const std::string& runner() const { return runner_; }
+
+  /// Whether it is this start of the sender of START.
+  [[nodiscard]] bool isRunner(std::string_view sender, std::int64_t instance) const {
+    return sender == conductor_ && instance == instance_ && !conductor_.empty();
+  }
 
   /// Why the text of START is not a valid experiment; else empty.
   [[nodiscard]] const std::string& trouble() const { return trouble_; }

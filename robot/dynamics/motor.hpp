@@ -10,9 +10,26 @@ constexpr int32_t kMaxWheelUmS = 270000L;
 /// The largest duty of the 8-bit pulse width modulation; one step is 27 cm/s / 255 = 1.06 mm/s.
 constexpr int16_t kMaxDuty = 255;
 
-/// Limits a wheel speed to [-max, max]. Sets `saturated` if it changes the speed, and does not
-/// change `saturated` otherwise.
+/// Sum and difference that wrap around instead of overflowing, for speeds that no valid settings
+/// contain.
+inline int32_t wrappingSum(int32_t a, int32_t b) {
+  return static_cast<int32_t>(static_cast<uint32_t>(a) + static_cast<uint32_t>(b));
+}
+inline int32_t wrappingDifference(int32_t a, int32_t b) {
+  return static_cast<int32_t>(static_cast<uint32_t>(a) - static_cast<uint32_t>(b));
+}
+
+/// |um_s|, also of the lowest number.
+inline uint32_t absoluteSpeed(int32_t um_s) {
+  return um_s < 0 ? 0U - static_cast<uint32_t>(um_s) : static_cast<uint32_t>(um_s);
+}
+
+/// Limits a wheel speed to [-max, max]; a wheel without speed stands. Sets `saturated` if it
+/// changes the speed, and does not change `saturated` otherwise.
 inline int32_t clampWheel(int32_t um_s, int32_t max_um_s, bool& saturated) {
+  if (max_um_s < 0) {
+    max_um_s = 0;
+  }
   if (um_s > max_um_s) {
     saturated = true;
     return max_um_s;
@@ -27,8 +44,11 @@ inline int32_t clampWheel(int32_t um_s, int32_t max_um_s, bool& saturated) {
 /// The signed duty -255..255 for a wheel speed, rounded to nearest (half away from zero).
 /// Truncation would lower D_r by 1.3 % and the diffusion of a slow Brownian program by 5 %.
 inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s) {
+  if (max_um_s <= 0) {
+    return 0;
+  }
   const uint32_t max = static_cast<uint32_t>(max_um_s);
-  uint32_t size = static_cast<uint32_t>(um_s < 0 ? -um_s : um_s);
+  uint32_t size = absoluteSpeed(um_s);
   if (size > max) {
     size = max;
   }
@@ -51,7 +71,7 @@ inline bool operator==(const WheelCalibration& a, const WheelCalibration& b) {
 /// The signed duty at which a calibrated wheel has the speed um_s, rounded to nearest and limited
 /// to 255. Without dead band and with gain 1 it equals dutyForSpeed(um_s, max_um_s).
 inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s, const WheelCalibration& wheel) {
-  const uint32_t size = static_cast<uint32_t>(um_s < 0 ? -um_s : um_s);
+  const uint32_t size = absoluteSpeed(um_s);
   const uint64_t full =
       static_cast<uint64_t>(max_um_s) * static_cast<uint32_t>(wheel.gain_ppm) / 1000000U;
   if (size == 0 || full == 0) {

@@ -1,6 +1,7 @@
 #include "robot/dynamics/program.hpp"
 
 #include "robot/dynamics/exponential.hpp"
+#include "robot/dynamics/motor.hpp"
 
 namespace lab {
 namespace dynamics {
@@ -30,15 +31,15 @@ Hold Program::next(Rng& rng) {
       break;
     case kAbp: {
       const int32_t half_turn = uniformInt(rng, params_.amplitude_um_s);  // zeta d / 2
-      hold.left_um_s = params_.speed_um_s - half_turn;
-      hold.right_um_s = params_.speed_um_s + half_turn;
+      hold.left_um_s = wrappingDifference(params_.speed_um_s, half_turn);
+      hold.right_um_s = wrappingSum(params_.speed_um_s, half_turn);
       hold.duration_ms = atLeastOneMs(params_.hold_ms);
       break;
     }
     case kNoisyAbp:
     case kBp:
-      hold.left_um_s = params_.speed_um_s + uniformInt(rng, params_.amplitude_um_s);
-      hold.right_um_s = params_.speed_um_s + uniformInt(rng, params_.amplitude_um_s);
+      hold.left_um_s = wrappingSum(params_.speed_um_s, uniformInt(rng, params_.amplitude_um_s));
+      hold.right_um_s = wrappingSum(params_.speed_um_s, uniformInt(rng, params_.amplitude_um_s));
       hold.duration_ms = atLeastOneMs(params_.hold_ms);
       break;
     case kRtp:
@@ -57,7 +58,7 @@ Hold Program::nextRunOrTumble(Rng& rng) {
   tumble_next_ = !tumble_next_;
   if (hold.tumble) {
     const int32_t turn = uniformInt(rng, params_.tumble_amplitude_um_s);
-    hold.left_um_s = -turn;
+    hold.left_um_s = wrappingDifference(0, turn);
     hold.right_um_s = turn;
     hold.duration_ms = atLeastOneMs(params_.tumble_ms);
   } else {

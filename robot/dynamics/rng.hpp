@@ -71,7 +71,9 @@ class Rng {
 inline int32_t uniformInt(Rng& rng, int32_t amplitude) {
   const uint32_t count = 2U * static_cast<uint32_t>(amplitude) + 1U;
   const uint64_t scaled = static_cast<uint64_t>(rng.next()) * count;
-  return static_cast<int32_t>(static_cast<uint32_t>(scaled >> 32)) - amplitude;
+  // Unsigned, so that no amplitude overflows.
+  return static_cast<int32_t>(static_cast<uint32_t>(scaled >> 32) -
+                              static_cast<uint32_t>(amplitude));
 }
 
 }  // namespace dynamics

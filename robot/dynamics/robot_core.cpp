@@ -10,6 +10,7 @@ constexpr uint8_t kRearSensors = (1U << 2) | (1U << 3) | (1U << 4);   // +120, 1
 // True if `a` is at or before `b` on a clock that wraps around.
 bool notAfter(uint32_t a, uint32_t b) { return static_cast<int32_t>(b - a) >= 0; }
 
+/// The speed of a reversal that has begun is positive.
 uint32_t reversalMs(const ReversalSettings& reversal) {
   const uint32_t speed = static_cast<uint32_t>(reversal.speed_um_s);
   return (reversal.distance_um * 1000U + speed / 2U) / speed;
@@ -121,10 +122,11 @@ void RobotCore::sense(uint32_t now_ms, const Sensors& sensors) {
     }
     return;
   }
-  if (report_.slot == kNoSlot || !settings_.reversal.enabled) {
-    return;
+  if (report_.slot == kNoSlot || !settings_.reversal.enabled ||
+      settings_.reversal.speed_um_s <= 0) {
+    return;  // at no speed a reversal would never end
   }
-  const int32_t forward = report_.held.left + report_.held.right;
+  const int32_t forward = wrappingSum(report_.held.left, report_.held.right);
   if (forward > 0 && (approaching & kFrontSensors) != 0) {
     beginReversal(now_ms, -1);
   } else if (forward < 0 && (approaching & kRearSensors) != 0) {

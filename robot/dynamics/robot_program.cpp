@@ -106,7 +106,9 @@ std::string checkWheels(const RobotProgram& p, const WheelLimits& limits) {
   return reason;
 }
 
-std::string check(const RobotProgram& program, const WheelLimits& limits) {
+}  // namespace
+
+std::string outOfRange(const RobotProgram& program, const WheelLimits& limits) {
   switch (program.kind) {
     case kNone:
       return std::string();
@@ -123,11 +125,9 @@ std::string check(const RobotProgram& program, const WheelLimits& limits) {
   return text("program kind: found %g, allowed 0 to 5", program.kind);
 }
 
-}  // namespace
-
 ParamsResult toProgramParams(const RobotProgram& program, const WheelLimits& limits) {
   ParamsResult result;
-  result.reason = check(program, limits);
+  result.reason = outOfRange(program, limits);
   result.ok = result.reason.empty();
   if (!result.ok) {
     return result;

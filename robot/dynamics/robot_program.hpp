@@ -37,6 +37,11 @@ struct ParamsResult {
   std::string reason;  ///< One line: the physical quantity, what was found, what is allowed.
 };
 
+/// Why no robot with these wheels can run the program: the physical quantity, what was found, what
+/// is allowed. Empty if it can.
+[[nodiscard]] std::string outOfRange(const RobotProgram& physics,
+                                     const WheelLimits& limits = WheelLimits());
+
 /// Converts and validates. Times are rounded to the nearest millisecond and speeds to the nearest
 /// micrometre/s; see toRobotProgram for what is then executed.
 [[nodiscard]] ParamsResult toProgramParams(const RobotProgram& program,

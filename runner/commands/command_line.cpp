@@ -57,6 +57,10 @@ void addReplay(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   command->add_option("--speed", options->speed, "Seconds of the log per second")
       ->check(between(1e-3, 1e4))
       ->capture_default_str();
+  command
+      ->add_option("--max-gap", options->max_gap, "s to which longer gaps of the log are shortened")
+      ->check(between(1e-3, 1e9))
+      ->capture_default_str();
   command->add_flag("--loop", options->loop, "Start again at the end");
   command->add_option("--channel", options->channels, "Play only this channel (repeatable)")
       ->allow_extra_args(false);

@@ -20,6 +20,7 @@ struct ReplayOptions {
   double from = 0;            ///< [s] since the log's first event
   std::optional<double> to;   ///< [s]
   double speed = 1;           ///< seconds of the log per second
+  double max_gap = 10;        ///< [s] longer gaps are shortened to this
   bool loop = false;
   std::vector<std::string> channels;  ///< empty: all
   int port = 0;                       ///< 0: a free one

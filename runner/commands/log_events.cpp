@@ -15,22 +15,69 @@ bool isPlaybackChannel(std::string_view channel) {
   return channel == channels::kExperimentStatus || channel == channels::kExperimentCommand;
 }
 
+namespace {
+
+/// Times of arrival as times of a replay: they pass as recorded, but gaps are shortened, and a
+/// clock that was set back goes on.
+class PlaybackTimeline {
+ public:
+  explicit PlaybackTimeline(double max_gap) : max_gap_us_(units::microseconds(max_gap)) {}
+
+  /// @return [us since 1970]
+  std::int64_t of(std::int64_t log_utime) {
+    if (!newest_) newest_ = {log_utime, log_utime};
+    const std::int64_t step = log_utime - newest_->log;
+    if (step < -kDisorder_us) {
+      ++gaps_.steps_back;
+      newest_->log = log_utime;
+      return newest_->play;
+    }
+    if (step > max_gap_us_) {
+      ++gaps_.gaps;
+      gaps_.longest = std::max(gaps_.longest, units::seconds(step));
+    }
+    const std::int64_t play = newest_->play + std::min(step, max_gap_us_);
+    if (step > 0) newest_ = {log_utime, play};
+    return play;
+  }
+
+  [[nodiscard]] const ShortenedGaps& gaps() const { return gaps_; }
+
+ private:
+  struct Times {
+    std::int64_t log;
+    std::int64_t play;
+  };
+  static constexpr std::int64_t kDisorder_us = 1'000'000;  // of messages in the logger's queue
+
+  std::int64_t max_gap_us_;
+  std::optional<Times> newest_;
+  ShortenedGaps gaps_;
+};
+
+}  // namespace
+
 std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& files,
-                                   const LogSelection& selection) {
+                                   const LogSelection& selection, ShortenedGaps* gaps) {
   std::vector<LogEvent> events;
   std::optional<std::int64_t> first;
+  PlaybackTimeline timeline(selection.max_gap);
   readLog(files, [&](const Packet& packet) {
-    if (!first) first = packet.received_utime;
-    const double time = units::seconds(packet.received_utime - *first);
+    const std::int64_t utime = timeline.of(packet.received_utime);
+    if (!first) first = utime;
+    const double time = units::seconds(utime - *first);
     if (time < selection.from || (selection.to && time > *selection.to)) return;
     if (isPlaybackChannel(packet.channel)) return;
     std::string channel(packet.channel);
     if (!selection.channels.empty() && !selection.channels.contains(channel)) return;
-    events.push_back(
-        {std::move(channel), {packet.data.begin(), packet.data.end()}, packet.received_utime});
+    events.push_back({std::move(channel),
+                      {packet.data.begin(), packet.data.end()},
+                      utime,
+                      packet.received_utime});
   });
   std::stable_sort(events.begin(), events.end(),
                    [](const LogEvent& a, const LogEvent& b) { return a.utime < b.utime; });
+  if (gaps != nullptr) *gaps = timeline.gaps();
   return events;
 }
 

@@ -18,7 +18,8 @@ namespace lab::runner {
 struct LogEvent {
   std::string channel;
   std::vector<std::uint8_t> data;
-  std::int64_t utime = 0;  ///< when the logger received it, [us since 1970]
+  std::int64_t utime = 0;      ///< when the replay sends it, as time of the log with shortened gaps
+  std::int64_t log_utime = 0;  ///< when the logger received it, [us since 1970]
 };
 
 /// A part of a log.
@@ -26,6 +27,14 @@ struct LogSelection {
   double from = 0;                 ///< [s] since the first event
   std::optional<double> to;        ///< [s]
   std::set<std::string> channels;  ///< empty: all
+  double max_gap = 10;             ///< [s] a longer silence of the whole log is shortened to this
+};
+
+/// What the replay does not play as it was recorded.
+struct ShortenedGaps {
+  std::int64_t gaps = 0;        ///< silences that were shortened
+  double longest = 0;           ///< [s] of these, as recorded
+  std::int64_t steps_back = 0;  ///< steps back of the logger's clock, played without a pause
 };
 
 /// EXPERIMENT_STATUS and EXPERIMENT_COMMAND: during a replay these are about the replay itself. The
@@ -33,8 +42,10 @@ struct LogSelection {
 [[nodiscard]] bool isPlaybackChannel(std::string_view channel);
 
 /// The selected events of a log series, sorted by time, without those of isPlaybackChannel().
+/// @param gaps where to report what was shortened in the whole log, nullptr: nowhere
 [[nodiscard]] std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& files,
-                                                 const LogSelection& selection);
+                                                 const LogSelection& selection,
+                                                 ShortenedGaps* gaps = nullptr);
 
 /// The message as a replay sends it: messages with an origin get REPLAY, all others are unchanged.
 [[nodiscard]] std::vector<std::uint8_t> asReplay(const std::string& channel, Bytes data);

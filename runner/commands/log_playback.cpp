@@ -55,6 +55,13 @@ std::int64_t LogPlayback::logTime(std::int64_t now) const {
   return std::min(clock_.logTime(now), events_.back().utime);
 }
 
+std::int64_t LogPlayback::recordedTime(std::int64_t now) const {
+  const std::int64_t time = logTime(now);
+  const auto after = std::ranges::upper_bound(events_, time, {}, &LogEvent::utime);
+  const LogEvent& before = after == events_.begin() ? *after : *(after - 1);
+  return before.log_utime + (time - before.utime);
+}
+
 double LogPlayback::elapsed(std::int64_t now) const {
   return units::seconds(logTime(now) - events_.front().utime);
 }

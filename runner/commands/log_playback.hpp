@@ -55,8 +55,10 @@ class LogPlayback {
   [[nodiscard]] bool paused() const { return clock_.paused(); }
   [[nodiscard]] double rate() const { return paused() ? 0 : speed_; }
 
-  /// The current time in the log [us since 1970].
+  /// The current time in the log with shortened gaps [us since 1970].
   [[nodiscard]] std::int64_t logTime(std::int64_t now) const;
+  /// The same as it was recorded, for CLOCK: the time of the messages that are sent now.
+  [[nodiscard]] std::int64_t recordedTime(std::int64_t now) const;
   [[nodiscard]] double elapsed(std::int64_t now) const;  ///< [s] since the first event
   [[nodiscard]] double length() const;                   ///< [s]
   [[nodiscard]] std::size_t sent() const { return next_; }

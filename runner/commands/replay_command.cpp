@@ -19,6 +19,7 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/service/node.hpp"
+#include "common/text/format.hpp"
 #include "runner/command_line/print_line.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/commands/log_playback.hpp"
@@ -93,7 +94,7 @@ class Player {
 
   void sendClock() {
     clock_t message{};
-    message.utime = playback_.logTime(loop_.now());
+    message.utime = playback_.recordedTime(loop_.now());
     message.rate = playback_.rate();
     node_.publish(channels::kClock, message);
   }
@@ -169,8 +170,14 @@ void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& optio
 ExitCode replay(const ReplayOptions& options) {
   const std::vector<fs::path> log_files = report::logFiles(options.log);
   const fs::path& log = log_files.front();
-  const std::vector<LogEvent> events = selectEvents(
-      log_files, {options.from, options.to, {options.channels.begin(), options.channels.end()}});
+  ShortenedGaps gaps;
+  const std::vector<LogEvent> events =
+      selectEvents(log_files,
+                   {options.from,
+                    options.to,
+                    {options.channels.begin(), options.channels.end()},
+                    options.max_gap},
+                   &gaps);
   if (events.empty()) {
     throw UserError(log.string() +
                     " holds no message between --from and --to on the chosen channels");
@@ -181,6 +188,16 @@ ExitCode replay(const ReplayOptions& options) {
   const Registration registration(
       {"replay-" + run.filename().string(), url, getpid(), run.string(), true});
   fmt::print("lab      {}\nbus      {}\n", registration.name(), url);
+  if (gaps.gaps > 0) {
+    fmt::print(
+        "gaps     {} in the log shortened to {:g} s, the longest lasts {}; --max-gap sets "
+        "the limit\n",
+        gaps.gaps, options.max_gap, durationText(gaps.longest));
+  }
+  if (gaps.steps_back > 0) {
+    fmt::print("clock    set back {} times in the log; the replay goes on there\n",
+               gaps.steps_back);
+  }
   std::fflush(stdout);
   const RegistryFile output(".web.txt");
   std::optional<DashboardProcess> page;

@@ -11,9 +11,11 @@
 #include <set>
 #include <stdexcept>
 
+#include "common/bus/arrival_clock.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/bus/message_values.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::sim {
@@ -35,8 +37,8 @@ class Collector {
       takeStatus(packet);
     } else if (packet.channel == channels::kExperimentEvent) {
       experiment_event_t event{};
-      const bool first_step =
-          decode(packet.data, event) && event.kind == experiment_event_t::STEP && event.step == 0;
+      const bool first_step = decode(packet.data, event) && !impossibleValue(event) &&
+                              event.kind == experiment_event_t::STEP && event.step == 0;
       if (first_step) script_start_ = event.commanded_utime;
     }
   }
@@ -50,9 +52,16 @@ class Collector {
   }
 
  private:
+  /// Decodes a message. @return whether it can be one of the recorded lab
+  template <class Message>
+  static bool isPossible(const Packet& packet, Message& message, ArrivalClock& clock) {
+    return decode(packet.data, message) && !impossibleValue(message) &&
+           clock.accepts(message.sender, message.instance, message.utime, packet.received_utime);
+  }
+
   void takeFrame(const Packet& packet) {
     tracked_frame_t frame{};
-    if (!decode(packet.data, frame)) return;
+    if (!isPossible(packet, frame, frame_clock_)) return;
     for (const tracked_pose_t& pose : frame.robots) {
       ids.insert(pose.robot_id);
       if (pose.robot_id != robot_id_) continue;
@@ -63,7 +72,7 @@ class Collector {
 
   void takeStatus(const Packet& packet) {
     robot_status_t status{};
-    if (!decode(packet.data, status)) return;
+    if (!isPossible(packet, status, status_clock_)) return;
     for (robot_state_t& state : status.robots) {
       if (state.robot_id == robot_id_) recording.states.push_back(std::move(state));
     }
@@ -71,6 +80,8 @@ class Collector {
 
   std::int32_t robot_id_;
   std::int64_t script_start_ = 0;
+  ArrivalClock frame_clock_;
+  ArrivalClock status_clock_;
 };
 
 /// Sorts items by time, removes duplicates, and drops items before `begin`.

@@ -109,6 +109,9 @@ std::string warnings(const RunRecord& record) {
         "<p><b>The log is damaged</b> in {}; the report covers the readable part.</p>\n",
         countText(record.log.damaged_places, "place"));
   }
+  for (const std::string& line : refusalTexts(record)) {
+    html += fmt::format("<p><b>Refused:</b> {}.</p>\n", escapeHtml(line));
+  }
   if (totalOf(record.log.streams).lost > 0) {
     html += fmt::format("<p><b>Lost:</b> {}.</p>\n", lossText(record));
   }

@@ -108,6 +108,11 @@ void ContractCheck::take(const service_status_t& status) {
   version_ = status.version;
 }
 
+std::string ContractCheck::changedType(const std::string& fingerprints) {
+  if (fingerprints.empty()) return {};
+  return firstDifference(fingerprintList() + olderFingerprintList(), fingerprints);
+}
+
 void ContractCheck::judge(const std::string& log_name) const {
   const std::string by = version_.empty() ? "" : fmt::format(" by Active Lab {}", version_);
   const std::string way_out = fmt::format(
@@ -118,19 +123,18 @@ void ContractCheck::judge(const std::string& log_name) const {
     throw ReportError(fmt::format("{}: written{} under contract version {}; {}", log_name, by,
                                   contract_, way_out));
   }
+  const std::string changed = changedType(fingerprints_);
+  if (!changed.empty()) {
+    throw ReportError(
+        fmt::format("{}: written{} with another {}; {}", log_name, by, changed, way_out));
+  }
+  // The run states its types, and they are ours: other messages are damaged or not the run's.
+  if (!fingerprints_.empty()) return;
   for (const auto& [name, channel] : channels_) {
     if (channel.accepted > 0 || channel.foreign_hash == 0) continue;
     throw ReportError(fmt::format("{}: {} carries messages{} of an unknown type (hash {:016x}); {}",
                                   log_name, name, by,
                                   static_cast<std::uint64_t>(channel.foreign_hash), way_out));
-  }
-  const std::string changed =
-      fingerprints_.empty()
-          ? ""
-          : firstDifference(fingerprintList() + olderFingerprintList(), fingerprints_);
-  if (!changed.empty()) {
-    throw ReportError(
-        fmt::format("{}: written{} with another {}; {}", log_name, by, changed, way_out));
   }
 }
 

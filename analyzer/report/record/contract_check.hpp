@@ -22,6 +22,9 @@ class ContractCheck {
   void take(const experiment_event_t& start);
   void take(const service_status_t& status);
 
+  /// The first type in a START's list of fingerprints that is not this software's; empty: none.
+  [[nodiscard]] static std::string changedType(const std::string& fingerprints);
+
   /// @throws ReportError with the unknown version or type hash.
   void judge(const std::string& log_name) const;
 

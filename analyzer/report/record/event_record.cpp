@@ -1,8 +1,17 @@
 #include "analyzer/report/record/event_record.hpp"
 
 #include <algorithm>
+#include <cstddef>
 
 namespace lab::report {
+namespace {
+
+// More than any run has. What exceeds them is not listed.
+constexpr std::size_t kMostSteps = 100'000;
+constexpr std::size_t kMostRemarks = 10'000;
+constexpr std::size_t kMostServices = 500;
+
+}  // namespace
 
 void EventRecord::take(const experiment_event_t& event) {
   if (event.kind == experiment_event_t::STEP) {
@@ -19,6 +28,7 @@ void EventRecord::take(const experiment_event_t& event) {
     if (event.label == "light") light_calibration_ = event.text;
     return;
   }
+  if (known_.size() >= kMostRemarks && event.kind != experiment_event_t::END) return;
   if (!known_.emplace(event.utime, event.kind, event.text).second) return;
   switch (event.kind) {
     case experiment_event_t::FAULT:
@@ -37,6 +47,7 @@ void EventRecord::take(const experiment_event_t& event) {
 }
 
 void EventRecord::takeStep(const experiment_event_t& event) {
+  if (steps_.size() >= kMostSteps && !steps_.contains(event.step)) return;
   StepRecord& step = steps_[event.step];
   step.number = event.step;
   step.label = event.label;
@@ -85,7 +96,7 @@ void ServiceRecords::take(const service_status_t& status) {
     service = &found->second;
   } else {
     // A shell command such as `lab mark` sends only its final counts: it is not a service.
-    if (status.state == service_status_t::ENDED) return;
+    if (status.state == service_status_t::ENDED || services_.size() >= kMostServices) return;
     const auto earlier = std::count_if(services_.begin(), services_.end(), [&](const auto& known) {
       return known.second.name == status.sender;
     });

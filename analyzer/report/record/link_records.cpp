@@ -1,9 +1,12 @@
 #include "analyzer/report/record/link_records.hpp"
 
 #include <cmath>
+#include <cstddef>
 
 namespace lab::report {
 namespace {
+
+constexpr std::size_t kMostLinks = 1000;
 
 /// Adds the counts of one start of both gateways to those of earlier starts.
 void addCounts(const link_peer_t& peer, std::int64_t timeouts, LinkRecord& record) {
@@ -19,6 +22,7 @@ void addCounts(const link_peer_t& peer, std::int64_t timeouts, LinkRecord& recor
 
 void LinkRecords::take(const link_status_t& status) {
   for (const link_peer_t& peer : status.peers) {
+    if (watched_.size() >= kMostLinks && !watched_.contains({status.host, peer.host})) continue;
     Watched& watched = watched_[{status.host, peer.host}];
     LinkRecord& record = watched.record;
     record.host = status.host;

@@ -1,6 +1,8 @@
 #include "analyzer/report/record/message_loss.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <cstdlib>
 #include <tuple>
 
 #include "common/bus/stream_counter.hpp"
@@ -8,6 +10,13 @@
 #include "common/math/units.hpp"
 
 namespace lab::report {
+
+namespace {
+
+constexpr std::size_t kMostStreams = 64;           // of one sender: the lab has 21 channels
+constexpr std::int64_t kFarthestSeq = 10'000'000;  // two days at 50 messages a second
+
+}  // namespace
 
 LossTotal totalOf(const std::vector<StreamLoss>& streams) {
   LossTotal total;
@@ -19,40 +28,59 @@ LossTotal totalOf(const std::vector<StreamLoss>& streams) {
   return total;
 }
 
-MessageLossCounter::Sender& MessageLossCounter::sender(std::string_view name,
+MessageLossCounter::Sender* MessageLossCounter::sender(std::string_view name,
                                                        std::int64_t instance) {
   const auto found = std::find_if(senders_.begin(), senders_.end(), [&](const Sender& one) {
     return one.instance == instance && one.name == name;
   });
-  if (found != senders_.end()) return *found;
+  if (found != senders_.end()) return &*found;
+  if (senders_.size() >= kMostSenders) return nullptr;
   senders_.push_back({std::string(name), instance, 0, false, false, {}});
-  return senders_.back();
+  return &senders_.back();
 }
 
-MessageLossCounter::Stream& MessageLossCounter::Sender::stream(std::string_view channel) {
+MessageLossCounter::Stream* MessageLossCounter::Sender::stream(std::string_view channel) {
   const auto found = std::find_if(streams.begin(), streams.end(),
                                   [&](const Stream& one) { return one.channel == channel; });
-  if (found != streams.end()) return *found;
+  if (found != streams.end()) return &*found;
+  if (streams.size() >= kMostStreams) return nullptr;
   streams.push_back({std::string(channel)});
-  return streams.back();
+  return &streams.back();
 }
 
 void MessageLossCounter::count(std::string_view channel, const MessageHeader& header,
                                std::int64_t received_utime) {
   if (first_utime_ == 0) first_utime_ = received_utime;
-  Stream& stream = sender(header.sender, header.instance).stream(channel);
-  if (stream.received++ == 0) stream.first_seq = stream.last_seq = header.seq;
-  stream.first_seq = std::min(stream.first_seq, header.seq);
-  stream.last_seq = std::max(stream.last_seq, header.seq);
+  Sender* const from = sender(header.sender, header.instance);
+  Stream* const found = from != nullptr ? from->stream(channel) : nullptr;
+  if (found == nullptr) {
+    ++uncounted_;
+    return;
+  }
+  Stream& stream = *found;
+  // A damaged number would be the largest or the smallest for ever.
+  const bool far = std::abs(header.seq - stream.last_seq) > kFarthestSeq;
+  if (stream.received++ == 0 || (far && stream.received == 2)) {
+    stream.first_seq = stream.last_seq = header.seq;
+  }
+  if (stream.received == 1 || !far) {
+    stream.first_seq = std::min(stream.first_seq, header.seq);
+    stream.last_seq = std::max(stream.last_seq, header.seq);
+  }
   stream.largest_age_us = std::max(stream.largest_age_us, received_utime - header.utime);
 }
 
 void MessageLossCounter::take(const service_status_t& status) {
-  Sender& from = sender(status.sender, status.instance);
+  Sender* const known = sender(status.sender, status.instance);
+  if (known == nullptr) return;
+  Sender& from = *known;
   from.start_utime = status.start_utime;
   from.ended = from.ended || status.state == service_status_t::ENDED;
   for (const channel_count_t& count : status.sent) {
-    Stream& stream = from.stream(count.channel);
+    Stream* const found = from.stream(count.channel);
+    if (found == nullptr) continue;
+    Stream& stream = *found;
+    if (count.messages - std::max(stream.last_seq, stream.sent_last) > kFarthestSeq) continue;
     if (!from.has_status) {
       stream.sent_first = count.messages;
       stream.received_first = stream.received;

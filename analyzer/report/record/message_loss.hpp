@@ -1,6 +1,7 @@
 /// Counts the messages that were sent and are missing in a closed log.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <lab/service_status_t.hpp>
 #include <string>
@@ -49,6 +50,12 @@ class MessageLossCounter {
   /// The number of the start with this instance, from 1; 0 if it is unknown.
   [[nodiscard]] int startOf(std::string_view sender, std::int64_t instance) const;
 
+  /// Messages of senders beyond the limit, which are not counted by stream.
+  [[nodiscard]] std::int64_t uncounted() const { return uncounted_; }
+
+  /// A lab of many hosts has a hundred starts of senders.
+  static constexpr std::size_t kMostSenders = 500;
+
  private:
   struct Stream {
     std::string channel;
@@ -68,14 +75,15 @@ class MessageLossCounter {
     bool ended = false;
     std::vector<Stream> streams;
 
-    Stream& stream(std::string_view channel);
+    Stream* stream(std::string_view channel);  ///< nullptr: beyond the limit
   };
 
-  Sender& sender(std::string_view name, std::int64_t instance);
+  Sender* sender(std::string_view name, std::int64_t instance);  ///< nullptr: beyond the limit
   [[nodiscard]] StreamLoss loss(const Sender& sender, const Stream& stream) const;
 
   std::vector<Sender> senders_;
   std::int64_t first_utime_ = 0;  ///< first arrival in the log
+  std::int64_t uncounted_ = 0;
 };
 
 }  // namespace lab::report

@@ -23,13 +23,16 @@ class TrackRecord {
     // Frame numbers are consecutive within one instance of the tracker.
     if (!tracks_.frames.empty() && frame.instance == instance_) {
       const std::int64_t gap = frame.frame - tracks_.frames.back().frame - 1;
-      missing_ += std::max<std::int64_t>(0, gap);
+      if (gap <= kMostMissing) missing_ += std::max<std::int64_t>(0, gap);
     }
     instance_ = frame.instance;
     period_ = frame.frame_period;
     tracks_.frames.push_back({frame.utime, frame.frame, tracks_.rows.size()});
     const double time = feed_.seconds(frame.utime);
     for (const tracked_pose_t& pose : frame.robots) {
+      if (waiting_.size() >= analysis::Analysis::kMostRobots && !waiting_.contains(pose.robot_id)) {
+        continue;
+      }
       waiting_[pose.robot_id].push_back({time, tracks_.rows.size()});
       tracks_.rows.push_back({pose.robot_id, static_cast<float>(pose.x), static_cast<float>(pose.y),
                               static_cast<float>(pose.theta)});
@@ -43,6 +46,8 @@ class TrackRecord {
   }
 
  private:
+  static constexpr std::int64_t kMostMissing = 10'000'000;  // a larger gap is a damaged number
+
   struct Waiting {
     double time;
     std::size_t row;
@@ -196,6 +201,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   record.results = feed.results(depth);
   events.finish(record);
   fillStitching(feed, record);
+  record.left_out = feed.counters().left_out;
   services.finish(record);
   record.links = links.records();
   return record;

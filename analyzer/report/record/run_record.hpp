@@ -145,6 +145,7 @@ struct RunRecord {
   std::vector<LinkRecord> links;
 
   Tracks tracks;
+  std::int64_t left_out = 0;        ///< reports of robots and programs beyond the limits
   std::int64_t missing_frames = 0;  ///< frame numbers of the camera that are missing in the log
   double frame_period = 0;          ///< [s] nominal
   std::vector<PieceRecord> pieces;  ///< pieces of free motion

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "analyzer/service/analysis.hpp"
 #include "common/experiment/light_messages.hpp"
 
 namespace lab::report {
@@ -66,6 +67,9 @@ void LightTimeline::measure(LightSpan& span) const {
 
 void RobotTimelines::take(const robot_status_t& status) {
   for (const robot_state_t& state : status.robots) {
+    if (robots_.size() >= analysis::Analysis::kMostRobots && !robots_.contains(state.robot_id)) {
+      continue;
+    }
     take(robots_[state.robot_id], state, status.instance);
   }
 }

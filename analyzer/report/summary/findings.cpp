@@ -278,6 +278,32 @@ std::string lossText(const RunRecord& record) {
                      kPercents * static_cast<double>(total.lost) / static_cast<double>(sent));
 }
 
+std::vector<std::string> refusalTexts(const RunRecord& record) {
+  std::vector<std::string> lines;
+  for (const auto& [channel, refused] : record.log.refused) {
+    lines.push_back(fmt::format("{} not used: the first {}",
+                                countText(refused.count, "message") + " on " + channel,
+                                refused.first));
+  }
+  if (record.log.bad_times > 0) {
+    lines.push_back(fmt::format("{} of arrival damaged: replaced by the one before",
+                                countText(record.log.bad_times, "time")));
+  }
+  if (record.log.foreign_senders > 0) {
+    lines.push_back(fmt::format("{} of senders beyond the first {} not counted among the losses",
+                                countText(record.log.foreign_senders, "message"),
+                                MessageLossCounter::kMostSenders));
+  }
+  if (record.left_out > 0) {
+    lines.push_back(
+        fmt::format("{} of robots and programs beyond {} robots and {} programs left "
+                    "out",
+                    countText(record.left_out, "report"), analysis::Analysis::kMostRobots,
+                    analysis::Analysis::kMostPrograms));
+  }
+  return lines;
+}
+
 std::vector<std::string> headlines(const RunRecord& record) {
   std::vector<std::string> lines;
   // First, because doubts about units concern all numbers that follow.
@@ -340,6 +366,7 @@ std::vector<std::string> headlines(const RunRecord& record) {
     }
     return lines;
   }
+  for (const std::string& line : refusalTexts(record)) lines.push_back(line);
   const std::string lost = lossText(record);
   lines.push_back(lost.empty() ? "all messages that were sent are in the log" : lost);
   for (const Remark& fault : record.faults) {

@@ -50,6 +50,10 @@ struct Finding {
 /// without its last count. Empty if none is missing.
 [[nodiscard]] std::string lossText(const RunRecord& record);
 
+/// What of the log is not used, one line each: messages with impossible numbers or times, events of
+/// others than the runner, what is beyond the limits.
+[[nodiscard]] std::vector<std::string> refusalTexts(const RunRecord& record);
+
 /// Lines for the terminal: one per program, then losses and faults.
 [[nodiscard]] std::vector<std::string> headlines(const RunRecord& record);
 

@@ -135,6 +135,10 @@ Json losses(const RunRecord& record) {
   json["decode_errors"] =
       record.log.decode_errors.empty() ? Json::object() : Json(record.log.decode_errors);
   json["damaged_places_in_log"] = record.log.damaged_places;
+  for (const auto& [channel, refused] : record.log.refused) {
+    json["refused"][channel] = {{"messages", refused.count}, {"first", refused.first}};
+  }
+  if (record.log.bad_times > 0) json["damaged_times_in_log"] = record.log.bad_times;
   json["camera_frames"] = record.log.frames;
   json["camera_frames_missing"] = record.missing_frames;
   return json;

@@ -155,5 +155,14 @@ TEST(MessageHeader, IsNotReadWithAnImpossibleSenderLength) {
   }
 }
 
+TEST(PeekHeader, RefusesASenderWithAZeroInside) {
+  robot_status_t status{};
+  status.sender = "sim_svc";
+  std::vector<std::uint8_t> bytes = encode(status);
+  ASSERT_TRUE(peekHeader(bytes));
+  bytes[22] = 0;  // the third letter
+  EXPECT_FALSE(peekHeader(bytes));
+}
+
 }  // namespace
 }  // namespace lab::codec_test

@@ -222,5 +222,35 @@ TEST_F(LogFile, ReadsASeriesAsOneLog) {  // a restarted logger continues in .01,
   }
 }
 
+TEST_F(LogFile, ReplacesADamagedTimeAndKeepsASilenceAndAStep) {
+  constexpr std::int64_t kHour = 3'600'000'000;
+  const std::vector<std::int64_t> written_times{
+      1, 1'000'000'000'000'000'000, 2, 3, -5, 4, 2 * kHour, 2 * kHour + 1, kHour, kHour + 1};
+  {
+    LogWriter log(folder_ / "times.lcmlog");
+    for (const std::int64_t utime : written_times) write(log, {"CHANNEL", {1}, utime});
+  }
+  const LogReadResult result = read({folder_ / "times.lcmlog"});
+  std::vector<std::int64_t> times;
+  for (const Heard& event : heard_) times.push_back(event.utime);
+  EXPECT_THAT(times, ElementsAre(1, 1, 2, 3, 3, 4, 2 * kHour, 2 * kHour + 1, kHour, kHour + 1));
+  EXPECT_EQ(result.bad_times, 2);
+}
+
+TEST_F(LogFile, ReplacesADamagedFirstAndLastTime) {
+  {
+    LogWriter log(folder_ / "times.lcmlog");
+    const std::int64_t year = 31'557'600'000'000;
+    for (const std::int64_t utime : {20 * year, std::int64_t{5}, std::int64_t{6}, 9 * year}) {
+      write(log, {"CHANNEL", {1}, utime});
+    }
+  }
+  const LogReadResult result = read({folder_ / "times.lcmlog"});
+  std::vector<std::int64_t> times;
+  for (const Heard& event : heard_) times.push_back(event.utime);
+  EXPECT_THAT(times, ElementsAre(5, 5, 6, 6));
+  EXPECT_EQ(result.bad_times, 2);
+}
+
 }  // namespace
 }  // namespace lab::log_file_test

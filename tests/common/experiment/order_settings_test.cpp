@@ -103,5 +103,13 @@ TEST(OrderSettings, RefusesToDriveTooFastOrAtNan) {
   EXPECT_NE(refusalOf(order), "");
 }
 
+TEST(OrderSettings, RefusesAReversalThatRoundsToNoSpeed) {
+  robot_order_t order = table();
+  order.reverse_speed = 1e-9;
+  EXPECT_NE(refusalOf(order), "");
+  order.reverse_speed = 1e-6;
+  EXPECT_EQ(refusalOf(order), "");
+}
+
 }  // namespace
 }  // namespace lab

@@ -296,5 +296,53 @@ TEST(NodeOnAFailingBus, CountsOnlyMessagesThatWereSent) {
   EXPECT_EQ(status.seq, 2);
 }
 
+TEST_F(NodeTest, RefusesImpossibleNumbersAndNamesThemOnce) {
+  int heard = 0;
+  dut_.subscribe<robot_status_t>(channels::kRobotStatus,
+                                 [&heard](const robot_status_t&) { ++heard; });
+  dut_.start();
+  robot_status_t status{};
+  status.sender = "forger";
+  status.robots.resize(1);
+  status.num_robots = 1;
+  status.robots[0].wheel_left = 1e300;
+  for (int i = 0; i < 3; ++i) bus_.publish(channels::kRobotStatus, encode(status));
+
+  const service_status_t& beat = nextBeat();
+
+  EXPECT_EQ(heard, 0);
+  EXPECT_EQ(beat.last_error,
+            "ROBOT_STATUS from forger refused: robots[0].wheel_left: found 1e+300, expected -100 "
+            "to 100");
+  ASSERT_EQ(beat.received.size(), 1U);
+  EXPECT_EQ(beat.received[0].decode_errors, 3);
+}
+
+TEST_F(NodeTest, RefusesASingleMessageOfAnotherYear) {
+  std::vector<std::int64_t> heard;
+  dut_.subscribe<robot_status_t>(channels::kRobotStatus, [&heard](const robot_status_t& status) {
+    heard.push_back(status.utime);
+  });
+  robot_status_t status{};
+  for (const std::int64_t utime : {kStart, 2 * kStart, kStart + 1}) {
+    status.utime = utime;
+    bus_.publish(channels::kRobotStatus, encode(status));
+  }
+  bus_.deliver();
+  EXPECT_THAT(heard, ElementsAre(kStart, kStart + 1));
+}
+
+TEST_F(NodeTest, AHeartbeatStaysSmallWhateverTheNumberOfSenders) {
+  dut_.subscribe<robot_status_t>(channels::kRobotStatus, [](const robot_status_t&) {});
+  dut_.start();
+  for (std::int64_t i = 0; i < 3000; ++i) sendStatus(1, std::string(63, 'x'), i);
+
+  const service_status_t& beat = nextBeat();
+
+  EXPECT_EQ(beat.received.size(), StreamCounter::kMostStreams);
+  EXPECT_LT(encode(beat).size(), 60'000U);
+  EXPECT_THAT(beat.last_error, testing::HasSubstr("more than 256 streams"));
+}
+
 }  // namespace
 }  // namespace lab

@@ -343,5 +343,33 @@ TEST(LabView, UsesBoundedMemoryDuringADay) {
   EXPECT_LE(bench.topic("history/tumble")["t_s"].size(), HistoryView::kMaxPoints);
 }
 
+TEST(LabView, KeepsARunWhoseEventsAreForged) {
+  Bench bench;
+  bench.start(1, kNow);
+  bench.send(channels::kRobotStatus, statusOf({stateOf(3)}), kNow);
+  experiment_event_t forged{};
+  forged.sender = "forger";
+  for (const std::int8_t kind : {experiment_event_t::START, experiment_event_t::END}) {
+    forged.kind = kind;
+    bench.send(channels::kExperimentEvent, forged, kNow + 1000);
+  }
+  bench.dut.publishMoving(kNow + 1000, true);
+  bench.dut.publishTotals(kNow + 1000, {});
+  EXPECT_EQ(bench.topic("timeline")["start_us"], kNow);
+  EXPECT_EQ(bench.topic("timeline")["end"], nullptr);
+  EXPECT_FALSE(bench.topic("robots").empty());
+}
+
+TEST(LabView, GoesOnAfterASenderWithAZeroInside) {
+  Bench bench;
+  robot_status_t status = statusOf({stateOf(3)});
+  status.sender = "sim_svc";
+  std::vector<std::uint8_t> data = encode(status);
+  data[22] = 0;
+  bench.dut.take({channels::kRobotStatus, data, kNow}, kNow);
+  bench.dut.publishTotals(kNow, {});
+  EXPECT_EQ(bench.topic("health")["advice"][0]["level"].is_string(), true);
+}
+
 }  // namespace
 }  // namespace lab::dashboard

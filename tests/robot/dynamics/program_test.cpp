@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "robot/dynamics/motor.hpp"
+
 namespace lab::dynamics {
 namespace {
 
@@ -191,6 +193,35 @@ TEST(Program, InvalidTimesLastAtLeastOneMillisecond) {
   dut.start(params);
   (void)dut.next(rng);
   EXPECT_EQ(dut.next(rng).duration_ms, 1U);
+}
+
+// No settings are valid that contain these numbers, but bytes may; see the sanitizers.
+TEST(Program, EndsEveryDrawWhateverItsParameters) {
+  const int32_t extremes[] = {0, 1, -1, INT32_MAX, INT32_MIN};
+  Rng rng(1);
+  for (const int32_t speed : extremes) {
+    for (const int32_t amplitude : extremes) {
+      for (uint8_t kind = 0; kind < kProgramKinds; ++kind) {
+        ProgramParams params;
+        params.kind = static_cast<ProgramKind>(kind);
+        params.speed_um_s = speed;
+        params.amplitude_um_s = amplitude;
+        params.tumble_amplitude_um_s = amplitude;
+        params.mean_run_us = 0xFFFFFFFFU;
+        Program dut;
+        dut.start(params);
+        uint64_t time = 0;
+        for (int draw = 0; draw < 4; ++draw) {
+          const Hold hold = dut.next(rng);
+          bool saturated = false;
+          time += hold.duration_ms;
+          static_cast<void>(clampWheel(hold.left_um_s, speed, saturated));
+          static_cast<void>(dutyForSpeed(hold.right_um_s, speed));
+        }
+        EXPECT_GT(time, 0U);
+      }
+    }
+  }
 }
 
 }  // namespace

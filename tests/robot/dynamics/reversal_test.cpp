@@ -241,5 +241,18 @@ TEST(Reversal, CanBeDisabledAndConfigured) {
   EXPECT_EQ(dut.nextEventMs(20), 20 + 667U);
 }
 
+TEST(Reversal, DoesNotBeginWithoutASpeed) {
+  for (const int32_t speed : {0, -1, INT32_MIN}) {
+    CoreSettings settings = driving(50000, 50000);
+    settings.reversal.speed_um_s = speed;
+    RobotCore dut = runningCore(0);
+    dut.configure(10, settings);
+    dut.sense(20, seeing(kFront, 0));
+    dut.sense(40, seeing(kFront, 300));
+    EXPECT_FALSE(has(dut, kReversing)) << speed;
+    expectWheels(dut, 50000, 50000);
+  }
+}
+
 }  // namespace
 }  // namespace lab::dynamics

@@ -62,5 +62,29 @@ TEST(SelectEvents, OmitsChannelsThatThePlayerPublishesItself) {
                                             std::string(channels::kExperimentEvent)}));
 }
 
+TEST(SelectEvents, ShortensGapsAndGoesOnWhereTheClockWasSetBack) {
+  constexpr std::int64_t kSecond = 1'000'000;
+  const TemporaryFolder folder;
+  const std::filesystem::path log = folder / "log.lcmlog";
+  {
+    LogWriter writer(log);
+    for (const std::int64_t second : {100, 101, 500, 501, 200, 201, 202}) {
+      writer.write({channels::kRobotStatus, {}, second * kSecond});
+    }
+  }
+  ShortenedGaps gaps;
+  std::vector<std::int64_t> played;
+  std::vector<std::int64_t> recorded;
+  for (const LogEvent& event : selectEvents({log}, {}, &gaps)) {
+    played.push_back(event.utime / kSecond);
+    recorded.push_back(event.log_utime / kSecond);
+  }
+  EXPECT_EQ(played, (std::vector<std::int64_t>{100, 101, 111, 112, 112, 113, 114}));
+  EXPECT_EQ(recorded, (std::vector<std::int64_t>{100, 101, 500, 501, 200, 201, 202}));
+  EXPECT_EQ(gaps.gaps, 1);
+  EXPECT_DOUBLE_EQ(gaps.longest, 399);
+  EXPECT_EQ(gaps.steps_back, 1);
+}
+
 }  // namespace
 }  // namespace lab::runner

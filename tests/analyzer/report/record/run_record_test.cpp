@@ -306,5 +306,61 @@ TEST_F(RunRecordTest, DetectsSpatialLight) {
   EXPECT_DOUBLE_EQ(dut.light[1].high, 0.75);
 }
 
+/// Adds forged events to a log, at its beginning and at its end.
+TEST_F(RunRecordTest, BelievesOnlyTheRunsOwnRunner) {
+  experiment_event_t forged{};
+  forged.kind = experiment_event_t::START;
+  forged.sender = "forger";
+  forged.utime = 1;
+  forged.contract_version = 99;
+  const std::filesystem::path original = log().string() + ".original";
+  SyntheticLab(original, experiment_).run();
+  {
+    LogWriter writer(log());
+    const auto write = [&](std::int8_t kind, std::int64_t utime) {
+      forged.kind = kind;
+      writer.write({channels::kExperimentEvent, encode(forged), utime});
+    };
+    std::int64_t last = 0;
+    bool first = true;
+    static_cast<void>(readLog({original}, [&](const Packet& packet) {
+      if (std::exchange(first, false)) write(experiment_event_t::START, packet.received_utime);
+      last = packet.received_utime;
+      writer.write(packet);
+    }));
+    write(experiment_event_t::FAULT, last);
+    write(experiment_event_t::END, last);
+  }
+
+  const RunRecord dut = read();
+
+  EXPECT_TRUE(dut.experiment);
+  EXPECT_TRUE(dut.faults.empty());
+  EXPECT_NE(dut.end_reason, "");
+  ASSERT_TRUE(dut.log.refused.contains("EXPERIMENT_EVENT"));
+  EXPECT_EQ(dut.log.refused.at("EXPERIMENT_EVENT").count, 3);
+  EXPECT_THAT(dut.log.refused.at("EXPERIMENT_EVENT").first, HasSubstr("from forger: sender"));
+}
+
+TEST_F(RunRecordTest, BoundsItsStateUnderForgedSenders) {
+  SyntheticLab(log(), experiment_).run();
+  {
+    LogWriter writer(log().string() + ".01");
+    tracked_frame_t frame{};
+    frame.utime = 1;
+    for (int i = 0; i < 60'000; ++i) {
+      frame.sender = "forger" + std::to_string(i);
+      writer.write({channels::kTrackedFrame, encode(frame), VirtualLoop::kEpoch + 21'000'000});
+    }
+  }
+
+  const RunRecord dut = read();
+
+  EXPECT_EQ(dut.log.frames, 400);
+  EXPECT_EQ(dut.log.refused.at("TRACKED_FRAME").count, 60'000);
+  EXPECT_LE(dut.log.streams.size(), 600U);
+  EXPECT_GT(dut.log.foreign_senders, 59'000);
+}
+
 }  // namespace
 }  // namespace lab::report

@@ -1,0 +1,236 @@
+#include "common/bus/message_values.hpp"
+
+#include <cstdint>
+#include <lab/experiment_event_t.hpp>
+#include <lab/light_delivery_t.hpp>
+#include <lab/light_status_t.hpp>
+#include <lab/link_status_t.hpp>
+#include <lab/robot_calibration_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/robot_steps_t.hpp>
+#include <lab/service_status_t.hpp>
+#include <lab/sim_truth_t.hpp>
+#include <lab/tracked_details_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <lab/tracker_status_t.hpp>
+#include <limits>
+
+#include "robot/dynamics/robot_program.hpp"
+
+namespace lab {
+namespace {
+
+constexpr double kFarthest = 1e3;      // [m] as the dashboard shows
+constexpr double kFastest = 100;       // [m/s]
+constexpr double kLongestTime = 1e10;  // [s]
+constexpr double kMostTurns = 1e6;     // [rad]
+constexpr double kLargest = 1e12;      // of numbers in the sender's own units
+// Sums over the lists of a message, and of a log, do not overflow.
+constexpr std::int64_t kMost = std::int64_t{1} << 50;         // counts
+constexpr std::int64_t kMostPackets = std::int64_t{1} << 40;  // on a link
+constexpr std::int64_t kMostOrders = std::int64_t{1} << 60;   // a program may number by its clock
+constexpr std::int64_t kMost32 = std::numeric_limits<std::int32_t>::max();
+
+/// The widest limits of any robot: keys robot.max_wheel_speed_cm_s and robot.diameter_cm.
+constexpr dynamics::WheelLimits kWidestLimits{5.0, 0.01};
+
+}  // namespace
+
+void checkHeader(ValueChecker& check, std::int64_t utime, std::int64_t seq) {
+  check.time("utime", utime);
+  check.whole("seq", seq, 0, kMostOrders);
+}
+
+std::optional<std::string> impossibleHeader(std::int64_t utime, std::int64_t seq) {
+  ValueChecker check;
+  checkHeader(check, utime, seq);
+  return check.problem();
+}
+
+static void checkValues(ValueChecker& check, const program_t& program) {
+  for (const double value :
+       {program.v, program.va, program.V, program.epsilon, program.eta, program.gamma,
+        program.tau_t, program.wheel_left, program.wheel_right}) {
+    check.number("parameter", value, -kLargest, kLargest);
+  }
+  check.whole("kind", program.kind, 0, dynamics::kProgramKinds - 1);
+  if (check.problem()) return;
+  dynamics::RobotProgram own;
+  own.kind = static_cast<dynamics::ProgramKind>(program.kind);
+  own.v = program.v;
+  own.va = program.va;
+  own.V = program.V;
+  own.epsilon = program.epsilon;
+  own.eta = program.eta;
+  own.gamma = program.gamma;
+  own.tau_t = program.tau_t;
+  own.wheel_left = program.wheel_left;
+  own.wheel_right = program.wheel_right;
+  check.rule("parameters", dynamics::outOfRange(own, kWidestLimits));
+}
+
+static void checkValues(ValueChecker& check, const robot_state_t& state) {
+  check.time("utime", state.utime);
+  check.time("program_start_utime", state.program_start_utime);
+  check.time("reversal_start_utime", state.reversal_start_utime);
+  check.time("reversal_end_utime", state.reversal_end_utime);
+  check.part("program", state.program);
+  check.whole("program_epoch", state.program_epoch, 0, kMost32);
+  check.whole("reversal_count", state.reversal_count, 0, kMost32);
+  check.whole("tumble_count", state.tumble_count, 0, kMost32);
+  check.whole("link_errors", state.link_errors, 0, kMost32);
+  check.number("wheel_left", state.wheel_left, -kFastest, kFastest);
+  check.number("wheel_right", state.wheel_right, -kFastest, kFastest);
+  check.number("program_left", state.program_left, -kFastest, kFastest);
+  check.number("program_right", state.program_right, -kFastest, kFastest);
+  check.number("light_front", state.light_front, -kLargest, kLargest);
+  check.number("light_back", state.light_back, -kLargest, kLargest);
+  check.number("run_time", state.run_time, 0, kLongestTime);
+}
+
+void checkValues(ValueChecker& check, const robot_status_t& status) {
+  check.list("robots", status.robots);
+  // A robot cannot have been sampled after its message was assembled; its clock is converted.
+  constexpr std::int64_t kAhead_us = 5'000'000;
+  for (const robot_state_t& state : status.robots) {
+    if (status.utime == 0 || check.problem()) return;
+    check.whole("robots.utime", state.utime, 0, status.utime + kAhead_us);
+  }
+}
+
+static void checkValues(ValueChecker& check, const tracked_pose_t& pose) {
+  check.number("x", pose.x, -kFarthest, kFarthest);
+  check.number("y", pose.y, -kFarthest, kFarthest);
+  check.number("theta", pose.theta, -kMostTurns, kMostTurns);
+  for (const double value : pose.covariance) {
+    check.number("covariance", value, -kLargest, kLargest);
+  }
+  check.number("confidence", pose.confidence, 0, 1);
+}
+
+void checkValues(ValueChecker& check, const tracked_frame_t& frame) {
+  check.whole("frame", frame.frame, -1, kMost);
+  check.number("frame_period", frame.frame_period, 0, kLongestTime);
+  check.list("robots", frame.robots);
+  check.list("unidentified", frame.unidentified);
+}
+
+void checkValues(ValueChecker& check, const tracker_status_t& status) {
+  for (const std::int64_t count :
+       {status.frames, status.dropped, status.dark, status.saturated, status.bindings,
+        status.unbindings, status.flips, status.lost, status.spacings}) {
+    check.whole("count", count, 0, kMost);
+  }
+}
+
+static void checkValues(ValueChecker& check, const cap_detail_t& cap) {
+  check.number("spacing", cap.spacing, -kFarthest, kFarthest);
+  check.number("white", cap.white, -kLargest, kLargest);
+  check.number("u", cap.u, -kLargest, kLargest);
+  check.number("v", cap.v, -kLargest, kLargest);
+}
+
+void checkValues(ValueChecker& check, const tracked_details_t& details) {
+  check.whole("frame", details.frame, -1, kMost);
+  check.list("caps", details.caps);
+}
+
+static void checkValues(ValueChecker& check, const light_layer_t& layer) {
+  for (const double value : {layer.x, layer.y, layer.angle, layer.size, layer.inner, layer.softness,
+                             layer.intensity, layer.intensity2, layer.phase}) {
+    check.number("number", value, -kLargest, kLargest);
+  }
+}
+
+void checkValues(ValueChecker& check, const light_status_t& status) {
+  check.whole("frame", status.frame, -1, kMost);
+  check.number("frame_period", status.frame_period, 0, kLongestTime);
+  check.number("latency", status.latency, -kLongestTime, kLongestTime);
+  check.time("first_shown_utime", status.first_shown_utime);
+  check.number("mix", status.mix, 0, 1);
+  check.list("previous", status.previous);
+  check.list("layers", status.layers);
+}
+
+static void checkValues(ValueChecker& check, const light_delay_t& delay) {
+  check.whole("count", delay.count, 0, kMost32);
+}
+
+void checkValues(ValueChecker& check, const light_delivery_t& delivery) {
+  check.whole("steps", delivery.steps, 0, kMost32);
+  check.list("delays", delivery.delays);
+}
+
+static void checkValues(ValueChecker& check, const robot_step_t& step) {
+  check.time("utime", step.utime);
+  check.number("wheel_left", step.wheel_left, -kFastest, kFastest);
+  check.number("wheel_right", step.wheel_right, -kFastest, kFastest);
+  check.number("duration", step.duration, -1, kLongestTime);
+}
+
+void checkValues(ValueChecker& check, const robot_steps_t& steps) {
+  check.list("steps", steps.steps);
+}
+
+static void checkValues(ValueChecker& check, const true_pose_t& pose) {
+  check.number("x", pose.x, -kFarthest, kFarthest);
+  check.number("y", pose.y, -kFarthest, kFarthest);
+  check.number("theta", pose.theta, -kLargest, kLargest);
+}
+
+void checkValues(ValueChecker& check, const sim_truth_t& truth) {
+  check.list("robots", truth.robots);
+}
+
+static void checkValues(ValueChecker& check, const motor_calibration_t& motors) {
+  check.number("gain_left", motors.gain_left, 0, kFastest);
+  check.number("gain_right", motors.gain_right, 0, kFastest);
+  check.number("dead_band_left", motors.dead_band_left, 0, 1);
+  check.number("dead_band_right", motors.dead_band_right, 0, 1);
+  check.number("wheel_base", motors.wheel_base, 0, kFarthest);
+}
+
+void checkValues(ValueChecker& check, const robot_calibration_t& calibration) {
+  check.list("robots", calibration.robots);
+}
+
+void checkValues(ValueChecker& check, const experiment_event_t& event) {
+  check.whole("step", event.step, -1, kMost32 - 1);
+  check.time("commanded_utime", event.commanded_utime);
+  check.time("presented_utime", event.presented_utime);
+  check.time("seen_utime", event.seen_utime);
+  check.time("first_acted_utime", event.first_acted_utime);
+  check.time("last_acted_utime", event.last_acted_utime);
+}
+
+static void checkValues(ValueChecker& check, const link_peer_t& peer) {
+  check.time("heard_utime", peer.heard_utime);
+  for (const std::int64_t count :
+       {peer.sent, peer.received, peer.lost, peer.repeated, peer.stale, peer.clashing}) {
+    check.whole("count", count, 0, kMostPackets);
+  }
+}
+
+void checkValues(ValueChecker& check, const link_status_t& status) {
+  check.whole("foreign", status.foreign, 0, kMostPackets);
+  check.whole("timeouts", status.timeouts, 0, kMostPackets);
+  check.list("peers", status.peers);
+}
+
+static void checkValues(ValueChecker& check, const channel_count_t& count) {
+  check.whole("messages", count.messages, 0, kMost);
+}
+
+static void checkValues(ValueChecker& check, const stream_count_t& count) {
+  check.whole("received", count.received, 0, kMost);
+  check.whole("lost", count.lost, -kMost, kMost);
+  check.whole("decode_errors", count.decode_errors, 0, kMost);
+}
+
+void checkValues(ValueChecker& check, const service_status_t& status) {
+  check.time("start_utime", status.start_utime);
+  check.list("sent", status.sent);
+  check.list("received", status.received);
+}
+
+}  // namespace lab

@@ -1,0 +1,65 @@
+/// Which numbers a message can hold at all. Whatever receives a message, live or from a log, checks
+/// them once, before anything computes with them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <type_traits>
+
+#include "common/bus/value_checker.hpp"
+
+namespace lab {
+
+class experiment_event_t;
+class light_delivery_t;
+class light_status_t;
+class link_status_t;
+class robot_calibration_t;
+class robot_status_t;
+class robot_steps_t;
+class robot_stop_t;
+class service_status_t;
+class sim_truth_t;
+class tracked_details_t;
+class tracked_frame_t;
+class tracker_status_t;
+
+// The ranges are far beyond what any lab measures: they exclude what is damaged or forged, and what
+// the code behind them cannot compute with. What a receiver allows of these is its own affair.
+void checkValues(ValueChecker& check, const experiment_event_t& event);
+void checkValues(ValueChecker& check, const light_delivery_t& delivery);
+void checkValues(ValueChecker& check, const light_status_t& status);
+void checkValues(ValueChecker& check, const link_status_t& status);
+void checkValues(ValueChecker& check, const robot_calibration_t& calibration);
+void checkValues(ValueChecker& check, const robot_status_t& status);
+void checkValues(ValueChecker& check, const robot_steps_t& steps);
+void checkValues(ValueChecker& check, const service_status_t& status);
+void checkValues(ValueChecker& check, const sim_truth_t& truth);
+void checkValues(ValueChecker& check, const tracked_details_t& details);
+void checkValues(ValueChecker& check, const tracked_frame_t& frame);
+void checkValues(ValueChecker& check, const tracker_status_t& status);
+
+/// The other types have only their header: their receivers answer an order with the reason of its
+/// refusal (ROBOT_COMMAND, LIGHT_COMMAND, EXPERIMENT_COMMAND), or only show the numbers (ANALYSIS).
+template <class Message>
+void checkValues(ValueChecker& /*check*/, const Message& /*message*/) {}
+
+void checkHeader(ValueChecker& check, std::int64_t utime, std::int64_t seq);
+
+/// The first number of a message that no part of the lab can have sent, with what was found and
+/// what was expected; nothing if there is none.
+template <class Message>
+[[nodiscard]] std::optional<std::string> impossibleValue(const Message& message) {
+  // A stop is obeyed, whatever its time is.
+  if constexpr (std::is_same_v<Message, robot_stop_t>) return std::nullopt;
+  ValueChecker check;
+  checkHeader(check, message.utime, message.seq);
+  checkValues(check, message);
+  return check.problem();
+}
+
+/// The same for the header of a message that is not decoded.
+[[nodiscard]] std::optional<std::string> impossibleHeader(std::int64_t utime, std::int64_t seq);
+
+}  // namespace lab

@@ -1,0 +1,74 @@
+/// The check of the numbers of a message.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace lab {
+
+/// Walks over the numbers of a message and keeps the first one that is out of its range, with its
+/// place: "robots[2].program.epsilon: found 5e-324, expected 0.001 to 3600". Names are literals.
+class ValueChecker {
+ public:
+  /// Microseconds since 1970. 0 stands for "never" in many fields. Above it are 130 years, so that
+  /// no difference of two times and no count of frames between them overflows.
+  void time(const char* name, std::int64_t utime) { whole(name, utime, 0, kLatestUtime); }
+
+  /// A finite number from `low` to `high`.
+  void number(const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high)) fail(name, value, low, high);
+  }
+
+  void whole(const char* name, std::int64_t value, std::int64_t low, std::int64_t high) {
+    if (value < low || value > high) fail(name, value, low, high);
+  }
+
+  /// A rule that is not a range. @param problem what was found and what was expected; empty: none
+  void rule(const char* name, const std::string& problem) {
+    if (!problem.empty()) fail(name, problem);
+  }
+
+  /// Checks a part of the message by checkValues(ValueChecker&, part).
+  template <class Part>
+  void part(const char* name, const Part& part) {
+    enter(name, -1);
+    checkValues(*this, part);
+    leave();
+  }
+
+  template <class Part>
+  void list(const char* name, const std::vector<Part>& parts) {
+    for (std::size_t i = 0; i < parts.size() && !problem_; ++i) {
+      enter(name, static_cast<std::ptrdiff_t>(i));
+      checkValues(*this, parts[i]);
+      leave();
+    }
+  }
+
+  /// The first number that is out of range; nothing: all are possible.
+  [[nodiscard]] const std::optional<std::string>& problem() const { return problem_; }
+
+  static constexpr std::int64_t kLatestUtime = 4'102'444'800'000'000;  ///< the year 2100
+
+ private:
+  struct Place {
+    const char* name = "";
+    std::ptrdiff_t index = -1;
+  };
+
+  void enter(const char* name, std::ptrdiff_t index) { places_.at(depth_++) = {name, index}; }
+  void leave() { --depth_; }
+  void fail(const char* name, double value, double low, double high);
+  void fail(const char* name, std::int64_t value, std::int64_t low, std::int64_t high);
+  void fail(const char* name, const std::string& problem);
+
+  std::array<Place, 4> places_;  ///< parts of parts, of which no message has more
+  std::size_t depth_ = 0;
+  std::optional<std::string> problem_;
+};
+
+}  // namespace lab

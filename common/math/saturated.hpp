@@ -1,0 +1,22 @@
+/// Conversion of numbers that come from outside to integers.
+#pragma once
+
+#include <concepts>
+#include <limits>
+
+namespace lab {
+
+/// The whole number next to `value` in the direction of 0, limited to the range of `Integer`; 0 for
+/// nan. A cast of a double beyond that range is undefined.
+template <std::integral Integer>
+[[nodiscard]] constexpr Integer saturated(double value) {
+  constexpr Integer kLowest = std::numeric_limits<Integer>::min();
+  constexpr Integer kHighest = std::numeric_limits<Integer>::max();
+  if (value != value) return 0;
+  if (value <= static_cast<double>(kLowest)) return kLowest;
+  // The highest 64-bit numbers are no doubles: the next one is above the range.
+  if (value >= static_cast<double>(kHighest)) return kHighest;
+  return static_cast<Integer>(value);
+}
+
+}  // namespace lab

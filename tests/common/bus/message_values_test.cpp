@@ -1,0 +1,93 @@
+#include "common/bus/message_values.hpp"
+
+#include <gtest/gtest.h>
+
+#include <lab/robot_command_t.hpp>
+#include <lab/robot_status_t.hpp>
+#include <lab/robot_stop_t.hpp>
+#include <lab/tracked_frame_t.hpp>
+#include <limits>
+
+#include "common/math/saturated.hpp"
+
+namespace lab::message_values_test {
+namespace {
+
+constexpr std::int64_t kNow = 1'700'000'000'000'000;
+
+robot_status_t status() {
+  robot_status_t status{};
+  status.utime = kNow;
+  status.robots.resize(3);
+  status.num_robots = 3;
+  for (robot_state_t& state : status.robots) {
+    state.utime = kNow;
+    state.program.kind = program_t::ABP;
+    state.program.v = 0.03;
+    state.program.epsilon = 0.5;
+    state.program.eta = 3;
+  }
+  return status;
+}
+
+template <class Message>
+std::string problem(const Message& message) {
+  return impossibleValue(message).value_or("");
+}
+
+TEST(MessageValues, NameFieldFoundAndExpected) {
+  tracked_frame_t frame{};
+  frame.utime = kNow;
+  frame.robots.resize(2);
+  EXPECT_EQ(problem(frame), "");
+  frame.robots[1].x = 1e300;
+  EXPECT_EQ(problem(frame), "robots[1].x: found 1e+300, expected -1000 to 1000");
+  frame.robots[1].x = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(problem(frame), "robots[1].x: found nan, expected -1000 to 1000");
+  frame.robots[1].x = 0;
+  frame.utime = -1;
+  EXPECT_EQ(problem(frame), "utime: found -1, expected 0 to 4102444800000000");
+}
+
+TEST(MessageValues, RefuseProgramsThatNoRobotCanRun) {
+  EXPECT_EQ(problem(status()), "");
+  for (const double epsilon : {5e-324, 1e-308, 1e-4, 1e6}) {
+    robot_status_t dut = status();
+    dut.robots[2].program.epsilon = epsilon;
+    EXPECT_EQ(problem(dut).substr(0, 40), "robots[2].program.parameters: epsilon (t") << epsilon;
+  }
+  for (const double gamma : {1e6, 1e9, 1e-300}) {
+    robot_status_t dut = status();
+    dut.robots[0].program.kind = program_t::RTP;
+    dut.robots[0].program.tau_t = 0.5;
+    dut.robots[0].program.gamma = gamma;
+    EXPECT_EQ(problem(dut).substr(0, 35), "robots[0].program.parameters: gamma") << gamma;
+  }
+}
+
+TEST(MessageValues, RefuseSamplesAfterTheirMessage) {
+  robot_status_t dut = status();
+  dut.robots[0].utime = kNow + 60'000'000;
+  EXPECT_NE(problem(dut), "");
+  dut.robots[0].utime = kNow - 3'600'000'000;  // silent for an hour
+  EXPECT_EQ(problem(dut), "");
+}
+
+TEST(MessageValues, NeverRefuseAStop) {
+  robot_stop_t stop{};
+  stop.utime = std::numeric_limits<std::int64_t>::min();
+  stop.seq = -1;
+  EXPECT_EQ(problem(stop), "");
+}
+
+TEST(Saturated, LimitsWhatACastCannotHold) {
+  EXPECT_EQ(saturated<int>(1e300), std::numeric_limits<int>::max());
+  EXPECT_EQ(saturated<int>(-1e300), std::numeric_limits<int>::min());
+  EXPECT_EQ(saturated<int>(std::numeric_limits<double>::quiet_NaN()), 0);
+  EXPECT_EQ(saturated<std::int64_t>(9.3e18), std::numeric_limits<std::int64_t>::max());
+  EXPECT_EQ(saturated<std::uint8_t>(-3.5), 0);
+  EXPECT_EQ(saturated<int>(-3.5), -3);
+}
+
+}  // namespace
+}  // namespace lab::message_values_test
