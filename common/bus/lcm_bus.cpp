@@ -85,7 +85,7 @@ void LcmBus::subscribe(std::string_view channel, PacketHandler handler) {
 void LcmBus::subscribeAll(PacketHandler handler) { add(".*", std::move(handler)); }
 
 void LcmBus::add(const std::string& pattern, PacketHandler handler) {
-  subscriptions_.push_back(std::make_unique<Subscription>(this, std::move(handler)));
+  subscriptions_.push_back(std::make_unique<Subscription>(Subscription{this, std::move(handler)}));
   lcm_subscription_t* subscription = lcm_subscribe(
       lcm_.get(), pattern.c_str(), &Subscription::handle, subscriptions_.back().get());
   if (subscription == nullptr) throw BusError("LCM cannot subscribe to " + pattern);
