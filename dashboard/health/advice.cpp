@@ -117,7 +117,7 @@ void adviseOnRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
     if (is_silent && facts.isLive()) silent.add(id);
     if (is_silent) continue;
     if (row.rival_utime != 0 && facts.now - row.rival_utime < kRivals_us) rivals.add(id);
-    const auto says = [&row](std::int32_t flag) { return (row.state.flags & flag) != 0; };
+    const auto says = [&row = row](std::int32_t flag) { return (row.state.flags & flag) != 0; };
     if (says(robot_state_t::FLAG_REJECTED)) rejected.add(id);
     if (says(robot_state_t::FLAG_LEASE_EXPIRED) && facts.isLive()) lease.add(id);
     if (says(robot_state_t::FLAG_SATURATED)) saturated.add(id);

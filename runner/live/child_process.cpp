@@ -82,11 +82,11 @@ void ChildProcess::terminate() {
 }
 
 bool ChildProcess::waitOrKill(int patience_ms) {
-  constexpr int kStep_ms = 5;
+  constexpr int kPoll_ms = 5;
   bool killed = false;
-  for (int waited = 0; running(); waited += kStep_ms) {
+  for (int waited = 0; running(); waited += kPoll_ms) {
     if (waited >= patience_ms && !killed) killed = kill(pid_, SIGKILL) == 0;
-    std::this_thread::sleep_for(std::chrono::milliseconds(kStep_ms));
+    std::this_thread::sleep_for(std::chrono::milliseconds(kPoll_ms));
   }
   return killed;
 }

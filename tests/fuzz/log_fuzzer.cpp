@@ -39,6 +39,7 @@ Log logOf(Input& input) {
   constexpr std::uint32_t kSync = 0xEDA1DA01;
   Log log;
   std::int64_t utime = 946'684'800'000'000;
+  static_cast<void>(input.number<std::uint8_t>());  // the services, in messages_fuzzer.cpp
   for (std::int64_t number = 0; !input.empty(); ++number) {
     const TimedMessage message = nextMessage(input);
     append(log, kSync);

@@ -29,8 +29,6 @@ name = "fuzz"
 duration_s = 600
 [robot]
 status_rate_hz = 5
-[projector]
-frame_rate_hz = 10
 [camera]
 fps = 5
 [[robots]]
@@ -60,6 +58,7 @@ bands = [
   {light = [0.40, 0.95], program = "rtp"},
 ]
 [light]
+frame_rate_hz = 10
 [[light.steps]]
 at_s = 0
 layers = [{kind = "uniform", intensity = 0.2}]
