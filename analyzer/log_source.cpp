@@ -13,6 +13,7 @@
 #include "common/bus/log_file.hpp"
 #include "common/bus/message_header.hpp"
 #include "common/bus/message_values.hpp"
+#include "common/experiment/experiment_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/math/units.hpp"
 

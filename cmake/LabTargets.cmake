@@ -11,9 +11,9 @@ if(LAB_SANITIZE)
   # The sanitizers do not detect an index between a vector's size and its capacity.
   target_compile_definitions(lab_options INTERFACE _GLIBCXX_ASSERTIONS)
   target_compile_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE} -fno-omit-frame-pointer
-    -fno-sanitize-recover=all -Wno-tsan
+    -fno-sanitize-recover=all
     # With sanitizers, g++ gives false warnings of uninitialised variables (GCC manual).
-    -Wno-maybe-uninitialized)
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan;-Wno-maybe-uninitialized>)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
 endif()
 

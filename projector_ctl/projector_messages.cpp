@@ -51,7 +51,7 @@ ObservedFrame toObservedFrame(const tracked_frame_t& message) {
     if (pose.robot_id < 0) continue;
     frame.robots.push_back({pose.robot_id, pose.x, pose.y, pose.theta,
                             std::max(pose.covariance[0], pose.covariance[3]), pose.covariance[5],
-                            pose.confidence});
+                            static_cast<double>(pose.confidence)});
   }
   return frame;
 }

@@ -27,7 +27,8 @@ bool addSpacing(calibration::SpacingCheck& check, double time, const detector::D
                 double spacing) {
   if (cap.spacing <= 0 || (cap.used & detector::kUsedEdge) != 0) return false;
   const double turn = std::sqrt(std::max(0.0, cap.covariance[5]));
-  check.add(time, cap.x, cap.y, cap.spacing, std::max(turn * spacing, kLeastSigma));
+  check.add(time, cap.x, cap.y, static_cast<double>(cap.spacing),
+            std::max(turn * spacing, kLeastSigma));
   return true;
 }
 

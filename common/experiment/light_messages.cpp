@@ -241,7 +241,8 @@ std::vector<light::DrivenLayer> toDrivenLayers(const std::vector<LayerSpec>& lay
                                                const ExperimentImages& images) {
   std::vector<light::DrivenLayer> driven;
   for (const LayerSpec& spec : layers) {
-    light::DrivenLayer& layer = driven.emplace_back(toLightLayer(spec), spec.drive);
+    light::DrivenLayer& layer =
+        driven.emplace_back(light::DrivenLayer{toLightLayer(spec), spec.drive});
     if (!spec.image.empty()) {
       layer.layer.image = images.digests.at(spec.image);
       layer.layer.pixels = images.store.at(layer.layer.image);

@@ -17,6 +17,7 @@ SocketAddress addressBy(AddressFunction function, int socket) {
   std::array<char, NI_MAXHOST> host{};
   std::array<char, NI_MAXSERV> service{};
   if (function(socket, plain, &size) != 0 ||
+      (plain->sa_family != AF_INET && plain->sa_family != AF_INET6) ||
       getnameinfo(plain, size, host.data(), host.size(), service.data(), service.size(),
                   NI_NUMERICHOST | NI_NUMERICSERV) != 0) {
     return {};

@@ -36,6 +36,9 @@ template <class... Cases>
 struct Match : Cases... {
   using Cases::operator()...;
 };
+// Needed by clang before version 17.
+template <class... Cases>
+Match(Cases...) -> Match<Cases...>;
 
 }  // namespace
 

@@ -119,7 +119,7 @@ void adviseOnRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
     if (row.other_sender_utime != 0 && facts.now - row.other_sender_utime < kTwoSenders_us) {
       two_senders.add(id);
     }
-    const auto says = [&row](std::int32_t flag) { return (row.state.flags & flag) != 0; };
+    const auto says = [&row = row](std::int32_t flag) { return (row.state.flags & flag) != 0; };
     if (says(robot_state_t::FLAG_REJECTED)) rejected.add(id);
     if (says(robot_state_t::FLAG_LEASE_EXPIRED) && facts.isLive()) lease.add(id);
     if (says(robot_state_t::FLAG_SATURATED)) saturated.add(id);

@@ -173,11 +173,12 @@ std::string RobotsView::robotsJson(std::int64_t now) const {
     const robot_state_t& state = row.state;
     const bool heard = !row.sender.empty();
     const double light = static_cast<double>(state.light_front + state.light_back) / 2;
+    const double battery = static_cast<double>(state.battery);
     robots.push_back({{"id", id},
                       {"origin", row.origin()},
                       {"owner", row.sender},
                       {"program", heard ? Json(nameOf(row)) : Json()},
-                      {"battery_V", heard && state.battery > 0 ? number(state.battery) : Json()},
+                      {"battery_V", heard && battery > 0 ? number(battery) : Json()},
                       {"battery_low", row.batteryIsLow()},
                       {"link_sent", state.link_sent},
                       {"link_received", state.link_received},

@@ -77,7 +77,8 @@ std::string TracksView::speedsJson(std::int32_t robot) const {
     if (place == step.places.end()) continue;
     if (before != nullptr && step.number == step_before->number + 1) {
       const double dt = units::seconds(step.utime - step_before->utime);
-      const double way = std::hypot(place->x - before->x, place->y - before->y) * kCm;
+      const auto way =
+          static_cast<double>(std::hypot(place->x - before->x, place->y - before->y) * kCm);
       const std::int64_t middle = (step.utime + step_before->utime) / 2;
       times.push_back(number(units::seconds(middle - steps_.back().utime)));
       speeds.push_back(number(way / dt));

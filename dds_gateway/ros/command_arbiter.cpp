@@ -210,9 +210,9 @@ void CommandArbiter::driveMessage(std::int64_t now, std::vector<robot_command_t>
   command.lease_ms = kDriveLease_ms;
   for (const auto& [robot, hold] : holds_) {
     if (!hold.driven) continue;
-    const auto same =
-        std::find_if(command.orders.begin(), command.orders.end(),
-                     [&hold](const robot_order_t& other) { return sameWheels(other, hold.order); });
+    const auto same = std::find_if(
+        command.orders.begin(), command.orders.end(),
+        [&hold = hold](const robot_order_t& other) { return sameWheels(other, hold.order); });
     if (same != command.orders.end()) {
       add(*same, robot);
     } else {

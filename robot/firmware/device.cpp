@@ -31,7 +31,7 @@ void Device::boot(uint32_t now_ms) {
 void Device::startBootCounter() {
   const uint16_t low = board_.readStore(kBootCounterAddress);
   const uint16_t high = board_.readStore(kBootCounterAddress + 1);
-  const uint16_t boots = static_cast<uint16_t>((high << 8 | low) + 1U);
+  const uint16_t boots = static_cast<uint16_t>(static_cast<uint16_t>(high << 8 | low) + 1U);
   board_.writeStore(kBootCounterAddress, static_cast<uint8_t>(boots & 0xFFU));
   if (boots >> 8 != high) {
     board_.writeStore(kBootCounterAddress + 1, static_cast<uint8_t>(boots >> 8));

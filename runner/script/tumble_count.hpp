@@ -40,7 +40,7 @@ class TumbleCount {
 
   void take(const robot_state_t& robot) {
     const auto now = static_cast<std::uint32_t>(robot.tumble_count);
-    const auto [entry, is_new] = robots_.try_emplace(robot.robot_id, robot.utime, now);
+    const auto [entry, is_new] = robots_.try_emplace(robot.robot_id, Counter{robot.utime, now});
     Counter& counter = entry->second;
     if (is_new || robot.utime <= counter.utime) return;
     std::uint32_t more = now - counter.count;  // modulo 2^32, so a wrap is handled

@@ -8,8 +8,13 @@
 #include "tracker_svc/detector/saturation.hpp"
 
 #define LAB_INLINE __attribute__((always_inline)) inline
-// One clone with AVX2 and FMA, one without.
+// One clone with AVX2 and FMA, one without. Clang does not pass vectors between functions for
+// different processors.
+#if defined(__clang__)
+#define LAB_FIT_CLONES
+#else
 #define LAB_FIT_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
+#endif
 
 namespace lab::detector::fit {
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstring>
 
+#include "light/field/target_clones.hpp"
 #include "tracker_svc/circle_search/byte_lanes.hpp"
 
 namespace lab::detector {
@@ -62,10 +63,8 @@ struct CellRow {
   }
 }
 
-__attribute__((target_clones("avx2", "default"))) void lookAtCells(const CellRow& row, int rows,
-                                                                   const std::vector<int>& starts,
-                                                                   std::uint8_t* dark,
-                                                                   std::uint8_t* bright) {
+LAB_TARGET_CLONES void lookAtCells(const CellRow& row, int rows, const std::vector<int>& starts,
+                                   std::uint8_t* dark, std::uint8_t* bright) {
   // Constant row counts let the compiler unroll.
   if (rows == 3) return lookAtEach(row, 3, starts, dark, bright);
   if (rows == 2) return lookAtEach(row, 2, starts, dark, bright);
@@ -120,8 +119,7 @@ void ContrastPrefilter::lookAtRow(const optics::GreyView& picture, int cell) {
               bright_.data() + kBeside + placeOf(cell));
 }
 
-__attribute__((target_clones("avx2", "default"))) void ContrastPrefilter::compare(
-    const Levels& levels, int top, int bottom) {
+LAB_TARGET_CLONES void ContrastPrefilter::compare(const Levels& levels, int top, int bottom) {
   // Largest difference that noise alone causes between the extremes of a thousand pairs.
   const Bytes by_chance =
       Bytes{} + static_cast<std::uint8_t>(std::min((11 * levels.noise + 7) / 8, 255));

@@ -4,6 +4,7 @@
 #include <bit>
 #include <cstring>
 
+#include "light/field/target_clones.hpp"
 #include "tracker_svc/circle_search/byte_lanes.hpp"
 
 namespace lab::detector {
@@ -56,9 +57,10 @@ Levels levelsOf(int black, int noise) {
 
 // Branches on the content of a word would be mispredicted, which costs more than the tests: all
 // words are tested without branches, and results without candidates are overwritten.
-__attribute__((target_clones("avx2", "default"))) int findDarkPixels(
-    const std::uint8_t* row, std::ptrdiff_t stride, const int* starts, const Neighbours* neighbours,
-    std::uint64_t wanted, std::ptrdiff_t ahead, const Levels& levels, DarkPixelWord* found) {
+LAB_TARGET_CLONES int findDarkPixels(const std::uint8_t* row, std::ptrdiff_t stride,
+                                     const int* starts, const Neighbours* neighbours,
+                                     std::uint64_t wanted, std::ptrdiff_t ahead,
+                                     const Levels& levels, DarkPixelWord* found) {
   const Bytes low = Bytes{} + levels.black;
   const Bytes most = Bytes{} + levels.most;
   // Values below 0 wrap around, and so do the sums, which gives the right result.

@@ -6,6 +6,8 @@
 #include <cstring>
 #include <numbers>
 
+#include "light/field/target_clones.hpp"
+
 namespace lab::detector {
 namespace {
 
@@ -46,10 +48,9 @@ struct Outlines {
 /// @param rays [bytes] to one sample in each direction; the next samples are `skip` later
 /// @param prior by sample
 /// @param softer [DN] added to the brightness that the contrast is divided by
-__attribute__((target_clones("avx2", "default"))) void lookAlong(const std::uint8_t* middle,
-                                                                 const std::int32_t* rays, int skip,
-                                                                 int samples, const float* prior,
-                                                                 float softer, Outlines& outlines) {
+LAB_TARGET_CLONES void lookAlong(const std::uint8_t* middle, const std::int32_t* rays, int skip,
+                                 int samples, const float* prior, float softer,
+                                 Outlines& outlines) {
   std::int32_t pixels[kRaySamples][kLanes];
   for (int i = 0; i < samples; ++i, rays += skip) {
     for (int k = 0; k < kLanes; ++k) pixels[i][k] = middle[rays[k]];

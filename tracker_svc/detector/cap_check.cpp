@@ -10,6 +10,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "light/field/target_clones.hpp"
 #include "light/median.hpp"
 #include "tracker_svc/detector/saturation.hpp"
 
@@ -48,8 +49,8 @@ using Contrasts = float __attribute__((vector_size(32)));
 
 /// The value with `rank` smaller ones (ties broken by index). Compares all with all, which is
 /// branchless.
-__attribute__((target_clones("avx2", "default"))) float valueOfRank(
-    const std::array<float, kDirections>& values, std::size_t count, std::size_t rank) {
+LAB_TARGET_CLONES float valueOfRank(const std::array<float, kDirections>& values, std::size_t count,
+                                    std::size_t rank) {
   constexpr std::size_t kLanes = 8;
   static_assert(kDirections % kLanes == 0);
   using Numbers = std::int32_t __attribute__((vector_size(32)));
@@ -106,16 +107,14 @@ template <std::size_t kCount>
   }
 }
 
-__attribute__((target_clones("avx2", "default"))) void readRim(const optics::GreyView& picture,
-                                                               float x, float y, float radius,
-                                                               const LocalScale& scale,
-                                                               const Circle& circle, Rim& rim) {
+LAB_TARGET_CLONES void readRim(const optics::GreyView& picture, float x, float y, float radius,
+                               const LocalScale& scale, const Circle& circle, Rim& rim) {
   readRimOf<kDirections>(picture, x, y, radius, scale, circle, rim);
 }
 
-__attribute__((target_clones("avx2", "default"))) void readRimRoughly(
-    const optics::GreyView& picture, float x, float y, float radius, const LocalScale& scale,
-    const Circle& circle, Rim& rim) {
+LAB_TARGET_CLONES void readRimRoughly(const optics::GreyView& picture, float x, float y,
+                                      float radius, const LocalScale& scale, const Circle& circle,
+                                      Rim& rim) {
   readRimOf<kRoughDirections>(picture, x, y, radius, scale, circle, rim);
 }
 

@@ -1,0 +1,152 @@
+// Messages of the bus, to all services at once, in virtual time. An exception that leaves a handler
+// ends a service, so it counts as a crash.
+#include <cstdint>
+#include <list>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "analyzer/analyzer_service.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/camera/memory_cameras.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/loop/virtual_loop.hpp"
+#include "common/serial/memory_serial.hpp"
+#include "common/service/service_main.hpp"
+#include "dashboard/dashboard_service.hpp"
+#include "projector_ctl/projector_service.hpp"
+#include "robot_bridge/bridge_service.hpp"
+#include "sim_svc/sim_service.hpp"
+#include "tests/fuzz/input.hpp"
+#include "tests/fuzz/messages.hpp"
+#include "tracker_svc/tracker_service.hpp"
+
+namespace lab::fuzz {
+namespace {
+
+constexpr std::string_view kExperiment = R"(fileversion = 1
+name = "fuzz"
+duration_s = 600
+[robot]
+status_rate_hz = 5
+[camera]
+fps = 5
+[[robots]]
+id = 1
+x_cm = 30
+y_cm = 45
+theta_deg = 0
+[[robots]]
+id = 2
+body = "wire"
+x_cm = 60
+y_cm = 45
+theta_deg = 90
+[programs.abp]
+model = "abp"
+v_cm_s = 3
+epsilon_s = 0.5
+eta_rad_s = 3
+[programs.rtp]
+model = "rtp"
+v_cm_s = 5
+gamma_per_s = 3
+tau_t_s = 0.5
+[light_table]
+bands = [
+  {light = [0.10, 0.35], program = "abp"},
+  {light = [0.40, 0.95], program = "rtp"},
+]
+[light]
+frame_rate_hz = 10
+[[light.steps]]
+at_s = 0
+layers = [{kind = "uniform", intensity = 0.2}]
+)";
+
+const Experiment& experimentOf(bool painted) {
+  static const Experiment kPoses = parseExperiment(kExperiment, "poses");
+  static const Experiment kPictures =
+      parseExperiment(kExperiment, "pictures",
+                      {"camera.tracker=\"camera\"", "camera.width_px=320", "camera.height_px=240",
+                       "camera.fps=2", "camera.exposure_ms=10", "camera.handshake=false"});
+  return painted ? kPictures : kPoses;
+}
+
+/// A service and its node.
+struct Member {
+  Member(Bus& bus, Loop& loop, SerialPorts& ports, Cameras& cameras, const Experiment& experiment,
+         const ServiceDescription& description)
+      : node(bus, loop, {description.name, description.origin, 1}),
+        service(description.make({node, loop, experiment, "/", ports, "/", cameras})) {
+    node.start();
+  }
+  Node node;
+  std::unique_ptr<Service> service;
+};
+
+/// The dashboard without its web server.
+struct Page {
+  Page(Bus& bus, Loop& loop, const Experiment& experiment)
+      : node(bus, loop, {"dashboard", 0, 1}),
+        context{node, loop, experiment, "/"},
+        dashboard(context, hub, "/runs",
+                  {.viewers = [] { return 1; }, .facts = [] { return dashboard::ServerFacts{}; }}) {
+    node.start();
+  }
+  Node node;
+  ServiceContext context;
+  dashboard::Hub hub;
+  dashboard::DashboardBus dashboard;
+};
+
+void run(Input& input) {
+  constexpr int kMostMessages = 60;
+  constexpr std::int64_t kLongest_us = 10'000'000;
+  // Each bit leaves out one service: the fuzzer is faster with few.
+  const auto absent = input.number<std::uint8_t>();
+  const auto has = [absent](unsigned bit) { return (absent >> bit & 1U) == 0; };
+  const Experiment& experiment = experimentOf(has(3));
+  VirtualLoop loop;
+  MemoryBus bus([&loop] { return loop.now(); });
+  loop.drainWith([&bus] { bus.deliver(); });
+  MemorySerial ports(loop);
+  MemoryCameras cameras(loop);
+  std::list<Member> members;
+  std::unique_ptr<Page> page;
+  const auto add = [&](const ServiceDescription& description) {
+    members.emplace_back(bus, loop, ports, cameras, experiment, description);
+  };
+  if (has(0)) add(analysis::serviceDescription());
+  if (has(1)) add(projector::serviceDescription());
+  if (has(2)) add(bridge::serviceDescription());
+  if (has(3)) add(tracker::serviceDescription());
+  if (has(4)) add(sim::serviceDescription());
+  if (has(5)) page = std::make_unique<Page>(bus, loop, experiment);
+  const std::int64_t end = loop.now() + kLongest_us;
+  for (int i = 0; i < kMostMessages && !input.empty() && loop.now() < end; ++i) {
+    const TimedMessage message = nextMessage(input);
+    bus.publish(message.channel, message.data);
+    bus.deliver();
+    loop.runUntil(loop.now() + message.wait_us);
+  }
+  loop.runUntil(loop.now() + 1'100'000);
+  if (page) {
+    for (const char* what : {"analysis", "trails", "robot", "speeds"}) {
+      for (const char* which : {"", "1", "abp"}) {
+        static_cast<void>(page->dashboard.query(what, which));
+      }
+    }
+  }
+  for (Member& member : members) member.node.close();
+  bus.deliver();
+}
+
+}  // namespace
+}  // namespace lab::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
+  lab::fuzz::Input input(bytes, size);
+  lab::fuzz::run(input);
+  return 0;
+}
