@@ -18,6 +18,7 @@
 #include <sstream>
 #include <utility>
 #include <vector>
+#include <vector>
 
 #include "common/serial/serial.hpp"
 
