@@ -63,10 +63,10 @@ std::vector<std::string> RefusedDatagrams::linesSince(const RefusedDatagrams& be
     const auto reason = static_cast<Refusal>(i);
     const std::int64_t more = of(reason).datagrams - before.of(reason).datagrams;
     if (more <= 0) continue;
-    lines.push_back("the bus " + std::string(isLoss(reason) ? "lost " : "refused ") +
-                    std::to_string(more) + " (" + std::string(refusalText(reason)) +
-                    "), the last from " + sourceText(of(reason).last) + "; " +
-                    std::to_string(of(reason).datagrams) + " since the start");
+    lines.push_back((isLoss(reason) ? "the bus lost " : "the bus refused ") + std::to_string(more) +
+                    ": " + std::string(refusalText(reason)) + ", the last from " +
+                    sourceText(of(reason).last) + "; " + std::to_string(of(reason).datagrams) +
+                    " since the start");
   }
   return lines;
 }

@@ -18,7 +18,6 @@
 #include <sstream>
 #include <utility>
 #include <vector>
-#include <vector>
 
 #include "common/serial/serial.hpp"
 

@@ -61,11 +61,12 @@ void run(const ServiceDescription& description, const Options& options) {
   loop.onReadable(bus.fileDescriptor(), [&bus] { bus.drain(); });
   loop.onSignals({SIGINT, SIGTERM}, [&loop](int) { loop.stop(); });
   RefusedDatagrams reported;
-  loop.every(kReportRefused_us, loop.now() + kReportRefused_us, [&bus, &reported] {
+  const auto report_refused = [&bus, &reported] {
     const RefusedDatagrams refused = bus.refused();
     for (const std::string& line : refused.linesSince(reported)) spdlog::warn("{}", line);
     reported = refused;
-  });
+  };
+  loop.every(kReportRefused_us, loop.now() + kReportRefused_us, report_refused);
   node.start();
   try {
     loop.run();
@@ -75,6 +76,7 @@ void run(const ServiceDescription& description, const Options& options) {
     throw;
   }
   end(node, loop, *service);
+  report_refused();
 }
 
 }  // namespace

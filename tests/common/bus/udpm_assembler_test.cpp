@@ -280,9 +280,9 @@ TEST(RefusedDatagrams, AreReportedByReasonWithTheirSource) {
   dut.count(Refusal::kReceiveBuffer, kSource, 7);
 
   EXPECT_THAT(dut.linesSince(before),
-              ElementsAre("the bus refused 40 (source is not this machine), the last from "
+              ElementsAre("the bus refused 40: source is not this machine, the last from "
                           "10.0.0.6:7667; 43 since the start",
-                          "the bus lost 7 (receive buffer of the socket was full), the last from "
+                          "the bus lost 7: receive buffer of the socket was full, the last from "
                           "10.0.0.5:7667; 7 since the start"));
   const std::vector<stream_count_t> rows = dut.rows();
   ASSERT_EQ(rows.size(), 2U);
