@@ -234,7 +234,7 @@ void ExperimentController::mark(const std::string& what) {
 void ExperimentController::markRequest(const std::string& what, const std::string& way_out) {
   mark(what);
   if (!announce_) return;
-  std::string line = what + (way_out.empty() ? "" : "; " + way_out);
+  std::string line = what + (way_out.empty() ? "" : " (" + way_out + ")");
   repairUtf8(line);
   // Whoever can send on the bus must not control the terminal.
   std::ranges::replace_if(

@@ -333,8 +333,8 @@ TEST_F(ExperimentControllerRequests, AnnouncesEachRequestOnceWithWhatUndoesIt) {
   stop.seq = 7;
   for (int copy = 0; copy < 3; ++copy) page_.publishCommand(channels::kRobotStop, stop);
   bus_.deliver();
-  EXPECT_THAT(announced_, ElementsAre("robots stopped by page: from [2J the page; lab stop "
-                                      "--clear, or release on the page, lets them go on"));
+  EXPECT_THAT(announced_, ElementsAre("robots stopped by page: from [2J the page (lab stop "
+                                      "--clear, or release on the page, lets them go on)"));
   EXPECT_EQ(controller_->progress().robots_stopped, 1U);
   stop.reason.clear();
   stop.clear = 1;
@@ -347,7 +347,7 @@ TEST_F(ExperimentControllerRequests, AnnouncesEachRequestOnceWithWhatUndoesIt) {
   goTo(4);
   request(experiment_command_t::PAUSE, "", 3);
   EXPECT_EQ(announced_.back(),
-            "script paused by page; lab resume, or resume on the page, continues it");
+            "script paused by page (lab resume, or resume on the page, continues it)");
   goTo(6);
   request(experiment_command_t::RESUME);
   request(experiment_command_t::MARK, "robot 4 lost a wheel");
