@@ -240,11 +240,11 @@ TEST(CameraPainterLight, SimplificationsDoNotChangeAnyLayer) {
 }
 
 TEST(PainterLight, FollowsTheProjectorsGammaAndVignetting) {
-  const optics::ProjectorTone real(2.2, {0, 0, -0.125, 0, -0.125}, 1.20, 0.90);
+  const optics::ProjectorTone actual(2.2, {0, 0, -0.125, 0, -0.125}, 1.20, 0.90);
   PainterSettings settings = plain();
   const optics::CameraModel camera(settings.camera);
   CameraPainter straight(settings);
-  settings.tones.real = real;
+  settings.tones.actual = actual;
   CameraPainter dim(settings);
   for (const double intensity : {0.25, 0.5, 0.9}) {
     straight.setLight(lit(1));
@@ -262,7 +262,7 @@ TEST(PainterLight, FollowsTheProjectorsGammaAndVignetting) {
       const double up = settings.cap.height / settings.projector[2];
       const optics::Place meant{place.x + up * (settings.projector[0] - place.x),
                                 place.y + up * (settings.projector[1] - place.y)};
-      EXPECT_NEAR(share, real.light(intensity, meant), 0.001) << place.x << " " << intensity;
+      EXPECT_NEAR(share, actual.light(intensity, meant), 0.001) << place.x << " " << intensity;
     }
   }
 }

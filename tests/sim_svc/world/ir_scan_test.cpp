@@ -17,7 +17,7 @@ Vec unit(double angle) { return {std::cos(angle), std::sin(angle)}; }
 TEST(IrScan, ReadsNothingInTheMiddleOfTheArena) {
   IrScan dut({0.6, 0.45}, {1, 0}, kRadius, kRange);
   dut.addWalls(kArena);
-  EXPECT_FALSE(dut.seesAnything());
+  EXPECT_FALSE(dut.anyInRange());
   for (const int counts : dut.counts()) EXPECT_EQ(counts, 0);
 }
 
