@@ -233,11 +233,11 @@ TEST_F(Pictures, WithAnInvalidTableAreRejected) {
 }
 
 TEST_F(Pictures, AndTheirTableAreReadFromRegularFilesOnly) {
+  ASSERT_EQ(mkfifo((folder_ / "pipe.png").c_str(), 0600), 0);
+  EXPECT_THAT(refusal(folder_ / "pipe.png"), HasSubstr("pipe.png: found a pipe"));
   writePng(folder_ / "f0.png", pictureOf(0));
   ASSERT_EQ(mkfifo((folder_ / "frames.csv").c_str(), 0600), 0);
-  EXPECT_THAT(refusal(folder_ / ""), HasSubstr("frames.csv: found a pipe"));
-  ASSERT_EQ(mkfifo((folder_ / "g.png").c_str(), 0600), 0);
-  EXPECT_THAT(refusal(folder_ / "g.png"), HasSubstr("g.png: found a pipe"));
+  EXPECT_THAT(refusal(folder_ / "f*.png"), HasSubstr("frames.csv: found a pipe"));
 }
 
 TEST_F(Pictures, OfHugeSizeAreRejectedBeforeTheyAreDecoded) {
