@@ -34,7 +34,7 @@ void StreamCounter::count(std::string_view channel, std::string_view sender, std
   if (last_ == nullptr || last_->first.instance != instance || last_->first.channel != channel ||
       last_->first.sender != sender) {
     StreamKey key{std::string(channel), std::string(sender), instance};
-    if (streams_.size() >= kMostStreams && !streams_.contains(key)) {
+    if (streams_.size() >= most_ && !streams_.contains(key)) {
       ++uncounted_;
       return;
     }

@@ -40,6 +40,9 @@ class StreamCounter {
   /// fits into a message of 60 KB.
   static constexpr std::size_t kMostStreams = 256;
 
+  /// @param most streams that are counted; messages of others are counted together
+  explicit StreamCounter(std::size_t most = kMostStreams) : most_(most) {}
+
   void count(std::string_view channel, std::string_view sender, std::int64_t instance,
              std::int64_t seq, std::int64_t utime);
   void countDecodeError(std::string_view channel) { ++decode_errors_[std::string(channel)]; }
@@ -50,10 +53,11 @@ class StreamCounter {
   }
   [[nodiscard]] std::int64_t lost() const;
 
-  /// Messages of streams beyond kMostStreams, which are not counted by stream.
+  /// Messages of streams beyond the limit, which are not counted by stream.
   [[nodiscard]] std::int64_t uncounted() const { return uncounted_; }
 
  private:
+  std::size_t most_;
   std::map<StreamKey, StreamCount> streams_;
   std::map<std::string, std::int64_t> decode_errors_;
   std::int64_t uncounted_ = 0;

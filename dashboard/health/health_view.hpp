@@ -93,7 +93,7 @@ class HealthView {
   [[nodiscard]] Json streamsJson(std::int64_t now) const;
 
   std::map<std::pair<std::string, std::string>, ServiceRow> services_;  ///< by name and host
-  StreamCounter counter_;
+  StreamCounter counter_{kMaxStreams};
   std::map<StreamKey, StreamRow> rows_;
   std::pair<const StreamKey, StreamRow>* last_ =
       nullptr;  ///< cache: successive messages often belong to one stream

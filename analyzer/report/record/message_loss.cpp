@@ -14,7 +14,8 @@ namespace lab::report {
 namespace {
 
 constexpr std::size_t kMostStreams = 64;           // of one sender: the lab has 21 channels
-constexpr std::int64_t kFarthestSeq = 10'000'000;  // two days at 50 messages a second
+constexpr std::int64_t kNearSeq = 1000;            // between two messages of a stream
+constexpr std::int64_t kFarthestSeq = 10'000'000;  // of a count beyond the messages in the log
 
 }  // namespace
 
@@ -44,7 +45,7 @@ MessageLossCounter::Stream* MessageLossCounter::Sender::stream(std::string_view 
                                   [&](const Stream& one) { return one.channel == channel; });
   if (found != streams.end()) return &*found;
   if (streams.size() >= kMostStreams) return nullptr;
-  streams.push_back({std::string(channel)});
+  streams.emplace_back().channel = channel;
   return &streams.back();
 }
 
@@ -58,16 +59,25 @@ void MessageLossCounter::count(std::string_view channel, const MessageHeader& he
     return;
   }
   Stream& stream = *found;
-  // A damaged number would be the largest or the smallest for ever.
-  const bool far = std::abs(header.seq - stream.last_seq) > kFarthestSeq;
-  if (stream.received++ == 0 || (far && stream.received == 2)) {
-    stream.first_seq = stream.last_seq = header.seq;
-  }
-  if (stream.received == 1 || !far) {
-    stream.first_seq = std::min(stream.first_seq, header.seq);
-    stream.last_seq = std::max(stream.last_seq, header.seq);
-  }
+  stream.take(header.seq);
   stream.largest_age_us = std::max(stream.largest_age_us, received_utime - header.utime);
+}
+
+void MessageLossCounter::Stream::take(std::int64_t seq) {
+  const auto near = [seq](std::int64_t other) { return std::abs(seq - other) <= kNearSeq; };
+  ++received;
+  if (received > 1 && !near(last_seq)) {
+    // A damaged number would be the largest or the smallest for ever: the next one must confirm it.
+    if (!doubt || !near(*doubt)) {
+      doubt = seq;
+      return;
+    }
+    if (numbered == 1) numbered = 0;  // the first one was damaged
+  }
+  doubt.reset();
+  if (numbered++ == 0) first_seq = last_seq = seq;
+  first_seq = std::min(first_seq, seq);
+  last_seq = std::max(last_seq, seq);
 }
 
 void MessageLossCounter::take(const service_status_t& status) {

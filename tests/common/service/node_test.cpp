@@ -82,7 +82,7 @@ TEST_F(NodeTest, StampsSenderInstanceSeqAndTime) {
   loop_.runUntil(kStart + 3);
   robot_status_t status{};
   dut_.publish(channels::kRobotStatus, status);
-  status.utime = 12345;
+  status.utime = kStart + 12345;
   dut_.publish(channels::kRobotStatus, status);
   bus_.deliver();
   ASSERT_EQ(heard.size(), 2U);
@@ -91,7 +91,7 @@ TEST_F(NodeTest, StampsSenderInstanceSeqAndTime) {
   EXPECT_EQ(heard[0].seq, 1);
   EXPECT_EQ(heard[0].utime, kStart + 3);
   EXPECT_EQ(heard[1].seq, 2);
-  EXPECT_EQ(heard[1].utime, 12345);
+  EXPECT_EQ(heard[1].utime, kStart + 12345);
 }
 
 TEST_F(NodeTest, NumbersEveryChannelFromOne) {
