@@ -69,7 +69,7 @@ const Experiment& experimentOf(bool painted) {
   static const Experiment kPictures =
       parseExperiment(kExperiment, "pictures",
                       {"camera.tracker=\"camera\"", "camera.width_px=320", "camera.height_px=240",
-                       "camera.fps=2", "camera.exposure_ms=10", "camera.handshake=false"});
+                       "camera.fps=1", "camera.exposure_ms=10", "camera.handshake=false"});
   return painted ? kPictures : kPoses;
 }
 
@@ -103,8 +103,9 @@ struct Page {
 void run(Input& input) {
   constexpr int kMostMessages = 60;
   constexpr std::int64_t kLongest_us = 10'000'000;
-  // Each bit leaves out one service: the fuzzer is faster with few.
-  const auto absent = input.number<std::uint8_t>();
+  // Each bit leaves out one service, because the fuzzer is faster with few. Bit 3 adds the tracker
+  // and its pictures, which take most of the time.
+  const unsigned absent = input.number<std::uint8_t>() ^ 0x08U;
   const auto has = [absent](unsigned bit) { return (absent >> bit & 1U) == 0; };
   const Experiment& experiment = experimentOf(has(3));
   VirtualLoop loop;
