@@ -64,23 +64,21 @@ at_s = 0
 layers = [{kind = "uniform", intensity = 0.2}]
 )";
 
-const Experiment &experimentOf(bool painted) {
+const Experiment& experimentOf(bool painted) {
   static const Experiment kPoses = parseExperiment(kExperiment, "poses");
   static const Experiment kPictures =
       parseExperiment(kExperiment, "pictures",
-                      {"camera.tracker=\"camera\"", "camera.width_px=320",
-                       "camera.height_px=240", "camera.fps=1",
-                       "camera.exposure_ms=10", "camera.handshake=false"});
+                      {"camera.tracker=\"camera\"", "camera.width_px=320", "camera.height_px=240",
+                       "camera.fps=1", "camera.exposure_ms=10", "camera.handshake=false"});
   return painted ? kPictures : kPoses;
 }
 
 /// A service and its node.
 struct Member {
-  Member(Bus &bus, Loop &loop, SerialPorts &ports, Cameras &cameras,
-         const Experiment &experiment, const ServiceDescription &description)
+  Member(Bus& bus, Loop& loop, SerialPorts& ports, Cameras& cameras, const Experiment& experiment,
+         const ServiceDescription& description)
       : node(bus, loop, {description.name, description.origin, 1}),
-        service(description.make(
-            {node, loop, experiment, "/", ports, "/", cameras})) {
+        service(description.make({node, loop, experiment, "/", ports, "/", cameras})) {
     node.start();
   }
   Node node;
@@ -89,12 +87,11 @@ struct Member {
 
 /// The dashboard without its web server.
 struct Page {
-  Page(Bus &bus, Loop &loop, const Experiment &experiment)
-      : node(bus, loop, {"dashboard", 0, 1}), context{node, loop, experiment,
-                                                      "/"},
+  Page(Bus& bus, Loop& loop, const Experiment& experiment)
+      : node(bus, loop, {"dashboard", 0, 1}),
+        context{node, loop, experiment, "/"},
         dashboard(context, hub, "/runs",
-                  {.viewers = [] { return 1; },
-                   .facts = [] { return dashboard::ServerFacts{}; }}) {
+                  {.viewers = [] { return 1; }, .facts = [] { return dashboard::ServerFacts{}; }}) {
     node.start();
   }
   Node node;
@@ -103,7 +100,7 @@ struct Page {
   dashboard::DashboardBus dashboard;
 };
 
-void run(Input &input) {
+void run(Input& input) {
   constexpr int kMostMessages = 60;
   constexpr std::int64_t kLongest_us = 10'000'000;
   // Bits 0 to 4 leave out one service each: the fuzzer is faster with few.
@@ -113,7 +110,7 @@ void run(Input &input) {
   const unsigned chosen = input.number<std::uint8_t>();
   const auto has = [chosen](unsigned bit) { return (chosen >> bit & 1U) == 0; };
   const bool tracked = (chosen & kWithTracker) == kWithTracker;
-  const Experiment &experiment = experimentOf(tracked);
+  const Experiment& experiment = experimentOf(tracked);
   VirtualLoop loop;
   MemoryBus bus([&loop] { return loop.now(); });
   loop.drainWith([&bus] { bus.deliver(); });
@@ -121,24 +118,17 @@ void run(Input &input) {
   MemoryCameras cameras(loop);
   std::list<Member> members;
   std::unique_ptr<Page> page;
-  const auto add = [&](const ServiceDescription &description) {
+  const auto add = [&](const ServiceDescription& description) {
     members.emplace_back(bus, loop, ports, cameras, experiment, description);
   };
-  if (has(0))
-    add(analysis::serviceDescription());
-  if (has(1))
-    add(projector::serviceDescription());
-  if (has(2))
-    add(bridge::serviceDescription());
-  if (tracked)
-    add(tracker::serviceDescription());
-  if (has(3))
-    add(sim::serviceDescription());
-  if (has(4))
-    page = std::make_unique<Page>(bus, loop, experiment);
+  if (has(0)) add(analysis::serviceDescription());
+  if (has(1)) add(projector::serviceDescription());
+  if (has(2)) add(bridge::serviceDescription());
+  if (tracked) add(tracker::serviceDescription());
+  if (has(3)) add(sim::serviceDescription());
+  if (has(4)) page = std::make_unique<Page>(bus, loop, experiment);
   const std::int64_t end = loop.now() + kLongest_us;
-  for (int i = 0; i < kMostMessages && !input.empty() && loop.now() < end;
-       ++i) {
+  for (int i = 0; i < kMostMessages && !input.empty() && loop.now() < end; ++i) {
     const TimedMessage message = nextMessage(input);
     bus.publish(message.channel, message.data);
     bus.deliver();
@@ -146,22 +136,20 @@ void run(Input &input) {
   }
   loop.runUntil(loop.now() + 1'100'000);
   if (page) {
-    for (const char *what : {"analysis", "trails", "robot", "speeds"}) {
-      for (const char *which : {"", "1", "abp"}) {
+    for (const char* what : {"analysis", "trails", "robot", "speeds"}) {
+      for (const char* which : {"", "1", "abp"}) {
         static_cast<void>(page->dashboard.query(what, which));
       }
     }
   }
-  for (Member &member : members)
-    member.node.close();
+  for (Member& member : members) member.node.close();
   bus.deliver();
 }
 
-} // namespace
-} // namespace lab::fuzz
+}  // namespace
+}  // namespace lab::fuzz
 
-extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t *bytes,
-                                      std::size_t size) {
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
   lab::fuzz::Input input(bytes, size);
   lab::fuzz::run(input);
   return 0;
