@@ -8,6 +8,7 @@
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <filesystem>
 #include <lab/experiment_command_t.hpp>
 #include <string>
 #include <vector>

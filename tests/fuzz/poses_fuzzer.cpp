@@ -1,5 +1,6 @@
 // CSV files of poses, as `lab analyze` reads them. The first byte chooses options and program.
 #include <cstdint>
+#include <optional>
 #include <sstream>
 #include <string>
 
