@@ -16,6 +16,7 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/math/units.hpp"
+#include "common/process/version.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;

@@ -40,7 +40,7 @@ class RunInfo {
 
   /// Whether it is this start of the sender of START.
   [[nodiscard]] bool isRunner(std::string_view sender, std::int64_t instance) const {
-    return sender == conductor_ && instance == instance_ && !conductor_.empty();
+    return sender == runner_ && instance == instance_ && !runner_.empty();
   }
 
   /// Why the text of START is not a valid experiment; else empty.

@@ -35,13 +35,13 @@ std::string progressText(const Progress& progress) {
     stopped = fmt::format(" | {} STOPPED: lab stop --clear lets them go on",
                           countText(static_cast<std::int64_t>(progress.robots_stopped), "robot"));
   }
-  return fmt::format("{}{}{} left{}{} | light {} | {} robot{} seen | {} | {} message{} lost",
-                     progress.paused ? "paused, " : "", progress.at_most ? "at most " : "",
-                     remainingTimeText(progress.left), stopped,
-                     progress.stop.empty() ? "" : " | " + progress.stop,
-                     progress.light.empty() ? "-" : progress.light, progress.robots_seen,
-                     progress.robots_seen == 1 ? "" : "s",
-                     programs.empty() ? "no program" : programs, progress.lost);
+  return fmt::format(
+      "{}{}{} left{}{} | light {} | {} robot{} seen | {} | {} message{} lost",
+      progress.paused ? "paused, " : "", progress.at_most ? "at most " : "",
+      remainingTimeText(progress.left), stopped, progress.stop.empty() ? "" : " | " + progress.stop,
+      progress.light.empty() ? "-" : progress.light, progress.robots_seen,
+      progress.robots_seen == 1 ? "" : "s", programs.empty() ? "no program" : programs,
+      progress.lost, progress.lost == 1 ? "" : "s");
 }
 
 ProgressLine::ProgressLine(double duration)
