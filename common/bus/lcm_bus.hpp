@@ -41,8 +41,8 @@ class LcmBus final : public Bus {
   /// Readable while messages are waiting.
   [[nodiscard]] int fileDescriptor() const;
 
-  /// Handles all waiting messages, at most 10 000 in one call so that timers and signals are not
-  /// starved.
+  /// Handles all waiting messages, at most 10 000 and for at most about 0.1 s in one call, so that
+  /// timers and signals are not starved.
   /// @throws the first exception that a handler threw; BusError if LCM has failed
   void drain();
 
