@@ -161,9 +161,10 @@ program_t AnalysisFeed::programOf(const ProgramLaw& law) const {
   return {};
 }
 
-std::vector<FeedResult> AnalysisFeed::results(Depth depth) const {
+std::vector<FeedResult> AnalysisFeed::results(Depth depth,
+                                              const std::function<void()>& meanwhile) const {
   std::vector<FeedResult> results;
-  for (ProgramResult& result : analysis_.results(depth)) {
+  for (ProgramResult& result : analysis_.results(depth, meanwhile)) {
     FeedResult one;
     one.program = programOf(result.law);
     one.result = std::move(result);

@@ -75,7 +75,9 @@ class AnalysisFeed {
   void stitch(bool join, bool compare) { analysis_.stitch(join, compare); }
 
   /// Per program: the pool of its robots first, then each robot.
-  [[nodiscard]] std::vector<FeedResult> results(Depth depth = Depth::kLive) const;
+  /// @param meanwhile as of Analysis::results()
+  [[nodiscard]] std::vector<FeedResult> results(Depth depth = Depth::kLive,
+                                                const std::function<void()>& meanwhile = {}) const;
 
   /// The time of the analysis (s) for a time of the messages.
   [[nodiscard]] double seconds(std::int64_t utime) const;

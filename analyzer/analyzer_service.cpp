@@ -36,7 +36,8 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
 
 void AnalyzerService::beginRound() {
   const std::int64_t begin = loop_.now();
-  round_ = feed_.results();
+  alive_utime_ = begin;
+  round_ = feed_.results(Depth::kLive, [this] { keepAlive(); });
   if (const auto period = pace_.note(begin, loop_.now())) {
     node_.noteError(
         fmt::format("overloaded: results are computed every {} s only, from all samples; the "
@@ -46,6 +47,14 @@ void AnalyzerService::beginRound() {
   }
   round_utime_ = feed_.lastFrameUtime();
   published_ = 0;
+}
+
+/// The loop cannot send the heartbeat meanwhile.
+void AnalyzerService::keepAlive() {
+  const std::int64_t now = loop_.now();
+  if (now - alive_utime_ < units::kSecond_us) return;
+  alive_utime_ = now;
+  node_.ready();
 }
 
 void AnalyzerService::publishDue() {

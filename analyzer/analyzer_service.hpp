@@ -21,6 +21,7 @@ class AnalyzerService final : public Service {
  private:
   void beginRound();
   void publishDue();
+  void keepAlive();
 
   Node& node_;
   Loop& loop_;
@@ -30,7 +31,8 @@ class AnalyzerService final : public Service {
   std::size_t published_ = 0;      ///< Number of them already published.
   std::int64_t round_utime_ = 0;   ///< Last frame in them [us since 1970].
   RoundPace pace_;
-  int slot_ = 0;  ///< Slot within the second.
+  std::int64_t alive_utime_ = 0;  ///< Last heartbeat while results are computed.
+  int slot_ = 0;                  ///< Slot within the second.
 };
 
 /// For serviceMain() and for the lab in one process.

@@ -176,7 +176,8 @@ double Analysis::medianDwellTime(int program) const {
   return static_cast<double>(medianOf(durations));
 }
 
-std::vector<ProgramResult> Analysis::results(Depth depth) const {
+std::vector<ProgramResult> Analysis::results(Depth depth,
+                                             const std::function<void()>& meanwhile) const {
   std::vector<ProgramResult> results;
   for (std::size_t key = 0; key < programs_.size(); ++key) {
     const int program = static_cast<int>(key);
@@ -205,6 +206,7 @@ std::vector<ProgramResult> Analysis::results(Depth depth) const {
       data.push_back(&own_blocks);
       each.push_back(analyse(programs_[key], own_blocks, tally, options, depth));
       each.back().robot = id;
+      if (meanwhile) meanwhile();
       if (found->second->joins()) {
         const JoinBlocks own = found->second->joins()->blocks();
         each.back().joins = compareJoins(own);

@@ -105,7 +105,9 @@ class Analysis {
 
   /// Per program with a law, in the order of first appearance: the pool of all its robots, then
   /// each robot by number. Programs without a sample are left out.
-  [[nodiscard]] std::vector<ProgramResult> results(Depth depth = Depth::kLive) const;
+  /// @param meanwhile called after each robot, because hundreds of them take seconds; may be empty
+  [[nodiscard]] std::vector<ProgramResult> results(
+      Depth depth = Depth::kLive, const std::function<void()>& meanwhile = {}) const;
 
   /// The programs in the order of first appearance; Sample::program is an index into them.
   [[nodiscard]] const std::vector<ProgramLaw>& programs() const { return programs_; }

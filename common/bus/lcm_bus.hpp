@@ -55,8 +55,8 @@ class LcmBus final : public Bus {
   /// What was received and refused, or lost; nothing with memq:// and file://.
   [[nodiscard]] RefusedDatagrams refused() const;
 
-  /// Handles all waiting messages, at most 10 000 in one call so that timers and signals are not
-  /// starved.
+  /// Handles all waiting messages, at most 10 000 and for at most about 0.1 s in one call, so that
+  /// timers and signals are not starved.
   /// @throws the first exception that a handler threw; BusError if LCM has failed
   void drain();
 

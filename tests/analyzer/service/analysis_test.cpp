@@ -65,9 +65,11 @@ TEST(Analysis, GivesThePoolAndEveryRobotOfAProgram) {
   feed(dut, record(law, 300, 1), 4, law);
   feed(dut, record(law, 300, 2), 9, law);
   dut.flush();
-  const std::vector<ProgramResult> results = dut.results();
+  int pauses = 0;
+  const std::vector<ProgramResult> results = dut.results(Depth::kLive, [&pauses] { ++pauses; });
 
   ASSERT_EQ(results.size(), 3U);
+  EXPECT_EQ(pauses, 2) << "a heartbeat can be sent after each robot";
   EXPECT_EQ(results[0].robot, kPool);
   EXPECT_EQ(results[0].robots, 2);
   EXPECT_EQ(results[1].robot, 4);
