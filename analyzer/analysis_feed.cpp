@@ -14,6 +14,7 @@ namespace {
 constexpr float kLeastConfidence = 0.5F;
 // Wheels may be a little faster than the data sheet states.
 constexpr double kWheelSpeedMargin = 1.1;
+constexpr std::int64_t kAhead_us = 5'000'000;
 // Offset between the epochs of successive boots: larger than any count of epochs.
 constexpr std::int64_t kEpochsPerBoot = std::int64_t{1} << 40;
 
@@ -92,6 +93,12 @@ void AnalysisFeed::take(const tracked_frame_t& frame) {
 void AnalysisFeed::take(const robot_status_t& status) {
   for (const robot_state_t& state : status.robots) {
     if (replayed_robots_.contains(state.robot_id)) continue;
+    // One time in the future would stay the newest one; the times of robots are converted, and
+    // live, nothing that a robot reports may hide that it stopped.
+    if (status.utime > 0 && state.utime > status.utime + kAhead_us) {
+      ++ahead_;
+      continue;
+    }
     if (boots_.size() >= Analysis::kMostRobots && !boots_.contains(state.robot_id)) continue;
     anchor(state.utime);
     const std::int64_t boot = bootOf(status, state);

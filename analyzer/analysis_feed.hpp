@@ -85,6 +85,8 @@ class AnalysisFeed {
   /// Time of the last frame taken [us since 1970]; 0: none yet.
   [[nodiscard]] std::int64_t lastFrameUtime() const { return last_frame_utime_; }
 
+  /// States of robots that are later than the message they are in, which are not used.
+  [[nodiscard]] std::int64_t ahead() const { return ahead_; }
   [[nodiscard]] const AnalysisCounters& counters() const { return analysis_.counters(); }
   [[nodiscard]] std::vector<int> robots() const { return analysis_.robots(); }
   [[nodiscard]] StitcherCounters robotCounters(int robot) const {
@@ -113,6 +115,7 @@ class AnalysisFeed {
   ProgramKeys program_keys_;
   std::map<std::int32_t, Boots> boots_;
   Frame frame_;  ///< kept to reuse its memory
+  std::int64_t ahead_ = 0;
   std::int64_t origin_utime_ = 0;
   std::int64_t last_frame_utime_ = 0;
 };

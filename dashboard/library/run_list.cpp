@@ -58,6 +58,14 @@ void takeProvenance(const fs::path& folder, PastRun& run) {
 }
 
 void takeSummary(const fs::path& folder, PastRun& run) {
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(folder / kSummary, error);
+  if (!error && size > kSummaryFile.most_bytes) {
+    run.problem =
+        "its summary.json is larger than 16 MB, which no lab analyze writes; lab analyze "
+        "creates it again from the log";
+    return;
+  }
   const std::optional<std::string> text = readWholeFile(folder / kSummary, kSummaryFile);
   if (!text) {
     run.problem =

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <iterator>
 
 #include "common/experiment/program_messages.hpp"
@@ -30,7 +31,9 @@ double sigmaOf(const tracked_pose_t& pose) {
 /// Rounds to three significant figures; null if not finite.
 Json readable(double value) {
   constexpr int kFigures = 3;
-  return std::isfinite(value) ? Json(std::stod(fmt::format("{:.{}g}", value, kFigures))) : Json();
+  // Not std::stod(), which throws for numbers near 0 such as 5e-324.
+  const std::string text = fmt::format("{:.{}g}", value, kFigures);
+  return std::isfinite(value) ? Json(std::strtod(text.c_str(), nullptr)) : Json();
 }
 
 /// Rounds positions and angles to a tenth; null if not finite.

@@ -67,8 +67,9 @@ class MessageLossCounter {
     std::int64_t received_first = 0;  ///< received before that
     std::int64_t sent_last = 0;       ///< count in the last status in the log
     std::int64_t largest_age_us = 0;
-    std::int64_t numbered = 0;          ///< messages whose seq counts
-    std::optional<std::int64_t> doubt{};  ///< a seq far from the last one, until the next confirms it
+    std::int64_t numbered = 0;  ///< messages whose seq counts
+    std::optional<std::int64_t>
+        doubt{};  ///< a seq far from the last one, until the next confirms it
 
     void take(std::int64_t seq);
   };

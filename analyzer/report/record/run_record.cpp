@@ -5,6 +5,7 @@
 
 #include "analyzer/report/record/event_record.hpp"
 #include "analyzer/service/program_keys.hpp"
+#include "common/bus/channels.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
@@ -202,6 +203,13 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   events.finish(record);
   fillStitching(feed, record);
   record.left_out = feed.counters().left_out;
+  if (feed.ahead() > 0) {
+    RefusedMessages& refused = record.log.refused[std::string(channels::kRobotStatus)];
+    if (refused.count == 0) {
+      refused.first = "state of a robot: utime more than 5 s after that of its message";
+    }
+    refused.count += feed.ahead();
+  }
   services.finish(record);
   record.links = links.records();
   return record;

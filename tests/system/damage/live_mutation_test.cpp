@@ -1,11 +1,13 @@
 // Whatever arrives on the bus, every service goes on.
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <lab/service_status_t.hpp>
 #include <list>
 #include <memory>
 #include <set>
 #include <string>
+#include <vector>
 
 #include "analyzer/analyzer_service.hpp"
 #include "common/bus/channels.hpp"

@@ -1,8 +1,11 @@
 // Whatever a log holds, its analysis ends: with a report, or with one line.
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <string>
+#include <vector>
 
 #include "analyzer/analyze_run.hpp"
 #include "analyzer/report_error.hpp"
