@@ -195,7 +195,8 @@ TEST_F(BrokenRun, ReportsAHangingServiceAndItsReturn) {
   const std::string fault = "sim_svc has sent no heartbeat for 3 s";
   EXPECT_THAT(ended.output, HasSubstr("fault    " + fault));
   EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
-  EXPECT_THAT(recorded(experiment_event_t::MARK), Contains(HasSubstr("sim_svc sends heartbeats again")));
+  EXPECT_THAT(recorded(experiment_event_t::MARK),
+              Contains(HasSubstr("sim_svc sends heartbeats again")));
 }
 
 TEST_F(BrokenRun, KillsAServiceThatHangsAtTheEnd) {

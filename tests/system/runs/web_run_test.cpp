@@ -181,8 +181,8 @@ TEST_F(WebRun, ReplaysWithADashboardAndRefusesOtherRequests) {
   EXPECT_EQ(mark.exit_code, 1);
   EXPECT_THAT(mark.output, HasSubstr("this is a replay"));
   EXPECT_EQ(run("lab resume").exit_code, 0);
-  EXPECT_TRUE(waitUntil([&] { return replay.output().find("paused (space") != std::string::npos; },
-                        seconds(20)))
+  EXPECT_TRUE(waitUntil(
+      [&] { return replay.output().find("paused (the space") != std::string::npos; }, seconds(20)))
       << "it pauses at its end";
   EXPECT_TRUE(replay.running());
   EXPECT_EQ(run("lab end").exit_code, 0);
