@@ -143,8 +143,8 @@ void LabView::take(const Packet& packet, std::int64_t now) {
 void LabView::take(const experiment_event_t& event, std::int64_t now) {
   // Only the run's own runner reports its events, and no other run begins beside it.
   if (!run_info_.isRunner(event.sender, event.instance)) {
-    const bool runs = !run_info_.runner().empty() && !timeline_.ended() &&
-                      now - runner_utime_ < kRunnerSilent_us;
+    const bool runs =
+        !run_info_.runner().empty() && !timeline_.ended() && now - runner_utime_ < kRunnerSilent_us;
     if (runs || event.kind != experiment_event_t::START) {
       health_.countNotUnderstood(channels::kExperimentEvent);
       return;
