@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <asio.hpp>
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <memory>
@@ -146,7 +147,13 @@ TEST(DebugView, IsNotDelayedByAViewerThatDoesNotRead) {
   DebugView view(0);
   const Client frozen(view.port(), get("/stream.mjpg"));
   ASSERT_TRUE(becomesWanted(view));
-  view.show([] { return grain(2400, 2000); });  // much larger than the buffers of the sockets
+  std::atomic<bool> painted = false;
+  view.show([&painted] {
+    painted = true;
+    return grain(2400, 2000);  // much larger than the buffers of the sockets
+  });
+  // A viewer that comes before would get this picture, too.
+  ASSERT_TRUE(waitUntil([&painted] { return painted.load(); }, std::chrono::minutes(1)));
 
   for (int i = 0; i < 3; ++i) {
     Client other(view.port(), get("/frame.png"));
