@@ -34,7 +34,7 @@ TEST(ProgressText, ShowsHowManyRobotsAreStoppedAndWhatReleasesThem) {
   progress.robots_running = {{"standing", 20}};
   EXPECT_EQ(progressText(progress),
             "80 s left | 20 robots STOPPED: lab stop --clear lets them go on | light - | 0 robots "
-            "seen | 20 standing | 0 lost");
+            "seen | 20 standing | 0 messages lost");
 }
 
 TEST(ProgressText, ShowsLongTimesInMinutesAndHours) {
