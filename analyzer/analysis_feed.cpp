@@ -37,12 +37,8 @@ FramePose toPose(const tracked_pose_t& pose) {
 
 namespace {
 
-/// The program, or none for motion under manual control (cmd_vel, the handshake): that has no law,
-/// and each speed would count as a program.
-program_t lawful(const robot_state_t& state) {
-  const bool by_hand = state.band < 0 && state.program.kind == program_t::WHEELS;
-  return by_hand ? program_t{} : state.program;
-}
+/// The widest limits of any robot: keys robot.max_wheel_speed_cm_s and robot.diameter_cm.
+constexpr dynamics::WheelLimits kWidestLimits{5.0, 0.01};
 
 }  // namespace
 
@@ -96,14 +92,14 @@ void AnalysisFeed::take(const robot_status_t& status) {
     // One time in the future would stay the newest one; the times of robots are converted, and
     // live, nothing that a robot reports may hide that it stopped.
     if (status.utime > 0 && state.utime > status.utime + kAhead_us) {
-      ++ahead_;
+      if (refused_++ == 0) refusal_ = "state of a robot: utime more than 5 s after its message's";
       continue;
     }
     if (boots_.size() >= Analysis::kMostRobots && !boots_.contains(state.robot_id)) continue;
     anchor(state.utime);
-    const std::int64_t boot = bootOf(status, state);
-    analysis_.addTelemetry(state.robot_id, toLaw(lawful(state), wheel_base_),
-                           telemetry(state, boot));
+    const program_t program = lawful(state);
+    const std::int64_t boot = bootOf(status, state, program);
+    analysis_.addTelemetry(state.robot_id, toLaw(program, wheel_base_), telemetry(state, boot));
   }
 }
 
@@ -111,7 +107,20 @@ void AnalysisFeed::take(const light_status_t& status) {
   analysis_.setSpatialLight(!light::isUniform(toField(status)));
 }
 
-std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_state_t& state) {
+program_t AnalysisFeed::lawful(const robot_state_t& state) {
+  const bool by_hand = state.band < 0 && state.program.kind == program_t::WHEELS;
+  if (by_hand) return {};
+  if (!sameProgram(state.program, last_program_)) {
+    last_program_ = state.program;
+    last_reason_ = dynamics::outOfRange(toProgram(state.program), kWidestLimits);
+  }
+  if (last_reason_.empty()) return state.program;
+  if (refused_++ == 0) refusal_ = "program of a robot: " + last_reason_;
+  return {};
+}
+
+std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_state_t& state,
+                                  const program_t& program) {
   Boots& boots = boots_[state.robot_id];
   const bool other_sender = boots.instance != status.instance || boots.sender != status.sender;
   // A delayed message also has a smaller count, but it is older than the last one.
@@ -125,7 +134,7 @@ std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_stat
   }
   boots.last_utime = std::max(boots.last_utime, state.utime);
   boots.last_epoch = std::max(boots.last_epoch, state.program_epoch);
-  program_keys_.key(lawful(state));
+  program_keys_.key(program);
   return boots.number;
 }
 

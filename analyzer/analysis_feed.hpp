@@ -85,8 +85,11 @@ class AnalysisFeed {
   /// Time of the last frame taken [us since 1970]; 0: none yet.
   [[nodiscard]] std::int64_t lastFrameUtime() const { return last_frame_utime_; }
 
-  /// States of robots that are later than the message they are in, which are not used.
-  [[nodiscard]] std::int64_t ahead() const { return ahead_; }
+  /// States of robots whose program no robot can run, which count as standing, or which are later
+  /// than the message they are in, which are not used; and the reason for the first one.
+  [[nodiscard]] std::int64_t refused() const { return refused_; }
+  [[nodiscard]] const std::string& refusal() const { return refusal_; }
+
   [[nodiscard]] const AnalysisCounters& counters() const { return analysis_.counters(); }
   [[nodiscard]] std::vector<int> robots() const { return analysis_.robots(); }
   [[nodiscard]] StitcherCounters robotCounters(int robot) const {
@@ -106,7 +109,11 @@ class AnalysisFeed {
   void anchor(std::int64_t utime);
   [[nodiscard]] program_t programOf(const ProgramLaw& law) const;
   [[nodiscard]] RobotTelemetry telemetry(const robot_state_t& state, std::int64_t boot) const;
-  std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state);
+  std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state,
+                      const program_t& program);
+  /// The program, or none for one that no robot can run, and for motion under manual control
+  /// (cmd_vel, the handshake): that has no law, and each speed would count as a program.
+  program_t lawful(const robot_state_t& state);
 
   double wheel_base_;
   std::set<std::int32_t> replayed_robots_;  ///< excluded, because their motion was analyzed in the
@@ -115,7 +122,10 @@ class AnalysisFeed {
   ProgramKeys program_keys_;
   std::map<std::int32_t, Boots> boots_;
   Frame frame_;  ///< kept to reuse its memory
-  std::int64_t ahead_ = 0;
+  program_t last_program_{};
+  std::string last_reason_;  ///< why no robot can run it; empty: one can
+  std::int64_t refused_ = 0;
+  std::string refusal_;
   std::int64_t origin_utime_ = 0;
   std::int64_t last_frame_utime_ = 0;
 };

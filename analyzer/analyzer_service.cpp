@@ -26,8 +26,10 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
       feed_(context.experiment) {
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
                                    [this](const tracked_frame_t& frame) { feed_.take(frame); });
-  node_.subscribe<robot_status_t>(channels::kRobotStatus,
-                                  [this](const robot_status_t& status) { feed_.take(status); });
+  node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
+    feed_.take(status);
+    if (feed_.refused() > 0) node_.noteError(feed_.refusal());
+  });
   node_.subscribe<light_status_t>(channels::kLightStatus,
                                   [this](const light_status_t& status) { feed_.take(status); });
   loop_.every(units::kSecond_us / kSlots, loop_.now(), [this] { publishDue(); });

@@ -15,7 +15,7 @@
 #include <lab/tracker_status_t.hpp>
 #include <limits>
 
-#include "robot/dynamics/robot_program.hpp"
+#include "robot/dynamics/program.hpp"
 
 namespace lab {
 namespace {
@@ -30,9 +30,6 @@ constexpr std::int64_t kMost = std::int64_t{1} << 50;         // counts
 constexpr std::int64_t kMostPackets = std::int64_t{1} << 40;  // on a link
 constexpr std::int64_t kMostOrders = std::int64_t{1} << 60;   // a program may number by its clock
 constexpr std::int64_t kMost32 = std::numeric_limits<std::int32_t>::max();
-
-/// The widest limits of any robot: keys robot.max_wheel_speed_cm_s and robot.diameter_cm.
-constexpr dynamics::WheelLimits kWidestLimits{5.0, 0.01};
 
 }  // namespace
 
@@ -54,19 +51,6 @@ static void checkValues(ValueChecker& check, const program_t& program) {
     check.number("parameter", value, -kLargest, kLargest);
   }
   check.whole("kind", program.kind, 0, dynamics::kProgramKinds - 1);
-  if (check.problem()) return;
-  dynamics::RobotProgram own;
-  own.kind = static_cast<dynamics::ProgramKind>(program.kind);
-  own.v = program.v;
-  own.va = program.va;
-  own.V = program.V;
-  own.epsilon = program.epsilon;
-  own.eta = program.eta;
-  own.gamma = program.gamma;
-  own.tau_t = program.tau_t;
-  own.wheel_left = program.wheel_left;
-  own.wheel_right = program.wheel_right;
-  check.rule("parameters", dynamics::outOfRange(own, kWidestLimits));
 }
 
 static void checkValues(ValueChecker& check, const robot_state_t& state) {

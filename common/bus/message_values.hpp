@@ -26,7 +26,9 @@ class tracked_frame_t;
 class tracker_status_t;
 
 // The ranges are far beyond what any lab measures: they exclude what is damaged or forged, and what
-// the code behind them cannot compute with. What a receiver allows of these is its own affair.
+// the code behind them cannot compute with. What a receiver allows of these is its own affair. So a
+// program that no robot can run passes here, for the robot may still report that it has stopped:
+// the analysis refuses it.
 void checkValues(ValueChecker& check, const experiment_event_t& event);
 void checkValues(ValueChecker& check, const light_delivery_t& delivery);
 void checkValues(ValueChecker& check, const light_status_t& status);

@@ -27,11 +27,6 @@ class ValueChecker {
     if (value < low || value > high) fail(name, value, low, high);
   }
 
-  /// A rule that is not a range. @param problem what was found and what was expected; empty: none
-  void rule(const char* name, const std::string& problem) {
-    if (!problem.empty()) fail(name, problem);
-  }
-
   /// Checks a part of the message by checkValues(ValueChecker&, part).
   template <class Part>
   void part(const char* name, const Part& part) {

@@ -210,5 +210,36 @@ TEST(AnalysisFeed, MarksNoLagUnderUniformLight) {
   EXPECT_EQ(poolOf(dut).unbiased_lag, 0);
 }
 
+TEST(AnalysisFeed, RefusesProgramsThatNoRobotCanRun) {
+  robot_status_t status{};
+  status.robots.resize(1);
+  robot_state_t& state = status.robots[0];
+  state.band = 0;
+  state.program.kind = program_t::ABP;
+  state.program.v = 0.03;
+  state.program.eta = 3;
+  AnalysisFeed dut{Experiment{}};
+  std::int64_t refused = 0;
+  for (const double epsilon : {5e-324, 1e-308, 1e-4, 1e6}) {
+    state.utime += 20'000;
+    state.program.epsilon = epsilon;
+    dut.take(status);
+    EXPECT_EQ(dut.refused(), ++refused) << epsilon;
+  }
+  state.program.kind = program_t::RTP;
+  state.program.tau_t = 0.5;
+  for (const double gamma : {1e6, 1e9, 1e-300, 0.0}) {
+    state.utime += 20'000;
+    state.program.gamma = gamma;
+    dut.take(status);
+    EXPECT_EQ(dut.refused(), ++refused) << gamma;
+  }
+  state.program.gamma = 3;
+  state.utime += 20'000;
+  dut.take(status);
+  EXPECT_EQ(dut.refused(), refused);
+  EXPECT_EQ(dut.refusal().substr(0, 48), "program of a robot: epsilon (time between draws)");
+}
+
 }  // namespace
 }  // namespace lab::analysis

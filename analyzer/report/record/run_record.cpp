@@ -203,12 +203,10 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   events.finish(record);
   fillStitching(feed, record);
   record.left_out = feed.counters().left_out;
-  if (feed.ahead() > 0) {
+  if (feed.refused() > 0) {
     RefusedMessages& refused = record.log.refused[std::string(channels::kRobotStatus)];
-    if (refused.count == 0) {
-      refused.first = "state of a robot: utime more than 5 s after that of its message";
-    }
-    refused.count += feed.ahead();
+    if (refused.count == 0) refused.first = feed.refusal();
+    refused.count += feed.refused();
   }
   services.finish(record);
   record.links = links.records();
