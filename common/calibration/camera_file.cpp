@@ -105,6 +105,12 @@ void readDistortion(const JsonSection& file, optics::CameraParameters& camera) {
     }
   }
   dist.resize(5);
+  for (const double one : dist) {
+    if (!(std::abs(one) <= kMostDistortion)) {
+      file.fail("dist", fmt::format("found {:g} in it, allowed {:g} to {:g}", one, -kMostDistortion,
+                                    kMostDistortion));
+    }
+  }
   camera.k1 = dist[0];
   camera.k2 = dist[1];
   camera.p1 = dist[2];
@@ -122,6 +128,12 @@ CameraCalibration readOpenCvForm(const JsonSection& file) {
   const bool has_form = k[1] == 0 && k[3] == 0 && k[6] == 0 && k[7] == 0 && k[8] == 1;
   if (!has_form || !(k[0] >= 1 && k[4] >= 1)) {
     file.fail("K", "expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels");
+  }
+  for (const double one : k) {
+    if (!(std::abs(one) <= kMostLensPixels)) {
+      file.fail("K",
+                fmt::format("found {:g} in it, allowed are at most {:g} px", one, kMostLensPixels));
+    }
   }
   camera.fx = k[0];
   camera.fy = k[4];

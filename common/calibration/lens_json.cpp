@@ -34,17 +34,17 @@ optics::CameraParameters readLens(const JsonSection& file, bool mirrored) {
   optics::CameraParameters lens;
   lens.width = file.pixels("width_px");
   lens.height = file.pixels("height_px");
-  lens.fx = file.number("fx_px", mirrored ? -1e6 : 1, 1e6);
+  lens.fx = file.number("fx_px", mirrored ? -kMostLensPixels : 1, kMostLensPixels);
   if (std::abs(lens.fx) < 1)
     file.fail("fx_px", fmt::format("found {:g}, expected pixels", lens.fx));
-  lens.fy = file.number("fy_px", 1, 1e6);
-  lens.cx = file.number("cx_px", -1e6, 1e6);
-  lens.cy = file.number("cy_px", -1e6, 1e6);
-  lens.k1 = file.number("k1", -100, 100);
-  lens.k2 = file.number("k2", -100, 100);
-  lens.p1 = file.number("p1", -100, 100);
-  lens.p2 = file.number("p2", -100, 100);
-  lens.k3 = file.number("k3", -100, 100);
+  lens.fy = file.number("fy_px", 1, kMostLensPixels);
+  lens.cx = file.number("cx_px", -kMostLensPixels, kMostLensPixels);
+  lens.cy = file.number("cy_px", -kMostLensPixels, kMostLensPixels);
+  lens.k1 = file.number("k1", -kMostDistortion, kMostDistortion);
+  lens.k2 = file.number("k2", -kMostDistortion, kMostDistortion);
+  lens.p1 = file.number("p1", -kMostDistortion, kMostDistortion);
+  lens.p2 = file.number("p2", -kMostDistortion, kMostDistortion);
+  lens.k3 = file.number("k3", -kMostDistortion, kMostDistortion);
   lens.rotation = file.numbers<9>("rotation");
   checkRotation(file, "rotation", lens.rotation);
   lens.translation = file.numbers<3>("translation_m");

@@ -9,6 +9,10 @@
 
 namespace lab {
 
+// Limits of every lens, also of files in other forms.
+inline constexpr double kMostLensPixels = 1e6;  ///< [px] of focal lengths and centre
+inline constexpr double kMostDistortion = 100;  ///< of k1, k2, p1, p2, k3
+
 /// Checks that a rotation has orthonormal rows and determinant +1.
 /// @param rotation row by row
 /// @throws ExperimentError if not

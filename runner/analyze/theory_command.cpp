@@ -154,13 +154,13 @@ void checkFlags(const TheoryOptions& options, const ProgramLaw& law) {
 }
 
 void noteSaturation(const ProgramLaw& law, double largest_turn) {
-  constexpr double kWheels = RobotHardware{}.max_wheel_speed;
+  const double wheels = RobotHardware{}.max_wheel_speed;
   const double needed = analysis::neededWheelSpeed(law, largest_turn);
-  if (needed <= kWheels) return;
+  if (needed <= wheels) return;
   fmt::print(stderr,
              "note: this needs wheels of {:.3g} cm/s; wheels of {:.3g} cm/s (the default of "
              "robot.max_wheel_speed_cm_s) saturate, and their robot does not follow this law\n",
-             needed / units::kCentimetre, kWheels / units::kCentimetre);
+             needed / units::kCentimetre, wheels / units::kCentimetre);
 }
 
 }  // namespace
