@@ -28,7 +28,10 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
                                    [this](const tracked_frame_t& frame) { feed_.take(frame); });
   node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
     feed_.take(status);
-    if (feed_.refused() > 0) node_.noteError(feed_.refusal());
+    // Once, so that it does not hide a later error until the next heartbeat.
+    if (feed_.refused() > 0 && !std::exchange(refusal_noted_, true)) {
+      node_.noteError(feed_.refusal());
+    }
   });
   node_.subscribe<light_status_t>(channels::kLightStatus,
                                   [this](const light_status_t& status) { feed_.take(status); });

@@ -13,8 +13,8 @@ namespace lab::analysis {
 /// Gives each program its key: 0, 1, ... in the order of first appearance, -1 for standing.
 class ProgramKeys {
  public:
-  /// Programs of one run. An experiment has a handful; each one costs simulated recordings.
-  static constexpr std::size_t kMost = 64;
+  /// Programs of one run, as in an experiment file. Each one costs simulated recordings.
+  static constexpr std::size_t kMost = 100;
 
   int key(const program_t& program) {
     if (program.kind == program_t::NONE) return -1;

@@ -8,6 +8,11 @@ namespace {
 
 constexpr std::int64_t kRecent = 64;  // bits of StreamCount::recent
 
+// A stream may lose its place when it has few messages and has been silent while so many of others
+// came: 20 s to a minute in most services. A service of the lab soon has more messages than that.
+constexpr std::int64_t kFewMessages = 20;
+constexpr std::int64_t kSilentFor = 2000;  // messages of others
+
 /// @param seq not below the first of the stream
 void track(StreamCount& stream, std::int64_t seq, bool counts_messages) {
   const std::int64_t ahead = seq - stream.last_seq;
@@ -34,7 +39,8 @@ void StreamCounter::count(std::string_view channel, std::string_view sender, std
   if (last_ == nullptr || last_->first.instance != instance || last_->first.channel != channel ||
       last_->first.sender != sender) {
     StreamKey key{std::string(channel), std::string(sender), instance};
-    if (streams_.size() >= most_ && !streams_.contains(key)) {
+    if (streams_.size() >= most_ && !streams_.contains(key) && !makePlace()) {
+      ++counted_;
       ++uncounted_;
       return;
     }
@@ -42,12 +48,28 @@ void StreamCounter::count(std::string_view channel, std::string_view sender, std
   }
   StreamCount& stream = last_->second;
   ++stream.received;
+  stream.last_counted = ++counted_;
   stream.last_utime = utime;
   if (stream.received == 1) {
     stream.first_seq = stream.last_seq = seq;
   } else if (seq >= stream.first_seq) {
     track(stream, seq, seqCountsMessages(channel));
   }
+}
+
+bool StreamCounter::makePlace() {
+  auto oldest = streams_.end();
+  for (auto stream = streams_.begin(); stream != streams_.end(); ++stream) {
+    const StreamCount& count = stream->second;
+    if (count.received >= kFewMessages || counted_ - count.last_counted < kSilentFor) continue;
+    if (oldest == streams_.end() || count.last_counted < oldest->second.last_counted) {
+      oldest = stream;
+    }
+  }
+  if (oldest == streams_.end()) return false;
+  if (last_ == &*oldest) last_ = nullptr;
+  streams_.erase(oldest);
+  return true;
 }
 
 std::int64_t StreamCounter::lost() const {

@@ -26,6 +26,7 @@ struct StreamCount {
   std::int64_t last_seq = 0;
   std::int64_t last_utime = 0;  ///< of the message, [us since 1970]
   std::uint64_t recent = 1;     ///< bit i: last_seq - i was received
+  std::int64_t last_counted = 0;  ///< number of its last message among all that were counted
 };
 
 /// Whether seq counts messages on this channel. A repeated command keeps its seq, which counts
@@ -40,7 +41,9 @@ class StreamCounter {
   /// fits into a message of 60 KB.
   static constexpr std::size_t kMostStreams = 256;
 
-  /// @param most streams that are counted; messages of others are counted together
+  /// @param most streams that are counted. A new one takes the place of a stream of few messages that
+  /// has been silent for long, such as a command of the shell; where there is none, its messages are
+  /// counted together with others.
   explicit StreamCounter(std::size_t most = kMostStreams) : most_(most) {}
 
   void count(std::string_view channel, std::string_view sender, std::int64_t instance,
@@ -53,11 +56,14 @@ class StreamCounter {
   }
   [[nodiscard]] std::int64_t lost() const;
 
-  /// Messages of streams beyond the limit, which are not counted by stream.
+  /// Messages of streams beyond the limit, which found no place.
   [[nodiscard]] std::int64_t uncounted() const { return uncounted_; }
 
  private:
+  bool makePlace();
+
   std::size_t most_;
+  std::int64_t counted_ = 0;
   std::map<StreamKey, StreamCount> streams_;
   std::map<std::string, std::int64_t> decode_errors_;
   std::int64_t uncounted_ = 0;

@@ -51,8 +51,10 @@ FileDescriptor openSocket(const UdpmUrl& url) {
   if (url.receive_buffer > 0) {
     set(socket, SOL_SOCKET, SO_RCVBUF, url.receive_buffer, "SO_RCVBUF");
   }
-  set(socket, SOL_SOCKET, SO_TIMESTAMP, 1, "SO_TIMESTAMP");
-  set(socket, SOL_SOCKET, SO_RXQ_OVFL, 1, "SO_RXQ_OVFL");
+  // Without these two the time is that of reading, and overflows are not counted.
+  const int on = 1;
+  static_cast<void>(setsockopt(socket, SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on));
+  static_cast<void>(setsockopt(socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on));
   set(socket, IPPROTO_IP, IP_PKTINFO, 1, "IP_PKTINFO");
   // Without this option a socket also gets what comes in on interfaces where only other programs
   // have joined the group (man 7 ip).

@@ -129,12 +129,6 @@ CameraCalibration readOpenCvForm(const JsonSection& file) {
   if (!has_form || !(k[0] >= 1 && k[4] >= 1)) {
     file.fail("K", "expected [[fx, 0, cx], [0, fy, cy], [0, 0, 1]] in pixels");
   }
-  for (const double one : k) {
-    if (!(std::abs(one) <= kMostLensPixels)) {
-      file.fail("K",
-                fmt::format("found {:g} in it, allowed are at most {:g} px", one, kMostLensPixels));
-    }
-  }
   camera.fx = k[0];
   camera.fy = k[4];
   camera.cx = k[2];
@@ -157,6 +151,12 @@ CameraCalibration readOpenCvForm(const JsonSection& file) {
   }
   checkHeight(file, "t", calibration);
   checkScale(file, "K", calibration);
+  for (const double one : k) {
+    if (!(std::abs(one) <= kMostLensPixels)) {
+      file.fail("K",
+                fmt::format("found {:g} in it, allowed are at most {:g} px", one, kMostLensPixels));
+    }
+  }
   return calibration;
 }
 

@@ -17,8 +17,9 @@ namespace {
 constexpr const char* kSummary = "summary.json";
 constexpr const char* kProvenance = "provenance.json";
 constexpr const char* kThumbnail = "trajectory_program.svg";
-// A summary of 250 robots on four programs has 10 MB.
-constexpr FileKind kSummaryFile{"a summary", 16U << 20U};
+// A summary of 250 robots on four programs has 10 MB, and the analysis has a limit of four times as
+// many.
+constexpr FileKind kSummaryFile{"a summary", 64U << 20U};
 constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
                                                    ".json", ".toml", ".pdf"};
 
@@ -62,7 +63,7 @@ void takeSummary(const fs::path& folder, PastRun& run) {
   const std::uintmax_t size = fs::file_size(folder / kSummary, error);
   if (!error && size > kSummaryFile.most_bytes) {
     run.problem =
-        "its summary.json is larger than 16 MB, which no lab analyze writes; lab analyze "
+        "its summary.json is larger than 64 MB, which no lab analyze writes; lab analyze "
         "creates it again from the log";
     return;
   }

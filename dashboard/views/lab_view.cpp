@@ -141,10 +141,12 @@ void LabView::take(const Packet& packet, std::int64_t now) {
 }
 
 void LabView::take(const experiment_event_t& event, std::int64_t now) {
-  // Only the run's own runner reports its events, and no other run begins beside it.
-  if (!run_info_.isRunner(event.sender, event.instance)) {
-    const bool runs =
-        !run_info_.runner().empty() && !timeline_.ended() && now - runner_utime_ < kRunnerSilent_us;
+  // Only the run's own runner reports its events, and no other run begins beside it. A page that
+  // was restarted in a run does not know its runner until the next START and takes all events.
+  const bool is_known = !run_info_.runner().empty();
+  const bool is_first = !is_known && event.kind != experiment_event_t::START;
+  if (!is_first && !run_info_.isRunner(event.sender, event.instance)) {
+    const bool runs = is_known && !timeline_.ended() && now - runner_utime_ < kRunnerSilent_us;
     if (runs || event.kind != experiment_event_t::START) {
       health_.countNotUnderstood(channels::kExperimentEvent);
       return;

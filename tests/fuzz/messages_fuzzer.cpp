@@ -68,7 +68,7 @@ const Experiment& experimentOf(bool painted) {
   static const Experiment kPoses = parseExperiment(kExperiment, "poses");
   static const Experiment kPictures =
       parseExperiment(kExperiment, "pictures",
-                      {"camera.tracker=\"camera\"", "camera.width_px=320", "camera.height_px=240",
+                      {"camera.tracker=\"camera\"", "camera.width_px=160", "camera.height_px=120",
                        "camera.fps=1", "camera.exposure_ms=10", "camera.handshake=false"});
   return painted ? kPictures : kPoses;
 }

@@ -6,7 +6,7 @@
 namespace lab::report {
 namespace {
 
-// More than any run has. What exceeds them is not listed.
+// More than any run has. What exceeds them is counted.
 constexpr std::size_t kMostSteps = 100'000;
 constexpr std::size_t kMostRemarks = 10'000;
 constexpr std::size_t kMostServices = 500;
@@ -28,7 +28,12 @@ void EventRecord::take(const experiment_event_t& event) {
     if (event.label == "light") light_calibration_ = event.text;
     return;
   }
-  if (known_.size() >= kMostRemarks && event.kind != experiment_event_t::END) return;
+  // Marks do not take the place of faults.
+  if ((event.kind == experiment_event_t::MARK && marks_.size() >= kMostRemarks) ||
+      (event.kind == experiment_event_t::FAULT && faults_.size() >= kMostRemarks)) {
+    ++left_out_;
+    return;
+  }
   if (!known_.emplace(event.utime, event.kind, event.text).second) return;
   switch (event.kind) {
     case experiment_event_t::FAULT:
@@ -65,6 +70,10 @@ void EventRecord::finish(RunRecord& record) const {
   for (const auto& [number, step] : steps_) record.steps.push_back(step);
   record.faults = faults_;
   record.marks = marks_;
+  if (left_out_ > 0) {
+    record.marks.push_back(
+        {end_utime_, fmt::format("{} further marks and faults are not listed", left_out_)});
+  }
   if (!light_calibration_.empty()) {
     record.light_calibration =
         parseLightFile("calibration of light in the log", light_calibration_);
