@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "analyzer/service/analysis_message.hpp"
 #include "common/bus/channels.hpp"

@@ -27,6 +27,7 @@ class AnalyzerService final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   AnalysisFeed feed_;
+  bool refusal_noted_ = false;
   std::vector<FeedResult> round_;  ///< Results of the current second.
   std::size_t published_ = 0;      ///< Number of them already published.
   std::int64_t round_utime_ = 0;   ///< Last frame in them [us since 1970].

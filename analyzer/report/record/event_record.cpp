@@ -1,5 +1,7 @@
 #include "analyzer/report/record/event_record.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cstddef>
 
@@ -31,7 +33,7 @@ void EventRecord::take(const experiment_event_t& event) {
   // Marks do not take the place of faults.
   if ((event.kind == experiment_event_t::MARK && marks_.size() >= kMostRemarks) ||
       (event.kind == experiment_event_t::FAULT && faults_.size() >= kMostRemarks)) {
-    ++left_out_;
+    left_out_ += known_.contains({event.utime, event.kind, event.text}) ? 0 : 1;
     return;
   }
   if (!known_.emplace(event.utime, event.kind, event.text).second) return;
@@ -72,7 +74,8 @@ void EventRecord::finish(RunRecord& record) const {
   record.marks = marks_;
   if (left_out_ > 0) {
     record.marks.push_back(
-        {end_utime_, fmt::format("{} further marks and faults are not listed", left_out_)});
+        {end_utime_,
+         fmt::format("{} messages of further marks and faults are not listed", left_out_)});
   }
   if (!light_calibration_.empty()) {
     record.light_calibration =

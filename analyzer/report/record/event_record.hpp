@@ -31,6 +31,7 @@ class EventRecord {
   std::map<int, StepRecord> steps_;
   std::vector<Remark> faults_;
   std::vector<Remark> marks_;
+  std::int64_t left_out_ = 0;  ///< messages of marks and faults beyond the limits
   std::int64_t start_utime_ = 0;
   std::int64_t end_utime_ = 0;
   std::string end_reason_;

@@ -74,6 +74,30 @@ TEST(StreamCounter, SeparatesChannelsSendersAndInstances) {
   EXPECT_EQ(dut.lost(), 2 + 4 + 6);
 }
 
+/// Every command from a shell is a stream of its own, so an evening of them has more than any
+/// limit.
+TEST(StreamCounter, CommandsOfAShellDoNotFillItsPlaces) {
+  StreamCounter dut;
+  std::int64_t seq = 0;
+  for (std::int64_t command = 0; command < 1000; ++command) {
+    for (int i = 0; i < 100; ++i) dut.count(kChannel, "sim_svc", 1, ++seq, 0);
+    dut.count(channels::kLightCommand, "lab_light", command, 1, 0);
+  }
+  EXPECT_EQ(dut.uncounted(), 0);
+  EXPECT_LE(dut.streams().size(), StreamCounter::kMostStreams);
+  EXPECT_EQ(dut.streams().at({std::string(kChannel), "sim_svc", 1}).received, seq);
+  EXPECT_EQ(dut.lost(), 0);
+}
+
+TEST(StreamCounter, AFloodOfSendersDoesNotDisplaceEstablishedStreams) {
+  StreamCounter dut;
+  for (std::int64_t seq = 1; seq <= 20; ++seq) dut.count(kChannel, "sim_svc", 1, seq, 0);
+  for (std::int64_t sender = 0; sender < 60'000; ++sender) dut.count(kChannel, "x", sender, 1, 0);
+  EXPECT_GT(dut.uncounted(), 0);
+  EXPECT_EQ(dut.streams().size(), StreamCounter::kMostStreams);
+  EXPECT_TRUE(dut.streams().contains({std::string(kChannel), "sim_svc", 1}));
+}
+
 TEST(StreamCounter, CountsDecodeErrorsPerChannel) {
   StreamCounter dut;
   dut.countDecodeError(kChannel);

@@ -98,12 +98,13 @@ TEST(RunList, DoesNotReadHostileSummaries) {
   const TemporaryFolder runs;
   fs::create_directory(runs / "large");
   fs::create_directory(runs / "long");
-  std::ofstream(runs / "large/summary.json") << std::string(17 << 20, ' ');
+  std::ofstream(runs / "large/summary.json");
+  fs::resize_file(runs / "large/summary.json", 65U << 20U);
   std::string numbers = R"({"format": 1, "x": [0)";
   for (int i = 0; i < 5'000'000; ++i) numbers += ",1";
   std::ofstream(runs / "long/summary.json") << numbers << "]}";
 
-  EXPECT_THAT(readRun(runs / "large").problem, HasSubstr("larger than 16 MB"));
+  EXPECT_THAT(readRun(runs / "large").problem, HasSubstr("larger than 64 MB"));
   EXPECT_THAT(readRun(runs / "long").problem, HasSubstr("cannot be read"));
 }
 

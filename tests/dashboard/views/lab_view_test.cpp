@@ -360,6 +360,18 @@ TEST(LabView, KeepsARunWhoseEventsAreForged) {
   EXPECT_FALSE(bench.topic("robots").empty());
 }
 
+/// A page that was restarted in a run, before the next START.
+TEST(LabView, TakesEventsWhileItsRunnerIsUnknown) {
+  Bench bench;
+  experiment_event_t end{};
+  end.kind = experiment_event_t::END;
+  end.text = "the script is over";
+  bench.send(channels::kExperimentEvent, end, kNow);
+  bench.dut.publishMoving(kNow, true);
+  bench.dut.publishTotals(kNow, {});
+  EXPECT_NE(bench.topic("timeline")["end"], nullptr);
+}
+
 TEST(LabView, GoesOnAfterASenderWithAZeroInside) {
   Bench bench;
   robot_status_t status = statusOf({stateOf(3)});

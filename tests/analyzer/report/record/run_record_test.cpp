@@ -168,6 +168,27 @@ TEST_F(RunRecordTest, HasEachFaultAndMarkOnce) {
   ASSERT_EQ(dut.marks.size(), 1U);
 }
 
+/// A script that marks every second reaches the limit of marks in hours.
+TEST(EventRecord, HasFaultsAfterTooManyMarks) {
+  EventRecord dut;
+  experiment_event_t event{};
+  event.kind = experiment_event_t::MARK;
+  for (int i = 0; i < 10'005; ++i) {
+    event.utime = VirtualLoop::kEpoch + i;
+    event.text = std::to_string(i);
+    dut.take(event);
+  }
+  event.kind = experiment_event_t::FAULT;
+  event.text = "sim_svc died";
+  dut.take(event);
+  RunRecord record;
+  dut.finish(record);
+  ASSERT_EQ(record.faults.size(), 1U);
+  EXPECT_EQ(record.faults[0].text, "sim_svc died");
+  ASSERT_EQ(record.marks.size(), 10'001U);
+  EXPECT_EQ(record.marks.back().text, "5 messages of further marks and faults are not listed");
+}
+
 TEST_F(RunRecordTest, CountsLossesOfShellCommandsWhichAreNoServices) {
   {
     bool dropped = false;
