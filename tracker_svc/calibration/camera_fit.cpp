@@ -289,7 +289,7 @@ Fitted fitAll(const CameraObservations& observations, const CameraState& start) 
     observed_caps.clear();
     for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
       if (std::abs(residuals[static_cast<Eigen::Index>(i)]) < kOutlying) {
-        observed_caps.push_back(fitted.caps[i].centres);
+        observed_caps.push_back(fitted.caps[i].ellipses);
       }
     }
   }
