@@ -14,6 +14,7 @@ SceneContext sceneContextOf(const Experiment& experiment, light::ImageStore imag
   scene_context.arena_height = experiment.arena_height;
   for (const RobotSpec& robot : experiment.robots) scene_context.robots.push_back(robot.id);
   for (const auto& [name, program] : experiment.programs) scene_context.programs.push_back(name);
+  // Robots that stand report this program, and a gate may select them.
   scene_context.programs.push_back(modelName(program_t::NONE));
   scene_context.images = std::move(images);
   return scene_context;
@@ -34,7 +35,8 @@ LightCommand toCommand(const light_command_t& message, const Experiment& experim
   if (message.layers.size() <= light::kMostLayers) {
     command.layers = toDrivenLayers(message, images);
   } else {
-    command.layers.resize(light::kMostLayers + 1);  // will be refused; saves converting all
+    // One layer too many, so the command is refused; converting all would be wasted.
+    command.layers.resize(light::kMostLayers + 1);
   }
   for (light::DrivenLayer& layer : command.layers) {
     const auto program = experiment.programs.find(layer.drive.gate_program);

@@ -38,7 +38,8 @@ void BlockStore::addTime(double dt) {
   if (closed_.size() == kMaxBlocks) {
     mergePairs();
   }
-  // Ends are multiples of the length, so excess lengths do not add up when blocks merge.
+  // Blocks end at multiples of the length, so the excess of one block does not shift the later
+  // ones.
   open_end_ = static_cast<double>(closed_.size() + 1) * block_length_;
 }
 

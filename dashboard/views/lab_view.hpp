@@ -43,13 +43,14 @@ struct ServerFacts {
 class LabView {
  public:
   static constexpr std::int64_t kFrame_us = 50'000;  ///< 20 Hz
-  static constexpr std::int64_t kTrails_us =
-      500'000;  ///< queries within this time share one response
+  /// `trails` queries within this time share one response.
+  static constexpr std::int64_t kTrails_us = 500'000;
 
   /// Loads the images of an experiment's light. @param run the name of the run
   using Images = std::function<light::ImageStore(const Experiment&, const std::string& run)>;
 
-  /// @param sender,instance of the dashboard, which receives its own messages from the bus too
+  /// @param sender,instance of the dashboard: for its commands, and to ignore its own messages
+  ///   except heartbeats, because it receives them from the bus too
   LabView(Hub& hub, std::string sender, std::int64_t instance, Images images);
 
   /// Sets the experiment from its file, before the first message.
@@ -57,7 +58,8 @@ class LabView {
 
   void take(const Packet& packet, std::int64_t now);
 
-  /// Publishes moving things, at most at 20 Hz, and everything that changed. Call it at 40 Hz.
+  /// Publishes moving things, at most at 20 Hz, and everything that changed. Call it at 40 Hz, so
+  /// that a new frame waits 25 ms at most.
   /// @param watched whether a page is open
   void publishMoving(std::int64_t now, bool watched);
 

@@ -32,9 +32,9 @@ void CalibratedTone::apply(const double* intensity, int x, int y, std::size_t co
   const float* share =
       share_.data() + static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) + x;
   for (std::size_t i = 0; i < count; ++i) {
-    const double place = std::clamp(intensity[i], 0.0, 1.0) * kSteps;
-    const auto step = static_cast<std::size_t>(place);
-    const float rest = static_cast<float>(place - static_cast<double>(step));
+    const double position = std::clamp(intensity[i], 0.0, 1.0) * kSteps;
+    const auto step = static_cast<std::size_t>(position);
+    const float rest = static_cast<float>(position - static_cast<double>(step));
     const float value = curve_[step] + rest * (curve_[step + 1] - curve_[step]);
     out[i] = static_cast<std::uint8_t>(255.0F * std::min(1.0F, share[i] * value) + 0.5F);
   }

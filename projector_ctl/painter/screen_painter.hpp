@@ -22,23 +22,22 @@ class ScreenPainter {
   static constexpr int kTile = 32;  ///< [px]
 
   /// @param model its columns and rows are the size of the picture. Pixels that do not fall onto
-  /// the
-  ///   arena stay dark.
+  ///   the arena stay dark.
   /// @param tone null: the identity
   explicit ScreenPainter(const optics::ProjectorModel& model,
                          std::shared_ptr<const Tone> tone = nullptr);
 
   /// Paints `field`, whose layers must pass validate().
   /// @return the parts that changed since the last call, at first the whole picture; valid until
-  /// the
-  ///   next call
+  ///   the next call
   std::span<const Box> paint(const light::Field& field);
 
   [[nodiscard]] optics::GreyView picture() const { return picture_.view(); }
 
-  /// For drawing over the light: the picture itself, and a call that repaints the tiles that `box`
-  /// touches in the next frame.
+  /// The picture, for drawing over the light.
   [[nodiscard]] optics::GreyImage& canvas() { return picture_; }
+
+  /// Repaints the tiles that `box` touches in the next frame, e.g. where canvas() was drawn on.
   void forget(const Box& box);
 
  private:

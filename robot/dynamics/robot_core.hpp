@@ -84,8 +84,7 @@ struct CoreReport {
 /// The robot moves only while it is configured, has a lease and is not stopped:
 /// - The stop latch takes precedence over everything until clearStop().
 /// - The lease shows that the host is alive. When it expires, the program ends and the wheels
-/// stand.
-///   When it is renewed, the program starts with a fresh draw, as after any stop.
+///   stand. When it is renewed, the program starts with a fresh draw, as after any stop.
 /// - Otherwise the light selects the program, or the host sets the wheel speeds directly. A robot
 ///   whose wheel speeds are set directly makes no reversals.
 ///

@@ -17,8 +17,8 @@ struct Problem {
 };
 
 /// Sends a datagram with ttl 0 to LCM's multicast group and waits for it.
-/// @return why LCM's multicast does not work; nothing if the datagram came back. Takes less than 1
-/// ms on success and 0.3 s if a firewall drops the datagram.
+/// @return why LCM's multicast does not work; nothing if the datagram came back. Takes less than
+///   1 ms on success and 0.3 s if a firewall drops the datagram.
 [[nodiscard]] std::optional<Problem> diagnoseMulticast();
 
 /// diagnoseMulticast() as one line: the problem and the fix.
@@ -29,7 +29,7 @@ struct Problem {
 [[nodiscard]] std::optional<std::string> multicastInterface();
 
 /// @return why messages with ttl 0 could leave this machine, and how to prevent it; empty if they
-/// cannot
+///   cannot
 [[nodiscard]] std::string unpinnedWarning();
 
 /// The interface in the output of `ip route get`.
@@ -48,8 +48,8 @@ struct Problem {
     const std::filesystem::path& folder);
 
 /// UDP ports from 20000 to 59999 that are bound to all addresses or to LCM's group and not
-/// connected, as LCM's sockets are; ascending. Other programs may have such sockets too. @param
-/// proc_net_udp text of /proc/net/udp
+/// connected, as LCM's sockets are; ascending. Other programs may have such sockets too.
+/// @param proc_net_udp text of /proc/net/udp
 [[nodiscard]] std::vector<int> listeningPorts(std::string_view proc_net_udp);
 
 struct MachineFacts {
@@ -83,7 +83,9 @@ struct Devices {
 };
 [[nodiscard]] Devices devices(const std::vector<std::string>& patterns);
 
-/// Reads the facts. @param runs folder for the runs @param registrations registryDirectory()
+/// Reads the facts.
+/// @param runs folder for the runs
+/// @param registrations registryDirectory()
 [[nodiscard]] MachineFacts survey(const std::filesystem::path& runs,
                                   const std::filesystem::path& registrations);
 

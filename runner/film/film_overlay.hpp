@@ -41,7 +41,7 @@ class FilmOverlay {
 
   /// Chooses the kind of output by the extension of the path.
   /// @throws UserError if the file exists, cannot be written, or needs ffmpeg and it is not
-  /// installed
+  ///   installed
   [[nodiscard]] static std::unique_ptr<FilmOverlay> open(const OverlaySettings& settings);
 
   /// Whether the next frame is drawn. The rejected detections of other frames are not needed.

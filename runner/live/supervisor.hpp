@@ -19,6 +19,10 @@ namespace lab::runner {
 
 /// Starts, watches, restarts and ends lcm-logger and the services of one run, on this machine and
 /// on other hosts.
+///
+/// Order of calls: startLogger(), startGateways() when loggerWrites(), startServices() when
+/// missing() is empty; during the run restartEnded() and checkHeartbeats() repeatedly; at the end
+/// endServices(), endLogger(), reportHeld(). noteHeartbeat() at any time after startLogger().
 class Supervisor {
  public:
   /// @param clock_offset_us of the runner's loop: all services of this machine share its time,
@@ -49,11 +53,12 @@ class Supervisor {
   /// Folder of the output of all processes.
   [[nodiscard]] std::filesystem::path logFolder() const;
 
-  /// Restarts processes that died (RestartLimit). A service that the run can do without
-  /// (isDispensable()) is left out when it dies too often.
-  /// @param report called with a sentence for each, once a logger runs that records it
+  /// Restarts processes that died (RestartLimit); one that dies too often is left out if
+  /// isDispensable().
+  /// @param report called with one sentence per death, but not before a logger runs, unless the
+  ///   result is false
   /// @param resume makes the experiment file for a restarted sim_svc
-  /// @return false when a process died too often without which there is no run
+  /// @return false if a process that the run needs died too often
   [[nodiscard]] bool restartEnded(std::int64_t now,
                                   const std::function<void(const std::string&)>& report,
                                   const std::function<std::filesystem::path()>& resume);
@@ -77,7 +82,7 @@ class Supervisor {
     std::string name;
     std::unique_ptr<ServiceProcess> process{};
     int restarts = 0;
-    bool uses_ports = false;
+    bool uses_ports = false;                      ///< gets the folder of serial lines (`--ports`)
     std::string host{};                           ///< "": this machine
     pid_t ready_pid = 0;                          ///< of the process here that said READY
     RestartLimit limit{};                         ///< counts its deaths

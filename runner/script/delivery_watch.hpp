@@ -18,8 +18,7 @@ class DeliveryWatch {
   /// @param step with number, label and commanded_utime
   /// @param command_instance, command_seq identify the LIGHT_COMMAND of the step
   /// @param expected program of every robot under the new light, if the light changes at once and
-  /// is
-  ///   uniform; otherwise nothing, and no robot is expected to act
+  ///   is uniform; otherwise nothing, and no robot is expected to act
   /// @param robots number of robots; each must report after the presentation
   DeliveryWatch(const experiment_event_t& step, std::int64_t command_instance,
                 std::int64_t command_seq, const std::optional<program_t>& expected,

@@ -22,8 +22,7 @@ inline constexpr std::uint16_t kEepromSize = 1024;
 class FirmwareImage {
  public:
   /// @throws FirmwareImageError if the file is missing, is not an AVR ELF file, or does not fit
-  /// into
-  ///   the flash.
+  ///   into the flash.
   explicit FirmwareImage(const std::filesystem::path& elf);
 
   [[nodiscard]] const std::vector<std::uint8_t>& flash() const { return flash_; }

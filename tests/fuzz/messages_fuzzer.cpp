@@ -1,5 +1,5 @@
-// Messages of the bus, to all services at once, in virtual time. An exception
-// that leaves a handler ends a service, so it counts as a crash.
+// Feeds messages to the services that the input selects (never dds_gateway), on one bus in virtual
+// time. An exception that leaves a handler ends a service, so it counts as a crash.
 #include <cstdint>
 #include <list>
 #include <memory>
@@ -64,13 +64,13 @@ at_s = 0
 layers = [{kind = "uniform", intensity = 0.2}]
 )";
 
-const Experiment& experimentOf(bool painted) {
+const Experiment& experimentOf(bool tracked) {
   static const Experiment kPoses = parseExperiment(kExperiment, "poses");
   static const Experiment kPictures =
       parseExperiment(kExperiment, "pictures",
                       {"camera.tracker=\"camera\"", "camera.width_px=160", "camera.height_px=120",
                        "camera.fps=1", "camera.exposure_ms=10", "camera.handshake=false"});
-  return painted ? kPictures : kPoses;
+  return tracked ? kPictures : kPoses;
 }
 
 /// A service and its node.
@@ -103,9 +103,8 @@ struct Page {
 void run(Input& input) {
   constexpr int kMostMessages = 60;
   constexpr std::int64_t kLongest_us = 10'000'000;
-  // Bits 0 to 4 leave out one service each: the fuzzer is faster with few.
-  // Three other bits add the tracker, whose pictures take ten times as long as
-  // everything else.
+  // Bits 0 to 4 each leave out one service, because fewer run faster. Only if bits 5 to 7 are all
+  // set does the tracker run: its pictures take ten times as long as everything else.
   constexpr unsigned kWithTracker = 0xE0;
   const unsigned chosen = input.number<std::uint8_t>();
   const auto has = [chosen](unsigned bit) { return (chosen >> bit & 1U) == 0; };

@@ -23,13 +23,13 @@ constexpr double kOutOfView = 100;
 constexpr double kNormalMedian = 1.4826;
 constexpr double kLeastNoise = 0.1;  // smallest noise, in units of the given sigma
 
-// Priors of cameras: see camera_fit.hpp.
-constexpr double kSquare = 0.002;
-constexpr double kMiddle = 0.02;
-constexpr double kTangential = 1e-3;
-constexpr double kSecond = 0.3;
-constexpr double kCapMake = 5e-4;
-constexpr double kHeldAtZero = 1e-9;
+// Standard deviations of the priors: see camera_fit.hpp.
+constexpr double kSquare = 0.002;     // [1] fy / fx - 1
+constexpr double kMiddle = 0.02;      // [picture width] cx, cy from the middle
+constexpr double kTangential = 1e-3;  // [1] p1, p2
+constexpr double kSecond = 0.3;       // [1] k2, and k3 if it is fitted
+constexpr double kCapMake = 5e-4;     // [1] scale of the caps
+constexpr double kHeldAtZero = 1e-9;  // [1] k3 if it is not fitted
 
 std::vector<int> upTo(int end) {
   std::vector<int> all(static_cast<std::size_t>(end));
@@ -43,7 +43,7 @@ std::array<optics::Place, 4> cornersOf(const CameraObservations& observations) {
   return {{{0, 0}, {w, 0}, {w, h}, {0, h}}};
 }
 
-/// Observed minus marked [px].
+/// Projected minus marked [px]. The signs of residuals do not matter to the fit.
 VectorXd cornerResiduals(const CameraObservations& observations,
                          const optics::CameraParameters& camera) {
   const optics::CameraModel model(camera);
@@ -105,9 +105,11 @@ ResidualBlock capBlock(const CameraObservations& observations, const std::vector
 }
 
 /// A circle on the plane appears as an ellipse whose centre is not the image of the circle's
-/// centre. In units of the plane its outline is a circle, displaced by R^2/2 e'He for each normal
-/// e, with H the second derivatives; the centre of the best fit is displaced by R^2/8 (trace H_i +
-/// 2 sum_k H_k,ki). Exact for a pinhole camera.
+/// centre. Transformed back to the plane by the inverse of the derivatives at the centre, its
+/// outline is a circle of radius R whose point in direction e (unit vector) is displaced by
+/// R^2/2 e^T H_i e along axis i. H_i is the matrix of the second derivatives of coordinate i of the
+/// transformed image. The centre of the best fit is displaced along axis i by
+/// R^2/8 (trace H_i + 2 sum_k H_k(k, i)). Exact for a pinhole camera.
 optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, double z,
                          double radius) {
   constexpr double kStep = 0.005;  // [m]
@@ -131,7 +133,7 @@ optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, d
   return {middle.x + moved[0], middle.y + moved[1]};
 }
 
-/// Observed minus expected [px] of every disc of one board.
+/// Projected minus measured [px] of every disc of one board.
 VectorXd boardResiduals(const BoardView& board, const CameraState& at, std::size_t index) {
   optics::CameraParameters p = at.camera;
   using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
@@ -256,6 +258,7 @@ void estimateNoise(const CameraObservations& observations, Fitted& fitted) {
     const VectorXd residuals = capBlock(observations, fitted.caps, 1).residuals(state);
     for (const double residual : residuals) sizes.push_back(std::abs(residual));
     const auto count = static_cast<double>(sizes.size());
+    // About so many unknowns are determined by the caps. With boards: height and tilts only.
     fitted.noise = robustSigma(sizes, (count - (observations.boards.empty() ? 9 : 3)) / count);
   }
   sizes.clear();
@@ -264,6 +267,7 @@ void estimateNoise(const CameraObservations& observations, Fitted& fitted) {
     for (const double residual : residuals) sizes.push_back(std::abs(residual));
   }
   const auto count = static_cast<double>(sizes.size());
+  // Unknowns: fx, fy, cx, cy, k1, k2, p1, p2, and the six of each board's pose.
   const double used = 8 + 6 * static_cast<double>(observations.boards.size());
   fitted.board_noise = robustSigma(sizes, (count - used) / count);
 }
@@ -279,12 +283,13 @@ Fitted fitAll(const CameraObservations& observations, const CameraState& start) 
     fitted.solution = solveCamera(blocksOf(observations, fitted), fitted.solution.state);
     estimateNoise(observations, fitted);
     if (round + 2 != kRounds || fitted.caps.empty()) continue;
+    // After the third of four rounds, leave out outliers.
     const VectorXd residuals =
         capBlock(observations, fitted.caps, fitted.noise).residuals(fitted.solution.state);
     observed_caps.clear();
     for (std::size_t i = 0; i < fitted.caps.size(); ++i) {
       if (std::abs(residuals[static_cast<Eigen::Index>(i)]) < kOutlying) {
-        observed_caps.push_back(fitted.caps[i].centres);
+        observed_caps.push_back(fitted.caps[i].ellipses);
       }
     }
   }

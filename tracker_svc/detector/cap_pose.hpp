@@ -1,4 +1,5 @@
-/// Poses from points measured on a cap, all in the cap plane. Uses no picture.
+/// Poses from points measured on a cap, all in the cap plane, and the error of a point by glare.
+/// Uses no picture.
 #pragma once
 
 #include <array>
@@ -16,7 +17,7 @@ struct MeasuredPoint {
 
 /// Paint and blur estimated by a circle's fit.
 struct PaintEstimate {
-  double white = 0;  ///< [DN] of the cap around it
+  double white = 0;  ///< [DN] grey value (digital number) of the cap around it
   double ratio = 0;  ///< [1] dark / white
   double error = 0;  ///< [1] standard error of the ratio
   double blur = 0;   ///< [px] of the outline
@@ -39,7 +40,7 @@ struct CapPose {
   double spacing_chi2 = 0;
 };
 
-/// From the centres of both circles. Their distance is not used.
+/// From the centres of both circles. Their distance does not enter the pose, only `spacing_chi2`.
 [[nodiscard]] CapPose poseFromCircles(const MeasuredPoint& big, const MeasuredPoint& small,
                                       const optics::CapGeometry& cap);
 
