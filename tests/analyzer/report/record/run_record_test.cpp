@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <fstream>
+#include <string>
 #include <string_view>
 #include <utility>
 
+#include "analyzer/report/record/event_record.hpp"
 #include "analyzer/report_error.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
