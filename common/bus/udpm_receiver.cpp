@@ -53,8 +53,8 @@ FileDescriptor openSocket(const UdpmUrl& url) {
   }
   // Without these two the time is that of reading, and overflows are not counted.
   const int on = 1;
-  static_cast<void>(setsockopt(socket, SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on));
-  static_cast<void>(setsockopt(socket, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on));
+  static_cast<void>(setsockopt(socket.get(), SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on));
+  static_cast<void>(setsockopt(socket.get(), SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof on));
   set(socket, IPPROTO_IP, IP_PKTINFO, 1, "IP_PKTINFO");
   // Without this option a socket also gets what comes in on interfaces where only other programs
   // have joined the group (man 7 ip).
