@@ -35,7 +35,7 @@ TheoryColumns theoryColumns(const ProgramLaw& law, const TheoryConditions& condi
   if (isHeldNoise(law.kind) && (conditions.phase || conditions.phases)) {
     columns = phasedColumns(law, conditions);
   } else {
-    const Observation blurred{conditions.exposure, 0, 0};
+    const MeasurementModel blurred{conditions.exposure, 0, 0};
     columns.msd = [=](double tau) { return observedMsd(exact, blurred, tau); };
     columns.angular_msd = [=](double tau) { return observedAngularMsd(exact, blurred, tau); };
     columns.correlation = [=](double s) { return exact.velocityCorrelation(s); };

@@ -21,19 +21,19 @@ class BlockStore {
  public:
   static constexpr std::size_t kMaxBlocks = 28;  ///< Even, because pairs are merged.
 
-  /// @param block_length free time of the first block, s
+  /// @param block_length free time of the first block [s]
   BlockStore(std::size_t lags, double block_length);
 
   /// The block to which windows and steps are added.
   [[nodiscard]] BlockSums& openBlock() { return open_; }
 
-  /// Adds free time (s) to the open block, and closes it if it is long enough.
+  /// Adds free time [s] to the open block, and closes it if it is long enough.
   void addTime(double dt);
 
   /// True if addTime(dt) would close the open block.
   [[nodiscard]] bool wouldClose(double dt) const { return time_ + dt >= open_end_; }
 
-  [[nodiscard]] double time() const { return time_; }  ///< Free time of all blocks, s.
+  [[nodiscard]] double time() const { return time_; }  ///< [s] free time of all blocks
 
   /// All blocks in time order, the open one last. Their sum is exact: per lag, the rounding errors
   /// are added to the block with the most windows.
@@ -44,8 +44,8 @@ class BlockStore {
  private:
   /// One lag of a closed block.
   struct Packed {
-    float r2 = 0;  ///< Mean of r^2, m^2.
-    float a2 = 0;  ///< Mean of a^2, rad^2.
+    float r2 = 0;  ///< [m^2] mean of r^2
+    float a2 = 0;  ///< [rad^2] mean of a^2
     // The other four are bfloat16: the upper 16 bits of a float.
     std::uint16_t windows = 0;
     std::uint16_t angular_windows = 0;
@@ -60,12 +60,12 @@ class BlockStore {
   void makeExact(std::vector<BlockSums>& blocks, std::size_t lag) const;
 
   double block_length_;
-  double open_end_;  ///< Free time at which the open block closes, s.
-  double time_ = 0;  ///< Free time of all blocks, s.
+  double open_end_;  ///< [s] free time at which the open block closes
+  double time_ = 0;  ///< [s] free time of all blocks
   BlockSums open_;
   std::vector<LagSums> closed_total_;  ///< Sums over all closed blocks, per lag.
   std::vector<BlockSums> closed_;      ///< The closed blocks, with empty `lags`.
-  std::vector<Packed> packed_;         ///< The lags of the closed blocks: all of block 0 first.
+  std::vector<Packed> packed_;  ///< The lags of the closed blocks, ordered by block, then by lag.
 };
 
 }  // namespace lab::analysis

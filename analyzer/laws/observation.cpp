@@ -11,16 +11,16 @@
 namespace lab::analysis {
 namespace {
 
-// Longest integration step times variationRate(). Over such a step the 20-point Gauss rule is exact
-// up to rounding.
+// Largest product of an integration step and variationRate(), [1]. Over such a step the 20-point
+// Gauss rule is exact up to rounding.
 constexpr double kStepVariation = 6;
 
-/// The laws are smooth between multiples of this time, s.
+/// The laws are smooth between multiples of this time [s].
 double kinkSpacing(const ProgramLaw& law) {
   return law.kind == ProgramKind::kRtp ? law.tau_t : law.epsilon;
 }
 
-/// Bound on the rate at which the law varies, 1/s. Held noise: the largest turning rate. RTP: the
+/// Bound on the rate at which the law varies [1/s]. Held noise: the largest turning rate. RTP: the
 /// decay rate gamma of the runs, plus twice the largest turning rate pi / tau_t of a tumble.
 double variationRate(const ProgramLaw& law) {
   switch (law.kind) {
@@ -40,7 +40,7 @@ double variationRate(const ProgramLaw& law) {
 
 /// Limits of the integration intervals, ascending: every w at which M(tau + w), M(|tau - w|) or
 /// M(w) may have a kink, and further points so that no interval is too long for the Gauss rule.
-/// @param law exists, so that kinks have a distance
+/// @param law must exist: then kinkSpacing() > 0
 std::vector<double> integrationLimits(const ProgramLaw& law, double tau, double exposure) {
   const double kink = kinkSpacing(law);
   const double remainder = std::fmod(tau, kink);
@@ -81,14 +81,14 @@ double blurred(const ExactLaw& law, double tau, double exposure, const Msd& msd)
 
 }  // namespace
 
-double observedMsd(const ExactLaw& law, const Observation& observation, double tau) {
-  return blurred(law, tau, observation.exposure, [&law](double t) { return law.msd(t); }) +
-         4 * observation.sigma * observation.sigma;
+double observedMsd(const ExactLaw& law, const MeasurementModel& model, double tau) {
+  return blurred(law, tau, model.exposure, [&law](double t) { return law.msd(t); }) +
+         4 * model.sigma * model.sigma;
 }
 
-double observedAngularMsd(const ExactLaw& law, const Observation& observation, double tau) {
-  return blurred(law, tau, observation.exposure, [&law](double t) { return law.angularMsd(t); }) +
-         2 * observation.sigma_theta * observation.sigma_theta;
+double observedAngularMsd(const ExactLaw& law, const MeasurementModel& model, double tau) {
+  return blurred(law, tau, model.exposure, [&law](double t) { return law.angularMsd(t); }) +
+         2 * model.sigma_theta * model.sigma_theta;
 }
 
 }  // namespace lab::analysis

@@ -11,22 +11,23 @@ namespace lab {
 
 /// Refuses messages whose time does not continue the messages before them.
 ///
-/// A message is compared with the last one of its sender, and the first one of a sender with the
-/// last one of the channel. Its time may differ from that by kWindow_us, or by kWindow_us from what
-/// the receiver's own clock has advanced since. So a sender may be silent, a receiver may read its
-/// queue late, and clocks may differ. A live service keeps its clock against steps of the wall
-/// clock; one that starts after a step has another clock, as has a replay after a jump: after
-/// kAgreeing messages of a sender in a row that continue each other, its new time is accepted.
-/// Senders beyond a limit must keep the time of the channel.
+/// A message continues an earlier one if their times differ by at most kWindow_us, or if the
+/// difference of their times is within kWindow_us of the time that passed on the receiver's clock.
+/// The earlier one is the last accepted of the same sender and instance, or, before that has one,
+/// of the channel. A message that does not continue it is refused.
+///
+/// A sender may have changed its clock (restart after a clock step, jump of a replay): the
+/// kAgreeing-th such message in a row that continue each other is accepted. The channel tracks
+/// kMostStreams senders; later ones are compared with the channel only and cannot change its clock.
 class ArrivalClock {
  public:
-  /// Far above the jitter of frames and packets, far below every silence that counts as one.
+  /// Far above the jitter of frames and packets.
   static constexpr std::int64_t kWindow_us = 5'000'000;
   static constexpr int kAgreeing = 3;
 
+  /// All times are from 0 to ValueChecker::kLatestUtime.
   /// @param utime of the message
   /// @param now the receiver's clock, or that of the log, at the message's arrival
-  /// All times are from 0 to ValueChecker::kLatestUtime.
   [[nodiscard]] bool accepts(std::string_view sender, std::int64_t instance, std::int64_t utime,
                              std::int64_t now);
 
@@ -39,7 +40,7 @@ class ArrivalClock {
     std::string sender;
     std::int64_t instance = 0;
     std::optional<Moment> last;   ///< last accepted
-    std::optional<Moment> doubt;  ///< last refused, while it may be a new time
+    std::optional<Moment> doubt;  ///< last refused; starts or continues a possible new time
     int agreeing = 0;             ///< refused in a row that continue each other
   };
 

@@ -33,7 +33,8 @@ namespace lab {
 /// A thread of its own reads the socket, as in liblcm, so that a busy program loses no messages.
 class UdpmReceiver {
  public:
-  /// Waiting messages beyond this are lost and counted; the memory of a short message counts, too.
+  /// Waiting messages beyond this are lost and counted; the fixed overhead of each
+  /// message counts, too.
   static constexpr std::size_t kMostWaitingBytes = 64U << 20;
 
   /// @throws std::system_error
@@ -77,7 +78,7 @@ class UdpmReceiver {
   FileDescriptor waiting_event_;
   FileDescriptor stop_event_;
 
-  mutable std::mutex mutex_;  ///< for all members below
+  mutable std::mutex mutex_;  ///< for all members from here to error_
   std::condition_variable probed_;
   bool has_probe_ = false;
   bool wants_all_ = false;

@@ -11,11 +11,12 @@
 namespace lab {
 
 /// Walks over the numbers of a message and keeps the first one that is out of its range, with its
-/// place: "robots[2].program.epsilon: found 5e-324, expected 0.001 to 3600". Names are literals.
+/// place: "robots[2].program.epsilon: found 5e-324, expected 0.001 to 3600". Names must
+/// outlive the checker (literals).
 class ValueChecker {
  public:
-  /// Microseconds since 1970. 0 stands for "never" in many fields. Above it are 130 years, so that
-  /// no difference of two times and no count of frames between them overflows.
+  /// Microseconds since 1970; 0 stands for "never" in many fields. Allowed: 0 to the year 2100, so
+  /// that no difference of two times and no count of frames between them overflows.
   void time(const char* name, std::int64_t utime) { whole(name, utime, 0, kLatestUtime); }
 
   /// A finite number from `low` to `high`.
@@ -61,7 +62,7 @@ class ValueChecker {
   void fail(const char* name, std::int64_t value, std::int64_t low, std::int64_t high);
   void fail(const char* name, const std::string& problem);
 
-  std::array<Place, 4> places_;  ///< parts of parts, of which no message has more
+  std::array<Place, 4> places_;  ///< path of nested parts; no message nests deeper
   std::size_t depth_ = 0;
   std::optional<std::string> problem_;
 };

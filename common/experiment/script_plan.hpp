@@ -37,7 +37,7 @@ struct StepGroup {
 /// Whether the run can end before its duration is over, by its script or by a stop rule.
 [[nodiscard]] bool mayEndEarly(const Experiment& experiment);
 
-/// A condition as a sentence without full stop: "D_r of abp is known to 5 %".
+/// A condition as text without full stop: "D_r of abp is known to 5 %".
 [[nodiscard]] std::string conditionText(const EndCondition& until);
 
 /// Iterates over the steps of a script in the order in which they are shown, with the repetitions
@@ -61,8 +61,8 @@ class ScriptCursor {
   std::size_t steps_;
   bool repeat_;
   std::vector<StepGroup> groups_;
-  std::vector<std::int64_t>
-      repetitions_;  ///< by group: how often it has been completed; 0 again when it ends
+  /// Per group: passes completed; 0 again after the last.
+  std::vector<std::int64_t> repetitions_;
   std::size_t index_ = 0;
   std::int64_t pass_ = 0;
 };

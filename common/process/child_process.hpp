@@ -1,4 +1,4 @@
-/// Child processes. Programs are started here only.
+/// All child programs are started here.
 #pragma once
 
 #include <sys/types.h>
@@ -41,6 +41,7 @@ struct ChildSettings {
   /// The kernel sends it this signal when the thread that started it ends. 0: the child may outlive
   /// this process, and the destructor leaves it alone.
   int death_signal = SIGKILL;
+  /// Signals that it ignores until it decides otherwise.
   std::vector<int> ignored_signals{};
 };
 

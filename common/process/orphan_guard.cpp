@@ -85,8 +85,8 @@ std::int64_t steady_ms() {
   children.forgetEnded(0);
   children.signal(SIGTERM);
   children.signal(SIGCONT);
-  const std::int64_t deadline = steady_ms() + OrphanGuard::kPatience_ms;
-  for (std::int64_t left = OrphanGuard::kPatience_ms; children.size > 0 && left > 0;
+  const std::int64_t deadline = steady_ms() + OrphanGuard::kTimeout_ms;
+  for (std::int64_t left = OrphanGuard::kTimeout_ms; children.size > 0 && left > 0;
        left = deadline - steady_ms()) {
     children.forgetEnded(static_cast<int>(left));
   }

@@ -10,10 +10,10 @@ namespace lab {
 /// A death signal (ChildSettings) does not end every orphan: a process that is stopped, or that
 /// hangs, does not act on SIGTERM, and SIGKILL would not let robot_bridge stop its robots or
 /// lcm-logger write its data. So a small process waits for the end of this one. It then sends
-/// SIGTERM and SIGCONT to the children that still run, and SIGKILL after kPatience_ms.
+/// SIGTERM and SIGCONT to the children that still run, and SIGKILL after kTimeout_ms.
 class OrphanGuard {
  public:
-  static constexpr int kPatience_ms = 5000;
+  static constexpr int kTimeout_ms = 5000;
 
   /// Forks the guard. @throws std::system_error if there can be no more processes
   OrphanGuard();

@@ -18,7 +18,10 @@ dds::Entity watched(const dds::Domain& domain, dds_entity_t topic) {
   return dds::Entity(reader);
 }
 
-constexpr std::size_t kMost = 4096;  // endpoints per read
+// Endpoints per read, which bounds its memory. More are not looked at: this is a hint for users who
+// chose the wrong type, and a ROS 2 domain with that many endpoints of one kind is far beyond a
+// lab.
+constexpr std::size_t kMost = 4096;
 
 /// Calls `handler` with each endpoint that `get` (dds_read_mask, dds_take_mask) returns.
 template <class Get, class Handler>

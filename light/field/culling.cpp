@@ -1,4 +1,4 @@
-// Simplifies a light field inside a small disc, where most layers have no edge.
+// Simplifies a light field inside a small disk, where most layers have no edge.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kGuard = 1e-9;  // [m] displacement of an edge by rounding
 
-/// Range of a quantity over the disc.
+/// Range of a quantity over the disk.
 struct Span {
   double least = 0;
   double most = 0;
 };
 
-/// Whether a layer covers all of the disc, nothing of it, or has an edge in it.
+/// Whether a layer covers all of the disk, nothing of it, or has an edge in it.
 enum class Share : std::int8_t { kNone, kSome, kAll };
 
 Share both(Share a, Share b) {
@@ -30,9 +30,9 @@ Share both(Share a, Share b) {
 }  // namespace
 
 struct CompiledLayers::Culling {
-  explicit Culling(const Disc& the_disc) : disc(the_disc), radius(the_disc.radius + kGuard) {}
+  explicit Culling(const Disk& the_disk) : disk(the_disk), radius(the_disk.radius + kGuard) {}
 
-  const Disc& disc;
+  const Disk& disk;
   double radius;
 
   /// Range of a quantity with a slope of at most 1.
@@ -71,7 +71,7 @@ struct CompiledLayers::Culling {
     return cover == Share::kAll ? uniform(entry, entry.value) : entry;
   }
 
-  /// Whether a band of half width `half` around a multiple of the period covers the disc, along one
+  /// Whether a band of half width `half` around a multiple of the period covers the disk, along one
   /// axis.
   [[nodiscard]] Share inStripe(const Entry& entry, double place, double period, double half) const {
     const double off = std::abs(place - period * std::floor(place / period + 0.5));
@@ -120,8 +120,8 @@ struct CompiledLayers::Culling {
 
   /// The remainder of one layer; empty if nothing is left.
   [[nodiscard]] std::optional<Entry> part(const Entry& entry) const {
-    const double from_x = disc.x - entry.x;
-    const double from_y = disc.y - entry.y;
+    const double from_x = disk.x - entry.x;
+    const double from_y = disk.y - entry.y;
     const double u = entry.cosine * from_x + entry.sine * from_y;
     const double w = entry.cosine * from_y - entry.sine * from_x;
     const double r = std::sqrt(from_x * from_x + from_y * from_y);
@@ -178,8 +178,8 @@ struct CompiledLayers::Culling {
   }
 };
 
-CompiledLayers CompiledLayers::within(const Disc& disc) const {
-  const Culling culling(disc);
+CompiledLayers CompiledLayers::within(const Disk& disk) const {
+  const Culling culling(disk);
   CompiledLayers out;
   out.entries_.reserve(entries_.size());
   std::size_t bottom = 0;  // start of the picture that is being composed
@@ -207,11 +207,11 @@ CompiledLayers CompiledLayers::within(const Disc& disc) const {
   return out;
 }
 
-CompiledField CompiledField::within(const Disc& disc) const {
+CompiledField CompiledField::within(const Disk& disk) const {
   CompiledField out;
-  out.layers_ = layers_.within(disc);
+  out.layers_ = layers_.within(disk);
   if (mix_ >= 1) return out;
-  out.previous_ = previous_.within(disc);
+  out.previous_ = previous_.within(disk);
   out.mix_ = mix_;
   return out;
 }

@@ -36,7 +36,7 @@ struct Field {
 [[nodiscard]] inline bool isMoving(const Field& field) { return field.mix < 1; }
 
 /// The places within `radius` [m] of (x, y) [m].
-struct Disc {
+struct Disk {
   double x = 0;
   double y = 0;
   double radius = 0;
@@ -60,10 +60,10 @@ class CompiledLayers {
   /// Intensity at `count` places (x[i], y[i]): bit-equal to evaluate(), several times faster.
   void evaluateAt(const double* x, const double* y, std::size_t count, double* out) const;
 
-  /// An equivalent list inside the disc with as few layers as possible (culling.cpp): without
+  /// An equivalent list inside the disk with as few layers as possible (culling.cpp): without
   /// layers that paint nothing there or are covered by an opaque one, and with uniform light where
   /// no edge is inside. Equal up to the rounding of the last bit.
-  [[nodiscard]] CompiledLayers within(const Disc& disc) const;
+  [[nodiscard]] CompiledLayers within(const Disk& disk) const;
 
   [[nodiscard]] bool isUniform() const { return uniform_; }
 
@@ -77,7 +77,7 @@ class CompiledLayers {
     double x, y, cosine, sine;
     double outer, inner;   ///< [m] as used by the kind, half lengths for symmetric shapes
     double length;         ///< [m] a period or the length of a gradient
-    double slope, offset;  ///< for E's t = slope d + offset
+    double slope, offset;  ///< of t = slope d + offset in E(d) (layer.hpp)
     double value, value2;
     double reach;  ///< [m] distance from (x, y) beyond which nothing is painted
     double phase;
@@ -133,7 +133,7 @@ class CompiledField {
   void evaluateAt(const double* x, const double* y, std::size_t count, double* out) const;
 
   /// See CompiledLayers::within().
-  [[nodiscard]] CompiledField within(const Disc& disc) const;
+  [[nodiscard]] CompiledField within(const Disk& disk) const;
 
   [[nodiscard]] bool isUniform() const { return layers_.isUniform() && previous_.isUniform(); }
 

@@ -48,7 +48,7 @@ ScreenPainter::ScreenPainter(const optics::ProjectorModel& model, std::shared_pt
               {x, y, std::min(kTile, picture_.width - x), std::min(kTile, picture_.height - y)}));
         }
       }
-      block.disc = around(block.tiles);
+      block.disk = around(block.tiles);
     }
   }
 }
@@ -119,41 +119,41 @@ ScreenPainter::Tile ScreenPainter::tileAt(const Box& box) {
     top = std::max(top, tile_y_[i]);
   }
   if (!tile.lit) return tile;
-  tile.disc = {0.5 * (left + right), 0.5 * (bottom + top), 0};
+  tile.disk = {0.5 * (left + right), 0.5 * (bottom + top), 0};
   for (std::size_t i = 0; i < count; ++i) {
-    const double away = std::hypot(tile_x_[i] - tile.disc.x, tile_y_[i] - tile.disc.y);
-    if (away > tile.disc.radius) tile.disc.radius = away;  // false for NaN
+    const double away = std::hypot(tile_x_[i] - tile.disk.x, tile_y_[i] - tile.disk.y);
+    if (away > tile.disk.radius) tile.disk.radius = away;  // false for NaN
   }
   return tile;
 }
 
-light::Disc ScreenPainter::around(const std::vector<Tile>& tiles) {
-  light::Disc disc;
+light::Disk ScreenPainter::around(const std::vector<Tile>& tiles) {
+  light::Disk disk;
   double lit = 0;
   for (const Tile& tile : tiles) {
     if (!tile.lit) continue;
-    disc.x += tile.disc.x;
-    disc.y += tile.disc.y;
+    disk.x += tile.disk.x;
+    disk.y += tile.disk.y;
     ++lit;
   }
-  if (lit == 0) return disc;
-  disc.x /= lit;
-  disc.y /= lit;
+  if (lit == 0) return disk;
+  disk.x /= lit;
+  disk.y /= lit;
   for (const Tile& tile : tiles) {
     if (!tile.lit) continue;
-    const double away = std::hypot(tile.disc.x - disc.x, tile.disc.y - disc.y);
-    disc.radius = std::max(disc.radius, away + tile.disc.radius);
+    const double away = std::hypot(tile.disk.x - disk.x, tile.disk.y - disk.y);
+    disk.radius = std::max(disk.radius, away + tile.disk.radius);
   }
-  return disc;
+  return disk;
 }
 
 std::span<const Box> ScreenPainter::paint(const light::Field& field) {
   changed_.clear();
   const light::CompiledField all(field);
   for (Block& block : blocks_) {
-    const light::CompiledField near = all.within(block.disc);
+    const light::CompiledField near = all.within(block.disk);
     for (Tile& tile : block.tiles) {
-      light::CompiledField here = tile.lit ? near.within(tile.disc) : light::CompiledField();
+      light::CompiledField here = tile.lit ? near.within(tile.disk) : light::CompiledField();
       if (tile.painted && here == tile.shown) continue;
       tile.shown = std::move(here);
       tile.painted = true;
@@ -182,7 +182,7 @@ void ScreenPainter::paint(Tile& tile) {
   const std::size_t count = width * static_cast<std::size_t>(box.height);
   const bool constant = !tile.gaps && tile.shown.isUniform();
   if (constant && tone_->isSameEverywhere()) {
-    const double value = tile.shown.evaluate(tile.disc.x, tile.disc.y);
+    const double value = tile.shown.evaluate(tile.disk.x, tile.disk.y);
     std::uint8_t level = 0;
     tone_->apply(&value, box.x, box.y, 1, &level);
     for (int j = 0; j < box.height; ++j) std::fill_n(picture_.row(box.y + j) + box.x, width, level);

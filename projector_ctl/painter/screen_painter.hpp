@@ -43,7 +43,7 @@ class ScreenPainter {
  private:
   struct Tile {
     Box box;
-    light::Disc disc;      ///< contains the positions of all its pixels
+    light::Disk disk;      ///< contains the positions of all its pixels
     bool lit = false;      ///< at least one pixel falls onto the arena
     bool gaps = false;     ///< at least one pixel does not
     bool painted = false;  ///< the tile shows `shown`
@@ -51,13 +51,13 @@ class ScreenPainter {
   };
   /// Neighbouring tiles, so that most layers can be excluded for all of them at once.
   struct Block {
-    light::Disc disc;
+    light::Disk disk;
     std::vector<Tile> tiles;
   };
 
   void mapPlaces(const optics::ProjectorModel& model);
   [[nodiscard]] Tile tileAt(const Box& box);
-  [[nodiscard]] static light::Disc around(const std::vector<Tile>& tiles);
+  [[nodiscard]] static light::Disk around(const std::vector<Tile>& tiles);
   void placesOf(const Tile& tile);
   void paint(Tile& tile);
   void noteChanged(const Box& box);

@@ -44,7 +44,7 @@ void addReportOfRun(CLI::App& app, Chosen& chosen) {
 void addTheory(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<TheoryOptions>();
   CLI::App* command = app.add_subcommand("theory", summaryOf("theory"));
-  command->add_option("PROGRAM", options->program, "abp, noisy_abp, bp, rtp")->required();
+  command->add_option("MODEL", options->program, "abp, noisy_abp, bp, rtp")->required();
   command->add_option("KEY=VALUE", options->set,
                       "Its keys as in experiment files (v_cm_s=3 epsilon_s=0.25 eta_rad_s=6), and "
                       "diameter_cm, the wheel base");

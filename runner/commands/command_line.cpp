@@ -48,7 +48,7 @@ void addReplay(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<ReplayOptions>();
   options->programs = programs;
   CLI::App* command =
-      app.add_subcommand("replay", "Play a log onto a separate bus; the space bar pauses");
+      app.add_subcommand("replay", "Play a log onto a bus of its own; the space bar pauses");
   command->add_option("LOG", options->log, "Log, or folder of a run")->required();
   command->add_option("--from", options->from, "Begin here: s since the log began, without what --max-gap leaves out")
       ->check(between(0, 1e9));
@@ -108,7 +108,7 @@ struct RequestCommand {
 };
 
 constexpr RequestCommand kRequests[] = {
-    {"pause", "Pause the clock of the script; light and robots stay as they are", pauseScript},
+    {"pause", "Pause the light script; the present light stays, robots keep moving", pauseScript},
     {"resume", "Continue the script where it was paused", resumeScript},
     {"mark", "Write a remark into the record of the run", markRun, "TEXT", "The remark", true},
     {"end", "End the run as Ctrl-C does: data are kept, the report is made", endRun, "WHY",

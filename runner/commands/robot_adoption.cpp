@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::int64_t kBootloader_us = 2'500'000;  // the stock one takes 1.3 s
 constexpr std::int64_t kRetry_us = 300'000;
-constexpr std::int64_t kAdoptionPatience_us = 10'000'000;
+constexpr std::int64_t kAdoptionTimeout_us = 10'000'000;
 
 /// "it is busy (status 5)"
 std::string statusText(std::uint8_t status) {
@@ -61,7 +61,7 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
       if (const auto here = talk.lock()) here->read();
     });
     later(kBootloader_us, [](Talk& talk) { talk.askAgainAndAgain(); });
-    later(kAdoptionPatience_us, [](Talk& talk) { talk.giveUp(); });
+    later(kAdoptionTimeout_us, [](Talk& talk) { talk.giveUp(); });
   }
 
   void later(std::int64_t delay_us, void (*what)(Talk&)) {
@@ -186,7 +186,7 @@ struct RobotAdoption::Talk : std::enable_shared_from_this<Talk> {
     }
     end(fmt::format(
         "found {} within {} s; check its power and the speed of the line (--robot-baud)", found,
-        kAdoptionPatience_us / 1'000'000));
+        kAdoptionTimeout_us / 1'000'000));
   }
 
   void end(const std::string& problem) {

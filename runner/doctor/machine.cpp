@@ -150,12 +150,12 @@ std::optional<std::string> interfaceOfRoute(std::string_view answer) {
 }
 
 std::optional<std::string> multicastInterface() {
-  constexpr std::chrono::seconds kPatience{2};
+  constexpr std::chrono::seconds kTimeout{2};
   try {
     Pipe pipe = makePipe();
     ChildProcess ip({.arguments = {"ip", "route", "get", kGroup}, .output = pipe.in.get()});
     pipe.in = FileDescriptor();
-    ip.waitFor(kPatience);
+    ip.waitFor(kTimeout);
     OutputTail answer(512);
     answer.open(std::move(pipe.out));
     answer.take();

@@ -17,7 +17,7 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr int kPatience_ms = 2000;
+constexpr int kTimeout_ms = 2000;
 constexpr const char* kBuild = "./lab build builds it";
 
 }  // namespace
@@ -108,7 +108,7 @@ void DashboardProcess::findAddress() {
 void DashboardProcess::end() {
   if (process_) {
     process_->terminate();
-    process_->waitOrKill(kPatience_ms);
+    process_->waitOrKill(kTimeout_ms);
     process_.reset();
   }
   std::error_code error;

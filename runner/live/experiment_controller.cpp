@@ -28,9 +28,9 @@ constexpr std::int64_t kStopPeriod_us = 100'000;  // 10 Hz
 // After this time the script starts without the robots that have not echoed their table. A board on
 // a serial line needs 1.3 s for its bootloader, up to 2.5 s until robot_bridge opens the line, and
 // 1 s for its table.
-constexpr std::int64_t kLightEchoPatience_us = 3'000'000;
-constexpr std::int64_t kSerialEchoPatience_us = 10'000'000;
-constexpr std::int64_t kLightPatience_us = 2'000'000;
+constexpr std::int64_t kLightEchoTimeout_us = 3'000'000;
+constexpr std::int64_t kSerialEchoTimeout_us = 10'000'000;
+constexpr std::int64_t kLightTimeout_us = 2'000'000;
 // Events are sent three times because LCM may drop messages.
 constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
@@ -159,7 +159,7 @@ void ExperimentController::dim() {
   phase_ = Phase::kDimming;
   command(standCommand(experiment_));
   light_.showEverywhere(experiment_.light.safe_intensity, "after the handshake");
-  loop_.at(loop_.now() + kLightPatience_us, [this] {
+  loop_.at(loop_.now() + kLightTimeout_us, [this] {
     if (phase_ == Phase::kDimming) askRobots();
   });
 }
@@ -182,11 +182,11 @@ void ExperimentController::askRobots() {
   }
   const bool on_wire = std::ranges::any_of(
       experiment_.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); });
-  const std::int64_t patience = on_wire ? kSerialEchoPatience_us : kLightEchoPatience_us;
-  loop_.at(loop_.now() + patience, [this, patience] {
+  const std::int64_t timeout = on_wire ? kSerialEchoTimeout_us : kLightEchoTimeout_us;
+  loop_.at(loop_.now() + timeout, [this, timeout] {
     if (phase_ != Phase::kAskingRobots) return;
     fault("robots that did not confirm their light table within " +
-          std::to_string(patience / units::kSecond_us) + " s: " + silentRobots() +
+          std::to_string(timeout / units::kSecond_us) + " s: " + silentRobots() +
           "; the script starts without them");
     startScript();
   });
@@ -282,7 +282,7 @@ void ExperimentController::endScript(const ScriptTransition& transition) {
     command(standCommand(experiment_));
     light_.showEverywhere(experiment_.light.safe_intensity, "safe");
     sendStatus();
-    loop_.at(loop_.now() + kLightPatience_us, [this] {
+    loop_.at(loop_.now() + kLightTimeout_us, [this] {
       if (phase_ == Phase::kLeaving) over_(Ending::kUnmet, leaving_because_);
     });
   }

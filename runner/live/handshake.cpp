@@ -8,11 +8,11 @@
 namespace lab::runner {
 namespace {
 
-constexpr double kTurnRate = 2;                       // [rad/s]
-constexpr std::int64_t kTurnPatience_us = 3'000'000;  // about six times what the tracker needs
+constexpr double kTurnRate = 2;                      // [rad/s]
+constexpr std::int64_t kTurnTimeout_us = 3'000'000;  // about six times what the tracker needs
 // A board on a serial line needs up to 2.5 s until robot_bridge opens the line, and 1 s for its
 // settings.
-constexpr std::int64_t kHandshakePatience_us = 10'000'000;
+constexpr std::int64_t kHandshakeTimeout_us = 10'000'000;
 constexpr std::int64_t kSwing_us = 600'000;  // 70 degrees
 constexpr int kRequestTries = 2;
 
@@ -54,7 +54,7 @@ bool Handshake::isOver(std::int64_t utime, const std::function<bool(std::int32_t
   }
   const bool turned = obeyed_utime_ != 0;
   const std::int64_t since = turned ? obeyed_utime_ : told_utime_;
-  if (utime - since < (turned ? kTurnPatience_us : kHandshakePatience_us)) return false;
+  if (utime - since < (turned ? kTurnTimeout_us : kHandshakeTimeout_us)) return false;
   waiting_.erase(waiting_.begin());
   if (current.tries + 1 < kRequestTries) {
     waiting_.push_back({current.robot_id, current.tries + 1});

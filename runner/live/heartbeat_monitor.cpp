@@ -13,7 +13,7 @@ void HeartbeatMonitor::beat(const std::string& name) {
   Heartbeat& pulse = found->second;
   if (pulse.silent)
     again_.push_back({name, false, (clock_us_ - pulse.heard_us) / units::kSecond_us});
-  pulse = {.heard_us = clock_us_, .patience_us = kPatience_us};
+  pulse = {.heard_us = clock_us_, .timeout_us = kTimeout_us};
 }
 
 std::vector<HeartbeatMonitor::Change> HeartbeatMonitor::look(std::int64_t now) {
@@ -24,7 +24,7 @@ std::vector<HeartbeatMonitor::Change> HeartbeatMonitor::look(std::int64_t now) {
   std::vector<Change> changes = std::exchange(again_, {});
   for (auto& [name, pulse] : heartbeats_) {
     const std::int64_t silence_us = clock_us_ - pulse.heard_us;
-    if (pulse.silent || silence_us < pulse.patience_us) continue;
+    if (pulse.silent || silence_us < pulse.timeout_us) continue;
     pulse.silent = true;
     changes.push_back({name, true, silence_us / units::kSecond_us});
   }

@@ -14,9 +14,9 @@ namespace lab::runner {
 class HeartbeatMonitor {
  public:
   /// Three missed heartbeats, and half a second of delay.
-  static constexpr std::int64_t kPatience_us = 3'500'000;
+  static constexpr std::int64_t kTimeout_us = 3'500'000;
   /// Timeout after a start: a process may open a camera or a display first.
-  static constexpr std::int64_t kStartPatience_us = 10'000'000;
+  static constexpr std::int64_t kStartTimeout_us = 10'000'000;
   /// Longest time between calls of look() that counts in full.
   static constexpr std::int64_t kLongestStep_us = 200'000;
 
@@ -27,8 +27,8 @@ class HeartbeatMonitor {
   };
 
   /// A process was started. It replaces an earlier one of that name.
-  void expect(const std::string& name, std::int64_t patience_us = kStartPatience_us) {
-    heartbeats_[name] = {.heard_us = clock_us_, .patience_us = patience_us};
+  void expect(const std::string& name, std::int64_t timeout_us = kStartTimeout_us) {
+    heartbeats_[name] = {.heard_us = clock_us_, .timeout_us = timeout_us};
   }
 
   /// The process is known to be dead: its silence is no news.
@@ -43,7 +43,7 @@ class HeartbeatMonitor {
  private:
   struct Heartbeat {
     std::int64_t heard_us = 0;  ///< on clock_us_
-    std::int64_t patience_us = 0;
+    std::int64_t timeout_us = 0;
     bool silent = false;
   };
 

@@ -58,9 +58,9 @@ void LocalProcess::kill() {
   if (child_) child_->signal(SIGKILL);
 }
 
-bool LocalProcess::waitOrKill(int patience_ms) {
+bool LocalProcess::waitOrKill(int timeout_ms) {
   if (!child_) return false;
-  const bool killed = !child_->waitFor(std::chrono::milliseconds(patience_ms));
+  const bool killed = !child_->waitFor(std::chrono::milliseconds(timeout_ms));
   if (killed) {
     child_->signal(SIGKILL);
     child_->wait();

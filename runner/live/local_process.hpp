@@ -39,7 +39,7 @@ class LocalProcess final : public ServiceProcess {
   void kill();
 
   /// lcm-logger must get time to write its data: SIGKILL would lose it.
-  bool waitOrKill(int patience_ms) override;
+  bool waitOrKill(int timeout_ms) override;
 
  private:
   std::optional<ChildProcess> child_;  ///< none: the program could not be executed

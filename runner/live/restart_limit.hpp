@@ -15,7 +15,7 @@ class RestartLimit {
  public:
   /// Restarts within kWindow_us; one more death, and the process is given up.
   static constexpr std::size_t kMost = 5;
-  /// A service that fails at every start does so within 10 s (HeartbeatMonitor::kStartPatience_us,
+  /// A service that fails at every start does so within 10 s (HeartbeatMonitor::kStartTimeout_us,
   /// a camera or a display is opened first): with all pauses it reaches kMost in this time. One
   /// that crashes now and then in a run of hours is always restarted.
   static constexpr std::int64_t kWindow_us = 60'000'000;

@@ -208,8 +208,8 @@ class LiveRun {
   /// @throws UserError, after ending all processes, on timeout and when the user ends the run
   void waitUntil(const std::function<bool()>& done, const std::function<void()>& meanwhile,
                  const std::function<std::string()>& complaint,
-                 std::int64_t patience_us = kReadyTimeout_us) {
-    const std::int64_t deadline = loop_.now() + patience_us;
+                 std::int64_t timeout_us = kReadyTimeout_us) {
+    const std::int64_t deadline = loop_.now() + timeout_us;
     while (!done() || outcome_.interrupted) {
       std::string trouble = hosts() == nullptr ? "" : hosts()->trouble();
       if (outcome_.interrupted) trouble = "ended by the user before it had begun";

@@ -31,7 +31,7 @@ class ServiceProcess {
   virtual void terminate() = 0;
 
   /// Waits this long for its end, then sends SIGKILL. @return whether that was needed
-  virtual bool waitOrKill(int patience_ms) = 0;
+  virtual bool waitOrKill(int timeout_ms) = 0;
 };
 
 }  // namespace lab::runner

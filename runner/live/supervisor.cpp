@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kGatewayService = "dds_gateway";
-constexpr int kServicePatience_ms = 3000;
-constexpr int kLinkSettles_ms = 300;       // [ms] for the last messages of other hosts
-constexpr int kLoggerPatience_ms = 10000;  // it writes its buffers before it ends
+constexpr int kServiceTimeout_ms = 3000;
+constexpr int kLinkSettles_ms = 300;      // [ms] for the last messages of other hosts
+constexpr int kLoggerTimeout_ms = 10000;  // it writes its buffers before it ends
 
 }  // namespace
 
@@ -272,16 +272,16 @@ bool Supervisor::restartEach(std::int64_t now, const std::function<fs::path()>& 
   return true;
 }
 
-static std::string killedText(const std::string& title, int patience_ms) {
+static std::string killedText(const std::string& title, int timeout_ms) {
   return fmt::format("{} did not end on request and was killed after {} s", title,
-                     patience_ms / 1000);
+                     timeout_ms / 1000);
 }
 
 void Supervisor::endServices(const std::function<void(const std::string&)>& report) {
   const auto end = [&report](Entry& entry) {
     entry.process->terminate();
-    if (!entry.process->waitOrKill(kServicePatience_ms)) return;
-    report(killedText(titleOf(entry.name, entry.host), kServicePatience_ms));
+    if (!entry.process->waitOrKill(kServiceTimeout_ms)) return;
+    report(killedText(titleOf(entry.name, entry.host), kServiceTimeout_ms));
   };
   // One after the other: their closing messages together would overflow the logger's queue. The
   // gateways last, as they bring the messages of other hosts.
@@ -297,8 +297,8 @@ void Supervisor::endServices(const std::function<void(const std::string&)>& repo
 void Supervisor::endLogger(const std::function<void(const std::string&)>& report) {
   if (!logger_.process) return;
   logger_.process->terminate();
-  if (logger_.process->waitOrKill(kLoggerPatience_ms)) {
-    report(killedText(logger_.name, kLoggerPatience_ms) + ": the log's end may be missing");
+  if (logger_.process->waitOrKill(kLoggerTimeout_ms)) {
+    report(killedText(logger_.name, kLoggerTimeout_ms) + ": the log's end may be missing");
   }
 }
 

@@ -44,7 +44,8 @@ void ExternalRobots::advanceTo(std::int64_t time_us) {
     world_.advanceTo(until);
     for (const auto& [body, robot] : robots_) {
       const std::span<const std::uint8_t> sent = robot.driver->sent(robot.k);
-      // Bytes that the line does not accept are lost, as on a cable without a reader.
+      // Bytes that the line does not accept are lost, as on a cable without a reader. They are not
+      // counted here: a reader counts the damaged frames and the gaps in their numbers.
       if (!sent.empty()) static_cast<void>(robot.port->write(sent));
     }
   }

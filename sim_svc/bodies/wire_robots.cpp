@@ -9,8 +9,8 @@
 namespace lab::sim {
 namespace {
 
-constexpr double kBitsPerByte = 10;  // start, eight data bits, stop
-constexpr std::uint8_t kHostBoard = 2;
+constexpr double kBitsPerByte = 10;           // start, eight data bits, stop
+constexpr std::uint8_t kHostBoard = 2;        // wire::Hello::board
 constexpr std::uint16_t kEnoughStack = 1024;  // bytes; not measured on a host
 
 RobotClock clockFrom(std::int64_t boot_us, double rate) {

@@ -58,7 +58,7 @@ class Projection {
   struct Tile {
     Box pixels;                       ///< counted from the lattice's first cell
     Box around;                       ///< with one more pixel on each side, inside the lattice
-    double x = 0, y = 0, radius = 0;  ///< [m] a disc in the field that contains `around`
+    double x = 0, y = 0, radius = 0;  ///< [m] a disk in the field that contains `around`
   };
 
   [[nodiscard]] static Tile tile(const Lattice& lattice, const LitPlaces& places,

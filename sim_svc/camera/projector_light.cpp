@@ -28,7 +28,7 @@ optics::ProjectorTones projectorTonesOf(const Experiment& experiment,
   const double quadratic = -projector.vignetting / 2;
   return {calibration ? calibration->tone() : optics::ProjectorTone(),
           {projector.gamma,
-           {0, 0, quadratic, 0, quadratic},
+           {0, 0, quadratic, 0, quadratic},  // v0 .. v4
            experiment.arena_width,
            experiment.arena_height}};
 }

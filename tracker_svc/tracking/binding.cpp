@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kSlice = 0.1;  // [s] shortest slice; with slow cameras a slice is one frame
 constexpr double kLongestSlice = 0.35;  // [s] in a longer one a robot may turn too far
-constexpr double kPatience = 1.1;       // [s] reports are at most a second late
+constexpr double kTimeout = 1.1;        // [s] reports are at most a second late
 constexpr double kSilence = 1.5;        // [s] after which a silent robot is not waited for
 // [ln] a change inside a slice affects two slices: the second counts less
 constexpr double kSecondPart = 2.5;
@@ -97,7 +97,7 @@ void MotionBinding::measure(double time, std::span<IdentityEvidence* const> caps
 }
 
 bool MotionBinding::isReady(const Slice& slice, double time) const {
-  if (time - slice.end > kPatience) return true;
+  if (time - slice.end > kTimeout) return true;
   return std::all_of(logs_.begin(), logs_.end(), [&](const WheelLog& log) {
     return log.isEmpty() || log.latest() >= slice.end || log.latest() < slice.end - kSilence;
   });

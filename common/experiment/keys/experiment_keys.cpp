@@ -66,15 +66,16 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"ir_range_cm", "range of the infrared sensors, from the rim"}, {0, 100},
            robot.ir_range);
   v.number({"status_rate_hz", "ROBOT_STATUS messages per second"}, {1, 200}, robot.status_rate);
-  v.number(
-      {"lease_s", "a robot stops after this time without a command; commands are sent every 0.2 s"},
-      {0.4, 60}, robot.lease);
-  v.number(
-      {"free_run_s",
-       "a robot continues for this time without a command, instead of lease_s; 0: it does not"},
-      {0, kLongestFreeRun}, robot.free_run);
+  v.number({"lease_s",
+            "a robot stops after this time without a further order; orders are sent every 0.2 s"},
+           {0.4, 60}, robot.lease);
+  v.number({"free_run_s",
+            "a robot continues for this time without a further order, instead of lease_s; 0: it "
+            "does not"},
+           {0, kLongestFreeRun}, robot.free_run);
   v.flag({"resume_after_reboot",
-          "a robot on the wire that reboots during a run continues by itself; false: it stands "
+          "a wire, firmware or serial robot that reboots during a run continues by itself; false: "
+          "it stands "
           "until the run ends"},
          robot.resume_after_reboot);
   v.text({"motors",
@@ -281,10 +282,11 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
             v.number({"width_cm", "along x"}, {10, 1000}, e.arena_width);
             v.number({"height_cm", "along y"}, {10, 1000}, e.arena_height);
           });
-  v.table({"robot",
-           "The robots' hardware, the same for all. Only simulated robots have these errors, and "
-           "they do not know them"},
-          [&] { visitHardware(v, e.hardware); });
+  v.table(
+      {"robot",
+       "The robots' hardware, the same for all. The keys with error, noise and dead_band disturb "
+       "simulated robots only; their programs do not know these values"},
+      [&] { visitHardware(v, e.hardware); });
   v.table({"serial", "The lines to real robots (body = \"serial\")"},
           [&] { visitSerial(v, e.serial); });
   visitList(v, {"robots", "The robots that take part", Need::kRequired},

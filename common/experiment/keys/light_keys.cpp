@@ -80,7 +80,7 @@ void visitUntil(KeyVisitor& v, EndCondition& until) {
 
 void visitStep(KeyVisitor& v, StepEntry& step) {
   v.text({.name = "label",
-          .meaning = "name of the step in page and report",
+          .meaning = "name of the step in dashboard and report",
           .default_text = "step 1, step 2, ..."},
          {.most = 60}, step.label);
   v.optionalNumber({.name = "at_s",
@@ -147,7 +147,7 @@ void visitLight(KeyVisitor& v, ExperimentForm& form) {
   v.flag({"repeat", "the steps are repeated after the last one"}, light.repeat);
   v.optionalNumber(
       {.name = "length_s",
-       .meaning = "end of the last step, only with repeat; if steps have hold_s, their sum",
+       .meaning = "end of the last step, only with at_s and repeat; else the length of one pass",
        .default_text = "-"},
       {.low = 0, .high = kLongestRun, .above_low = true}, form.light_length);
   visitList(v, {"steps", "The steps of the light"}, {.fewest = 0, .most = 1000}, form.light_steps,

@@ -17,7 +17,7 @@ namespace {
 void expectLaw(const RecordingPlan& plan, const char* what) {
   const std::vector<int> lags{1, 2, 4, 8, 16, 32, 64, 128};
   const ExactLaw exact(plan.law);
-  const Observation observation{plan.exposure, plan.sigma, plan.sigma_theta};
+  const MeasurementModel model{plan.exposure, plan.sigma, plan.sigma_theta};
   std::vector<Scatter> curves(2 * lags.size());
   RecordingPoses poses;
   for (std::uint64_t seed = 0; seed < 400; ++seed) {
@@ -27,8 +27,8 @@ void expectLaw(const RecordingPlan& plan, const char* what) {
   }
   for (std::size_t i = 0; i < lags.size(); ++i) {
     const double tau = lags[i] * plan.period;
-    EXPECT_LT(std::abs(curves[i].z(observedMsd(exact, observation, tau))), 4) << what << tau;
-    EXPECT_LT(std::abs(curves[lags.size() + i].z(observedAngularMsd(exact, observation, tau))), 4)
+    EXPECT_LT(std::abs(curves[i].z(observedMsd(exact, model, tau))), 4) << what << tau;
+    EXPECT_LT(std::abs(curves[lags.size() + i].z(observedAngularMsd(exact, model, tau))), 4)
         << what << tau;
   }
 }

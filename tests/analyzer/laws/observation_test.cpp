@@ -43,7 +43,7 @@ TEST(Observation, IsTheDoubleIntegralOverBothExposures) {
     const ExactLaw law(program);
     for (const double exposure : {0.01, 0.1, 0.37, 1.2}) {
       for (const double tau : {0.02, 0.1, 0.3, 1.0, 10.0}) {
-        const Observation seen{exposure, 0, 0};
+        const MeasurementModel seen{exposure, 0, 0};
         const double msd = direct([&](double t) { return law.msd(t); }, tau, exposure);
         EXPECT_NEAR(observedMsd(law, seen, tau) / msd, 1, 3e-5) << exposure << " " << tau;
         const double turn = direct([&](double t) { return law.angularMsd(t); }, tau, exposure);

@@ -58,9 +58,9 @@ class OrphanGuardTest : public testing::Test {
   }
 
   /// @return the wait status of the child; -1: it still runs
-  [[nodiscard]] int waitForChild(milliseconds patience) const {
+  [[nodiscard]] int waitForChild(milliseconds timeout) const {
     int status = 0;
-    for (milliseconds waited{0}; waited < patience; waited += milliseconds(10)) {
+    for (milliseconds waited{0}; waited < timeout; waited += milliseconds(10)) {
       if (waitpid(child_, &status, WNOHANG) == child_) return status;
       std::this_thread::sleep_for(milliseconds(10));
     }
@@ -95,7 +95,7 @@ TEST_F(OrphanGuardTest, WithoutAGuardItWouldStayStopped) {
 TEST_F(OrphanGuardTest, AChildThatHangsIsKilledAfterAWhile) {
   startParent(kDeaf, true);
   killParent();
-  const int status = waitForChild(milliseconds(OrphanGuard::kPatience_ms + 4000));
+  const int status = waitForChild(milliseconds(OrphanGuard::kTimeout_ms + 4000));
   EXPECT_TRUE(WIFSIGNALED(status));
   EXPECT_EQ(WTERMSIG(status), SIGKILL);
 }
@@ -109,7 +109,7 @@ TEST(OrphanGuard, EndsWithItsOwner) {
     child.signal(SIGTERM);
     child.wait();
   }
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, milliseconds(OrphanGuard::kPatience_ms));
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, milliseconds(OrphanGuard::kTimeout_ms));
   EXPECT_EQ(waitpid(-1, nullptr, WNOHANG), -1);
   EXPECT_EQ(errno, ECHILD) << "the guard was not waited for";
 }

@@ -1,4 +1,4 @@
-// A culled field must show the same light in the disc, and batch evaluation must equal single
+// A culled field must show the same light in the disk, and batch evaluation must equal single
 // evaluation.
 #include <gtest/gtest.h>
 
@@ -74,15 +74,15 @@ TEST(Culling, FewerLayersShowTheSameLightInsideTheDisc) {
   int uniform = 0;
   for (int i = 0; i < 4000; ++i) {
     const CompiledField all(randomField(random));
-    const Disc disc{1.2 * random.uniform(), 0.9 * random.uniform(),
+    const Disk disk{1.2 * random.uniform(), 0.9 * random.uniform(),
                     0.1 * random.uniform() * random.uniform()};
-    const CompiledField here = all.within(disc);
+    const CompiledField here = all.within(disk);
     uniform += here.isUniform() && !all.isUniform() ? 1 : 0;
     for (int j = 0; j < 40; ++j) {
       const double angle = 6.2832 * random.uniform();
-      const double r = disc.radius * (j % 2 == 0 ? 1 : random.uniform());
-      const double x = disc.x + r * std::cos(angle);
-      const double y = disc.y + r * std::sin(angle);
+      const double r = disk.radius * (j % 2 == 0 ? 1 : random.uniform());
+      const double x = disk.x + r * std::cos(angle);
+      const double y = disk.y + r * std::sin(angle);
       ASSERT_NEAR(here.evaluate(x, y), all.evaluate(x, y), kLastBits) << "field " << i;
     }
   }
