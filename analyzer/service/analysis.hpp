@@ -59,7 +59,7 @@ class Analysis {
   /// More than any lab has; what exceeds them is left out and counted. A program of a robot takes
   /// up to 150 kB.
   static constexpr std::size_t kMostRobots = 1000;
-  static constexpr std::size_t kMostPrograms = 100;  ///< as in an experiment file
+  static constexpr std::size_t kMostPrograms = 100;   ///< as in an experiment file
   static constexpr std::size_t kMostOfRobots = 4000;  ///< programs, summed over the robots
 
   explicit Analysis(const AnalysisConfig& config) : config_(config) {}

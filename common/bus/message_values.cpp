@@ -28,7 +28,8 @@ constexpr double kLargest = 1e12;      // of numbers in the sender's own units
 // Sums over the lists of a message, and of a log, do not overflow.
 constexpr std::int64_t kMost = std::int64_t{1} << 50;         // counts
 constexpr std::int64_t kMostPackets = std::int64_t{1} << 40;  // on a link
-constexpr std::int64_t kMostOrders = std::int64_t{1} << 62;   // a program may number by its clock in ns
+constexpr std::int64_t kMostOrders = std::int64_t{1}
+                                     << 62;  // a program may number by its clock in ns
 constexpr std::int64_t kMost32 = std::numeric_limits<std::int32_t>::max();
 
 }  // namespace

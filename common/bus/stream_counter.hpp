@@ -24,8 +24,8 @@ struct StreamCount {
   std::int64_t lost = 0;  ///< from gaps in seq since the first received message
   std::int64_t first_seq = 0;
   std::int64_t last_seq = 0;
-  std::int64_t last_utime = 0;  ///< of the message, [us since 1970]
-  std::uint64_t recent = 1;     ///< bit i: last_seq - i was received
+  std::int64_t last_utime = 0;    ///< of the message, [us since 1970]
+  std::uint64_t recent = 1;       ///< bit i: last_seq - i was received
   std::int64_t last_counted = 0;  ///< number of its last message among all that were counted
 };
 
@@ -41,9 +41,9 @@ class StreamCounter {
   /// fits into a message of 60 KB.
   static constexpr std::size_t kMostStreams = 256;
 
-  /// @param most streams that are counted. A new one takes the place of a stream of few messages that
-  /// has been silent for long, such as a command of the shell; where there is none, its messages are
-  /// counted together with others.
+  /// @param most streams that are counted. A new one takes the place of a stream of few messages
+  /// that has been silent for long, such as a command of the shell; where there is none, its
+  /// messages are counted together with others.
   explicit StreamCounter(std::size_t most = kMostStreams) : most_(most) {}
 
   void count(std::string_view channel, std::string_view sender, std::int64_t instance,

@@ -50,9 +50,13 @@ void addReplay(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   CLI::App* command =
       app.add_subcommand("replay", "Play a log onto a bus of its own; the space bar pauses");
   command->add_option("LOG", options->log, "Log, or folder of a run")->required();
-  command->add_option("--from", options->from, "Begin here: s since the log began, without what --max-gap leaves out")
+  command
+      ->add_option("--from", options->from,
+                   "Begin here: s since the log began, without what --max-gap leaves out")
       ->check(between(0, 1e9));
-  command->add_option("--to", options->to, "End here: s since the log began, without what --max-gap leaves out")
+  command
+      ->add_option("--to", options->to,
+                   "End here: s since the log began, without what --max-gap leaves out")
       ->check(between(1e-3, 1e9));
   command->add_option("--speed", options->speed, "Seconds of the log per second")
       ->check(between(1e-3, 1e4))
