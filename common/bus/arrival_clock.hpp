@@ -16,9 +16,11 @@ namespace lab {
 /// The earlier one is the last accepted of the same sender and instance, or, before that has one,
 /// of the channel. A message that does not continue it is refused.
 ///
-/// A sender may have changed its clock (restart after a clock step, jump of a replay): the
-/// kAgreeing-th such message in a row that continue each other is accepted. The channel tracks
-/// kMostStreams senders; later ones are compared with the channel only and cannot change its clock.
+/// A sender may have changed its clock (restart after a clock step, jump of a replay). After
+/// kAgreeing refused messages of one sender in a row, each continuing the one before, the last is
+/// accepted. The first message of a channel is accepted, too. At most 64 streams (sender and
+/// instance) are tracked. Messages of further senders are compared with the channel's last accepted
+/// one and move it if they are accepted, but they never start a new time.
 class ArrivalClock {
  public:
   /// Far above the jitter of frames and packets.

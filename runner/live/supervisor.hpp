@@ -55,8 +55,8 @@ class Supervisor {
 
   /// Restarts processes that died (RestartLimit); one that dies too often is left out if
   /// isDispensable().
-  /// @param report called with one sentence per death, but not before a logger runs, unless the
-  ///   result is false
+  /// @param report called with one sentence per death. The sentences are held back until a
+  ///   logger writes, but delivered at once if the result is false
   /// @param resume makes the experiment file for a restarted sim_svc
   /// @return false if a process that the run needs died too often
   [[nodiscard]] bool restartEnded(std::int64_t now,

@@ -133,6 +133,7 @@ void run(Input& input) {
     bus.deliver();
     loop.runUntil(loop.now() + message.wait_us);
   }
+  // Longer than the second in which the analyzer publishes its results.
   loop.runUntil(loop.now() + 1'100'000);
   if (page) {
     for (const char* what : {"analysis", "trails", "robot", "speeds"}) {

@@ -109,7 +109,7 @@ ResidualBlock capBlock(const CameraObservations& observations, const std::vector
 /// outline is a circle of radius R whose point in direction e (unit vector) is displaced by
 /// R^2/2 e^T H_i e along axis i. H_i is the matrix of the second derivatives of coordinate i of the
 /// transformed image. The centre of the best fit is displaced along axis i by
-/// R^2/8 (trace H_i + 2 sum_k H_k(k, i)). Exact for a pinhole camera.
+/// R^2/8 (trace H_i + 2 sum_k H_k(k, i)). Exact to order R^2.
 optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, double z,
                          double radius) {
   constexpr double kStep = 0.005;  // [m]
@@ -276,7 +276,7 @@ Fitted fitAll(const CameraObservations& observations, const CameraState& start) 
   Fitted fitted;
   fitted.solution.state = start;
   std::vector<CapObservation> observed_caps = observations.caps;
-  fitted.noise = 10;  // large noise first: weights then act on large residuals too
+  fitted.noise = 10;  // large, so that no residual loses weight while the start is poor
   fitted.board_noise = 10;
   for (int round = 0; round < kRounds; ++round) {
     fitted.caps = weighed(observations, fitted.solution.state.camera, observed_caps);

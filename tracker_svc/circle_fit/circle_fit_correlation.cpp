@@ -11,7 +11,7 @@ constexpr double kMostCorrelation = 0.5;  // [1] smoother structure is not visib
 constexpr double kLeastOdd = 0.25;  // [1] share of antisymmetric residuals below which they may be
                                     // chance, as with codec artefacts
 
-/// The antisymmetric half of the residuals.
+/// Sums over the window: of all residuals, and of their antisymmetric half.
 struct Halves {
   double all = 0;       // squares of the residuals
   double odd = 0;       // squares of the antisymmetric half

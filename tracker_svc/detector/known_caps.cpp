@@ -6,7 +6,8 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kClear = 0.6;    // [big radii] from the centre of a neighbour's circle
+constexpr double kClear =
+    0.6;  // [big radii] margin, so that the edge of a touching neighbour's circle is still searched
 constexpr double kOverlap = 1.7;  // [cap radii] between two axes, at least
 
 }  // namespace
