@@ -9,6 +9,8 @@
 #include <numbers>
 #include <random>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 
 #include "analyzer/analyze_run.hpp"
 #include "analyzer/report/summary/findings.hpp"
@@ -71,11 +73,11 @@ PoseFile recording(int robots, double duration, bool headings = true, double sig
 
 PoseProgram abp() { return {"abp", {"v_cm_s=3", "epsilon_s=0.5", "eta_rad_s=3"}}; }
 
-const analysis::Estimate& estimateOf(const RunRecord& record, const std::string& name) {
+const analysis::Estimate& estimateOf(const RunRecord& record, std::string_view name) {
   for (const analysis::Estimate& estimate : record.results.front().result.estimates) {
     if (estimate.name == name) return estimate;
   }
-  throw std::runtime_error("no " + name);
+  throw std::runtime_error("no " + std::string(name));
 }
 
 TEST(PoseRun, FindsTheLawThatTheRobotsFollow) {
