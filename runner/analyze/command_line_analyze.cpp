@@ -45,9 +45,12 @@ void addTheory(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<TheoryOptions>();
   CLI::App* command = app.add_subcommand("theory", summaryOf("theory"));
   command->add_option("MODEL", options->program, "abp, noisy_abp, bp, rtp")->required();
-  command->add_option("KEY=VALUE", options->set,
-                      "Its keys as in experiment files (v_cm_s=3 epsilon_s=0.25 eta_rad_s=6), and "
-                      "diameter_cm, the wheel base");
+  // "KEY=VALUE" as a name is refused by CLI11 from 2.3 on.
+  command
+      ->add_option("SETTING", options->set,
+                   "Its keys as in experiment files (v_cm_s=3 epsilon_s=0.25 eta_rad_s=6), and "
+                   "diameter_cm, the wheel base")
+      ->type_name("KEY=VALUE");
   command->add_option("--lags", options->lags,
                       "Lags in s, separated by commas (default: 0.01 to 1000)");
   command
