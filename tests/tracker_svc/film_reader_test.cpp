@@ -347,8 +347,11 @@ TEST_F(Movies, ThatAreListsOfOthersAreRejected) {
   write("list.mkv", "ffconcat version 1.0\nfile pipe\n");
   ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
 
-  EXPECT_THAT(refusal(folder_ / "endless.mkv"), HasSubstr("it is a playlist"));
-  EXPECT_THAT(refusal(folder_ / "list.mkv"), HasSubstr("it is a playlist"));
+  // ffmpeg 7 refuses some of them by itself, because of the ending of the name.
+  const auto refused = testing::AnyOf(HasSubstr("it is a playlist"),
+                                      HasSubstr("is not a movie that ffmpeg can read"));
+  EXPECT_THAT(refusal(folder_ / "endless.mkv"), refused);
+  EXPECT_THAT(refusal(folder_ / "list.mkv"), refused);
 }
 
 TEST_F(Movies, ThatAreTextFilesAreRejected) {

@@ -304,10 +304,14 @@ TEST_F(TrackCommand, NamesBothSizesIfTheCalibrationHasAnother) {
 TEST_F(TrackCommand, ReportsThatPlayersRotateAMovie) {
   if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
   const fs::path turned = folder_ / "turned.mov";
-  const std::string command = "ffmpeg -v error -i '" + movie().string() + "' -c:v png '" +
-                              turned.string() + ".mov' && ffmpeg -v error -i '" + turned.string() +
-                              ".mov' -c copy -metadata:s:v rotate=90 '" + turned.string() +
-                              "'";  // only a copied stream keeps the rotation
+  const std::string plain = "'" + turned.string() + ".mov'";
+  const std::string target = " -c copy -y '" + turned.string() + "'";
+  // Only a copied stream keeps the rotation. ffmpeg 5 knows the second way only, ffmpeg 7 the
+  // first.
+  const std::string command = "ffmpeg -v error -i '" + movie().string() + "' -c:v png " + plain +
+                              " && { ffmpeg -v quiet -display_rotation 90 -i " + plain + target +
+                              " || ffmpeg -v error -i " + plain + " -metadata:s:v rotate=90" +
+                              target + "; }";
   ASSERT_EQ(std::system(command.c_str()), 0);
   options_.source = turned.string();
   testing::internal::CaptureStdout();
