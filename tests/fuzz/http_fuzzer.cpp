@@ -20,6 +20,7 @@
 #include "dashboard/library/library_routes.hpp"
 #include "dashboard/web/http_guard.hpp"
 #include "tests/fuzz/input.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::fuzz {
 namespace {
@@ -30,28 +31,19 @@ namespace fs = std::filesystem;
 class Runs {
  public:
   Runs() {
-    std::string name = (fs::temp_directory_path() / "fuzz_http-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for runs");
-    folder_ = name;
     fs::create_directories(folder_ / "runs/abp/figures");
     fs::create_directories(folder_ / "none");
     std::ofstream(folder_ / "runs/abp/summary.json") << R"({"programs": []})";
     std::ofstream(folder_ / "runs/abp/report.html") << "<p>";
     std::ofstream(folder_ / "secret.html") << "secret";
   }
-  ~Runs() {
-    std::error_code ignored;
-    fs::remove_all(folder_, ignored);
-  }
-  Runs(const Runs&) = delete;
-  Runs& operator=(const Runs&) = delete;
 
   [[nodiscard]] dashboard::RunLauncher::Folders folders() const {
     return {folder_ / "none", folder_ / "none", folder_ / "runs", folder_ / "none"};
   }
 
  private:
-  fs::path folder_;
+  TemporaryFolder folder_;
 };
 
 /// Both ends of a connection; the client has sent everything and closed its direction.
