@@ -353,9 +353,10 @@ void TrackerService::report() {
   if (!warning.empty() && status_.warning.empty()) node_.noteError(warning);
   status_.moved = spacing.moved || !spacing.fits ? 1 : 0;
   status_.warning = warning;
-  status_.latency_p50 = latency_.percentile(0.50);
-  status_.latency_p95 = latency_.percentile(0.95);
-  status_.latency_p99 = latency_.percentile(0.99);
+  const Percentiles latency = latency_.percentiles();
+  status_.latency_p50 = latency.p50;
+  status_.latency_p95 = latency.p95;
+  status_.latency_p99 = latency.p99;
   status_.utime = 0;
   node_.publish(channels::kTrackerStatus, status_);
 }

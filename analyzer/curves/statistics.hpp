@@ -1,20 +1,8 @@
 /// Quantiles, tail probabilities and intervals.
 #pragma once
 
-#include <algorithm>
-#include <cstddef>
-#include <vector>
 
 namespace lab::analysis {
-
-/// The median of at least one value; of an even number of values, the upper one of the middle two.
-/// Reorders the values.
-template <typename Number>
-[[nodiscard]] Number medianOf(std::vector<Number>& values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// The two-sided 95 % quantile of Student's t; 1.96 for many degrees of freedom, infinite below 1.
 [[nodiscard]] double studentQuantile(double degrees_of_freedom);

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <span>
 
-#include "analyzer/curves/statistics.hpp"
 #include "analyzer/runs/segmented_track.hpp"
+#include "light/median.hpp"
 
 namespace lab::analysis {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "analyzer/curves/statistics.hpp"
 #include "common/math/units.hpp"
+#include "light/median.hpp"
 
 namespace lab::analysis::segmentation {
 namespace {

@@ -5,8 +5,8 @@
 #include <deque>
 #include <utility>
 
-#include "analyzer/curves/statistics.hpp"
 #include "analyzer/service/bootstrap_results.hpp"
+#include "light/median.hpp"
 
 namespace lab::analysis {
 namespace {

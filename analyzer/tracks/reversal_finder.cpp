@@ -6,10 +6,10 @@
 #include <numbers>
 #include <optional>
 
-#include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
 #include "analyzer/tracks/flip_filter.hpp"
 #include "common/math/units.hpp"
+#include "light/median.hpp"
 
 namespace lab::analysis {
 namespace {

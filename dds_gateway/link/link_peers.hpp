@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "dds_gateway/link/clock_offset.hpp"
+#include "common/math/clock_offset.hpp"
 
 namespace lab::gateway {
 

@@ -5,6 +5,8 @@
 #include <optional>
 #include <vector>
 
+#include "light/median.hpp"
+
 namespace lab::calibration {
 namespace {
 
@@ -18,12 +20,6 @@ constexpr double kUnevenSigmas = 6;
 double positionDof(const SegmentMotion& motion) { return 2.0 * motion.points - 4; }
 double headingDof(const SegmentMotion& motion) { return motion.points - 2.0; }
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// A robust estimate: up to half of the segments may have any motion.
 TrackNoise roughNoise(const std::vector<SegmentMotion>& motions) {
   std::vector<double> positions;
@@ -32,8 +28,8 @@ TrackNoise roughNoise(const std::vector<SegmentMotion>& motions) {
     positions.push_back(motion.position_squares / positionDof(motion));
     headings.push_back(motion.heading_squares / headingDof(motion));
   }
-  return {std::max(kLeastPosition, std::sqrt(median(positions))),
-          std::max(kLeastHeading, std::sqrt(median(headings)))};
+  return {std::max(kLeastPosition, std::sqrt(medianOf(positions))),
+          std::max(kLeastHeading, std::sqrt(medianOf(headings)))};
 }
 
 bool within(double squares, double dof, double sigma) {

@@ -1,4 +1,6 @@
-/// Estimates offset and rate of a robot's clock against the host's.
+/// Estimates offset and rate of a robot's clock against the host's. ClockOffsetEstimator, for
+/// hosts, does not serve here: a robot's oscillator needs a fitted rate, and frames take long on
+/// the wire.
 #pragma once
 
 #include <cstddef>

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "light/median.hpp"
+
 namespace lab::runner {
 namespace {
 
@@ -76,9 +78,7 @@ CapCollector::CapCollector(const optics::CameraParameters& camera, const optics:
 std::optional<double> CapCollector::blur() const {
   if (blurs_.size() < kFewestBlurs) return std::nullopt;
   std::vector<float> sorted = blurs_;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  return static_cast<double>(*middle);
+  return static_cast<double>(medianOf(sorted));
 }
 
 void CapCollector::take(const optics::GreyView& picture) {

@@ -107,14 +107,13 @@ std::string refusal(const HostSpec& host, const HostHello& here, const HostHello
       installation().installHint("lab", "git pull and ./lab build in its folder"), host.name);
 }
 
-void ClockMeasurement::add(std::int64_t asked, std::int64_t there, std::int64_t answered) {
-  const double error = units::seconds(answered - asked) / 2;
-  if (count_++ == 0 || error < best_.error) {
-    best_ = {units::seconds(there - asked) - error, error};
-  }
-}
-
 std::string clockRefusal(const HostSpec& host, const ClockOffset& clock, double allowed) {
+  if (std::isnan(clock.offset)) {
+    return fmt::format(
+        "host {}: found no possible time in its answers, expected microseconds since 1970, and "
+        "answers within a minute; set the clocks of both hosts (docs/hosts.md) and start again",
+        host.name);
+  }
   if (std::abs(clock.offset) - clock.error <= allowed) return {};
   return fmt::format(
       "host {}: its clock is {:.1f} ms {} of this one (known to {:.1f} ms), allowed {:g} ms "

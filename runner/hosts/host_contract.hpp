@@ -7,6 +7,7 @@
 #include <string>
 
 #include "common/experiment/experiment.hpp"
+#include "common/math/clock_offset.hpp"
 
 namespace lab::runner {
 
@@ -34,27 +35,7 @@ struct HostHello {
 [[nodiscard]] std::string refusal(const HostSpec& host, const HostHello& here,
                                   const HostHello& there);
 
-/// Offset of another host's clock: positive if it is ahead of the local clock.
-struct ClockOffset {
-  double offset = 0;  ///< [s]
-  double error = 0;   ///< [s] bound of the measurement error: half the round trip
-};
-
-/// Estimates a clock offset from request and answer times as NTP does (RFC 5905, section 8). The
-/// exchange with the shortest round trip is used.
-class ClockMeasurement {
- public:
-  /// @param asked, answered local time of request and answer [us]
-  /// @param there time of the other clock in between [us]
-  void add(std::int64_t asked, std::int64_t there, std::int64_t answered);
-  [[nodiscard]] int count() const { return count_; }
-  [[nodiscard]] const ClockOffset& best() const { return best_; }
-
- private:
-  int count_ = 0;
-  ClockOffset best_;
-};
-
+/// @param clock nan: not one of the times that the host sent was possible
 /// @return why the clock offset is too large and how to fix it; empty if it is within limits
 /// @param allowed largest offset [s]
 [[nodiscard]] std::string clockRefusal(const HostSpec& host, const ClockOffset& clock,

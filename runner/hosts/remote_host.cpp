@@ -27,7 +27,9 @@ using Json = nlohmann::json;
 using Steady = std::chrono::steady_clock;
 using std::chrono::milliseconds;
 
-constexpr int kPings = 11;
+constexpr int kPings = 11;  // within what ClockOffsetEstimator needs and keeps
+static_assert(kPings >= int{ClockOffsetEstimator::kEnough} &&
+              kPings <= int{ClockOffsetEstimator::kWindow});
 constexpr int kStep_ms = 5;
 constexpr int kDisconnectTimeout_ms = 6000;
 constexpr milliseconds kSshEnds{1000};
@@ -138,7 +140,8 @@ void RemoteHost::connect() {
     throw UserError(std::string(error.what()) + ": is ulimit -n or ulimit -u too low?");
   }
   lines_.emplace(output_.get(), input_.get());
-  clock_ = {};
+  round_trips_ = {};
+  pongs_ = 0;
   reports_.clear();
   trouble_.clear();
   last_receive_ = Steady::now();
@@ -220,13 +223,14 @@ void RemoteHost::compare(const HostHello& hello) {
 }
 
 void RemoteHost::measure(const Json& pong) {
-  clock_.add(pong.value("asked", std::int64_t{0}), pong.value("utime", std::int64_t{0}),
-             wallClock());
-  if (clock_.count() < kPings) {
+  // The agent answers at once: a single time stands for arrival and answer.
+  const std::int64_t there = pong.value("utime", std::int64_t{0});
+  round_trips_.add(pong.value("asked", std::int64_t{0}), there, there, wallClock());
+  if (++pongs_ < kPings) {
     lines_->send({{"do", "ping"}, {"utime", wallClock()}});
     return;
   }
-  trouble_ = clockRefusal(spec_, clock_.best(), max_clock_offset_);
+  trouble_ = clockRefusal(spec_, clock(), max_clock_offset_);
   state_ = trouble_.empty() ? State::kMet : State::kRefused;
   if (state_ == State::kMet) ++connection_;
 }

@@ -50,7 +50,7 @@ class RemoteHost {
   [[nodiscard]] const HostSpec& spec() const { return spec_; }
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
   [[nodiscard]] const HostHello& hello() const { return hello_; }
-  [[nodiscard]] const ClockOffset& clock() const { return clock_.best(); }
+  [[nodiscard]] ClockOffset clock() const { return round_trips_.estimate(); }
   [[nodiscard]] const std::string& warning() const { return warning_; }
 
   /// Number of the connection, from 1. Services of an earlier connection have ended.
@@ -111,7 +111,8 @@ class RemoteHost {
   std::string trouble_;
   std::string warning_;
   HostHello hello_;
-  ClockMeasurement clock_;
+  ClockOffsetEstimator round_trips_;
+  int pongs_ = 0;
   int connection_ = 0;
   std::filesystem::path logs_;
   OutputTail errors_{65536};  ///< [byte] of the standard error of ssh

@@ -325,7 +325,7 @@ std::string RemoteHosts::watch(const Watcher& watcher) {
 std::string RemoteHosts::describe() const {
   std::string text;
   for (const auto& [name, host] : hosts_) {
-    const ClockOffset& clock = host.remote->clock();
+    const ClockOffset clock = host.remote->clock();
     text += fmt::format("host     {}: {} ({}), clock {:+.2f} ms, known to {:.2f} ms\n", name,
                         host.remote->spec().ssh, host.remote->hello().host, clock.offset * 1e3,
                         clock.error * 1e3);

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "common/math/percentiles.hpp"
 #include "tracker_svc/camera_devices.hpp"
 
 namespace {
@@ -77,13 +78,10 @@ void ringLatency(benchmark::State& state) {
     kill(painter, SIGKILL);
     waitpid(painter, nullptr, 0);
   }
-  std::sort(latencies.begin(), latencies.end());
-  const auto quantile = [&](double share) {
-    return latencies[static_cast<std::size_t>(share * static_cast<double>(latencies.size() - 1))];
-  };
-  state.counters["p50_us"] = quantile(0.50);
-  state.counters["p95_us"] = quantile(0.95);
-  state.counters["p99_us"] = quantile(0.99);
+  const lab::Percentiles latency = lab::percentilesOf(latencies);
+  state.counters["p50_us"] = latency.p50;
+  state.counters["p95_us"] = latency.p95;
+  state.counters["p99_us"] = latency.p99;
   state.counters["dropped"] = static_cast<double>(dropped);
 }
 

@@ -22,6 +22,7 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/math/percentiles.hpp"
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/endpoint.hpp"
@@ -161,16 +162,12 @@ class Delays {
   void add(std::int64_t utime) {
     if (!recording) return;
     const std::int64_t now = wallMicroseconds();
-    values_.push_back(now - utime);
+    values_.push_back(static_cast<double>(now - utime));
     if (last_ != 0) gap_ = std::max(gap_, now - last_);
     last_ = now;
   }
-  [[nodiscard]] double quantile(double share) {
-    if (values_.empty()) return -1;
-    std::sort(values_.begin(), values_.end());
-    return static_cast<double>(
-        values_[static_cast<std::size_t>(share * static_cast<double>(values_.size() - 1))]);
-  }
+  /// [us]; nan without values.
+  [[nodiscard]] Percentiles percentiles() const { return percentilesOf(values_); }
   [[nodiscard]] std::size_t count() const { return values_.size(); }
   /// Longest time between two received messages [us].
   [[nodiscard]] double longestGap() const { return static_cast<double>(gap_); }
@@ -181,7 +178,7 @@ class Delays {
   std::atomic<bool> recording = false;
 
  private:
-  std::vector<std::int64_t> values_;
+  std::vector<double> values_;
   std::int64_t last_ = 0;  ///< time of the last message
   std::int64_t gap_ = 0;
 };
@@ -301,14 +298,14 @@ int main(int argc, char** argv) {
       csv += fmt::format("{},{:.4g},{}\n", what, value, unit);
     };
     row("messages through the gateway in 20 s", static_cast<double>(both.delays.count()), "1");
-    const double lcm = plain_lcm.quantile(0.5);
-    const double dds = plain_dds.delays.quantile(0.5);
-    const double all = both.delays.quantile(0.5);
+    const double lcm = plain_lcm.percentiles().p50;
+    const double dds = plain_dds.delays.percentiles().p50;
+    const double all = both.delays.percentiles().p50;
     row("plain LCM p50", lcm, "us");
     row("plain DDS p50", dds, "us");
     row("LCM -> gateway -> DDS p50", all, "us");
     row("added p50: gateway - plain LCM", all - lcm, "us");
-    row("LCM -> gateway -> DDS p99", both.delays.quantile(0.99), "us");
+    row("LCM -> gateway -> DDS p99", both.delays.percentiles().p99, "us");
     row("ratio to plain LCM + plain DDS", all / (lcm + dds), "1");
     row("gateway CPU at 1000 messages/s", 100 * gateway_cpu / kMeasure, "% of one core");
     row("bare LCM subscriber + bare DDS writer", 100 * bare_cpu / kMeasure, "% of one core");
@@ -332,8 +329,8 @@ int main(int argc, char** argv) {
                                                       {"LCM -> gateway -> DDS", &both.delays}};
       for (const auto& [name, delays] : ends) {
         const std::string where = fmt::format("{}: {}", name, when);
-        row("p50 " + where, delays->quantile(0.5), "us");
-        row("longest delay " + where, delays->quantile(1) * 1e-3, "ms");
+        row("p50 " + where, delays->percentiles().p50, "us");
+        row("longest delay " + where, delays->percentiles().max * 1e-3, "ms");
         row("longest gap between two messages " + where, delays->longestGap() * 1e-3, "ms");
       }
     };

@@ -94,6 +94,7 @@ void SyncReader::learn() {
 
 void SyncReader::chooseWeights() {
   std::vector<float> sorted = difference_;
+  // Not percentilesOf(): the lower rank of each quantile, of floats, without sorting a window.
   const auto at = [&](float share) {
     const auto place =
         sorted.begin() + static_cast<std::ptrdiff_t>(share * static_cast<float>(sorted.size() - 1));

@@ -1,9 +1,10 @@
 /// Percentiles of the latest durations of a repeated task.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
 #include <vector>
+
+#include "common/math/percentiles.hpp"
 
 namespace lab::tracker {
 
@@ -19,15 +20,9 @@ class Latency {
     next_ = (next_ + 1) % kMost;
   }
 
-  /// The duration [s] that a share `part` of the last kMost durations did not exceed; 0 without
-  /// any.
-  [[nodiscard]] double percentile(double part) const {
-    if (durations_.empty()) return 0;
-    std::vector<double> sorted = durations_;
-    const auto last = static_cast<double>(sorted.size() - 1);
-    const auto place = sorted.begin() + static_cast<std::ptrdiff_t>(part * last + 0.5);
-    std::nth_element(sorted.begin(), place, sorted.end());
-    return *place;
+  /// Of the last kMost durations [s]; 0 without any.
+  [[nodiscard]] Percentiles percentiles() const {
+    return durations_.empty() ? Percentiles{0, 0, 0, 0, 0} : percentilesOf(durations_);
   }
 
  private:

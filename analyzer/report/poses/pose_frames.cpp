@@ -8,8 +8,8 @@
 #include <limits>
 #include <utility>
 
-#include "analyzer/curves/statistics.hpp"
 #include "analyzer/report_error.hpp"
+#include "light/median.hpp"
 
 namespace lab::report {
 namespace {
@@ -120,7 +120,7 @@ class Collector {
     }
     if (periods.empty()) return;
     std::vector<double> sorted = periods;
-    file_.frame_period = analysis::medianOf(sorted);
+    file_.frame_period = medianOf(sorted);
     constexpr double kShortest = 0.9e-6;  // the resolution of utime is a microsecond
     if (file_.frame_period < kShortest) {
       fail(1, fmt::format("{}: found {} s from frame to frame, expected 1e-6 s or more{}",

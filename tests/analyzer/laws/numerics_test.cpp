@@ -8,6 +8,7 @@
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/chebyshev.hpp"
+#include "light/median.hpp"
 #include "tests/analyzer/paper_programs.hpp"
 
 namespace lab::analysis {

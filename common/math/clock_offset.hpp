@@ -1,11 +1,12 @@
-/// Offset between the clock of another host and ours.
+/// Offset between the clock of another host and ours. For a robot's clock, whose rate must be
+/// fitted too: robot_bridge/protocol/clock_estimate.hpp.
 #pragma once
 
 #include <cstdint>
 #include <deque>
 #include <limits>
 
-namespace lab::gateway {
+namespace lab {
 
 /// The other clock minus ours. nan: not known yet.
 struct ClockOffset {
@@ -38,4 +39,4 @@ class ClockOffsetEstimator {
   std::deque<RoundTrip> last_;
 };
 
-}  // namespace lab::gateway
+}  // namespace lab

@@ -1,9 +1,11 @@
-#include "dds_gateway/link/clock_offset.hpp"
+#include "common/math/clock_offset.hpp"
 
 #include <algorithm>
 #include <vector>
 
-namespace lab::gateway {
+#include "light/median.hpp"
+
+namespace lab {
 namespace {
 
 /// Clocks of computers drift by up to 100 ppm: 1 ms in this time [us].
@@ -36,12 +38,10 @@ ClockOffset ClockOffsetEstimator::estimate() const {
   if (last_.size() < kEnough) return {};
   std::vector<std::int64_t> delays;
   for (const RoundTrip& trip : last_) delays.push_back(trip.delay);
-  const auto middle = delays.begin() + static_cast<std::ptrdiff_t>(delays.size() / 2);
-  std::nth_element(delays.begin(), middle, delays.end());
   const auto fastest = std::min_element(
       last_.begin(), last_.end(), [](const auto& a, const auto& b) { return a.delay < b.delay; });
   return {fastest->offset * 1e-6, 0.5e-6 * static_cast<double>(fastest->delay),
-          1e-6 * static_cast<double>(*middle)};
+          1e-6 * static_cast<double>(medianOf(delays))};
 }
 
-}  // namespace lab::gateway
+}  // namespace lab

@@ -1,4 +1,4 @@
-#include "dds_gateway/link/clock_offset.hpp"
+#include "common/math/clock_offset.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "common/math/random.hpp"
 
-namespace lab::gateway {
+namespace lab {
 namespace {
 
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
@@ -87,4 +87,4 @@ TEST(ClockOffsetEstimator, ImpossibleTimesAreIgnored) {
 }
 
 }  // namespace
-}  // namespace lab::gateway
+}  // namespace lab
