@@ -1,7 +1,6 @@
 /// Quantiles, tail probabilities and intervals.
 #pragma once
 
-
 namespace lab::analysis {
 
 /// The two-sided 95 % quantile of Student's t; 1.96 for many degrees of freedom, infinite below 1.

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
-#include "common/bus/fingerprints.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/program_messages.hpp"
@@ -16,8 +15,6 @@
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_text.hpp"
 #include "common/math/units.hpp"
-#include "common/process/version.hpp"
-#include "common/text/utf8.hpp"
 
 namespace lab::runner {
 namespace {
@@ -31,32 +28,15 @@ constexpr std::int64_t kStopPeriod_us = 100'000;  // 10 Hz
 constexpr std::int64_t kLightEchoTimeout_us = 3'000'000;
 constexpr std::int64_t kSerialEchoTimeout_us = 10'000'000;
 constexpr std::int64_t kLightTimeout_us = 2'000'000;
-// Events are sent three times because LCM may drop messages.
-constexpr int kRepeatEvent = 3;
 constexpr std::int64_t kStartEvery_us = 60'000'000;
 constexpr std::int64_t kStatusPeriod_us = 500'000;  // 2 Hz
 // Bounds for what others publish, far above what operators and programs need.
 constexpr std::size_t kMostOtherRobots = 1000;
-constexpr std::size_t kMostErrors = 1000;  // different texts of last_error
-constexpr int kMostRequests = 200;         // in kLimitPeriod_us, as the next two
-constexpr int kMostRecordedStops = 200;
+constexpr int kMostRequests = 200;  // in kLimitPeriod_us, as the next
 constexpr int kMostAnswers = 500;
 constexpr std::int64_t kLimitPeriod_us = 10'000'000;
 
 constexpr const char* kAnalyzer = "analyzer";
-
-/// The message without the robots that are not admitted; nothing if all are.
-template <typename Message>
-std::optional<Message> withoutRefused(const Message& message, RobotAdmission& admission) {
-  const auto refused = [&admission](const auto& robot) {
-    return !admission.admits(robot.robot_id);
-  };
-  if (std::ranges::none_of(message.robots, refused)) return std::nullopt;
-  Message admitted = message;
-  std::erase_if(admitted.robots, refused);
-  admitted.num_robots = static_cast<std::int32_t>(admitted.robots.size());
-  return admitted;
-}
 
 }  // namespace
 
@@ -66,13 +46,13 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
       loop_(context.loop),
       experiment_(context.experiment),
       run_(context.directory.filename().string()),
-      effective_(std::move(effective)),
       over_(std::move(over)),
       request_log_([this](const experiment_command_t& request) { return execute(request); }),
+      record_(context.node, context.loop, std::move(effective)),
       robots_(lightTableCommand(context.experiment)),
       handshake_(context.experiment),
       light_(context.node, context.loop, context.experiment, context.directory,
-             {.record = [this](const experiment_event_t& event) { record(event); },
+             {.record = [this](const experiment_event_t& event) { record_.write(event); },
               .fault = [this](const std::string& what) { fault(what); },
               .shown = [this] { lightShown(); },
               .began = [this] { sendStatus(); },
@@ -83,32 +63,33 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
                   },
               .end = [this](const ScriptTransition& transition) { endScript(transition); }}),
       stop_rules_(context.experiment),
-      stop_latch_(context.experiment),
+      stops_(context.node, context.loop, context.experiment, record_),
       admission_(context.experiment, kMostOtherRobots),
       requests_(kMostRequests, kLimitPeriod_us),
-      recorded_stops_(kMostRecordedStops, kLimitPeriod_us),
       answers_(kMostAnswers, kLimitPeriod_us) {
   // The experiment's bands are intensities on the arena. Robots compare their sensor readings, so
   // the calibration converts the bands.
   if (const auto calibration = activeLightCalibration(experiment_, context.directory)) {
     robots_ = withCalibratedBands(robots_, *calibration);
-    light_calibration_ = readFileText(context.directory / experiment_.projector.light_calibration,
-                                      file_kinds::kCalibration);
+    record_.setLightCalibration(readFileText(
+        context.directory / experiment_.projector.light_calibration, file_kinds::kCalibration));
   }
   node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
-    const auto admitted = withoutRefused(status, admission_);
+    const auto admitted = admission_.withoutRefused(status);
     take(admitted ? *admitted : status);
     reportRefused();
   });
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& frame) {
-    const auto admitted = withoutRefused(frame, admission_);
+    const auto admitted = admission_.withoutRefused(frame);
     take(admitted ? *admitted : frame);
     reportRefused();
   });
   node_.subscribe<service_status_t>(channels::kServiceStatus,
                                     [this](const service_status_t& status) { take(status); });
-  node_.subscribe<robot_stop_t>(channels::kRobotStop,
-                                [this](const robot_stop_t& stop) { take(stop); });
+  node_.subscribe<robot_stop_t>(channels::kRobotStop, [this](const robot_stop_t& stop) {
+    const bool own = stop.sender == node_.identity().name;
+    if (!own && phase_ != Phase::kIdle) stops_.take(stop);
+  });
   node_.subscribe<robot_command_t>(channels::kRobotCommand,
                                    [this](const robot_command_t& command) { take(command); });
   node_.subscribe<experiment_command_t>(
@@ -121,9 +102,9 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
 
 void ExperimentController::begin() {
   const std::int64_t now = loop_.now();
-  announceStart();
+  record_.start();
   loop_.every(kStartEvery_us, now + kStartEvery_us, [this] {
-    if (phase_ != Phase::kConcluded) announceStart();
+    if (phase_ != Phase::kConcluded) record_.start();
   });
   if (handshake_.needed()) {
     phase_ = Phase::kHandshake;
@@ -135,7 +116,7 @@ void ExperimentController::begin() {
   }
   loop_.every(kRobotPeriod_us, now, [this] { sendRobots(); });
   light_.begin();
-  loop_.every(kStopPeriod_us, now, [this] { repeatStops(); });
+  loop_.every(kStopPeriod_us, now, [this] { stops_.repeat(); });
   loop_.every(kStatusPeriod_us, now, [this] { sendStatus(); });
 }
 
@@ -192,60 +173,10 @@ void ExperimentController::askRobots() {
   });
 }
 
-void ExperimentController::announceStart() {
-  experiment_event_t event{};
-  event.kind = experiment_event_t::START;
-  event.text = effective_;
-  event.contract_version = kContractVersion;
-  event.fingerprints = fingerprintList();
-  event.version = kVersion;
-  record(std::move(event));
-  if (light_calibration_.empty()) return;
-  experiment_event_t calibration{};
-  calibration.kind = experiment_event_t::CALIBRATION;
-  calibration.label = "light";
-  calibration.text = light_calibration_;
-  record(std::move(calibration));
-}
-
-void ExperimentController::record(experiment_event_t event) {
-  event.utime = loop_.now();
-  for (int copy = 0; copy < kRepeatEvent; ++copy) {
-    node_.publish(channels::kExperimentEvent, event);
-  }
-}
-
-void ExperimentController::fault(const std::string& what) {
-  faults_.push_back(what);
-  node_.noteError(what);
-  experiment_event_t event{};
-  event.kind = experiment_event_t::FAULT;
-  event.text = what;
-  record(std::move(event));
-}
-
-void ExperimentController::mark(const std::string& what) {
-  experiment_event_t event{};
-  event.kind = experiment_event_t::MARK;
-  event.text = what;
-  record(std::move(event));
-}
-
-void ExperimentController::markRequest(const std::string& what, const std::string& way_out) {
-  mark(what);
-  if (!announce_) return;
-  std::string line = what + (way_out.empty() ? "" : " (" + way_out + ")");
-  repairUtf8(line);
-  // Whoever can send on the bus must not control the terminal.
-  std::ranges::replace_if(
-      line, [](char letter) { return (letter >= 0 && letter < ' ') || letter == 0x7f; }, ' ');
-  announce_(line);
-}
-
 void ExperimentController::sendRobots() {
   if (phase_ == Phase::kIdle) return;
   // A robot that has just booted must receive a stop in force before its first command.
-  repeatStops();
+  stops_.repeat();
   robot_command_t command = yielded_.without(robots_, loop_.now());
   command.utime = 0;
   node_.publishCommand(channels::kRobotCommand, command);
@@ -341,45 +272,17 @@ void ExperimentController::take(const tracked_frame_t& frame) {
   light_.take(frame);
 }
 
-/// Reports that a bound was reached, once. @param what one of a few texts
-void ExperimentController::limitReached(const std::string& what) {
-  if (limits_reached_.insert(what).second) fault(what);
-}
-
 void ExperimentController::reportRefused() {
   if (!admission_.refused()) return;
-  limitReached(fmt::format(
+  record_.limitReached(fmt::format(
       "more than {} robots on the bus are not of this run; further ones are ignored: is another "
       "program publishing here?",
       admission_.mostOthers()));
 }
 
-void ExperimentController::take(const robot_stop_t& stop) {
-  const bool own = stop.sender == node_.identity().name;
-  if (own || phase_ == Phase::kIdle || !stop_latch_.take(stop)) return;
-  if (stop_latch_.refused()) {
-    limitReached(fmt::format(
-        "more than {} robots that are not of this run were told to stop; further ones are not "
-        "stopped again when they restart",
-        StopLatch::kMostOthers));
-  }
-  if (!recorded_stops_.allows(loop_.now())) {
-    limitReached(fmt::format("more than {} stops in {} s: they hold, but not each is recorded",
-                             kMostRecordedStops, kLimitPeriod_us / units::kSecond_us));
-    return;
-  }
-  markRequest(std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") +
-                  stop.sender + (stop.reason.empty() ? "" : ": " + stop.reason),
-              stop.clear != 0 ? "" : "lab stop --clear, or release on the page, lets them go on");
-}
-
 void ExperimentController::take(const robot_command_t& command) {
   if (command.sender == node_.identity().name) return;
-  robot_command_t admitted = command;
-  for (robot_order_t& order : admitted.orders) {
-    std::erase_if(order.robot_ids, [this](std::int32_t id) { return !admission_.admits(id); });
-  }
-  yielded_.take(admitted, loop_.now());
+  yielded_.take(admission_.admitted(command), loop_.now());
   reportRefused();
 }
 
@@ -400,26 +303,11 @@ void ExperimentController::take(const service_status_t& status) {
   const bool own = status.sender == node_.identity().name;
   if (own || phase_ == Phase::kIdle || status.last_error.empty()) return;
   const std::string what = status.sender + ": " + status.last_error;
-  if (errors_recorded_.contains(what)) return;
-  if (errors_recorded_.size() >= kMostErrors) {
-    limitReached(
-        fmt::format("services reported more than {} different errors; further ones are "
-                    "not recorded: their output is in the run's folder",
-                    kMostErrors));
-    return;
-  }
-  errors_recorded_.insert(what);
   // The analyzer reports an overload. That costs results, but no data, unless the run waits for
   // them.
   const bool observes = status.sender == kObserverService ||
                         (status.sender == kAnalyzer && isDispensable(experiment_, kAnalyzer));
-  observes ? mark(what) : fault(what);
-}
-
-void ExperimentController::repeatStops() {
-  for (robot_stop_t& stop : stop_latch_.inForce(loop_.now())) {
-    node_.publishCommand(channels::kRobotStop, stop);
-  }
+  record_.serviceError(what, !observes);
 }
 
 void ExperimentController::take(const experiment_command_t& request) {
@@ -443,7 +331,7 @@ std::string ExperimentController::execute(const experiment_command_t& request) {
       return resumeScript(request.sender);
     case experiment_command_t::MARK:
       if (request.text.empty()) return "a mark needs a text";
-      markRequest(request.sender + ": " + request.text);
+      record_.markRequest(request.sender + ": " + request.text);
       return {};
     case experiment_command_t::END:
       end("ended by " + request.sender + (request.text.empty() ? "" : ": " + request.text));
@@ -471,14 +359,14 @@ std::string ExperimentController::pauseScript(const std::string& who) {
   if (light_.script().paused()) return "the script is paused already";
   paused_utime_ = loop_.now();
   light_.pause();
-  markRequest("script paused by " + who, "lab resume, or resume on the page, continues it");
+  record_.markRequest("script paused by " + who, "lab resume, or resume on the page, continues it");
   return {};
 }
 
 std::string ExperimentController::resumeScript(const std::string& who) {
   if (phase_ != Phase::kScript || !light_.script().paused()) return "the script is not paused";
-  markRequest(fmt::format("script resumed by {} after {:.1f} s", who,
-                          units::seconds(loop_.now() - paused_utime_)));
+  record_.markRequest(fmt::format("script resumed by {} after {:.1f} s", who,
+                                  units::seconds(loop_.now() - paused_utime_)));
   light_.resume();
   return {};
 }
@@ -521,26 +409,14 @@ void ExperimentController::sendStatus() {
   node_.publish(channels::kExperimentStatus, message);
 }
 
-void ExperimentController::stopRobots(const std::string& why) {
-  robot_stop_t stop{};
-  stop.seq = loop_.now();
-  stop.utime = stop.seq;
-  stop.reason = why;
-  stop_latch_.set(stop);
-  node_.publishCommand(channels::kRobotStop, stop);
-}
-
 void ExperimentController::conclude(const std::string& why) {
   if (phase_ == Phase::kConcluded) return;
   light_.close();
   if (phase_ == Phase::kScript) ended_ = light_.script().elapsed(loop_.now());
   phase_ = Phase::kConcluded;
   command(standCommand(experiment_));
-  experiment_event_t event{};
-  event.kind = experiment_event_t::END;
-  event.text = why;
-  record(std::move(event));
-  for (int copy = 0; copy < kRepeatEvent; ++copy) sendStatus();
+  record_.end(why);
+  for (int copy = 0; copy < ExperimentRecord::kCopies; ++copy) sendStatus();
 }
 
 Progress ExperimentController::progress() const {
@@ -550,7 +426,7 @@ Progress ExperimentController::progress() const {
   if (phase_ == Phase::kConcluded || phase_ == Phase::kLeaving) progress.elapsed = ended_;
   progress.left = std::max(0.0, experiment_.duration - progress.elapsed);
   progress.at_most = mayEndEarly(experiment_);
-  progress.robots_stopped = phase_ == Phase::kConcluded ? 0 : stop_latch_.robotsStopped();
+  progress.robots_stopped = phase_ == Phase::kConcluded ? 0 : stops_.robotsStopped();
   progress.paused = phase_ == Phase::kScript && light_.script().paused();
   if (phase_ == Phase::kScript) progress.stop = stop_rules_.progress();
   progress.light = light_.label();

@@ -7,25 +7,24 @@
 #include <lab/experiment_command_t.hpp>
 #include <lab/experiment_status_t.hpp>
 #include <lab/robot_command_t.hpp>
-#include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "common/service/service_main.hpp"
+#include "runner/live/experiment_record.hpp"
 #include "runner/live/handshake.hpp"
 #include "runner/live/progress.hpp"
 #include "runner/live/rate_limit.hpp"
 #include "runner/live/request_log.hpp"
 #include "runner/live/robot_admission.hpp"
 #include "runner/live/robot_owners.hpp"
-#include "runner/live/stop_latch.hpp"
+#include "runner/live/stop_repeater.hpp"
 #include "runner/script/light_controller.hpp"
 #include "runner/script/stop_rules.hpp"
 #include "runner/yielded_robots.hpp"
@@ -49,7 +48,7 @@ class ExperimentController final : public Service {
   /// Sets what is called, with a line for the terminal, when somebody stops or releases robots,
   /// pauses or resumes the script, or writes a remark: from the page or from another terminal.
   void announceRequests(std::function<void(const std::string&)> announce) {
-    announce_ = std::move(announce);
+    record_.announceRequests(std::move(announce));
   }
 
   /// Replaces the command to the robots. It is sent at once and repeated at 5 Hz. Its header is
@@ -63,19 +62,19 @@ class ExperimentController final : public Service {
   [[nodiscard]] bool inScript() const { return phase_ == Phase::kScript; }
 
   /// Records a fault. The run continues.
-  void fault(const std::string& what);
+  void fault(const std::string& what) { record_.fault(what); }
 
   /// Writes a remark into the record.
-  void mark(const std::string& what);
+  void mark(const std::string& what) { record_.mark(what); }
 
   /// Ends the experiment: robots stop, and the reason is recorded.
   void conclude(const std::string& why);
 
   /// Stops every robot. The stop is repeated at 10 Hz until a sender releases it.
-  void stopRobots(const std::string& why);
+  void stopRobots(const std::string& why) { stops_.stopAll(why); }
 
   [[nodiscard]] Progress progress() const;
-  [[nodiscard]] const std::vector<std::string>& faults() const { return faults_; }
+  [[nodiscard]] const std::vector<std::string>& faults() const { return record_.faults(); }
 
   /// The last pose of every robot that the tracker has seen.
   [[nodiscard]] const std::map<std::int32_t, tracked_pose_t>& lastPoses() const { return poses_; }
@@ -83,7 +82,6 @@ class ExperimentController final : public Service {
  private:
   void take(const robot_status_t& status);
   void take(const tracked_frame_t& frame);
-  void take(const robot_stop_t& stop);
   void take(const robot_command_t& command);
   void take(const analysis_t& analysis);
   void take(const service_status_t& status);
@@ -91,13 +89,10 @@ class ExperimentController final : public Service {
   /// @return why the request is refused; empty: executed
   [[nodiscard]] std::string execute(const experiment_command_t& request);
   void end(const std::string& why);
-  /// Writes a remark about a request, and announces it with what undoes it.
-  void markRequest(const std::string& what, const std::string& way_out = {});
   [[nodiscard]] std::string pauseScript(const std::string& who);
   [[nodiscard]] std::string resumeScript(const std::string& who);
   [[nodiscard]] experiment_status_t status() const;
   void sendStatus();
-  void repeatStops();
   void continueHandshake();
   void dim();
   void askRobots();
@@ -105,9 +100,6 @@ class ExperimentController final : public Service {
   void startScript();
   void endScript(const ScriptTransition& transition);
   void endIfStopped();
-  void announceStart();
-  void record(experiment_event_t event);
-  void limitReached(const std::string& what);
   void reportRefused();
   void sendRobots();
   [[nodiscard]] bool hasEchoed(const RobotSpec& robot) const;
@@ -120,14 +112,12 @@ class ExperimentController final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   std::string run_;  ///< its name
-  std::string effective_;
-  std::string light_calibration_;  ///< its file's text, for the record; empty: none
   std::function<void(Ending, const std::string&)> over_;
-  std::function<void(const std::string&)> announce_;
 
   Phase phase_ = Phase::kIdle;
   std::int64_t paused_utime_ = 0;  ///< begin of the last pause
   RequestLog request_log_;
+  ExperimentRecord record_;
   double ended_ = 0;  ///< [s] of the script, once it has ended
   std::string leaving_because_;
   bool safe_light_ = false;  ///< in Phase::kLeaving: the safe light is shown
@@ -138,19 +128,15 @@ class ExperimentController final : public Service {
   StopRules stop_rules_;
   bool stop_reached_ = false;
   YieldedRobots yielded_;
-  StopLatch stop_latch_;
-  std::set<std::string> errors_recorded_;  ///< last_error texts of services, each recorded once
+  StopRepeater stops_;
   // Whatever is published on the bus, the memory of this class and what it publishes stay bounded.
   RobotAdmission admission_;
-  RateLimit requests_;                    ///< of others that are executed
-  RateLimit recorded_stops_;              ///< of others that are recorded one by one
-  RateLimit answers_;                     ///< EXPERIMENT_STATUS sent at once
-  std::set<std::string> limits_reached_;  ///< texts, each reported once
+  RateLimit requests_;  ///< of others that are executed
+  RateLimit answers_;   ///< EXPERIMENT_STATUS sent at once
   RobotOwners owners_;
   std::map<std::int32_t, robot_state_t> states_;
   std::map<std::int32_t, tracked_pose_t> poses_;
   std::map<std::int32_t, std::int64_t> seen_utime_;
-  std::vector<std::string> faults_;
 };
 
 }  // namespace lab::runner

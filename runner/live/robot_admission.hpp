@@ -1,9 +1,13 @@
 /// Which robot ids of the bus the runner keeps state for.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <lab/robot_command_t.hpp>
+#include <optional>
 #include <set>
+#include <vector>
 
 #include "common/experiment/experiment.hpp"
 
@@ -24,6 +28,25 @@ class RobotAdmission {
     if (others_.size() < most_others_) return others_.insert(robot_id).second;
     refused_ = true;
     return false;
+  }
+
+  /// The message without the robots that are refused; nothing if none is.
+  template <typename Message>
+  [[nodiscard]] std::optional<Message> withoutRefused(const Message& message) {
+    const auto isRefused = [this](const auto& robot) { return !admits(robot.robot_id); };
+    if (std::ranges::none_of(message.robots, isRefused)) return std::nullopt;
+    Message admitted = message;
+    std::erase_if(admitted.robots, isRefused);
+    admitted.num_robots = static_cast<std::int32_t>(admitted.robots.size());
+    return admitted;
+  }
+
+  /// The command without the ids that are refused.
+  [[nodiscard]] robot_command_t admitted(robot_command_t command) {
+    for (robot_order_t& order : command.orders) {
+      std::erase_if(order.robot_ids, [this](std::int32_t id) { return !admits(id); });
+    }
+    return command;
   }
 
   /// Whether any id was refused.

@@ -1,0 +1,85 @@
+#include "runner/live/experiment_record.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/fingerprints.hpp"
+#include "common/process/version.hpp"
+#include "common/text/utf8.hpp"
+
+namespace lab::runner {
+namespace {
+
+// Far above what the services of a lab report.
+constexpr std::size_t kMostErrors = 1000;
+
+experiment_event_t eventOf(std::int8_t kind, const std::string& text) {
+  experiment_event_t event{};
+  event.kind = kind;
+  event.text = text;
+  return event;
+}
+
+}  // namespace
+
+void ExperimentRecord::start() {
+  experiment_event_t event = eventOf(experiment_event_t::START, effective_);
+  event.contract_version = kContractVersion;
+  event.fingerprints = fingerprintList();
+  event.version = kVersion;
+  write(std::move(event));
+  if (light_calibration_.empty()) return;
+  experiment_event_t calibration = eventOf(experiment_event_t::CALIBRATION, light_calibration_);
+  calibration.label = "light";
+  write(std::move(calibration));
+}
+
+void ExperimentRecord::write(experiment_event_t event) {
+  event.utime = loop_.now();
+  for (int copy = 0; copy < kCopies; ++copy) node_.publish(channels::kExperimentEvent, event);
+}
+
+void ExperimentRecord::fault(const std::string& what) {
+  faults_.push_back(what);
+  node_.noteError(what);
+  write(eventOf(experiment_event_t::FAULT, what));
+}
+
+void ExperimentRecord::mark(const std::string& what) {
+  write(eventOf(experiment_event_t::MARK, what));
+}
+
+void ExperimentRecord::markRequest(const std::string& what, const std::string& way_out) {
+  mark(what);
+  if (!announce_) return;
+  std::string line = what + (way_out.empty() ? "" : " (" + way_out + ")");
+  repairUtf8(line);
+  // Whoever can send on the bus must not control the terminal.
+  std::ranges::replace_if(
+      line, [](char letter) { return (letter >= 0 && letter < ' ') || letter == 0x7f; }, ' ');
+  announce_(line);
+}
+
+void ExperimentRecord::limitReached(const std::string& what) {
+  if (limits_reached_.insert(what).second) fault(what);
+}
+
+void ExperimentRecord::serviceError(const std::string& what, bool costs_data) {
+  if (service_errors_.contains(what)) return;
+  if (service_errors_.size() >= kMostErrors) {
+    limitReached(
+        fmt::format("services reported more than {} different errors; further ones are "
+                    "not recorded: their output is in the run's folder",
+                    kMostErrors));
+    return;
+  }
+  service_errors_.insert(what);
+  costs_data ? fault(what) : mark(what);
+}
+
+void ExperimentRecord::end(const std::string& why) { write(eventOf(experiment_event_t::END, why)); }
+
+}  // namespace lab::runner
