@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <list>
 #include <memory>
-#include <string_view>
+#include <string>
 #include <vector>
 
 #include "analyzer/analyzer_service.hpp"
@@ -19,57 +19,26 @@
 #include "sim_svc/sim_service.hpp"
 #include "tests/fuzz/input.hpp"
 #include "tests/fuzz/messages.hpp"
+#include "tests/support/robustness_experiment.hpp"
 #include "tracker_svc/tracker_service.hpp"
 
 namespace lab::fuzz {
 namespace {
 
-constexpr std::string_view kExperiment = R"(fileversion = 1
-name = "fuzz"
-duration_s = 600
-[robot]
-status_rate_hz = 5
-[camera]
-fps = 5
-[[robots]]
-id = 1
-x_cm = 30
-y_cm = 45
-theta_deg = 0
-[[robots]]
-id = 2
-body = "wire"
-x_cm = 60
-y_cm = 45
-theta_deg = 90
-[programs.abp]
-model = "abp"
-v_cm_s = 3
-epsilon_s = 0.5
-eta_rad_s = 3
-[programs.rtp]
-model = "rtp"
-v_cm_s = 5
-gamma_per_s = 3
-tau_t_s = 0.5
-[light_table]
-bands = [
-  {light = [0.10, 0.35], program = "abp"},
-  {light = [0.40, 0.95], program = "rtp"},
-]
-[light]
-frame_rate_hz = 10
-[[light.steps]]
-at_s = 0
-layers = [{kind = "uniform", intensity = 0.2}]
-)";
+/// kRobustnessExperiment, long enough and with rates at which many inputs run per second.
+Experiment experimentWith(const std::vector<std::string>& more) {
+  std::vector<std::string> overrides{
+      "duration_s=600", "robot.status_rate_hz=5", "camera.fps=5", "light.frame_rate_hz=10",
+      R"(robots=[{id=1, x_cm=30, y_cm=45}, {id=2, x_cm=60, y_cm=45, body="wire"}])"};
+  overrides.insert(overrides.end(), more.begin(), more.end());
+  return parseExperiment(kRobustnessExperiment, "fuzz", overrides);
+}
 
 const Experiment& experimentOf(bool tracked) {
-  static const Experiment kPoses = parseExperiment(kExperiment, "poses");
+  static const Experiment kPoses = experimentWith({});
   static const Experiment kPictures =
-      parseExperiment(kExperiment, "pictures",
-                      {"camera.tracker=\"camera\"", "camera.width_px=160", "camera.height_px=120",
-                       "camera.fps=1", "camera.exposure_ms=10", "camera.handshake=false"});
+      experimentWith({"camera.tracker=\"camera\"", "camera.width_px=160", "camera.height_px=120",
+                      "camera.fps=1", "camera.exposure_ms=10", "camera.handshake=false"});
   return tracked ? kPictures : kPoses;
 }
 

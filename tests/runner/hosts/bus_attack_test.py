@@ -14,28 +14,12 @@ import sys
 import tempfile
 import time
 
+import three_robots
+
 PROGRAMS = os.path.abspath(sys.argv[1])
 PORT = 23471
 
-EXPERIMENT = f'''
-fileversion = 1
-name = "attacked"
-duration_s = 4
-program = "abp"
-
-[network]
-port = {PORT}
-
-[[robots]]
-count = 3
-id = 1
-
-[programs.abp]
-model = "abp"
-v_cm_s = 3
-epsilon_s = 0.5
-eta_rad_s = 3
-'''
+EXPERIMENT = three_robots.experiment('attacked', 4, f'[network]\nport = {PORT}\n')
 
 MESSAGE = b'LC02' + bytes(4) + b'ROBOT_COMMAND\0' + b'forged'
 FIRST = b'LC03' + struct.pack('>IIIHH', 9, 2000, 0, 0, 3) + b'LIGHT_COMMAND\0' + bytes(1000)

@@ -11,34 +11,11 @@ import sys
 import tempfile
 import time
 
+import three_robots
+
 PROGRAMS = os.path.abspath(sys.argv[2]) if len(sys.argv) > 2 else ''
 PORT = 2222
 SSHD = shutil.which('sshd') or '/usr/sbin/sshd'
-
-EXPERIMENT = '''
-fileversion = 1
-name = "hosts"
-duration_s = %(duration)s
-program = "abp"
-
-[link]
-%(link)s
-
-[hosts.bench]
-programs = "%(programs)s"
-
-%(services)s
-
-[[robots]]
-count = 3
-id = 1
-
-[programs.abp]
-model = "abp"
-v_cm_s = 3
-epsilon_s = 0.5
-eta_rad_s = 3
-'''
 
 
 class Hosts:
@@ -176,5 +153,7 @@ def on(letter, command, **more):
 def experiment(duration=5, link='', services=None, programs=None, security='unsecured = true'):
     placed = services or {'sim_svc': 'bench'}
     text = '\n'.join(f'[services.{name}]\nhost = "{host}"\n' for name, host in placed.items())
-    return EXPERIMENT % {'duration': duration, 'link': security + '\n' + link, 'services': text,
-                         'programs': PROGRAMS if programs is None else programs}
+    folder = PROGRAMS if programs is None else programs
+    return three_robots.experiment(
+        'hosts', duration,
+        f'[link]\n{security}\n{link}\n\n[hosts.bench]\nprograms = "{folder}"\n\n{text}\n')

@@ -12,29 +12,13 @@ import tempfile
 import threading
 import time
 
+import three_robots
+
 SCENARIO, PROGRAMS = sys.argv[1], os.path.abspath(sys.argv[2])
 LOOPBACK = os.path.join(os.path.dirname(os.path.abspath(__file__)),
                         '../../../docs/examples/ros2/cyclonedds.xml')
 
-EXPERIMENT = '''
-fileversion = 1
-name = "quiet"
-duration_s = 5
-program = "abp"
-
-[gateway]
-ros = true
-
-[[robots]]
-count = 3
-id = 1
-
-[programs.abp]
-model = "abp"
-v_cm_s = 3
-epsilon_s = 0.5
-eta_rad_s = 3
-'''
+EXPERIMENT = three_robots.experiment('quiet', 5, '[gateway]\nros = true\n')
 
 
 def sh(command):
