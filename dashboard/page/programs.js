@@ -1,8 +1,6 @@
-// Distinguishes programs by colour (Okabe and Ito's palette, safe for colour-blind readers), letter
-// and symbol.
+// Distinguishes programs by colour (common/experiment/program_colours.hpp chooses it), letter and
+// symbol.
 
-const COLORS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8C8C8C"];
-const INKS = ["#fff", "#fff", "#fff", "#000", "#000", "#000", "#000"];  // text colours on them
 const SYMBOLS = ["circle", "square", "triangle-up", "diamond", "triangle-down", "cross"];
 const NONE = {
   name: "no program",
@@ -14,21 +12,26 @@ const NONE = {
 
 let programs = [];
 
+/** Black or white, for text on a colour "#0072B2". */
+function inkOn(rgb) {
+  const [red, green, blue] = [1, 3, 5].map((at) => parseInt(rgb.slice(at, at + 2), 16));
+  return 0.299 * red + 0.587 * green + 0.114 * blue < 128 ? "#fff" : "#000";  // luma of BT.601
+}
+
 /** @param list the programs of topic `lab` */
 export function setPrograms(list) {
   const taken = new Set();
-  programs = list.map((program, place) => {
-    const number = program.color ?? place;
+  programs = list.map((program) => {
     const free = [...program.name.toUpperCase(), ..."ABCDEFGHIJKLMNOPQRSTUVWXYZ"].find(
                      (letter) => /[\p{L}\p{N}]/u.test(letter) && !taken.has(letter)) ??
         "?";
     taken.add(free);
     return {
       ...program,
-      color: COLORS[number % COLORS.length],
-      ink: INKS[number % INKS.length],
+      color: program.rgb,
+      ink: inkOn(program.rgb),
       letter: free,
-      symbol: SYMBOLS[number % SYMBOLS.length],
+      symbol: SYMBOLS[program.color % SYMBOLS.length],
     };
   });
 }

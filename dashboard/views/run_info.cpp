@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/program_colours.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/math/units.hpp"
@@ -55,7 +56,8 @@ Json programsJson(const Experiment& experiment) {
     programs.push_back({{"name", name},
                         {"model", modelName(toMessage(program).kind)},
                         {"text", parameters(program)},
-                        {"color", programs.size()}});
+                        {"color", programPlace(experiment, name)},
+                        {"rgb", hexText(programColour(experiment, name))}});
   }
   return programs;
 }

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <numbers>
 
+#include "common/experiment/program_colours.hpp"
 #include "light/optics/canvas.hpp"
 
 namespace lab::runner {
@@ -17,14 +18,6 @@ using optics::Colour;
 using optics::kGlyphHeight;
 using optics::kGlyphWidth;
 
-// Okabe and Ito's palette in the order of dashboard/page/programs.js.
-constexpr std::array<Colour, 7> kProgramColours{{{0, 114, 178},
-                                                 {213, 94, 0},
-                                                 {0, 158, 115},
-                                                 {204, 121, 167},
-                                                 {230, 159, 0},
-                                                 {86, 180, 233},
-                                                 {140, 140, 140}}};
 constexpr Colour kTextColour{255, 255, 255};
 constexpr Colour kAbsentColour{120, 120, 120};
 // Robots are white with a black edge, so that colours belong to programs alone.
@@ -38,12 +31,6 @@ constexpr int kOutline = 2;               // [px] on each side of an edge betwee
 constexpr std::array<double, 7> kBars{1, 2, 5, 10, 20, 50, 100};  // [cm]
 
 int widthOf(const std::string& text) { return static_cast<int>(text.size()) * kLetter; }
-
-Colour colourOf(const Experiment& experiment, const std::string& program) {
-  const auto at = experiment.programs.find(program);
-  const auto place = static_cast<std::size_t>(std::distance(experiment.programs.begin(), at));
-  return kProgramColours[place % kProgramColours.size()];
-}
 
 void fill(optics::RgbImage& image, int x, int y, int width, int height, Colour colour) {
   for (int row = std::max(0, y); row < std::min(y + height, image.height); ++row) {
@@ -65,7 +52,7 @@ PreviewMarks::PreviewMarks(const Experiment& experiment, int width, bool with_ro
       radius_(experiment.hardware.diameter / 2),
       bands_(experiment.light_table.bands) {
   for (const LightBand& band : bands_) {
-    colours_.push_back(colourOf(experiment, band.program));
+    colours_.push_back(programColour(experiment, band.program));
     legend_.push_back(
         {fmt::format("{} {:.4g}-{:.4g} %", band.program, 100 * band.low, 100 * band.high),
          colours_.back()});

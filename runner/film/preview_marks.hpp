@@ -13,7 +13,8 @@
 
 namespace lab::runner {
 
-/// Draws the marks into pictures of one width. The programs have the colours of the page.
+/// Draws the marks into pictures of one width. The programs have the colours of the
+/// dashboard.
 class PreviewMarks {
  public:
   /// @param width of the pictures [px]

@@ -251,7 +251,7 @@ void Overview::add(std::size_t index, const Finding& finding) {
     text.insert(at + 1, fmt::format("p{}_", index));
   }
   data += text;
-  const std::string_view colour = style::programColour(finding.key);
+  const std::string_view colour = finding.colour;
   const std::string block = fmt::format("$p{}_", index);
   if (own.has_robots) {
     curves.push_back(fmt::format("{}robots using 1:2 with lines lw 0.6 lc rgb '#B0{}' notitle",

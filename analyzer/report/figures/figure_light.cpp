@@ -78,7 +78,7 @@ std::string strips(const RunRecord& record, const style::TimeAxis& axis, std::st
         "{}$strip{} using 1:2:3:4:5:6 with boxxyerror fs solid noborder lc rgb "
         "'{}' title {}",
         plots.empty() ? "" : ", \\\n  ", key,
-        program < 0 ? style::kPaleGrey : style::programColour(program),
+        program < 0 ? style::kPaleGrey : std::string_view(record.programs[key].colour),
         program < 0 ? "'standing'" : gnuplotText(record.programs[key].name));
   }
   return plots;
@@ -107,8 +107,7 @@ std::string counts(const RunRecord& record, const style::TimeAxis& axis, std::st
     }
     data += block.text();
     plots += fmt::format("{}$count{} using 1:2 with steps lw 2 lc rgb '{}' title {}",
-                         plots.empty() ? "" : ", \\\n  ", key,
-                         style::programColour(static_cast<int>(key)),
+                         plots.empty() ? "" : ", \\\n  ", key, record.programs[key].colour,
                          gnuplotText(record.programs[key].name));
   }
   return plots;

@@ -1,14 +1,6 @@
 #include "analyzer/report/figures/figure_scripts.hpp"
 
-#include <array>
-
 namespace lab::report::style {
-
-std::string_view programColour(int key) {
-  constexpr std::array<std::string_view, 7> kColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
-                                                     "#E69F00", "#56B4E9", "#000000"};
-  return key < 0 ? kGrey : kColours[static_cast<std::size_t>(key) % kColours.size()];
-}
 
 std::string preamble(const std::string& name, int width, int height, double print_cm) {
   return fmt::format(

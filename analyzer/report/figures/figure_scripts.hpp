@@ -38,11 +38,7 @@ namespace style {
 /// data.
 inline constexpr std::string_view kBlue = "#0072B2";
 inline constexpr std::string_view kVermillion = "#D55E00";
-inline constexpr std::string_view kGrey = "#9A9A9A";
 inline constexpr std::string_view kPaleGrey = "#D8D8D8";
-
-/// The colour of the program with this key.
-[[nodiscard]] std::string_view programColour(int key);
 
 /// Widths in print [cm]: a journal column, and the page.
 inline constexpr double kColumn_cm = 8.6;

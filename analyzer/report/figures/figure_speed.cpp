@@ -143,7 +143,7 @@ FigureScript speedTraces(const RunRecord& record) {
     const auto& [key, stretch] = panels[i];
     const int top = height - 32 - kPanelHeight * static_cast<int>(i);
     const double speed = programmedSpeed(record.programs[key].program);
-    const std::string_view colour = style::programColour(static_cast<int>(key));
+    const std::string_view colour = record.programs[key].colour;
     script.script += fmt::format(
         "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
         "set xrange [{:.6g}:{:.6g}]\n{}"

@@ -174,7 +174,7 @@ FigureScript trajectoryByProgram(const RunRecord& record) {
     if (!any) continue;
     script.script += data.text();
     plots += fmt::format(", \\\n  $program{} with lines lw 1.5 lc rgb '{}' title {}", key,
-                         style::programColour(program), gnuplotText(record.programs[key].name));
+                         record.programs[key].colour, gnuplotText(record.programs[key].name));
   }
   script.script += startsOf(plot) + style::preamble(script.figure.name, 900, 700, style::kPage_cm) +
                    arena(record);

@@ -18,6 +18,7 @@
 #include "analyzer/report_error.hpp"
 #include "analyzer/tracks/reversal_finder.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/program_colours.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
@@ -309,10 +310,10 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   record.stitched = options.stitch;
   record.experiment = experimentOf(name, program);
   const Experiment& experiment = *record.experiment;
-  RunProgram robots_run{{}, "motion"};
+  RunProgram robots_run{{}, "motion", hexText(kProgramColours.front())};
   if (!experiment.programs.empty()) {
     const auto& [name_in_file, first] = *experiment.programs.begin();
-    robots_run = {toMessage(first), name_in_file};
+    robots_run = {toMessage(first), name_in_file, hexText(programColour(experiment, name_in_file))};
   }
   record.programs.push_back(robots_run);
   if (!poses.in_arena) adoptExtent(poses, *record.experiment);

@@ -7,6 +7,7 @@
 #include "analyzer/service/program_keys.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/program_colours.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 
@@ -194,9 +195,13 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   record.light = light.spans();
   record.calibration = light.calibration();
   record.robots = robots.records();
+  std::size_t unnamed = 0;  // programs of the log that the experiment does not name
   for (std::size_t key = 0; key < keys.programs().size(); ++key) {
     const program_t& program = keys.programs()[key];
-    record.programs.push_back({program, nameOf(record, program, key, keys.programs())});
+    const std::string name = nameOf(record, program, key, keys.programs());
+    if (!experiment.programs.contains(name)) ++unnamed;
+    record.programs.push_back(
+        {program, name, hexText(programColour(experiment, name, unnamed - 1))});
   }
   fillPrograms(record);
   record.results = feed.results(depth);

@@ -86,7 +86,8 @@ struct Tracks {
 /// A program of the run.
 struct RunProgram {
   program_t program{};
-  std::string name;  ///< name in the experiment file, else that of the model
+  std::string name;                ///< name in the experiment file, else that of the model
+  std::string colour = "#9A9A9A";  ///< as in the dashboard
 };
 
 /// The source of a run without a log: a file of poses.

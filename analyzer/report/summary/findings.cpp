@@ -111,6 +111,9 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
       finding.key = keyOf(record, result.program);
       finding.name = finding.key < 0 ? std::string(modelName(result.program.kind))
                                      : record.programNameOf(finding.key);
+      if (finding.key >= 0) {
+        finding.colour = record.programs[static_cast<std::size_t>(finding.key)].colour;
+      }
       const bool none = result.result.law.kind == analysis::ProgramKind::kNone;
       finding.model = none ? "program not given" : modelName(result.program.kind);
       finding.file = uniqueFile(findings, finding.name);

@@ -11,10 +11,11 @@ namespace lab::report {
 
 /// The results of one program.
 struct Finding {
-  int key = -1;       ///< index in RunRecord::programs; -1: the program is not in that list
-  std::string name;   ///< name of the program in the experiment file
-  std::string model;  ///< "ABP"
-  std::string file;   ///< the name as part of file names, different for each program
+  int key = -1;      ///< index in RunRecord::programs; -1: the program is not in that list
+  std::string name;  ///< name of the program in the experiment file
+  std::string colour = "#9A9A9A";  ///< of the program
+  std::string model;               ///< "ABP"
+  std::string file;                ///< the name as part of file names, different for each program
   const analysis::FeedResult* pool = nullptr;  ///< result of all robots with this program together
   /// Result of each robot with this program; empty if there is only one.
   std::vector<const analysis::FeedResult*> robots{};

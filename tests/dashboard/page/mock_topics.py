@@ -6,9 +6,9 @@ import time
 
 WIDTH, HEIGHT, RADIUS = 120.0, 90.0, 3.75
 PROGRAMS = [
-    {"name": "abp", "model": "abp", "text": "v 3 cm/s, epsilon 0.5 s, eta 3 rad/s", "color": 0},
-    {"name": "rtp", "model": "rtp", "text": "v 8 cm/s, gamma 1 /s, tau_t 0.2 s", "color": 1},
-    {"name": "bp", "model": "bp", "text": "V 7 cm/s, epsilon 0.2 s", "color": 2},
+    {"name": "abp", "model": "abp", "text": "v 3 cm/s, epsilon 0.5 s, eta 3 rad/s", "color": 0, "rgb": "#0072B2"},
+    {"name": "rtp", "model": "rtp", "text": "v 8 cm/s, gamma 1 /s, tau_t 0.2 s", "color": 1, "rgb": "#D55E00"},
+    {"name": "bp", "model": "bp", "text": "V 7 cm/s, epsilon 0.2 s", "color": 2, "rgb": "#009E73"},
 ]
 SPEED = [3.0, 8.0, 1.0]
 TURN = [0.75, 1.2, 3.0]  # [rad^2/s]

@@ -35,6 +35,7 @@ TEST(RunInfo, DescribesTheExperimentInCentimetres) {
   EXPECT_EQ(json["robots"][1], Json({{"id", 7}, {"body", "sim"}}));
   EXPECT_EQ(json["programs"][1]["name"], "tumble");
   EXPECT_EQ(json["programs"][1]["color"], 1);
+  EXPECT_EQ(json["programs"][1]["rgb"], "#D55E00");
   EXPECT_EQ(json["bands"][0]["program"], "swim");
   EXPECT_NE(json["file"].get<std::string>().find("two_programs"), std::string::npos);
 }

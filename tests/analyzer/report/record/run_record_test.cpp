@@ -47,6 +47,18 @@ StreamLoss streamOf(const RunRecord& record, const std::string& sender, std::str
   return {};
 }
 
+TEST_F(RunRecordTest, ColoursProgramsByNameAsTheDashboardDoes) {
+  experiment_ = syntheticExperiment(2, 20, 20, {paperRtp(), paperAbp()}, 5);  // rtp runs first
+  SyntheticLab(log(), experiment_).run();
+
+  const RunRecord dut = read();
+
+  ASSERT_EQ(dut.programs.size(), 2U);
+  EXPECT_EQ(dut.programs[0].name, "rtp");
+  EXPECT_EQ(dut.programs[0].colour, "#D55E00");
+  EXPECT_EQ(dut.programs[1].colour, "#0072B2");
+}
+
 TEST_F(RunRecordTest, DescribesAnUndisturbedRun) {
   SyntheticLab(log(), experiment_).run();
 
