@@ -9,6 +9,7 @@
 #include "analyzer/report/figures/gnuplot.hpp"
 #include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/html/html_style.hpp"
+#include "analyzer/report/html/html_verdicts.hpp"
 #include "analyzer/report/reproduction/reproduction_figures.hpp"
 #include "analyzer/report_error.hpp"
 #include "common/process/version.hpp"
@@ -28,17 +29,6 @@ body { max-width: 78rem; }
 @media print { .panels { grid-template-columns: 1fr 1fr 1fr; gap: .6rem; } body { font-size: 9pt; padding: 0; } }
 )css";
 
-std::string verdictClass(VerdictKind kind) {
-  switch (kind) {
-    case VerdictKind::kAgrees:
-      return "agrees";
-    case VerdictKind::kDisagrees:
-      return "deviates";
-    default:
-      return "undecided";
-  }
-}
-
 std::string sentence(std::string text) {
   if (!text.empty() && text.back() != '.') text += ".";
   return text;
@@ -57,7 +47,7 @@ std::string figureHtml(const PaperPanel& panel, const Figure& figure,
   if (!figure.caption.empty()) caption += " " + escapeHtml(sentence(figure.caption));
   const PanelVerdict verdict = judgePanel(panel, reproduction);
   if (!verdict.exact_text.empty()) {
-    caption += fmt::format("<br><b class=\"{}\">{}</b>: {}", verdictClass(verdict.exact),
+    caption += fmt::format("<br><b class=\"{}\">{}</b>: {}", html::verdictClass(verdict.exact),
                            escapeHtml(verdictWord(verdict.exact)),
                            escapeHtml(sentence(verdict.exact_text)));
   }
@@ -81,7 +71,7 @@ std::string summaryTable(const std::vector<PaperPanel>& panels, const Reproducti
                                                                             : "–";
     table.row(
         {panel.id + " " + escapeHtml(panel.title),
-         fmt::format("<span class=\"{}\">{}</span>", verdictClass(verdict.exact),
+         fmt::format("<span class=\"{}\">{}</span>", html::verdictClass(verdict.exact),
                      verdictWord(verdict.exact)),
          verdict.exact == VerdictKind::kUndecided ? "–" : fmt::format("{:.1f}", verdict.max_z),
          (panel.formula.empty() ? "" : escapeHtml(panel.formula) + ": ") + paper});

@@ -25,6 +25,7 @@
 #include "runner/calibrate/light_calibrator.hpp"
 #include "runner/calibrate/light_margins.hpp"
 #include "runner/calibrate/projector_calibrator.hpp"
+#include "runner/command_line/output_file.hpp"
 #include "runner/command_line/print_line.hpp"
 #include "runner/live/launch.hpp"
 
@@ -93,13 +94,7 @@ std::optional<std::vector<calibration::ToneObservation>> filmStaircase(
                                      simulated ? filmed.projector.sheet : 0, levels.size());
   std::string problem = "the lab ended before all lights were shown";
   const Launched launched = launch(
-      {.file = options.file,
-       .out = options.runs,
-       .programs = options.programs,
-       .set = options.set,
-       .run_virtual = virtualTimeIf(options.virtual_time),
-       .cameras = realCameras},
-      filmed, [](const Progress&) {},
+      launchOptions(options.file, options.runs, options), filmed, [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
         return std::make_unique<ProjectorCalibrator>(
@@ -157,22 +152,14 @@ void printCamera(const std::vector<calibration::ToneObservation>& sights,
 }  // namespace
 
 ExitCode calibrateLight(const CalibrateLightOptions& options) {
-  if (fs::exists(options.out) && !options.force) {
-    throw UserError(options.out.string() +
-                    ": already exists; --force replaces it, --out sets another name");
-  }
+  checkOutput(options.out, options.force);
   Experiment experiment = loadExperiment(options.file, options.set);
   adopt(options.sources, experiment);
   fmt::print("rounds   {}, about {:.0f} s each\n", options.rounds, LightCalibrator::roundTime());
   std::vector<calibration::LightSample> samples;
   const Launched launched = launch(
-      {.file = options.file,
-       .out = options.runs,
-       .programs = options.programs,
-       .set = options.set,
-       .run_virtual = virtualTimeIf(options.virtual_time),
-       .cameras = realCameras},
-      labFor(experiment, options.rounds), [](const Progress&) {},
+      launchOptions(options.file, options.runs, options), labFor(experiment, options.rounds),
+      [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
         const auto report_round = [&](int round) {

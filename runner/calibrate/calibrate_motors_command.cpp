@@ -79,13 +79,8 @@ ExitCode calibrateMotors(const CalibrateOptions& options) {
     reports.push_back(report);
   };
   const Launched launched = launch(
-      {.file = options.file,
-       .out = options.out,
-       .programs = options.programs,
-       .set = options.set,
-       .run_virtual = virtualTimeIf(options.virtual_time),
-       .cameras = realCameras},
-      labFor(experiment, robots.size()), [](const Progress&) {},
+      launchOptions(options.file, options.out, options), labFor(experiment, robots.size()),
+      [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
         return std::make_unique<MotorCalibrator>(context, controller, robots, add_report,

@@ -187,13 +187,8 @@ ExitCode calibrateProjector(const CalibrateProjectorOptions& options) {
   fmt::print("patterns {}, {} pictures each\n", patterns.size(), options.frames);
   std::string problem = "the lab ended before all patterns were shown";
   const Launched launched = launch(
-      {.file = options.file,
-       .out = options.runs,
-       .programs = options.programs,
-       .set = options.set,
-       .run_virtual = virtualTimeIf(options.virtual_time),
-       .cameras = realCameras},
-      labFor(experiment, options), [](const Progress&) {},
+      launchOptions(options.file, options.runs, options), labFor(experiment, options),
+      [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
         return std::make_unique<ProjectorCalibrator>(

@@ -33,6 +33,22 @@ namespace lab::runner {
 [[nodiscard]] std::unique_ptr<Cameras> realCameras(AsioLoop& loop,
                                                    const std::filesystem::path& folder);
 
+/// How a calibration starts its lab.
+/// @param file of the experiment
+/// @param out where the folder of the run is made
+/// @param options of one of the calibrate commands
+template <class Options>
+[[nodiscard]] LaunchOptions launchOptions(const std::filesystem::path& file,
+                                          const std::filesystem::path& out,
+                                          const Options& options) {
+  return {.file = file,
+          .out = out,
+          .programs = options.programs,
+          .set = options.set,
+          .run_virtual = virtualTimeIf(options.virtual_time),
+          .cameras = realCameras};
+}
+
 struct KnownCamera {
   CameraCalibration calibration;
   double error = 0;  ///< [m] rms residual; 0 if unknown or simulated

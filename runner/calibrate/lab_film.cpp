@@ -137,13 +137,7 @@ FilmedLab filmLab(const CalibrateCameraOptions& options) {
   fmt::print("film     {} pictures, {:.0f} s\n", film.count, options.film_s);
   fs::path folder;
   const Launched launched = launch(
-      {.file = options.source,
-       .out = options.runs,
-       .programs = options.programs,
-       .set = options.set,
-       .run_virtual = virtualTimeIf(options.virtual_time),
-       .cameras = realCameras},
-      lab, [](const Progress&) {},
+      launchOptions(options.source, options.runs, options), lab, [](const Progress&) {},
       [&](const ServiceContext& context, ExperimentController& controller,
           std::function<void()> done) {
         folder = context.directory / files::kCalibration / "film";

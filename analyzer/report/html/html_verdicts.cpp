@@ -19,17 +19,6 @@ using analysis::Estimate;
 using analysis::ProgramResult;
 using analysis::VerdictKind;
 
-const char* verdictClass(VerdictKind kind) {
-  switch (kind) {
-    case VerdictKind::kAgrees:
-      return "agrees";
-    case VerdictKind::kDisagrees:
-      return "deviates";
-    default:
-      return "undecided";
-  }
-}
-
 std::string withUnit(const std::string& number, const std::string& unit) {
   return unit.empty() || number == "–" ? number : number + " " + unit;
 }
@@ -115,8 +104,8 @@ std::vector<std::string> verdictCells(const Finding& finding) {
   const analysis::Verdict& verdict = result.verdict;
   const bool decided = verdict.kind != VerdictKind::kUndecided;
   std::vector<std::string> cells{
-      fmt::format("<span class=\"dot\" style=\"background:{}\"></span><b>{}</b>",
-                  style::programColour(finding.key), escapeHtml(finding.name)),
+      fmt::format("<span class=\"dot\" style=\"background:{}\"></span><b>{}</b>", finding.colour,
+                  escapeHtml(finding.name)),
       fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
                   escapeHtml(parametersText(finding.pool->program))),
       fmt::format(
@@ -137,6 +126,17 @@ std::vector<std::string> verdictCells(const Finding& finding) {
 }
 
 }  // namespace
+
+const char* verdictClass(VerdictKind kind) {
+  switch (kind) {
+    case VerdictKind::kAgrees:
+      return "agrees";
+    case VerdictKind::kDisagrees:
+      return "deviates";
+    default:
+      return "undecided";
+  }
+}
 
 std::string estimateTable(const std::vector<Estimate>& estimates) {
   Table table({"", ">measured", ">95 % interval", ">programmed", "how"});

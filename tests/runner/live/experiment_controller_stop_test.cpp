@@ -10,12 +10,12 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
-#include "common/experiment/experiment_file.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/units.hpp"
 #include "common/service/node.hpp"
 #include "runner/live/experiment_controller.hpp"
+#include "tests/support/experiment_samples.hpp"
 
 namespace lab::runner::controller_stop_test {
 namespace {
@@ -25,18 +25,8 @@ using testing::StartsWith;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 
-constexpr const char* kFile = R"(fileversion = 1
-name = "stops"
-duration_s = 60
-program = "abp"
-[[robots]]
-id = 1
-[programs.abp]
-model = "abp"
-v_cm_s = 3
-epsilon_s = 0.5
-eta_rad_s = 3
-[[stop_when]]
+/// Added to the small experiment.
+constexpr const char* kStopWhen = R"([[stop_when]]
 estimate = "D_r"
 program = "abp"
 relative_error_percent = 10
@@ -53,7 +43,7 @@ class ExperimentControllerStop : public testing::Test {
 
   /// @param first relative error after one second
   End play(double first) {
-    const Experiment experiment = parseExperiment(kFile, "test");
+    const Experiment experiment = small(kStopWhen);
     VirtualLoop loop;
     MemoryBus bus([&loop] { return loop.now(); });
     loop.drainWith([&bus] { bus.deliver(); });
