@@ -16,7 +16,8 @@ namespace {
 
 using units::kNan;
 
-constexpr double kRecordingsPerLag = 36;   // longer lags have too skew distributions
+// Least ratio of the observed time to a lag. At longer lags the distribution is too skew.
+constexpr double kRecordingsPerLag = 36;
 constexpr double kRecordingsPerTrack = 3;  // length of a track, in longest simulated lags
 constexpr double kSimulatedLags = 12;      // length of a simulated recording, in its longest lags
 constexpr double kLeastEvents = 400;       // smallest number of events in a simulated recording
@@ -44,8 +45,8 @@ double expected(TestedLaw tested, const ProgramLaw& law, bool angular, double ta
   return angular ? exact.angularMsd(tau) : exact.msd(tau);
 }
 
-/// A mean square is nearly a chi-square variate, its cube root nearly normal (Wilson and Hilferty);
-/// about 1 this is value / law - 1.
+/// A mean square has nearly a chi-square distribution, so its cube root has nearly a normal one
+/// (Wilson and Hilferty). The factor makes the result nearly ratio - 1 where the ratio is nearly 1.
 double normalised(double ratio) { return 3 * (std::cbrt(ratio) - 1); }
 
 /// One lag of one curve.
@@ -97,7 +98,7 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
     curves.lags.push_back(data.lagTime(i, total));
     curves.msd.push_back(lag.windows > 0 ? lag.r2 / lag.windows : kNan);
     curves.angular_msd.push_back(lag.angular_windows > 0 ? lag.a2 / lag.angular_windows : kNan);
-    // Both positions at a join are noisy too, and all windows across it share them.
+    // The two positions at a join have noise too, which every window across the join contains.
     curves.joined.push_back(1 + joins * std::max(0, data.lags[i] - 2));
   }
   return curves;
@@ -172,7 +173,8 @@ LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& c
     const double simulated_offset = simulated.law[column] - truth;
     const double scale = errorScale(simulated, curves.observed, curves.segments, lag);
     for (int recording = 0; recording < simulated.recordings; ++recording) {
-      // Scaled to the measured time before the cube root, whose bias depends on it.
+      // Scaled to the errors of the measured time before the cube root is taken, because the bias
+      // of the cube root depends on the size of the errors.
       const double ratio = (simulated.value(recording, column) - simulated_offset) / truth;
       recordings(recording, j) = normalised(1 + scale * (ratio - 1));
     }

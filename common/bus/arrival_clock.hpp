@@ -1,4 +1,4 @@
-/// The order in time of the messages of one channel.
+/// Refuses messages of one channel whose time jumps.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,21 @@
 
 namespace lab {
 
-/// Refuses messages whose time does not continue the messages before them.
+/// Compares the time of each message with that of an earlier one: the last accepted message of the
+/// same sender and instance, or, if there is none, of the channel. The message is accepted if
 ///
-/// A message continues an earlier one if their times differ by at most kWindow_us, or if the
-/// difference of their times is within kWindow_us of the time that passed on the receiver's clock.
-/// The earlier one is the last accepted of the same sender and instance, or, before that has one,
-/// of the channel. A message that does not continue it is refused.
+/// - the two times differ by at most kWindow_us, or
+/// - their difference equals the time between the two arrivals, to within kWindow_us.
 ///
-/// A sender may have changed its clock (restart after a clock step, jump of a replay). After
-/// kAgreeing refused messages of one sender in a row, each continuing the one before, the last is
-/// accepted. The first message of a channel is accepted, too. At most 64 streams (sender and
-/// instance) are tracked. Messages of further senders are compared with the channel's last accepted
-/// one and move it if they are accepted, but they never start a new time.
+/// The first message of a channel is always accepted.
+///
+/// The clock of a sender may change: the sender restarts after its clock was set, or a replay
+/// jumps. Therefore the new time is accepted with the kAgreeing-th message in a row that would be
+/// refused, if these messages agree with each other by the same rule.
+///
+/// At most 64 streams (a sender and its instance) are kept. A message of a further sender is
+/// compared with the last accepted message of the channel. Such a sender cannot introduce a new
+/// time.
 class ArrivalClock {
  public:
   /// Far above the jitter of frames and packets.
@@ -53,8 +56,9 @@ class ArrivalClock {
   std::optional<Moment> last_;  ///< last accepted of any sender
 };
 
-/// Whether utime is the time of a measurement, which passes as the receiver's clock does. Commands
-/// keep the time of their decision while they are repeated, and events that of what they report.
+/// Whether the utime of this channel's messages advances as the receiver's clock does. It does so
+/// for measurements. A command that is repeated keeps the time of its decision; an event has the
+/// time of what it reports.
 [[nodiscard]] bool timesFollowClock(std::string_view channel);
 
 }  // namespace lab

@@ -26,8 +26,8 @@ void addFolder(const fs::path& folder, const std::string& name, std::vector<Host
   }
 }
 
-/// Only the files that DDS Security needs: the folder may also hold the private key of the CA. A
-/// missing file is reported by the gateway.
+/// Adds only the files that DDS Security needs, because the folder may also hold the private key of
+/// the certificate authority. The gateway reports a file that is missing.
 void addCertificates(const fs::path& folder, const std::string& name,
                      std::vector<HostFile>& files) {
   for (const std::string_view file : dds::kSecurityFiles) {

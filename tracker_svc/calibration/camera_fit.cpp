@@ -16,10 +16,11 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr int kRounds = 4;
+constexpr int kRounds = 4;       // each fits the camera, then estimates the noise
 constexpr double kOutlying = 5;  // [standard deviations]
-// [standard deviations] residual of an observation that is impossible with the camera
+// [standard deviations] residual of a cap that the camera of this step of the fit cannot see
 constexpr double kOutOfView = 100;
+// standard deviation of a normal variate over the median of its absolute value
 constexpr double kNormalMedian = 1.4826;
 constexpr double kLeastNoise = 0.1;  // smallest noise, in units of the given sigma
 
@@ -105,11 +106,13 @@ ResidualBlock capBlock(const CameraObservations& observations, const std::vector
 }
 
 /// A circle on the plane appears as an ellipse whose centre is not the image of the circle's
-/// centre. Transformed back to the plane by the inverse of the derivatives at the centre, its
-/// outline is a circle of radius R whose point in direction e (unit vector) is displaced by
-/// R^2/2 e^T H_i e along axis i. H_i is the matrix of the second derivatives of coordinate i of the
-/// transformed image. The centre of the best fit is displaced along axis i by
-/// R^2/8 (trace H_i + 2 sum_k H_k(k, i)). Exact to order R^2.
+/// centre. This function returns the centre of the ellipse, exact to order R^2 (R: the radius).
+///
+/// The inverse of the derivatives at the circle's centre transforms the outline back to the plane.
+/// The result is a circle whose point in direction e (a unit vector) is displaced along axis i by
+/// R^2/2 e^T H_i e. H_i is the matrix of the second derivatives of coordinate i of the transformed
+/// image. So the centre of the best fit is displaced along axis i by
+/// R^2/8 (trace H_i + 2 sum_k H_k(k, i)).
 optics::Pixel discCentre(const optics::CameraModel& model, double x, double y, double z,
                          double radius) {
   constexpr double kStep = 0.005;  // [m]
@@ -258,7 +261,7 @@ void estimateNoise(const CameraObservations& observations, Fitted& fitted) {
     const VectorXd residuals = capBlock(observations, fitted.caps, 1).residuals(state);
     for (const double residual : residuals) sizes.push_back(std::abs(residual));
     const auto count = static_cast<double>(sizes.size());
-    // About so many unknowns are determined by the caps. With boards: height and tilts only.
+    // The caps determine about nine unknowns; with boards three: the height and the two tilts.
     fitted.noise = robustSigma(sizes, (count - (observations.boards.empty() ? 9 : 3)) / count);
   }
   sizes.clear();
@@ -276,14 +279,15 @@ Fitted fitAll(const CameraObservations& observations, const CameraState& start) 
   Fitted fitted;
   fitted.solution.state = start;
   std::vector<CapObservation> observed_caps = observations.caps;
-  fitted.noise = 10;  // large, so that no residual loses weight while the start is poor
+  // Large: the start may be poor, and a residual of many standard deviations would lose its weight.
+  fitted.noise = 10;
   fitted.board_noise = 10;
   for (int round = 0; round < kRounds; ++round) {
     fitted.caps = weighed(observations, fitted.solution.state.camera, observed_caps);
     fitted.solution = solveCamera(blocksOf(observations, fitted), fitted.solution.state);
     estimateNoise(observations, fitted);
     if (round + 2 != kRounds || fitted.caps.empty()) continue;
-    // After the third of four rounds, leave out outliers.
+    // The last round fits without the outliers of the round before.
     const VectorXd residuals =
         capBlock(observations, fitted.caps, fitted.noise).residuals(fitted.solution.state);
     observed_caps.clear();
@@ -312,7 +316,7 @@ optics::CameraParameters errorsOf(const Eigen::MatrixXd& covariance) {
   return error;
 }
 
-/// Errors of the camera's position.
+/// Sets the standard errors of the camera's position: of its height and of its foot on the floor.
 void placeErrors(const CameraState& state, const Eigen::MatrixXd& covariance, CameraFit& fit) {
   ResidualBlock block;
   block.unknowns = upTo(kCameraUnknowns);

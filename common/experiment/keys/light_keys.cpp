@@ -42,7 +42,8 @@ void visitOneRobot(KeyVisitor& v, const char* meaning, std::int32_t& robot) {
   robot = static_cast<std::int32_t>(id);
 }
 
-// The keys present decide which of the three kinds of condition it is.
+// There are three kinds of condition: estimate, tumbles and region. The key that is present
+// decides.
 void visitUntil(KeyVisitor& v, EndCondition& until) {
   using enum Region;
   v.text(writtenIf(!until.estimate.empty(), {"estimate", kEstimate}), kEstimateRule,
@@ -154,8 +155,8 @@ void visitLight(KeyVisitor& v, ExperimentForm& form) {
             [&](StepEntry& step) { visitStep(v, step); });
 }
 
-// In a corner, a robot's axis is 3.75 cm from both walls, and a light sensor 3 cm from the axis
-// comes as near as 1.63 cm to both.
+// So small that no light sensor gets onto the patch: a robot's axis is at least 3.75 cm from both
+// walls of the corner, and so a sensor 3 cm from the axis at least 1.63 cm from one of them.
 constexpr double kLargestPatch_cm = 1.6;
 
 void visitProjector(KeyVisitor& v, Projector& projector) {

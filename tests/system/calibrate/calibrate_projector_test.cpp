@@ -53,7 +53,8 @@ optics::ProjectorModel truth() {
   return optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {0.15, 0.08, 0, 0});
 }
 
-/// Root mean square distance over the arena between wanted and true places of the light [m].
+/// Root mean square over the arena of the distance between the place where the calibration puts a
+/// projector pixel and the place where its light falls [m].
 double trueError(const ProjectorCalibration& calibration) {
   const optics::ProjectorModel assumed = calibration.model();
   double sum = 0;
@@ -86,7 +87,7 @@ class CalibrateProjector : public testing::Test {
 };
 
 TEST_F(CalibrateProjector, FindsTheLensAndItsAccuracy) {
-  // A camera calibration with an error of about 0.2 mm, which it states.
+  // A camera calibration that is wrong by about 0.2 mm, and whose file says so.
   CameraCalibration camera;
   camera.camera = optics::simulatedCamera(640, 360, kWidth, kHeight);
   const optics::CameraModel real(camera.camera);
@@ -123,8 +124,8 @@ TEST_F(CalibrateProjector, PutsLightInTheRightPlace) {
   const Finished done = calibrate();
   ASSERT_EQ(done.exit_code, 0) << done.output;
   EXPECT_LT(trueError(readProjectorFile(out())), 0.05e-3);
-  // The warp combines the calibration with the true projector: it maps a place to the place for
-  // which its light was meant.
+  // For a place on the arena, the warp gives the place for which the light that falls there was
+  // meant.
   const Experiment experiment =
       loadExperiment(file(), {"projector.calibration=\"projector.json\"", "projector.sheet_cm=0"});
   const optics::ProjectorWarp calibrated(
