@@ -9,12 +9,12 @@ namespace lab {
 namespace {
 
 /// Clocks of computers drift by up to 100 ppm: 1 ms in this time [us].
-constexpr std::int64_t kOldest = 10'000'000;
+constexpr std::int64_t kOldestTrip_us = 10'000'000;
 /// Upper limit of a round trip [us]; prevents overflow of the sums below.
-constexpr std::int64_t kLongest = 60'000'000;
+constexpr std::int64_t kLongestTrip_us = 60'000'000;
 
 bool within(std::int64_t from, std::int64_t to) {
-  return from > 0 && to >= from && to - from <= kLongest;
+  return from > 0 && to >= from && to - from <= kLongestTrip_us;
 }
 
 }  // namespace
@@ -28,7 +28,7 @@ void ClockOffsetEstimator::add(std::int64_t sent, std::int64_t there, std::int64
       0.5 * (static_cast<double>(there - sent) + static_cast<double>(answered - came));
   // Old round trips are removed only if there are others, so a known offset stays known.
   while (last_.size() >= kWindow ||
-         (last_.size() >= kEnough && came - last_.front().came > kOldest)) {
+         (last_.size() >= kEnough && came - last_.front().came > kOldestTrip_us)) {
     last_.pop_front();
   }
   last_.push_back({came, delay, offset});

@@ -11,8 +11,8 @@ namespace lab::runner {
 namespace {
 
 // Far above what operators and programs need.
-constexpr int kMostRecorded = 200;  // in kLimitPeriod_us
-constexpr std::int64_t kLimitPeriod_us = 10'000'000;
+constexpr int kMostRecorded = 200;  // in kRecordPeriod_us
+constexpr std::int64_t kRecordPeriod_us = 10'000'000;
 
 }  // namespace
 
@@ -22,7 +22,7 @@ StopRepeater::StopRepeater(Node& node, Loop& loop, const Experiment& experiment,
       loop_(loop),
       record_(record),
       latch_(experiment),
-      recorded_(kMostRecorded, kLimitPeriod_us) {}
+      recorded_(kMostRecorded, kRecordPeriod_us) {}
 
 void StopRepeater::take(const robot_stop_t& stop) {
   if (!latch_.take(stop)) return;
@@ -35,7 +35,7 @@ void StopRepeater::take(const robot_stop_t& stop) {
   if (!recorded_.allows(loop_.now())) {
     record_.limitReached(
         fmt::format("more than {} stops in {} s: they hold, but not each is recorded",
-                    kMostRecorded, kLimitPeriod_us / units::kSecond_us));
+                    kMostRecorded, kRecordPeriod_us / units::kSecond_us));
     return;
   }
   record_.markRequest(

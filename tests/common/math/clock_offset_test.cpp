@@ -6,7 +6,7 @@
 
 #include "common/math/random.hpp"
 
-namespace lab {
+namespace lab::clock_offset_test {
 namespace {
 
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
@@ -87,4 +87,4 @@ TEST(ClockOffsetEstimator, ImpossibleTimesAreIgnored) {
 }
 
 }  // namespace
-}  // namespace lab
+}  // namespace lab::clock_offset_test
