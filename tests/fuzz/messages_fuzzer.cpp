@@ -27,9 +27,10 @@ namespace {
 
 /// kRobustnessExperiment, long enough and with rates at which many inputs run per second.
 Experiment experimentWith(const std::vector<std::string>& more) {
-  std::vector<std::string> overrides{
-      "duration_s=600", "robot.status_rate_hz=5", "camera.fps=5", "light.frame_rate_hz=10",
-      R"(robots=[{id=1, x_cm=30, y_cm=45}, {id=2, x_cm=60, y_cm=45, body="wire"}])"};
+  std::vector<std::string> overrides{"duration_s=600", "robot.status_rate_hz=5", "camera.fps=5",
+                                     "light.frame_rate_hz=10",
+                                     "robots=[{id=1, x_cm=30, y_cm=45, theta_deg=0},"
+                                     "{id=2, x_cm=60, y_cm=45, theta_deg=90, body=\"wire\"}]"};
   overrides.insert(overrides.end(), more.begin(), more.end());
   return parseExperiment(kRobustnessExperiment, "fuzz", overrides);
 }

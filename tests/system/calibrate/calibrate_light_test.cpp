@@ -184,7 +184,8 @@ TEST_F(CalibrateLight, RefusesAnExistingOutputWithoutForce) {
   std::ofstream(calibration()) << "{}";
   const Finished existing = calibrate();
   EXPECT_EQ(existing.exit_code, 2);
-  EXPECT_THAT(existing.output, HasSubstr("exists; --force replaces it"));
+  EXPECT_THAT(existing.output,
+              HasSubstr("is there already; choose another name, or --force to replace it"));
 }
 
 }  // namespace
