@@ -26,7 +26,7 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
       experiment_(context.experiment),
       feed_(context.experiment) {
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
-                                   [this](const tracked_frame_t& frame) { feed_.take(frame); });
+                                   [this](const tracked_frame_t& frame) { take(frame); });
   node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
     feed_.take(status);
     // Once, so that it does not hide a later error until the next heartbeat.
@@ -40,16 +40,32 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
   loop_.soon([this] { node_.ready(); });
 }
 
+void AnalyzerService::take(const tracked_frame_t& frame) {
+  if (shedding_.takesFrame(node_.backlog())) feed_.take(frame);
+  if (shedding_.leftOut() == 0) return;
+  stream_count_t row{};
+  row.channel = channels::kTrackedFrame;
+  row.sender = "left out of the live results: overload";
+  row.received = shedding_.frames() - shedding_.leftOut();
+  row.lost = shedding_.leftOut();
+  node_.reportStreams({row});
+  if (shedding_.hasLeftOutMore()) {
+    node_.noteError(
+        fmt::format("overloaded: {} of {} camera frames are left out of the live results and of "
+                    "what waits for them; log and report have all of them",
+                    shedding_.leftOut(), shedding_.frames()));
+  }
+}
+
 void AnalyzerService::beginRound() {
   const std::int64_t begin = loop_.now();
   alive_utime_ = begin;
   round_ = feed_.results(Depth::kLive, [this] { keepAlive(); });
-  if (const auto period = pace_.note(begin, loop_.now())) {
+  if (const auto period = shedding_.computed(begin, loop_.now())) {
     node_.noteError(
-        fmt::format("overloaded: results are computed every {} s only, from all samples; the "
-                    "report is computed "
+        fmt::format("overloaded: results are computed every {} s only{}; the report is computed "
                     "from the log and is complete",
-                    *period));
+                    *period, shedding_.leftOut() == 0 ? ", from all samples" : ""));
   }
   round_utime_ = feed_.lastFrameUtime();
   published_ = 0;
@@ -65,7 +81,7 @@ void AnalyzerService::keepAlive() {
 
 void AnalyzerService::publishDue() {
   if (slot_ == 0) {
-    if (!pace_.isDue(loop_.now())) return;
+    if (!shedding_.isDue(loop_.now(), node_.backlog())) return;
     beginRound();
   }
   ++slot_;

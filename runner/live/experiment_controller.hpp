@@ -91,8 +91,8 @@ class ExperimentController final : public Service {
   /// @return why the request is refused; empty: executed
   [[nodiscard]] std::string execute(const experiment_command_t& request);
   void end(const std::string& why);
-  /// Writes a remark about a request, and announces it with what undoes it.
-  void markRequest(const std::string& what, const std::string& way_out = {});
+  /// Writes a remark, such as one about a request, and announces it with what undoes it.
+  void markAndAnnounce(const std::string& what, const std::string& way_out = {});
   [[nodiscard]] std::string pauseScript(const std::string& who);
   [[nodiscard]] std::string resumeScript(const std::string& who);
   [[nodiscard]] experiment_status_t status() const;
