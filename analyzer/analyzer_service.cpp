@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "analyzer/service/analysis_message.hpp"
@@ -49,24 +50,28 @@ void AnalyzerService::take(const tracked_frame_t& frame) {
   row.received = shedding_.frames() - shedding_.leftOut();
   row.lost = shedding_.leftOut();
   node_.reportStreams({row});
-  if (shedding_.hasLeftOutMore()) {
-    node_.noteError(
-        fmt::format("overloaded: {} of {} camera frames are left out of the live results and of "
-                    "what waits for them; log and report have all of them",
-                    shedding_.leftOut(), shedding_.frames()));
-  }
+  if (shedding_.hasLeftOutMore()) noteOverload();
+}
+
+/// One text with everything, because a heartbeat holds only the last one.
+void AnalyzerService::noteOverload() {
+  const std::string pace =
+      shedding_.longest() < 2 ? "" : fmt::format(" every {} s only,", shedding_.longest());
+  const std::string samples =
+      shedding_.leftOut() == 0
+          ? "samples"
+          : fmt::format("but {} of {} camera frames", shedding_.leftOut(), shedding_.frames());
+  node_.noteError(
+      fmt::format("overloaded: results are computed{} from all {}; the report is computed from the "
+                  "log and is complete",
+                  pace, samples));
 }
 
 void AnalyzerService::beginRound() {
   const std::int64_t begin = loop_.now();
   alive_utime_ = begin;
   round_ = feed_.results(Depth::kLive, [this] { keepAlive(); });
-  if (const auto period = shedding_.computed(begin, loop_.now())) {
-    node_.noteError(
-        fmt::format("overloaded: results are computed every {} s only{}; the report is computed "
-                    "from the log and is complete",
-                    *period, shedding_.leftOut() == 0 ? ", from all samples" : ""));
-  }
+  if (shedding_.computed(begin, loop_.now())) noteOverload();
   round_utime_ = feed_.lastFrameUtime();
   published_ = 0;
 }

@@ -23,6 +23,7 @@ class AnalyzerService final : public Service {
   void beginRound();
   void publishDue();
   void keepAlive();
+  void noteOverload();
 
   Node& node_;
   Loop& loop_;

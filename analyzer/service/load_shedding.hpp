@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <optional>
 
 namespace lab::analysis {
 
@@ -26,8 +25,8 @@ class LoadShedding {
   }
 
   /// Results were computed.
-  /// @return the time between results [s], if it is twice as long as it ever was
-  [[nodiscard]] std::optional<std::int64_t> computed(std::int64_t begin, std::int64_t end) {
+  /// @return whether the time between them is twice as long as longest() was
+  [[nodiscard]] bool computed(std::int64_t begin, std::int64_t end) {
     duration_us_ = end - begin;
     const std::int64_t planned_us = kShare * duration_us_;
     const std::int64_t since_us = last_utime_ == 0 ? 0 : begin - last_utime_;
@@ -35,9 +34,9 @@ class LoadShedding {
     last_utime_ = begin;
     const std::int64_t seconds =
         std::max((planned_us + kSecond_us - 1) / kSecond_us, since_us / kSecond_us);
-    if (seconds < 2 * longest_s_) return std::nullopt;
+    if (seconds < 2 * longest_s_) return false;
     longest_s_ = seconds;
-    return seconds;
+    return true;
   }
 
   /// Whether the camera frame that has arrived is analyzed. Frames are left out in one piece, not
@@ -49,6 +48,8 @@ class LoadShedding {
     return !leaving_out_;
   }
 
+  /// The longest time between results [s]; at least 1.
+  [[nodiscard]] std::int64_t longest() const { return longest_s_; }
   [[nodiscard]] std::int64_t frames() const { return frames_; }     ///< received
   [[nodiscard]] std::int64_t leftOut() const { return left_out_; }  ///< of them
 
@@ -65,7 +66,7 @@ class LoadShedding {
   std::int64_t next_utime_ = 0;
   std::int64_t last_utime_ = 0;   ///< begin of the last results; 0: none
   std::int64_t duration_us_ = 0;  ///< of computing them
-  std::int64_t longest_s_ = 1;    ///< between results, as said
+  std::int64_t longest_s_ = 1;    ///< between results
   std::int64_t frames_ = 0;
   std::int64_t left_out_ = 0;
   std::int64_t said_ = 0;

@@ -20,10 +20,14 @@ kind=$1
 shift
 ninja -C "$build" --quiet "fuzz_$kind"
 mkdir -p "$build/corpus/$kind" "$build/findings"
-options=(-max_total_time="${LAB_FUZZ_SECONDS:-300}" -timeout=10 -rss_limit_mb=1024 -print_final_stats=1
+seconds=${LAB_FUZZ_SECONDS:-300}
+# libFuzzer looks at the time only after it has read the whole corpus, and between inputs: `timeout`
+# bounds that, too, and libFuzzer then ends as after its own time.
+options=(-max_total_time="$seconds" -interrupted_exitcode=0 -timeout=10 -rss_limit_mb=1024 -print_final_stats=1
   -artifact_prefix="$build/findings/$kind-")
 status=0
-LCM_DEFAULT_URL=memq:// "$build/bin/fuzz_$kind" "${options[@]}" "$@" \
+LCM_DEFAULT_URL=memq:// timeout --preserve-status --signal=INT --kill-after=30 $((seconds + 60)) \
+  "$build/bin/fuzz_$kind" "${options[@]}" "$@" \
   "$build/corpus/$kind" "$root/tests/fuzz/corpus/$kind" || status=$?
 if [ "$status" -ne 0 ]; then
   echo "run_fuzzer.sh: mend the fault, then keep the input: mv build/fuzz/findings/$kind-... tests/fuzz/corpus/$kind/" >&2
