@@ -68,10 +68,10 @@ void AnalyzerService::noteOverload() {
 }
 
 void AnalyzerService::beginRound() {
-  const std::int64_t begin = loop_.now();
-  alive_utime_ = begin;
+  begin_utime_ = loop_.now();
+  alive_utime_ = begin_utime_;
   round_ = feed_.results(Depth::kLive, [this] { keepAlive(); });
-  if (shedding_.computed(begin, loop_.now())) noteOverload();
+  if (shedding_.computed(begin_utime_, loop_.now())) noteOverload();
   round_utime_ = feed_.lastFrameUtime();
   published_ = 0;
 }
@@ -81,6 +81,7 @@ void AnalyzerService::keepAlive() {
   const std::int64_t now = loop_.now();
   if (now - alive_utime_ < units::kSecond_us) return;
   alive_utime_ = now;
+  if (shedding_.computed(begin_utime_, now)) noteOverload();
   node_.ready();
 }
 

@@ -34,6 +34,7 @@ class AnalyzerService final : public Service {
   std::size_t published_ = 0;      ///< Number of them already published.
   std::int64_t round_utime_ = 0;   ///< Last frame in them [us since 1970].
   LoadShedding shedding_;
+  std::int64_t begin_utime_ = 0;  ///< of the current results
   std::int64_t alive_utime_ = 0;  ///< Last heartbeat while results are computed.
   int slot_ = 0;                  ///< Slot within the second.
 };

@@ -6,8 +6,8 @@
 
 namespace lab::analysis {
 
-/// Decides what an overloaded analyzer does not do. First it computes results less often: computing
-/// them takes at most a quarter of the time, and they wait while messages wait. If messages
+/// Decides what an overloaded analyzer does not do. First it computes results less often: after
+/// each time it pauses three times as long, at most 30 s, and while messages wait. If messages
 /// nevertheless wait for longer than kLongestBacklog_us, whole camera frames are left out until the
 /// backlog is gone. States of robots are always taken. It has no clock: times and backlogs are
 /// arguments [us]. In virtual time nothing takes time, and nothing is left out.
@@ -24,11 +24,12 @@ class LoadShedding {
     return now >= next_utime_ && backlog <= kNoBacklog_us;
   }
 
-  /// Results were computed.
+  /// Results were computed, or are being computed since `begin`.
   /// @return whether the time between them is twice as long as longest() was
   [[nodiscard]] bool computed(std::int64_t begin, std::int64_t end) {
     duration_us_ = end - begin;
-    const std::int64_t planned_us = kShare * duration_us_;
+    // The machine may be free again after a long while.
+    const std::int64_t planned_us = duration_us_ + std::min(kRest * duration_us_, kLongestRest_us);
     const std::int64_t since_us = last_utime_ == 0 ? 0 : begin - last_utime_;
     next_utime_ = begin + planned_us;
     last_utime_ = begin;
@@ -61,7 +62,8 @@ class LoadShedding {
   }
 
  private:
-  static constexpr std::int64_t kShare = 4;
+  static constexpr std::int64_t kRest = 3;  // times the duration
+  static constexpr std::int64_t kLongestRest_us = 30'000'000;
   static constexpr std::int64_t kSecond_us = 1'000'000;
   std::int64_t next_utime_ = 0;
   std::int64_t last_utime_ = 0;   ///< begin of the last results; 0: none

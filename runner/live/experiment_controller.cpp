@@ -231,7 +231,8 @@ void ExperimentController::mark(const std::string& what) {
   record(std::move(event));
 }
 
-void ExperimentController::markAndAnnounce(const std::string& what, const std::string& way_out) {
+void ExperimentController::markAndAnnounce(const std::string& label, const std::string& what,
+                                           const std::string& way_out) {
   mark(what);
   if (!announce_) return;
   std::string line = what + (way_out.empty() ? "" : " (" + way_out + ")");
@@ -239,7 +240,7 @@ void ExperimentController::markAndAnnounce(const std::string& what, const std::s
   // Whoever can send on the bus must not control the terminal.
   std::ranges::replace_if(
       line, [](char letter) { return (letter >= 0 && letter < ' ') || letter == 0x7f; }, ' ');
-  announce_(line);
+  announce_(label, line);
 }
 
 void ExperimentController::sendRobots() {
@@ -368,10 +369,9 @@ void ExperimentController::take(const robot_stop_t& stop) {
                              kMostRecordedStops, kLimitPeriod_us / units::kSecond_us));
     return;
   }
-  markAndAnnounce(
-      std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") + stop.sender +
-          (stop.reason.empty() ? "" : ": " + stop.reason),
-      stop.clear != 0 ? "" : "lab stop --clear, or release on the page, lets them go on");
+  markRequest(std::string(stop.clear != 0 ? "stop released by " : "robots stopped by ") +
+                  stop.sender + (stop.reason.empty() ? "" : ": " + stop.reason),
+              stop.clear != 0 ? "" : "lab stop --clear, or release on the page, lets them go on");
 }
 
 void ExperimentController::take(const robot_command_t& command) {
@@ -414,7 +414,7 @@ void ExperimentController::take(const service_status_t& status) {
   // them.
   const bool observes = status.sender == kObserverService ||
                         (status.sender == kAnalyzer && isDispensable(experiment_, kAnalyzer));
-  observes ? markAndAnnounce(what) : fault(what);
+  observes ? markAndAnnounce("warning", what) : fault(what);
 }
 
 void ExperimentController::repeatStops() {
@@ -444,7 +444,7 @@ std::string ExperimentController::execute(const experiment_command_t& request) {
       return resumeScript(request.sender);
     case experiment_command_t::MARK:
       if (request.text.empty()) return "a mark needs a text";
-      markAndAnnounce(request.sender + ": " + request.text);
+      markRequest(request.sender + ": " + request.text);
       return {};
     case experiment_command_t::END:
       end("ended by " + request.sender + (request.text.empty() ? "" : ": " + request.text));
@@ -472,14 +472,14 @@ std::string ExperimentController::pauseScript(const std::string& who) {
   if (light_.script().paused()) return "the script is paused already";
   paused_utime_ = loop_.now();
   light_.pause();
-  markAndAnnounce("script paused by " + who, "lab resume, or resume on the page, continues it");
+  markRequest("script paused by " + who, "lab resume, or resume on the page, continues it");
   return {};
 }
 
 std::string ExperimentController::resumeScript(const std::string& who) {
   if (phase_ != Phase::kScript || !light_.script().paused()) return "the script is not paused";
-  markAndAnnounce(fmt::format("script resumed by {} after {:.1f} s", who,
-                              units::seconds(loop_.now() - paused_utime_)));
+  markRequest(fmt::format("script resumed by {} after {:.1f} s", who,
+                          units::seconds(loop_.now() - paused_utime_)));
   light_.resume();
   return {};
 }

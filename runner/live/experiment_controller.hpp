@@ -46,11 +46,13 @@ class ExperimentController final : public Service {
 
   void begin();
 
-  /// Sets what is called, with a line for the terminal, when somebody stops or releases robots,
-  /// pauses or resumes the script, or writes a remark: from the page or from another terminal.
-  void announceRequests(std::function<void(const std::string&)> announce) {
-    announce_ = std::move(announce);
-  }
+  /// Gets what is written into the record as a mark: "request" or "warning", and what happened.
+  using Announce = std::function<void(const std::string& label, const std::string& what)>;
+
+  /// Sets what is called, for the terminal, when somebody stops or releases robots, pauses or
+  /// resumes the script, or writes a remark, from the page or from another terminal (request), and
+  /// when a service that only observes reports an error (warning).
+  void announceMarks(Announce announce) { announce_ = std::move(announce); }
 
   /// Replaces the command to the robots. It is sent at once and repeated at 5 Hz. Its header is
   /// filled in.
@@ -91,8 +93,12 @@ class ExperimentController final : public Service {
   /// @return why the request is refused; empty: executed
   [[nodiscard]] std::string execute(const experiment_command_t& request);
   void end(const std::string& why);
-  /// Writes a remark, such as one about a request, and announces it with what undoes it.
-  void markAndAnnounce(const std::string& what, const std::string& way_out = {});
+  /// Writes a mark, and announces it with what undoes it.
+  void markAndAnnounce(const std::string& label, const std::string& what,
+                       const std::string& way_out = {});
+  void markRequest(const std::string& what, const std::string& way_out = {}) {
+    markAndAnnounce("request", what, way_out);
+  }
   [[nodiscard]] std::string pauseScript(const std::string& who);
   [[nodiscard]] std::string resumeScript(const std::string& who);
   [[nodiscard]] experiment_status_t status() const;
@@ -123,7 +129,7 @@ class ExperimentController final : public Service {
   std::string effective_;
   std::string light_calibration_;  ///< its file's text, for the record; empty: none
   std::function<void(Ending, const std::string&)> over_;
-  std::function<void(const std::string&)> announce_;
+  Announce announce_;
 
   Phase phase_ = Phase::kIdle;
   std::int64_t paused_utime_ = 0;  ///< begin of the last pause

@@ -28,6 +28,24 @@ TEST(LoadShedding, ExpensiveResultsTakeAQuarterOfTheTime) {
   EXPECT_TRUE(dut.isDue(9'000'000, 0));
 }
 
+TEST(LoadShedding, PausesAtMostHalfAMinute) {
+  LoadShedding dut;
+  EXPECT_TRUE(dut.computed(1'000'000, 25'000'000));
+  EXPECT_EQ(dut.longest(), 54);
+  EXPECT_FALSE(dut.isDue(54'999'999, 0));
+  EXPECT_TRUE(dut.isDue(55'000'000, 0));
+}
+
+TEST(LoadShedding, SaysThatResultsTakeLongBeforeTheyAreComputed) {
+  LoadShedding dut;
+  EXPECT_FALSE(dut.computed(2'000'000, 2'010'000));
+  EXPECT_TRUE(dut.computed(3'000'000, 4'000'000));
+  EXPECT_EQ(dut.longest(), 4);
+  EXPECT_FALSE(dut.computed(3'000'000, 4'900'000));
+  EXPECT_TRUE(dut.computed(3'000'000, 5'000'000));
+  EXPECT_EQ(dut.longest(), 8);
+}
+
 TEST(LoadShedding, SaysWhenResultsBecomeTwiceAsRare) {
   LoadShedding dut;
   EXPECT_TRUE(dut.computed(1'000'000, 1'500'000));
