@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 
 #include "analyzer/service/analysis_message.hpp"
@@ -26,7 +27,7 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
       experiment_(context.experiment),
       feed_(context.experiment) {
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
-                                   [this](const tracked_frame_t& frame) { feed_.take(frame); });
+                                   [this](const tracked_frame_t& frame) { take(frame); });
   node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
     feed_.take(status);
     // Once, so that it does not hide a later error until the next heartbeat.
@@ -40,17 +41,37 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
   loop_.soon([this] { node_.ready(); });
 }
 
+void AnalyzerService::take(const tracked_frame_t& frame) {
+  if (shedding_.takesFrame(node_.backlog())) feed_.take(frame);
+  if (shedding_.leftOut() == 0) return;
+  stream_count_t row{};
+  row.channel = channels::kTrackedFrame;
+  row.sender = "left out of the live results: overload";
+  row.received = shedding_.frames() - shedding_.leftOut();
+  row.lost = shedding_.leftOut();
+  node_.reportStreams({row});
+  if (shedding_.hasLeftOutMore()) noteOverload();
+}
+
+/// One text with everything, because a heartbeat holds only the last one.
+void AnalyzerService::noteOverload() {
+  const std::string pace =
+      shedding_.longest() < 2 ? "" : fmt::format(" every {} s only,", shedding_.longest());
+  const std::string samples =
+      shedding_.leftOut() == 0
+          ? "samples"
+          : fmt::format("but {} of {} camera frames", shedding_.leftOut(), shedding_.frames());
+  node_.noteError(
+      fmt::format("overloaded: results are computed{} from all {}; the report is computed from the "
+                  "log and is complete",
+                  pace, samples));
+}
+
 void AnalyzerService::beginRound() {
-  const std::int64_t begin = loop_.now();
-  alive_utime_ = begin;
+  begin_utime_ = loop_.now();
+  alive_utime_ = begin_utime_;
   round_ = feed_.results(Depth::kLive, [this] { keepAlive(); });
-  if (const auto period = pace_.note(begin, loop_.now())) {
-    node_.noteError(
-        fmt::format("overloaded: results are computed every {} s only, from all samples; the "
-                    "report is computed "
-                    "from the log and is complete",
-                    *period));
-  }
+  if (shedding_.computed(begin_utime_, loop_.now())) noteOverload();
   round_utime_ = feed_.lastFrameUtime();
   published_ = 0;
 }
@@ -60,12 +81,13 @@ void AnalyzerService::keepAlive() {
   const std::int64_t now = loop_.now();
   if (now - alive_utime_ < units::kSecond_us) return;
   alive_utime_ = now;
+  if (shedding_.computed(begin_utime_, now)) noteOverload();
   node_.ready();
 }
 
 void AnalyzerService::publishDue() {
   if (slot_ == 0) {
-    if (!pace_.isDue(loop_.now())) return;
+    if (!shedding_.isDue(loop_.now(), node_.backlog())) return;
     beginRound();
   }
   ++slot_;

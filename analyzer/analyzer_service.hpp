@@ -5,23 +5,25 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
-#include "analyzer/service/round_pace.hpp"
+#include "analyzer/service/load_shedding.hpp"
 #include "common/service/service_main.hpp"
 
 namespace lab::analysis {
 
 /// Listens to frames, robots and light, and publishes the results so far: one ANALYSIS message per
 /// program for the pool of its robots and one for each robot. Each is sent once a second, evenly
-/// spread over the second; less often on a machine that is too slow for that (RoundPace), and the
-/// heartbeat says so.
+/// spread over the second. On a machine that is too slow for that it leaves out results first and
+/// then camera frames (LoadShedding); the heartbeat says so and counts the frames.
 class AnalyzerService final : public Service {
  public:
   explicit AnalyzerService(const ServiceContext& context);
 
  private:
+  void take(const tracked_frame_t& frame);
   void beginRound();
   void publishDue();
   void keepAlive();
+  void noteOverload();
 
   Node& node_;
   Loop& loop_;
@@ -31,7 +33,8 @@ class AnalyzerService final : public Service {
   std::vector<FeedResult> round_;  ///< Results of the current second.
   std::size_t published_ = 0;      ///< Number of them already published.
   std::int64_t round_utime_ = 0;   ///< Last frame in them [us since 1970].
-  RoundPace pace_;
+  LoadShedding shedding_;
+  std::int64_t begin_utime_ = 0;  ///< of the current results
   std::int64_t alive_utime_ = 0;  ///< Last heartbeat while results are computed.
   int slot_ = 0;                  ///< Slot within the second.
 };

@@ -41,7 +41,7 @@ bool definesLaw(const ProgramLaw& law) {
 /// Cached: building a HeldNoise takes thousands of sines, and a live analysis asks for the same few
 /// laws repeatedly.
 std::shared_ptr<const HeldNoise> heldNoise(const ProgramLaw& law) {
-  constexpr std::size_t kKept = 16;
+  constexpr std::size_t kKept = 128;  // more than the programs of an analysis
   thread_local std::vector<std::pair<ProgramLaw, std::shared_ptr<const HeldNoise>>> kept;
   thread_local std::size_t oldest = 0;
   for (const auto& [known, noise] : kept) {

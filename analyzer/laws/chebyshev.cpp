@@ -8,16 +8,22 @@ namespace lab::analysis {
 ChebyshevSeries::ChebyshevSeries(const std::vector<double>& values, double length)
     : length_(length) {
   const std::size_t n = values.size();
-  // All angles are multiples of pi / (2 n).
-  std::vector<double> cosines(4 * n);
-  for (std::size_t k = 0; k < 4 * n; ++k) {
-    cosines[k] = std::cos(std::numbers::pi * static_cast<double>(k) / static_cast<double>(2 * n));
+  // All angles are multiples of pi / (2 n). Kept, because the laws use the same few sizes.
+  thread_local std::vector<double> cosines;
+  if (cosines.size() != 4 * n) {
+    cosines.resize(4 * n);
+    for (std::size_t k = 0; k < 4 * n; ++k) {
+      cosines[k] = std::cos(std::numbers::pi * static_cast<double>(k) / static_cast<double>(2 * n));
+    }
   }
   coefficients_.resize(n);
   for (std::size_t j = 0; j < n; ++j) {
     double sum = 0;
+    std::size_t angle = j;  // j (2 i + 1) modulo 4 n
     for (std::size_t i = 0; i < n; ++i) {
-      sum += values[i] * cosines[j * (2 * i + 1) % (4 * n)];
+      sum += values[i] * cosines[angle];
+      angle += 2 * j;
+      if (angle >= 4 * n) angle -= 4 * n;
     }
     coefficients_[j] = (j == 0 ? 1.0 : 2.0) * sum / static_cast<double>(n);
   }

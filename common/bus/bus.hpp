@@ -39,6 +39,10 @@ class Bus {
 
   /// Calls `handler` for every message on any channel, except LCM's own probe.
   virtual void subscribeAll(PacketHandler handler) = 0;
+
+  /// For how long the oldest message that no handler has got yet has been waiting [us]; 0: none
+  /// waits.
+  [[nodiscard]] virtual std::int64_t backlog() const { return 0; }
 };
 
 /// Encodes a message. LCM's encoder trusts the count fields (num_...): keep them equal to the

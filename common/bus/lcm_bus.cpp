@@ -154,6 +154,8 @@ RefusedDatagrams LcmBus::refused() const {
   return receiver_ ? receiver_->refused() : RefusedDatagrams{};
 }
 
+std::int64_t LcmBus::backlog() const { return receiver_ ? receiver_->backlog() : 0; }
+
 void LcmBus::drain() { drainFor(0); }
 
 bool LcmBus::drainFor(int timeout_ms) {

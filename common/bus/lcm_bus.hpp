@@ -48,6 +48,8 @@ class LcmBus final : public Bus {
   void publish(std::string_view channel, Bytes data) override;
   void subscribe(std::string_view channel, PacketHandler handler) override;
   void subscribeAll(PacketHandler handler) override;
+  /// 0 with memq:// and file://.
+  [[nodiscard]] std::int64_t backlog() const override;
 
   /// Readable while messages are waiting.
   [[nodiscard]] int fileDescriptor() const;

@@ -9,7 +9,7 @@ namespace lab {
 
 void MemoryBus::publish(std::string_view channel, Bytes data) {
   checkChannelName(channel);
-  queue_.push_back({std::string(channel), {data.begin(), data.end()}});
+  queue_.push_back({std::string(channel), {data.begin(), data.end()}, clock_()});
 }
 
 void MemoryBus::subscribe(std::string_view channel, PacketHandler handler) {
@@ -17,6 +17,10 @@ void MemoryBus::subscribe(std::string_view channel, PacketHandler handler) {
 }
 
 void MemoryBus::subscribeAll(PacketHandler handler) { add({}, std::move(handler)); }
+
+std::int64_t MemoryBus::backlog() const {
+  return queue_.empty() ? 0 : clock_() - queue_.front().utime;
+}
 
 void MemoryBus::add(std::string_view channel, PacketHandler handler) {
   if (delivering_) throw std::logic_error("subscribe at start, not inside a handler");

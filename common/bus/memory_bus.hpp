@@ -28,6 +28,7 @@ class MemoryBus final : public Bus {
   void publish(std::string_view channel, Bytes data) override;
   void subscribe(std::string_view channel, PacketHandler handler) override;
   void subscribeAll(PacketHandler handler) override;
+  [[nodiscard]] std::int64_t backlog() const override;
 
   /// Delivers all queued messages, including those that handlers publish meanwhile. If a handler
   /// throws, the others still get the message.
@@ -46,6 +47,7 @@ class MemoryBus final : public Bus {
   struct Message {
     std::string channel;
     std::vector<std::uint8_t> data;
+    std::int64_t utime = 0;  ///< of publish()
   };
 
   void add(std::string_view channel, PacketHandler handler);

@@ -180,7 +180,7 @@ void UdpmReceiver::subscribeAll() {
 std::optional<UdpmMessage> UdpmReceiver::next() {
   const std::lock_guard lock(mutex_);
   if (waiting_.empty()) return std::nullopt;
-  UdpmMessage message = std::move(waiting_.front());
+  UdpmMessage message = std::move(waiting_.front().message);
   waiting_.pop_front();
   waiting_bytes_ -= message.size + kMessageOverhead;
   if (waiting_.empty() && error_ == 0) {
@@ -188,6 +188,13 @@ std::optional<UdpmMessage> UdpmReceiver::next() {
     static_cast<void>(!::read(waiting_event_.get(), &count, sizeof count));
   }
   return message;
+}
+
+std::int64_t UdpmReceiver::backlog() const {
+  const std::lock_guard lock(mutex_);
+  if (waiting_.empty()) return 0;
+  const auto waited = std::chrono::steady_clock::now() - waiting_.front().since;
+  return std::chrono::duration_cast<std::chrono::microseconds>(waited).count();
 }
 
 int UdpmReceiver::error() const {
@@ -264,7 +271,7 @@ void UdpmReceiver::keep(UdpmMessage message, const DatagramSource& source) {
     return;
   }
   const bool is_first = waiting_.empty();
-  waiting_.push_back(std::move(message));
+  waiting_.push_back({std::move(message), std::chrono::steady_clock::now()});
   waiting_bytes_ += bytes;
   if (is_first) signalEvent(waiting_event_);
 }

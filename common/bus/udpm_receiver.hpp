@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <chrono>
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
@@ -53,6 +54,10 @@ class UdpmReceiver {
   /// @return the oldest waiting message
   std::optional<UdpmMessage> next();
 
+  /// For how long the oldest waiting message has been waiting [us]; 0: none waits. By the steady
+  /// clock, so that a step of the wall clock is no backlog.
+  [[nodiscard]] std::int64_t backlog() const;
+
   /// @return errno of a socket that has failed, else 0
   [[nodiscard]] int error() const;
 
@@ -84,7 +89,11 @@ class UdpmReceiver {
   bool wants_all_ = false;
   std::set<std::string, std::less<>> channels_;
   UdpmAssembler assembler_;
-  std::deque<UdpmMessage> waiting_;
+  struct Waiting {
+    UdpmMessage message;
+    std::chrono::steady_clock::time_point since;
+  };
+  std::deque<Waiting> waiting_;
   std::size_t waiting_bytes_ = 0;
   std::uint32_t dropped_ = 0;  ///< SO_RXQ_OVFL of the last datagram
   int error_ = 0;

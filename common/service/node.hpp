@@ -111,6 +111,9 @@ class Node {
   /// lost.
   void close();
 
+  /// As Bus::backlog().
+  [[nodiscard]] std::int64_t backlog() const { return bus_.backlog(); }
+
   [[nodiscard]] const NodeIdentity& identity() const { return identity_; }
   [[nodiscard]] const StreamCounter& streams() const { return streams_; }
   [[nodiscard]] Loop& loop() { return loop_; }

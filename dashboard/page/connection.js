@@ -22,17 +22,23 @@ export class Connection {
       setText(find("link-text"), short);
       find("link-lamp").dataset.state = level;
       document.body.classList.toggle(
-          "no-lab", !stream.topics.has("lab") && bus > BUS_S && stream.lastPulse > 0);
+          "no-lab", !isLab(stream.topics) && bus > BUS_S && stream.lastPulse > 0);
     };
     setInterval(show, 250);
     stream.on("pulse", show);
     stream.on("lab", (lab) => {
-      document.title = `${lab.name ?? lab.run} - Active Lab`;
-      setText(find("run-name"), lab.run ?? lab.name ?? "Active Lab");
+      if (isLab(stream.topics)) document.title = `${lab.name || lab.run} - Active Lab`;
+      setText(find("run-name"), lab.run || lab.name || "Active Lab");
       setText(find("run-text"), lab.description ?? "");
       setText(find("version"), lab.version ?? "");
     });
   }
+}
+
+/** Whether a lab is known. Before, the server sends the topic without names, for the default arena. */
+function isLab(topics) {
+  const lab = topics.get("lab");
+  return Boolean(lab?.run || lab?.name);
 }
 
 /** @return [level, banner, short] */
@@ -55,12 +61,12 @@ function state(stream, silent, bus) {
         "no message from the server yet, connecting again";
     return ["bad", heard, "no server"];
   }
-  if (bus > BUS_S && !topics.has("lab")) return ["quiet", "", "no lab is running"];
+  if (bus > BUS_S && !isLab(topics)) return ["quiet", "", "no lab is running"];
   if (bus === Infinity) return ["quiet", "", "waiting for the lab"];
   if (bus > BUS_S) {
     const next = "lab spy lists the senders on the bus, lab doctor checks this host";
     const text = `no message from the lab for ${seconds(bus)}: this page shows old data. ${next}`;
     return ["bad", text, "lab is silent"];
   }
-  return ["good", "", topics.has("lab") ? "live" : "connected"];
+  return ["good", "", isLab(topics) ? "live" : "connected"];
 }

@@ -45,10 +45,11 @@ class ExperimentController final : public Service {
 
   void begin();
 
-  /// Sets what is called, with a line for the terminal, when somebody stops or releases robots,
-  /// pauses or resumes the script, or writes a remark: from the page or from another terminal.
-  void announceRequests(std::function<void(const std::string&)> announce) {
-    record_.announceRequests(std::move(announce));
+  /// Sets what is called, for the terminal, when somebody stops or releases robots, pauses or
+  /// resumes the script, or writes a remark, from the page or from another terminal (request), and
+  /// when a service that only observes reports an error (warning).
+  void announceMarks(ExperimentRecord::Announce announce) {
+    record_.announceMarks(std::move(announce));
   }
 
   /// Replaces the command to the robots. It is sent at once and repeated at 5 Hz. Its header is

@@ -53,6 +53,11 @@ void ExperimentRecord::mark(const std::string& what) {
 }
 
 void ExperimentRecord::markRequest(const std::string& what, const std::string& way_out) {
+  markAndAnnounce("request", what, way_out);
+}
+
+void ExperimentRecord::markAndAnnounce(const std::string& label, const std::string& what,
+                                       const std::string& way_out) {
   mark(what);
   if (!announce_) return;
   std::string line = what + (way_out.empty() ? "" : " (" + way_out + ")");
@@ -60,7 +65,7 @@ void ExperimentRecord::markRequest(const std::string& what, const std::string& w
   // Whoever can send on the bus must not control the terminal.
   std::ranges::replace_if(
       line, [](char letter) { return (letter >= 0 && letter < ' ') || letter == 0x7f; }, ' ');
-  announce_(line);
+  announce_(label, line);
 }
 
 void ExperimentRecord::limitReached(const std::string& what) {
@@ -77,7 +82,7 @@ void ExperimentRecord::serviceError(const std::string& what, bool costs_data) {
     return;
   }
   service_errors_.insert(what);
-  costs_data ? fault(what) : mark(what);
+  costs_data ? fault(what) : markAndAnnounce("warning", what, {});
 }
 
 void ExperimentRecord::end(const std::string& why) { write(eventOf(experiment_event_t::END, why)); }

@@ -28,10 +28,11 @@ class ExperimentRecord {
   /// @param text of the calibration file of light that the run uses
   void setLightCalibration(std::string text) { light_calibration_ = std::move(text); }
 
-  /// Sets what is called with a line for the terminal by markRequest().
-  void announceRequests(std::function<void(const std::string&)> announce) {
-    announce_ = std::move(announce);
-  }
+  /// Gets what is written into the record as a mark: "request" or "warning", and what happened.
+  using Announce = std::function<void(const std::string& label, const std::string& what)>;
+
+  /// Sets what is called, for the terminal, with the marks of requests and warnings.
+  void announceMarks(Announce announce) { announce_ = std::move(announce); }
 
   /// Sends the experiment file, the versions and the calibration of light.
   void start();
@@ -51,7 +52,7 @@ class ExperimentRecord {
   void limitReached(const std::string& what);
 
   /// Writes an error that a service reports, once.
-  /// @param costs_data whether it is a fault; otherwise it is a remark
+  /// @param costs_data whether it is a fault; otherwise it is a warning, which is announced
   void serviceError(const std::string& what, bool costs_data);
 
   void end(const std::string& why);
@@ -59,11 +60,14 @@ class ExperimentRecord {
   [[nodiscard]] const std::vector<std::string>& faults() const { return faults_; }
 
  private:
+  void markAndAnnounce(const std::string& label, const std::string& what,
+                       const std::string& way_out);
+
   Node& node_;
   Loop& loop_;
   std::string effective_;
   std::string light_calibration_;  ///< empty: none
-  std::function<void(const std::string&)> announce_;
+  Announce announce_;
   std::vector<std::string> faults_;
   std::set<std::string> service_errors_;  ///< those written
   std::set<std::string> limits_reached_;  ///< those written

@@ -98,7 +98,9 @@ class LiveRun {
 
  private:
   void conduct() {
-    controller_.announceRequests([](const std::string& what) { printLine("request  " + what); });
+    controller_.announceMarks([](const std::string& label, const std::string& what) {
+      printLine(fmt::format("{:<9}{}", label, what));
+    });
     controller_.begin();
     controlling_ = true;
     for (const std::string& what : early_remarks_) controller_.mark(what);

@@ -1,12 +1,17 @@
 #include "analyzer/analyzer_service.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <lab/analysis_t.hpp>
 #include <lab/robot_status_t.hpp>
+#include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <map>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
@@ -21,7 +26,14 @@ constexpr int kRobots = 7;
 class AnalyzerServiceTest : public testing::Test {
  protected:
   AnalyzerServiceTest() {
-    loop_.drainWith([this] { bus_.deliver(); });
+    loop_.drainWith([this] {
+      if (!overloaded_) bus_.deliver();
+    });
+    bus_.subscribe(channels::kServiceStatus, [this](const Packet& packet) {
+      service_status_t status{};
+      ASSERT_TRUE(decode(packet.data, status));
+      if (status.sender == "analyzer") beats_.push_back(status);
+    });
     bus_.subscribe(channels::kAnalysis, [this](const Packet& packet) {
       analysis_t message{};
       ASSERT_TRUE(decode(packet.data, message));
@@ -30,6 +42,22 @@ class AnalyzerServiceTest : public testing::Test {
     loop_.every(20'000, loop_.now(), [this] { publishRobots(); });
     source_.start();
     node_.start();
+  }
+
+  /// For `time`, messages wait; then all of them arrive at once.
+  void overloadFor(std::int64_t time) {
+    overloaded_ = true;
+    loop_.runUntil(loop_.now() + time);
+    overloaded_ = false;
+    bus_.deliver();
+  }
+
+  [[nodiscard]] std::size_t heardIn(std::int64_t from, std::int64_t to) const {
+    std::size_t count = 0;
+    for (const auto& [utime, all] : heard_) {
+      if (from <= utime && utime < to) count += all.size();
+    }
+    return count;
   }
 
   void publishRobots() {
@@ -65,7 +93,9 @@ class AnalyzerServiceTest : public testing::Test {
   Experiment experiment_;
   AnalyzerService dut_{{node_, loop_, experiment_, {}}};
   std::map<std::int64_t, std::vector<analysis_t>> heard_;
+  std::vector<service_status_t> beats_;
   std::int64_t frame_ = 0;
+  bool overloaded_ = false;
 };
 
 TEST_F(AnalyzerServiceTest, PublishesEachRobotAndThePoolOnceASecond) {
@@ -96,6 +126,54 @@ TEST_F(AnalyzerServiceTest, StampsMessagesWithTheLastFrameUsed) {
   EXPECT_GE(last.utime, heard_.rbegin()->first - 1'000'000);
   EXPECT_EQ(last.program_name, "ABP");
   EXPECT_GT(last.observed, 1);
+}
+
+TEST_F(AnalyzerServiceTest, ComputesNoResultsWhileFramesWaitAndLeavesNoneOut) {
+  loop_.runUntil(VirtualLoop::kEpoch + 6'100'000);
+  const std::int64_t begin = loop_.now();
+
+  overloadFor(4'000'000);
+  const std::int64_t end = loop_.now();
+  loop_.runUntil(end + 3'000'000);
+
+  // What it sent meanwhile arrived at the end: the rest of one round, and none of a second.
+  EXPECT_LE(heardIn(begin, end + 1), kRobots + 1U);
+  EXPECT_GE(heardIn(end + 1, loop_.now()), 2U * (kRobots + 1U));
+  ASSERT_FALSE(beats_.empty());
+  EXPECT_EQ(beats_.back().last_error,
+            "overloaded: results are computed every 4 s only, from all samples; the report is "
+            "computed from the log and is complete");
+  for (const stream_count_t& row : beats_.back().received) EXPECT_EQ(row.lost, 0) << row.sender;
+  EXPECT_NEAR(heard_.rbegin()->second.back().observed, 12, 1);
+}
+
+TEST_F(AnalyzerServiceTest, LeavesOutFramesThatWaitTooLongAndCountsThem) {
+  loop_.runUntil(VirtualLoop::kEpoch + 6'100'000);
+
+  overloadFor(9'000'000);
+  loop_.runUntil(loop_.now() + 3'000'000);
+
+  ASSERT_FALSE(beats_.empty());
+  constexpr std::int64_t kLeftOut = 425;  // of 9 s at 50 frames/s, all but the last half second
+  std::int64_t counted = 0;
+  for (const stream_count_t& row : beats_.back().received) {
+    if (row.lost == 0) continue;
+    EXPECT_EQ(row.channel, channels::kTrackedFrame);
+    EXPECT_EQ(row.sender, "left out of the live results: overload");
+    EXPECT_GE(row.received + row.lost, frame_ - 50) << "a second ago";
+    EXPECT_LE(row.received + row.lost, frame_);
+    counted += row.lost;
+  }
+  EXPECT_GE(counted, kLeftOut - 2);
+  EXPECT_LE(counted, kLeftOut + 2);
+  EXPECT_THAT(beats_.back().last_error,
+              testing::MatchesRegex("overloaded: results are computed every 9 s only, from all but "
+                                    "[0-9]+ of [0-9]+ camera frames; the report is computed from "
+                                    "the log and is complete"));
+  EXPECT_GE(beats_.back().utime, loop_.now() - 1'100'000);
+  const analysis_t& last = heard_.rbegin()->second.back();
+  EXPECT_GE(last.utime, loop_.now() - 1'500'000) << "it goes on";
+  EXPECT_NEAR(last.observed, 18 - 0.02 * kLeftOut, 1.5);
 }
 
 TEST(AnalyzerDescription, StartsWithoutAnExperiment) {

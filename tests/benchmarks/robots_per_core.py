@@ -4,8 +4,11 @@
   tests/in_private_network.sh tests/benchmarks/robots_per_core.py FOLDER_OF_PROGRAMS RESULT.csv [SECONDS]
 
 Each process costs  fixed + robots * a + frames/s * b + robots * frames/s * c  cores. The least squares
-of several labs with different numbers of robots and frames give the four costs. The table of
-common/experiment/experiment_load.cpp, which `lab check` uses, comes from here.
+of several labs with different numbers of robots and frames give the four costs, each lab measured in
+WINDOWS parts, whose scatter gives the standard errors. CPU time is what the scheduler counted for all
+threads (/proc/PID/task/*/schedstat, ns): other work on the machine does not count, but it slows caches and
+cores, so the load is printed, too. The table of common/experiment/experiment_load.cpp, which `lab check`
+uses, comes from here.
 """
 
 import os
@@ -18,8 +21,8 @@ import tempfile
 import time
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-TICKS = os.sysconf("SC_CLK_TCK")
 WARM_UP_S = 6
+WINDOWS = 3
 
 # Robots, frames/s. The tracker is the simulated one, or tracker_svc on painted pictures of 1280 x 720.
 SIMULATED = [(10, 25), (100, 25), (10, 100), (100, 100)]
@@ -27,15 +30,23 @@ PAINTED = [(2, 30), (20, 30), (40, 30), (20, 10)]
 ROS = [(5, 25), (50, 25), (5, 50), (50, 50)]
 
 
-def children(parent):
+def cpu_seconds(process):
+    """Of all threads that run; services end none of theirs while they work."""
+    return sum(int((task / "schedstat").read_text().split()[0]) * 1e-9
+               for task in (process / "task").iterdir())
+
+
+def processes(parent):
+    """@return {name: CPU seconds} of the process and of its children"""
+    times = {}
     for entry in pathlib.Path("/proc").glob("[0-9]*"):
         try:
             name, rest = (entry / "stat").read_text().split("(", 1)[1].rsplit(")", 1)
+            if int(entry.name) == parent or int(rest.split()[1]) == parent:
+                times[name] = cpu_seconds(entry)
         except OSError:
             continue
-        fields = rest.split()
-        if int(entry.name) == parent or int(fields[1]) == parent:
-            yield name, (int(fields[11]) + int(fields[12])) / TICKS
+    return times
 
 
 def frames_per_second(log):
@@ -50,7 +61,7 @@ def frames_per_second(log):
 
 
 def measure(programs, experiment, robots, fps, seconds, *settings):
-    """@return (frames/s, {process: cores})"""
+    """@return (frames/s, [{process: cores}] of every window)"""
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
         command = [programs / "lab", "run", ROOT / "experiments" / experiment, "--no-report",
@@ -63,38 +74,54 @@ def measure(programs, experiment, robots, fps, seconds, *settings):
                                    env=dict(os.environ, XDG_RUNTIME_DIR=name))
         try:
             time.sleep(WARM_UP_S)
-            before, began = dict(children(lab.pid)), time.monotonic()
-            time.sleep(seconds)
-            after, took = dict(children(lab.pid)), time.monotonic() - began
+            windows = []
+            before, began = processes(lab.pid), time.monotonic()
+            for _ in range(WINDOWS):
+                time.sleep(seconds / WINDOWS)
+                after, ended = processes(lab.pid), time.monotonic()
+                windows.append({name: (after[name] - before[name]) / (ended - began)
+                                for name in after if name in before})
+                before, began = after, ended
         finally:
             lab.send_signal(signal.SIGINT)
             lab.wait(60)
         if "sim_svc" not in after:
             raise SystemExit((folder / "output").read_text(encoding="utf-8"))
         log = next((folder / "runs").glob("*/log.lcmlog"))
-        return frames_per_second(log), {name: (after[name] - before[name]) / took
-                                        for name in after if name in before}
+        return frames_per_second(log), windows
+
+
+def invert(matrix):
+    """By Gauss and Jordan; the matrices here are small and positive."""
+    size = len(matrix)
+    rows = [row + [float(i == j) for j in range(size)] for i, row in enumerate(matrix)]
+    for i in range(size):
+        pivot = rows[i][i]
+        rows[i] = [x / pivot for x in rows[i]]
+        for j in range(size):
+            if j != i:
+                factor = rows[j][i]
+                rows[j] = [x - factor * y for x, y in zip(rows[j], rows[i])]
+    return [row[size:] for row in rows]
 
 
 def solve(rows):
-    """Least squares of [(factors, value)] by the normal equations; costs are not negative."""
+    """Least squares of [(factors, value)] by the normal equations; costs are not negative.
+    @return [(cost, standard error)]; a cost that would be negative is (0, 0)"""
     size = len(rows[0][0])
     free = list(range(size))
     while True:
-        matrix = [[sum(f[i] * f[j] for f, _ in rows) for j in free]
-                  + [sum(f[i] * v for f, v in rows)] for i in free]
-        for i in range(len(free)):
-            pivot = matrix[i][i]
-            matrix[i] = [x / pivot for x in matrix[i]]
-            for j in range(len(free)):
-                if j != i:
-                    factor = matrix[j][i]
-                    matrix[j] = [x - factor * y for x, y in zip(matrix[j], matrix[i])]
-        found = {i: matrix[k][-1] for k, i in enumerate(free)}
+        inverse = invert([[sum(f[i] * f[j] for f, _ in rows) for j in free] for i in free])
+        right = [sum(f[i] * v for f, v in rows) for i in free]
+        found = {i: sum(x * y for x, y in zip(line, right)) for i, line in zip(free, inverse)}
         negative = [i for i in free if found[i] < 0]
         if not negative:
-            return [found.get(i, 0.0) for i in range(size)]
+            break
         free.remove(min(negative, key=lambda i: found[i]))
+    squares = sum((v - sum(found[i] * f[i] for i in free)) ** 2 for f, v in rows)
+    variance = squares / max(1, len(rows) - len(free))
+    errors = {i: (variance * inverse[k][k]) ** 0.5 for k, i in enumerate(free)}
+    return [(found.get(i, 0.0), errors.get(i, 0.0)) for i in range(size)]
 
 
 def main():
@@ -104,23 +131,27 @@ def main():
     families = [("simulated tracker", "swarm.toml", SIMULATED, small),
                 ("painted camera", "optical_loop.toml", PAINTED, ["duration_s=600"]),
                 ("ROS 2", "swarm.toml", ROS, [*small, "gateway.ros=true"])]
-    lines = ["lab,process,fixed (% of a core),per robot (% of a core),per frame (us),per robot and frame (us)"]
+    lines = ["lab,process,fixed (% of a core),error,per robot (% of a core),error,per frame (us),error,"
+             "per robot and frame (us),error"]
     for family, experiment, cases, settings in families:
         rows = {}
         for robots, fps in cases:
-            frames, uses = measure(programs, experiment, robots, fps, seconds, *settings)
-            print(f"{family}: {robots} robots, {frames:.1f} of {fps} frames/s: "
-                  + ", ".join(f"{name} {100 * use:.1f} %" for name, use in sorted(uses.items())),
-                  flush=True)
+            frames, windows = measure(programs, experiment, robots, fps, seconds, *settings)
+            print(f"{family}: {robots} robots, {frames:.1f} of {fps} frames/s, load "
+                  f"{os.getloadavg()[0]:.1f}: "
+                  + ", ".join(f"{name} {100 * sum(w[name] for w in windows) / WINDOWS:.1f} %"
+                              for name in sorted(windows[0])), flush=True)
             if frames < 0.5 * fps:
                 raise SystemExit("the machine is too slow for these frames: nothing was measured")
-            for name, use in uses.items():
-                rows.setdefault(name, []).append((
-                    [1, robots, frames, frames * robots], use))
+            for uses in windows:
+                for name, use in uses.items():
+                    rows.setdefault(name, []).append(([1, robots, frames, frames * robots], use))
         for name, measured in sorted(rows.items()):
             fixed, robot, frame, both = solve(measured)
-            lines.append(f"{family},{name},{100 * fixed:.2f},{100 * robot:.4f},{1e6 * frame:.0f},"
-                         f"{1e6 * both:.2f}")
+            lines.append(f"{family},{name},{100 * fixed[0]:.2f},{100 * fixed[1]:.2f},"
+                         f"{100 * robot[0]:.4f},{100 * robot[1]:.4f},"
+                         f"{1e6 * frame[0]:.0f},{1e6 * frame[1]:.0f},"
+                         f"{1e6 * both[0]:.2f},{1e6 * both[1]:.2f}")
     result.parent.mkdir(parents=True, exist_ok=True)
     result.write_text("\n".join(lines) + "\n", encoding="utf-8")
     print("\n".join(lines))

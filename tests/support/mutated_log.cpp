@@ -1,15 +1,23 @@
 #include "tests/support/mutated_log.hpp"
 
+#include <gtest/gtest.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <charconv>
+#include <chrono>
 #include <csignal>
+#include <cstdio>
 #include <cstdlib>
+#include <iterator>
 #include <limits>
+#include <new>
 #include <string_view>
+#include <thread>
 
 #include "common/bus/log_file.hpp"
 #include "common/math/random.hpp"
@@ -114,13 +122,15 @@ void damage(std::vector<RecordedMessage>& messages, Random& random) {
       break;
     default: {  // one sender among many forged ones
       constexpr std::size_t kSender = 20;
-      const RecordedMessage model = one;
-      for (std::size_t copy = 0; copy < 300 && model.data.size() > kSender; ++copy) {
-        RecordedMessage forged = model;
-        forged.data[kSender] = static_cast<std::uint8_t>('a' + copy % 26);
-        put(forged.data, kSender + 4, random.next(), 2);
-        messages.insert(messages.begin() + static_cast<std::ptrdiff_t>(i), std::move(forged));
+      if (one.data.size() <= kSender) break;
+      std::vector<RecordedMessage> forged(300, one);
+      for (std::size_t copy = 0; copy < forged.size(); ++copy) {
+        forged[copy].data[kSender] = static_cast<std::uint8_t>('a' + copy % 26);
+        put(forged[copy].data, kSender + 4, random.next(), 2);
       }
+      messages.insert(messages.begin() + static_cast<std::ptrdiff_t>(i),
+                      std::make_move_iterator(forged.rbegin()),
+                      std::make_move_iterator(forged.rend()));
       break;
     }
   }
@@ -144,6 +154,32 @@ extern "C" void nameMutant(int signal) {
   ::signal(signal, SIG_DFL);
   ::raise(signal);
 }
+
+/// A number of every child process, in memory that they share.
+class ChildCounts {
+ public:
+  explicit ChildCounts(unsigned children)
+      : size_(children * sizeof(std::uint64_t)),
+        memory_(::mmap(nullptr, size_, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS, -1, 0)) {
+    if (memory_ == MAP_FAILED) throw std::bad_alloc();
+  }
+  ~ChildCounts() { ::munmap(memory_, size_); }
+  ChildCounts(const ChildCounts&) = delete;
+  ChildCounts& operator=(const ChildCounts&) = delete;
+
+  [[nodiscard]] std::uint64_t& of(unsigned child) const {
+    return static_cast<std::uint64_t*>(memory_)[child];
+  }
+  [[nodiscard]] std::uint64_t sum() const {
+    std::uint64_t sum = 0;
+    for (unsigned i = 0; i < size_ / sizeof sum; ++i) sum += of(i);
+    return sum;
+  }
+
+ private:
+  std::size_t size_;
+  void* memory_;
+};
 
 }  // namespace
 
@@ -213,6 +249,49 @@ MutantWatch::~MutantWatch() {
 
 MutantRange mutants(std::uint64_t usual) {
   return {number("LAB_MUTANT", 1), number("LAB_MUTANTS", usual)};
+}
+
+std::uint64_t forEachMutant(const MutantRange& range,
+                            const std::function<bool(std::uint64_t seed)>& mutant) {
+  constexpr std::uint64_t kFewForChildren = 1000;
+  const std::uint64_t end = range.first + range.count;
+  std::uint64_t counting = 0;
+  const auto tryEvery = [&](std::uint64_t first, std::uint64_t step) {
+    for (std::uint64_t seed = first; seed < end; seed += step) {
+      const MutantWatch watch(seed);
+      counting += mutant(seed) ? 1U : 0U;
+    }
+  };
+  const auto began = std::chrono::steady_clock::now();
+  if (range.count < kFewForChildren) {
+    tryEvery(range.first, 1);
+    return counting;
+  }
+  const unsigned children = std::max(1U, std::thread::hardware_concurrency());
+  const ChildCounts counts(children);
+  std::vector<pid_t> ids;
+  std::fflush(nullptr);
+  for (unsigned i = 0; i < children; ++i) {
+    const pid_t id = ::fork();
+    if (id == 0) {
+      tryEvery(range.first + i, children);
+      counts.of(i) = counting;
+      std::fflush(nullptr);
+      ::_exit(testing::Test::HasFailure() ? 1 : 0);
+    }
+    EXPECT_GT(id, 0) << "fork";
+    if (id > 0) ids.push_back(id);
+  }
+  for (const pid_t id : ids) {
+    int status = -1;
+    EXPECT_EQ(::waitpid(id, &status, 0), id);
+    EXPECT_EQ(status, 0) << "a child found a fault, see above";
+  }
+  const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+  std::printf("%llu mutants in %.0f s, %.0f per second, %u processes\n",
+              static_cast<unsigned long long>(range.count), took.count(),
+              static_cast<double>(range.count) / took.count(), children);
+  return counts.sum();
 }
 
 }  // namespace lab

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -46,5 +47,13 @@ struct MutantRange {
   std::uint64_t count = 0;
 };
 [[nodiscard]] MutantRange mutants(std::uint64_t usual);
+
+/// Calls `mutant` with every seed of the range. A thousand mutants or more are tried in child
+/// processes, one for each core, and their rate is printed; a child with a failed assertion, or one
+/// that crashes, fails the test.
+/// @param mutant returns whether this mutant counts
+/// @return the number of mutants that count
+std::uint64_t forEachMutant(const MutantRange& range,
+                            const std::function<bool(std::uint64_t seed)>& mutant);
 
 }  // namespace lab

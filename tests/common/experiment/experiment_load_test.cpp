@@ -63,6 +63,17 @@ TEST(ExperimentLoad, SaysWhichProcessesNeedMoreThanThisMachineHas) {
   EXPECT_THAT(loadProblem(painted(60, 200), 0), HasSubstr("which can use only one"));
 }
 
+// A lab at the limit of an experiment file. Simulated poses cost little; painting does not.
+TEST(ExperimentLoad, TwoCoresCarry250RobotsAt50FramesWithoutPictures) {
+  EXPECT_THAT(loadProblem(painted(250, 50), 2),
+              AllOf(StartsWith("needs about 3.6 of 2 cores in real time: sim_svc 3.16, analyzer "),
+                    HasSubstr("use --virtual-time")));
+  Experiment posed = painted(250, 50);
+  posed.camera.tracker = Tracker::kSimPoses;
+  EXPECT_THAT(loadProblem(posed, 2), IsEmpty());
+  EXPECT_NEAR(loadOf(posed, "analyzer"), 0.30, 0.03);
+}
+
 TEST(ExperimentLoad, KnowsThatAProcessCanUseOnlyOneCore) {
   EXPECT_THAT(loadProblem(painted(60, 100), 8),
               StartsWith("needs about 1.4 cores for sim_svc in real time, which can use only one"));

@@ -94,7 +94,11 @@ class MockLab:
                     self.pools -= 1
                 tick += 1
             if not self.has_lab and tick == 0:
-                # As the server without a lab, which still publishes its empty arena.
+                # As the server without a lab, which still publishes its empty default arena.
+                self.publish("lab", {"run": "", "name": "", "description": "", "version": "",
+                                     "replay": False, "arena_cm": [120.0, 90.0],
+                                     "robot_diameter_cm": 7.5, "duration_s": 0.0, "robots": [],
+                                     "programs": [], "bands": [], "script": [], "file": ""})
                 self.publish("frame", {"t_us": 1, "robots": [], "unidentified": []})
                 tick += 1
             if int(now * 20) % 20 == 0:

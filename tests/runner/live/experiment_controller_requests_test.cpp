@@ -135,6 +135,13 @@ class ExperimentControllerRequests : public testing::Test {
     bus_.deliver();
   }
 
+  void announceMarks() {
+    controller_->announceMarks([this](const std::string& label, const std::string& what) {
+      labels_.push_back(label);
+      announced_.push_back(what);
+    });
+  }
+
   [[nodiscard]] double since(std::int64_t utime) const { return units::seconds(utime - script_); }
   [[nodiscard]] const experiment_status_t& status() const { return statuses_.back(); }
 
@@ -155,6 +162,7 @@ class ExperimentControllerRequests : public testing::Test {
   std::map<std::int8_t, bool> phases_;
   std::vector<std::string> marks_;
   std::vector<std::string> announced_;
+  std::vector<std::string> labels_;
   std::map<std::string, double> begins_;
   light_command_t light_{};
   std::optional<Ending> ending_;
@@ -327,7 +335,7 @@ TEST_F(ExperimentControllerRequests, ARepeatedMarkIsRecordedOnce) {
 
 TEST_F(ExperimentControllerRequests, AnnouncesEachRequestOnceWithWhatUndoesIt) {
   start(std::string(kPlanned) + kSteps);
-  controller_->announceRequests([this](const std::string& what) { announced_.push_back(what); });
+  announceMarks();
   robot_stop_t stop{};
   stop.reason = "from\x1b[2J the page";
   stop.seq = 7;
@@ -354,6 +362,22 @@ TEST_F(ExperimentControllerRequests, AnnouncesEachRequestOnceWithWhatUndoesIt) {
   EXPECT_THAT(announced_, SizeIs(5));
   EXPECT_EQ(announced_[3], "script resumed by page after 2.0 s");
   EXPECT_EQ(announced_[4], "page: robot 4 lost a wheel");
+  EXPECT_THAT(labels_, testing::Each("request"));
+}
+
+TEST_F(ExperimentControllerRequests, SaysOnceThatTheAnalyzerIsOverloadedAndMarksTheRecord) {
+  start(std::string(kPlanned) + kSteps);
+  announceMarks();
+  Node analyzer(bus_, loop_, {"analyzer", 0, 1});
+  analyzer.noteError("overloaded: results are computed every 8 s only");
+  analyzer.start();
+  goTo(4);
+
+  const std::string said = "analyzer: overloaded: results are computed every 8 s only";
+  EXPECT_THAT(announced_, ElementsAre(said));
+  EXPECT_THAT(labels_, ElementsAre("warning"));
+  EXPECT_THAT(marks_, ElementsAre(said));
+  EXPECT_THAT(controller_->faults(), testing::IsEmpty());
 }
 
 TEST_F(ExperimentControllerRequests, EndsOnRequestEvenInAPause) {

@@ -84,8 +84,7 @@ std::set<std::string> reporting(const std::vector<RecordedMessage>& messages) {
 TEST(LiveMutation, EveryServiceGoesOnWhateverItHears) {
   const std::vector<RecordedMessage>& whole = recordedRun();
   const MutantRange range = mutants(60);
-  for (std::uint64_t seed = range.first; seed < range.first + range.count; ++seed) {
-    const MutantWatch watch(seed);
+  forEachMutant(range, [&whole](std::uint64_t seed) {
     std::vector<RecordedMessage> messages = mutated(whole, seed);
     for (std::size_t i = 0; i < messages.size(); i += 5) {
       overwriteNumbers(messages[i].data, seed * 100'000 + i);
@@ -93,7 +92,8 @@ TEST(LiveMutation, EveryServiceGoesOnWhateverItHears) {
     EXPECT_EQ(reporting(messages),
               (std::set<std::string>{"analyzer", "projector_ctl", "robot_bridge", "sim_svc"}))
         << "mutant " << seed;
-  }
+    return true;
+  });
 }
 
 }  // namespace
