@@ -256,7 +256,12 @@ void Chip::measure() {
   }
   const auto stack =
       static_cast<std::uint16_t>(simavr_->data(kStackLow) | (simavr_->data(kStackHigh) << 8));
-  if (interrupts_were_on_) {
+  // avr-gcc makes room for variables by writing the high byte first, so between the two writes the
+  // pointer may be up to 255 bytes too low. Pushes and calls change the low byte too.
+  const bool low_byte_same = ((stack ^ stack_) & 0xFF) == 0;
+  stack_half_written_ = low_byte_same && (stack_half_written_ || stack != stack_);
+  stack_ = stack;
+  if (interrupts_were_on_ && !stack_half_written_) {
     counts_.lowest_stack = std::min(counts_.lowest_stack, stack);
   }
 }

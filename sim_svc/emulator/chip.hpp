@@ -173,6 +173,8 @@ class Chip {
 
   bool interrupts_were_on_ = false;
   std::uint64_t interrupts_off_since_ = 0;
+  std::uint16_t stack_ = 0;  // the stack pointer after the previous instruction
+  bool stack_half_written_ = false;
   ChipCounts counts_;
 };
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The packages on a bare Debian 12: installs them with apt, runs the lab as an ordinary user, takes them
-# away again, and looks at what is left.
+# The packages on a bare root of the Debian that they were made on: installs them with apt, runs the lab
+# as an ordinary user, takes them away again, and looks at what is left.
 #   smoke.sh FOLDER_OF_PACKAGES [FOLDER_FOR_THE_RUN]
 # Needs root, mmdebstrap and a Debian mirror; 77 where one of them is not to be had. LAB_MIRROR names
 # another mirror.
@@ -36,8 +36,10 @@ expect() {  # what, text, pattern that it contains
 }
 everything() { (cd "$root" && find . -xdev \( -path ./proc -o -path ./sys -o -path ./deb \) -prune -o -print) | sort; }
 
-step "a bare Debian 12"
-mmdebstrap --quiet --variant=apt --dpkgopt='force-unsafe-io' bookworm "$root" \
+suite=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
+[ -n "$suite" ] || skip "/etc/os-release names no VERSION_CODENAME"
+step "a bare $suite"
+mmdebstrap --quiet --variant=apt --dpkgopt='force-unsafe-io' "$suite" "$root" \
   ${LAB_MIRROR:+"$LAB_MIRROR"} >"$work/bootstrap.log" 2>&1 || {
   tail -n 3 "$work/bootstrap.log"
   skip "no bare root could be made: is a mirror reachable?"

@@ -3,12 +3,16 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fstream>
-#include <iterator>
+#include <memory>
+#include <qpdf/Buffer.hh>
+#include <qpdf/QPDF.hh>
+#include <qpdf/QPDFExc.hh>
+#include <qpdf/QPDFObjectHandle.hh>
+#include <qpdf/QPDFWriter.hh>
 #include <system_error>
 #include <vector>
 
@@ -118,15 +122,27 @@ std::string tidySvg(const std::string& svg, const std::string& title) {
   return tidy;
 }
 
-std::string undatedPdf(std::string pdf) {
-  constexpr std::string_view kDate = "/CreationDate (";
-  const std::size_t begin = pdf.find(kDate);
-  const std::size_t end = pdf.find(')', begin);
-  if (begin == std::string::npos || end == std::string::npos) return pdf;
-  // Replaced by blanks, because the offsets of later objects are in the table of the file.
-  std::fill(pdf.begin() + static_cast<std::ptrdiff_t>(begin),
-            pdf.begin() + static_cast<std::ptrdiff_t>(end) + 1, ' ');
-  return pdf;
+std::string undatedPdf(const std::string& pdf) {
+  try {
+    QPDF file;
+    file.setSuppressWarnings(true);
+    file.setAttemptRecovery(false);
+    file.processMemoryFile("figure.pdf", pdf.data(), pdf.size());
+    QPDFObjectHandle info = file.getTrailer().getKey("/Info");
+    if (info.isDictionary()) info.removeKey("/CreationDate");
+
+    QPDFWriter writer(file);
+    writer.setOutputMemory();
+    // Objects readable as text. (cairo 1.18 compresses several together.)
+    writer.setObjectStreamMode(qpdf_o_disable);
+    writer.setDeterministicID(true);  // from the contents, not from time and file name
+    writer.write();
+    const std::shared_ptr<Buffer> bytes = writer.getBufferSharedPointer();
+    return std::string(reinterpret_cast<const char*>(bytes->getBuffer()), bytes->getSize());
+  } catch (const QPDFExc& error) {
+    throw ReportError(
+        fmt::format("gnuplot wrote a figure that is not a complete PDF: {}", error.what()));
+  }
 }
 
 std::string inlineSvg(const std::string& svg, const std::string& prefix) {

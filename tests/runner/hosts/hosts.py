@@ -2,6 +2,7 @@
 
 The environment variables that describe them are set by tests/two_hosts.sh.
 """
+import fnmatch
 import glob
 import os
 import shutil
@@ -75,9 +76,9 @@ class Hosts:
             raise AssertionError(f'sshd refuses the connection: {probe.stderr}{output.read()[-2000:]}')
 
     def end_sshd(self, name):
-        """Kills sshd and all of its connections."""
+        """Kills sshd and all of its connections, which are programs sshd-* since OpenSSH 9.8."""
         self.daemons[name].kill()
-        for pid in self.pids_on(name, 'sshd'):
+        for pid in self.pids_on(name, 'sshd*'):
             try:
                 os.kill(pid, signal.SIGKILL)
             except ProcessLookupError:
@@ -116,13 +117,15 @@ class Hosts:
         return found
 
     def pids_on(self, name, program):
+        """Processes on the host; the name of the program may be a pattern."""
         network = os.readlink(f'/proc/{os.environ["HOST_" + self.names[name]]}/ns/net')
         pids = []
         for process in glob.glob('/proc/[0-9]*'):
             try:
                 with open(process + '/comm', encoding='ascii') as file:
-                    if file.read().strip() == program and os.readlink(process + '/ns/net') == network:
-                        pids.append(int(os.path.basename(process)))
+                    found = fnmatch.fnmatchcase(file.read().strip(), program)
+                if found and os.readlink(process + '/ns/net') == network:
+                    pids.append(int(os.path.basename(process)))
             except OSError:
                 pass
         return pids

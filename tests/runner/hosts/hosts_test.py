@@ -31,6 +31,17 @@ def started(lab, hosts, robots_on='bench', within=20.0):
                                                       else 'it waits'))
 
 
+def recorded(hosts, text, within=15.0):
+    """Waits until the log contains the text."""
+    deadline = time.time() + within
+    while time.time() < deadline:
+        with open(hosts.run_folder() + '/log.lcmlog', 'rb') as log:
+            if text.encode() in log.read():
+                return
+        time.sleep(0.1)
+    raise AssertionError(f'not in the log: {text}')
+
+
 def finished(lab, code=0, within=120):
     text, _ = lab.communicate(timeout=within)
     print(text)
@@ -148,7 +159,7 @@ def slow_agent(hosts):
     while not set(hosts.pids_on('bench', 'lab')) - set(first):
         assert time.time() < deadline, 'no second agent'
         time.sleep(0.05)
-    time.sleep(1.5)
+    recorded(hosts, 'host bench is gone since')
     for pid in first:
         os.kill(pid, signal.SIGCONT)
     finished(lab, within=180)

@@ -44,6 +44,18 @@ static void waitMs(uint16_t ms) {
   }
 }
 
+/* Moves the stack pointer from 0x0805 to 0x07FB as avr-gcc does, the high byte first. */
+static void makeRoom(void) {
+  const uint8_t low = SPL;
+  sei();
+  SPL = 0x05;
+  SPH = 0x07;
+  SPL = 0xFB;
+  SPH = 0x08;
+  SPL = low;
+  cli();
+}
+
 static void pwm(void) {
   DDRB |= 7;
   DDRD |= 0xF4;
@@ -85,6 +97,10 @@ int main(void) {
         wdt_enable(WDTO_15MS);
         for (;;) {
         }
+      case 'm':
+        makeRoom();
+        put('m');
+        break;
       case 'p':
         pwm();
         put('p');

@@ -215,6 +215,17 @@ TEST(Simulator, APowerCutCorruptsTheByteBeingWritten) {
   EXPECT_EQ(probe.text(), std::string("!\x01"));
 }
 
+TEST(Simulator, AStackPointerOfWhichOnlyOneByteIsWrittenIsNotMeasured) {
+  ChipSettings settings;
+  settings.profile = true;
+  Probe probe(settings);
+  probe.take();
+  probe.tell("m");
+  probe.run(10);
+  EXPECT_EQ(probe.text(), "m");
+  EXPECT_EQ(probe.chip().counts().lowest_stack, 0x07FB);
+}
+
 TEST(Simulator, SleepingWithInterruptsOffIsACrash) {
   Probe probe;
   EXPECT_EQ(probe.chip().power(), ChipPower::kRunning);

@@ -8,7 +8,13 @@
 #include <chrono>
 #include <cmath>
 #include <filesystem>
+#include <memory>
+#include <qpdf/Buffer.hh>
+#include <qpdf/QPDF.hh>
+#include <qpdf/QPDFObjectHandle.hh>
+#include <qpdf/QPDFWriter.hh>
 #include <sstream>
+#include <string>
 #include <thread>
 
 #include "analyzer/report/figures/figure_files.hpp"
@@ -69,6 +75,37 @@ TEST(Figures, HaveReproduciblePdfs) {
     EXPECT_TRUE(first[i].pdf == again[i].pdf) << first[i].name;
     EXPECT_EQ(first[i].pdf.find("CreationDate"), std::string::npos) << first[i].name;
   }
+}
+
+/// A PDF whose objects are compressed together, as cairo 1.18 writes them.
+std::string compressedPdf(const std::string& date) {
+  QPDF pdf;
+  pdf.emptyPDF();
+  const auto info = QPDFObjectHandle::newDictionary();
+  pdf.getTrailer().replaceKey("/Info", pdf.makeIndirectObject(info));
+  pdf.getTrailer().getKey("/Info").replaceKey("/CreationDate", QPDFObjectHandle::newString(date));
+  QPDFWriter writer(pdf);
+  writer.setOutputMemory();
+  writer.setObjectStreamMode(qpdf_o_generate);
+  writer.setStaticID(true);
+  writer.write();
+  const std::shared_ptr<Buffer> bytes = writer.getBufferSharedPointer();
+  return std::string(reinterpret_cast<const char*>(bytes->getBuffer()), bytes->getSize());
+}
+
+TEST(UndatedPdf, HasNoDateThatWasCompressed) {
+  const std::string one = compressedPdf("D:20261124155047Z");
+  const std::string other = compressedPdf("D:19990101000000Z");
+  ASSERT_EQ(one.find("CreationDate"), std::string::npos) << "not compressed";
+  ASSERT_NE(one, other);
+
+  EXPECT_EQ(undatedPdf(one), undatedPdf(other));
+}
+
+TEST(UndatedPdf, RefusesAnIncompleteFile) {
+  const std::string whole = compressedPdf("D:20261124155047Z");
+
+  EXPECT_THROW(static_cast<void>(undatedPdf(whole.substr(0, whole.size() / 2))), ReportError);
 }
 
 /// Width of a PDF's page [cm].
