@@ -53,16 +53,16 @@ TEST(Expression, SaysWhatItCoversInTheText) {
   EXPECT_EQ(sum.operands[1].length, 7U);
 }
 
-struct Wrong {
+struct WrongText {
   const char* text;
   std::size_t offset;
   const char* message;
 };
 
-class WrongSyntax : public testing::TestWithParam<Wrong> {};
+class WrongSyntax : public testing::TestWithParam<WrongText> {};
 
 TEST_P(WrongSyntax, IsSaidWithItsPosition) {
-  const Wrong& wrong = GetParam();
+  const WrongText& wrong = GetParam();
   try {
     static_cast<void>(parseExpression(wrong.text));
     FAIL() << "accepted " << wrong.text;
@@ -74,17 +74,18 @@ TEST_P(WrongSyntax, IsSaidWithItsPosition) {
 
 INSTANTIATE_TEST_SUITE_P(
     All, WrongSyntax,
-    testing::Values(Wrong{"", 0, "found the end of the text, expected a number"},
-                    Wrong{"a +", 3, "found the end of the text"},
-                    Wrong{"a b", 2, "found 'b', expected an operator"},
-                    Wrong{"(a", 2, "expected ')' for the '(' at character 1"},
-                    Wrong{"f(a", 3, "expected ')' for the '(' at character 2"},
-                    Wrong{"a = b", 2, "equality is written '=='"},
-                    Wrong{"a^2", 1, "there are no powers"},
-                    Wrong{"a && b", 2, "logic is written 'and'"},
-                    Wrong{"a < b < c", 6, "write 'a < b and b < c'"},
-                    Wrong{"1e999", 0, "too large"}, Wrong{"a $ b", 2, "no expression contains"},
-                    Wrong{"and a", 0, "found 'and'"}, Wrong{"a, b", 1, "found ','"}));
+    testing::Values(WrongText{"", 0, "found the end of the text, expected a number"},
+                    WrongText{"a +", 3, "found the end of the text"},
+                    WrongText{"a b", 2, "found 'b', expected an operator"},
+                    WrongText{"(a", 2, "expected ')' for the '(' at character 1"},
+                    WrongText{"f(a", 3, "expected ')' for the '(' at character 2"},
+                    WrongText{"a = b", 2, "equality is written '=='"},
+                    WrongText{"a^2", 1, "there are no powers"},
+                    WrongText{"a && b", 2, "logic is written 'and'"},
+                    WrongText{"a < b < c", 6, "write 'a < b and b < c'"},
+                    WrongText{"1e999", 0, "too large"},
+                    WrongText{"a $ b", 2, "no expression contains"},
+                    WrongText{"and a", 0, "found 'and'"}, WrongText{"a, b", 1, "found ','"}));
 
 TEST(Expression, DeepNestingIsRefused) {
   const std::string deep = std::string(100000, '(') + "a" + std::string(100000, ')');
