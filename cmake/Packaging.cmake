@@ -7,8 +7,8 @@ set(staged "${CMAKE_BINARY_DIR}/packaging")
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 
 # Only the command active-lab is in PATH. Programs find each other in their common folder.
-install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-preview lab-reproduce lab-run-virtual
-  lab-track analyzer projector_ctl robot_bridge sim_svc tracker_svc
+install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-preview lab-program lab-reproduce
+  lab-run-virtual lab-track analyzer projector_ctl robot_bridge sim_svc tracker_svc
   RUNTIME DESTINATION ${programs} COMPONENT main)
 if(TARGET dashboard)
   install(TARGETS dashboard RUNTIME DESTINATION ${programs} COMPONENT main)
@@ -30,7 +30,7 @@ endif()
 # In the texts `./lab` becomes `active-lab`, which users of the packages type.
 install(CODE "execute_process(COMMAND \"${PROJECT_SOURCE_DIR}/cmake/packaging/stage_texts.sh\"
   \"${PROJECT_SOURCE_DIR}\" \"${staged}/texts\" COMMAND_ERROR_IS_FATAL ANY)" COMPONENT main)
-install(DIRECTORY "${staged}/texts/experiments" DESTINATION share/active-lab COMPONENT main)
+install(DIRECTORY "${staged}/texts/experiments" "${staged}/texts/programs" DESTINATION share/active-lab COMPONENT main)
 install(DIRECTORY "${staged}/texts/docs"
   DESTINATION ${documents} COMPONENT main USE_SOURCE_PERMISSIONS)
 install(FILES "${staged}/texts/CHANGELOG.md"

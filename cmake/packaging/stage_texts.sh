@@ -6,8 +6,8 @@ set -eu
 source=$1 folder=$2
 rm -rf "$folder"
 mkdir -p "$folder"
-cp -r --no-preserve=ownership,timestamps "$source/experiments" "$source/docs" \
-  "$source/CHANGELOG.md" "$folder"
+cp -r --no-preserve=ownership,timestamps "$source/experiments" "$source/programs" \
+  "$source/docs" "$source/CHANGELOG.md" "$folder"
 find "$folder" -type d -exec chmod 755 {} +
 find "$folder" -type f -exec chmod u=rwX,go=rX {} +
 find "$folder" -type f \( -name '*.md' -o -name '*.toml' -o -name '*.sh' -o -name '*.py' \) \

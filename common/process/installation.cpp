@@ -32,8 +32,9 @@ Installation installationOf(const fs::path& program) {
                    above.parent_path().filename() == "lib";
   found.command = found.packaged ? "active-lab" : "./lab";
   const fs::path root = above.parent_path().parent_path();
-  found.experiments =
-      found.packaged ? root / "share" / "active-lab" / "experiments" : root / "experiments";
+  const fs::path texts = found.packaged ? root / "share" / "active-lab" : root;
+  found.experiments = texts / "experiments";
+  found.motion_programs = texts / "programs";
   if (!found.packaged) found.clone = root;
   return found;
 }

@@ -24,9 +24,8 @@ uint32_t tableEntry(uint8_t index) { return index < 128 ? readFlash(&kLog2Table[
 
 }  // namespace
 
-uint32_t negativeLog(uint32_t bits) {
-  constexpr uint32_t kLn2 = 2977044472U;  // ln 2 in units of 2^-32
-  uint32_t mantissa = bits | 1U;          // odd, so never zero
+uint32_t negativeLog2(uint32_t bits) {
+  uint32_t mantissa = bits | 1U;  // odd, so never zero
   uint32_t exponent = 1;
   while ((mantissa & 0x80000000U) == 0) {
     mantissa <<= 1;
@@ -37,8 +36,13 @@ uint32_t negativeLog(uint32_t bits) {
   const uint32_t low = tableEntry(index);
   const uint32_t rise = tableEntry(static_cast<uint8_t>(index + 1)) - low;
   const uint32_t log2_of_mantissa = low + ((rise * fraction + 0x8000U) >> 16);
-  const uint32_t log2_of_inverse = (exponent << 16) - log2_of_mantissa;
-  return static_cast<uint32_t>((static_cast<uint64_t>(log2_of_inverse) * kLn2 + 0x80000000U) >> 32);
+  return (exponent << 16) - log2_of_mantissa;
+}
+
+uint32_t negativeLog(uint32_t bits) {
+  constexpr uint32_t kLn2 = 2977044472U;  // ln 2 in units of 2^-32
+  return static_cast<uint32_t>((static_cast<uint64_t>(negativeLog2(bits)) * kLn2 + 0x80000000U) >>
+                               32);
 }
 
 uint32_t exponentialMs(Rng& rng, uint32_t mean_us) {

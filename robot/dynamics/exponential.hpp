@@ -11,6 +11,9 @@ namespace dynamics {
 /// (table of 128 logarithms, linear interpolation); the largest value is 32 ln 2 = 22.2.
 uint32_t negativeLog(uint32_t bits);
 
+/// -log2(U) in units of 2^-16, for the same U.
+uint32_t negativeLog2(uint32_t bits);
+
 /// An exponentially distributed time with the given mean (microseconds, at most kLongestMeanUs),
 /// rounded to the nearest millisecond, which may be 0. Rounding up would lengthen every run by half
 /// a millisecond on average.

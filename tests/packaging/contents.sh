@@ -30,7 +30,7 @@ for name in active-lab active-lab-gateway active-lab-emulator; do
   {
     sed -n "s#^$name ##p" "$here/expected_files.txt"
     if [ $name = active-lab ]; then
-      (cd "$source" && find experiments -type f -printf '0644 usr/share/active-lab/%p\n')
+      (cd "$source" && find experiments programs -type f -printf '0644 usr/share/active-lab/%p\n')
       (cd "$source" && find docs -type f -perm /100 -printf '0755 usr/share/doc/active-lab/%p\n')
       (cd "$source" && find docs -type f ! -perm /100 -printf '0644 usr/share/doc/active-lab/%p\n')
     fi

@@ -1,0 +1,520 @@
+#include "robot/language/compiler.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <set>
+
+#include "robot/dynamics/byte_code.hpp"
+#include "robot/language/checked_expression.hpp"
+#include "robot/language/code_generator.hpp"
+#include "robot/language/expression.hpp"
+
+namespace lab::language {
+namespace {
+
+constexpr double kCmPerMetre = 100;
+constexpr double kShortestHold = 0.0005;  // rounds to 1 ms
+constexpr double kLongestHold = 3600;
+constexpr double kRoundingSlack = 1e-9;  // so that a limit met exactly is not refused
+/// So often the ranges of state variables are extended before they count as unlimited.
+constexpr int kRangeRounds = 12;
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.4g", value);
+  return text;
+}
+
+bool isName(std::string_view text) {
+  const auto letter = [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
+  };
+  return !text.empty() && letter(text[0]) && std::all_of(text.begin(), text.end(), [&](char c) {
+    return letter(c) || (c >= '0' && c <= '9');
+  });
+}
+
+/// The checked expressions of a phase.
+struct CheckedPhase {
+  std::vector<std::pair<std::uint8_t, CheckedExpression>> set;  ///< State variable, new value.
+  bool wheels = false;  ///< The speeds are those of the left and the right wheel.
+  CheckedExpression first;
+  CheckedExpression second;
+  CheckedExpression hold;
+  CheckedExpression next;
+  std::optional<CheckedExpression> until;
+  CheckedExpression then;
+};
+
+class Compiler {
+ public:
+  Compiler(const ProgramText& text, const dynamics::WheelLimits& limits)
+      : text_(text),
+        wheel_limit_(limits.v_max * kCmPerMetre),
+        half_base_(limits.wheel_base * kCmPerMetre / 2) {
+    result_.name = text.name;
+  }
+
+  CompiledProgram compile() {
+    declareNames();
+    if (result_.ok()) {
+      checkAll();
+    }
+    if (result_.ok()) {
+      findRanges();
+      checkRanges();
+    }
+    if (result_.ok()) {
+      generate();
+    }
+    return std::move(result_);
+  }
+
+ private:
+  void error(const std::string& key, std::size_t offset, const std::string& message) {
+    result_.errors.push_back({key, offset, message});
+  }
+
+  // --- names ---
+
+  void declareNames() {
+    std::set<std::string> taken;
+    const auto declare = [&](const std::string& name, const std::string& key, const char* what) {
+      if (!isName(name)) {
+        error(key, 0,
+              std::string(what) + " '" + name +
+                  "' is not a name: expected letters, digits and _, not a digit first");
+      } else if (isReserved(name)) {
+        error(key, 0,
+              std::string(what) + " '" + name +
+                  "' has a meaning in the language (docs/programs.md); choose another name");
+      } else if (!taken.insert(name).second) {
+        error(key, 0, "the name '" + name + "' is used twice in this program; rename one");
+      }
+    };
+    for (const auto& [name, value] : text_.parameters) {
+      declare(name, "parameters." + name, "parameter");
+    }
+    for (const auto& [name, value] : text_.state) {
+      declare(name, "state." + name, "state variable");
+    }
+    if (text_.state.size() > dynamics::kStates) {
+      error("state", 0,
+            "found " + std::to_string(text_.state.size()) + " state variables, a robot has " +
+                std::to_string(dynamics::kStates));
+    }
+    if (text_.phases.empty()) {
+      error("phases", 0,
+            "the program has no phase; write at least one, such as "
+            "phases.run = {forward = \"5 cm/s\", hold = \"1 s\"}");
+    }
+    if (text_.phases.size() > dynamics::kLargestPhases) {
+      error("phases", 0,
+            "found " + std::to_string(text_.phases.size()) + " phases, a robot has " +
+                std::to_string(dynamics::kLargestPhases));
+    }
+    for (std::size_t i = 0; i < text_.phases.size(); ++i) {
+      declare(text_.phases[i].name, "phases." + text_.phases[i].name, "phase");
+      scope_.phases[text_.phases[i].name] = static_cast<std::uint8_t>(i);
+    }
+  }
+
+  // --- types and dimensions ---
+
+  /// The checked expression of a key; nothing after an error, which is then noted.
+  std::optional<CheckedExpression> read(const std::string& key, const std::string& text) {
+    const auto known = syntax_.find(key);
+    try {
+      if (known == syntax_.end()) {
+        syntax_[key] = parseExpression(text);
+      }
+      std::vector<RangeNote> notes;
+      CheckedExpression checked = checkExpression(text, syntax_[key], scope_, notes);
+      notes_[key] = std::move(notes);
+      return checked;
+    } catch (const SyntaxError& problem) {
+      error(key, problem.offset(), problem.what());
+      return std::nullopt;
+    }
+  }
+
+  std::optional<CheckedExpression> readNumber(const std::string& key, const std::string& text,
+                                              const Dimension& dimension, bool may_be_endless) {
+    std::optional<CheckedExpression> checked = read(key, text);
+    if (!checked) {
+      return std::nullopt;
+    }
+    if (checked->type != Type::kNumber) {
+      error(key, 0, "found a condition or a phase, expected a number in " + unitText(dimension));
+      return std::nullopt;
+    }
+    if (checked->endless && !may_be_endless) {
+      error(key, 0, "'forever' can only be a hold");
+      return std::nullopt;
+    }
+    try {
+      requireDimension(*checked, dimension, "the value", 0);
+    } catch (const SyntaxError& problem) {
+      error(key, problem.offset(), problem.what());
+      return std::nullopt;
+    }
+    return checked;
+  }
+
+  std::optional<CheckedExpression> readPhase(const std::string& key, const std::string& text) {
+    std::optional<CheckedExpression> checked = read(key, text);
+    if (checked && checked->type != Type::kPhase) {
+      error(key, 0,
+            "found " + std::string(checked->type == Type::kTruth ? "a condition" : "a number") +
+                ", expected a phase: " + phaseNames());
+      return std::nullopt;
+    }
+    return checked;
+  }
+
+  [[nodiscard]] std::string phaseNames() const {
+    std::string names;
+    for (const PhaseText& phase : text_.phases) {
+      names += (names.empty() ? "" : ", ") + phase.name;
+    }
+    return names;
+  }
+
+  void checkAll() {
+    checkParameters();
+    checkStates();
+    if (result_.ok()) {
+      checkPhases();
+    }
+  }
+
+  void checkParameters() {
+    // A parameter may use those before it. Phases and states come later.
+    std::swap(waiting_phases_, scope_.phases);
+    for (const auto& [name, text] : text_.parameters) {
+      const std::string key = "parameters." + name;
+      const std::optional<CheckedExpression> value = read(key, text);
+      if (!value) {
+        continue;
+      }
+      if (value->type != Type::kNumber || !value->constant || value->endless) {
+        error(key, 0,
+              "expected a number with its unit, such as \"5 cm/s\"; sensors, draws and "
+              "state variables belong in the phases");
+        continue;
+      }
+      scope_.parameters[name] = *value;
+      scope_.parameters[name].any_dimension = false;
+      result_.parameters.push_back({name, value->range.low, value->dimension});
+    }
+    std::swap(waiting_phases_, scope_.phases);
+  }
+
+  void checkStates() {
+    for (const auto& [name, text] : text_.state) {
+      const std::optional<CheckedExpression> value = read("state." + name, text);
+      if (!value) {
+        continue;
+      }
+      if (value->type != Type::kNumber || value->endless) {
+        error("state." + name, 0, "expected the number that the state variable starts with");
+        continue;
+      }
+      starts_.push_back(*value);
+      result_.states.push_back(name);
+    }
+    for (std::size_t i = 0; i < starts_.size() && result_.ok(); ++i) {
+      const Interval range = {starts_[i].range.low, starts_[i].range.high, false};
+      scope_.states[result_.states[i]] = {static_cast<std::uint8_t>(i), starts_[i].dimension,
+                                          range};
+    }
+  }
+
+  void checkPhases() {
+    phases_.clear();
+    for (const PhaseText& phase : text_.phases) {
+      phases_.push_back(checkPhase(phase));
+    }
+  }
+
+  CheckedPhase checkPhase(const PhaseText& phase) {
+    CheckedPhase checked;
+    const std::string key = "phases." + phase.name;
+    for (const auto& [name, text] : phase.set) {
+      checkAssignment(key + ".set." + name, name, text, checked);
+    }
+    checkSpeeds(key, phase, checked);
+    if (phase.hold.empty()) {
+      error(key, 0,
+            "has no hold: expected how long the speeds are kept, such as hold = \"0.1 s\" "
+            "or \"forever\"");
+    } else if (const auto hold = readNumber(key + ".hold", phase.hold, kTime, true)) {
+      checked.hold = *hold;
+    }
+    if (const auto next = readPhase(key + ".next", phase.next.empty() ? phase.name : phase.next)) {
+      checked.next = *next;
+      checked.then = *next;
+    }
+    if (phase.until.empty() && !phase.then.empty()) {
+      error(key + ".then", 0, "needs `until`, the condition after which this phase follows");
+    }
+    if (!phase.until.empty()) {
+      checkInterruption(key, phase, checked);
+    }
+    return checked;
+  }
+
+  void checkAssignment(const std::string& key, const std::string& name, const std::string& text,
+                       CheckedPhase& checked) {
+    const auto state = scope_.states.find(name);
+    if (state == scope_.states.end()) {
+      error(key, 0,
+            "'" + name + "' is not a state variable of this program; declare it as state." + name +
+                " = \"...\" with the value that it starts with");
+      return;
+    }
+    if (const auto value = readNumber(key, text, state->second.dimension, false)) {
+      checked.set.emplace_back(state->second.number, *value);
+    }
+  }
+
+  void checkSpeeds(const std::string& key, const PhaseText& phase, CheckedPhase& checked) {
+    checked.wheels = !phase.left.empty() || !phase.right.empty();
+    const bool drive = !phase.forward.empty() || !phase.turn.empty();
+    if (checked.wheels && drive) {
+      error(key, 0, "has both wheel speeds (left, right) and forward or turn; use one pair");
+      return;
+    }
+    const auto speed = [&](const char* name, const std::string& text, const Dimension& dimension,
+                           CheckedExpression& expression) {
+      // What is not given is 0.
+      if (const auto value =
+              readNumber(key + '.' + name, text.empty() ? "0" : text, dimension, false)) {
+        expression = *value;
+      }
+    };
+    if (checked.wheels) {
+      speed("left", phase.left, kSpeed, checked.first);
+      speed("right", phase.right, kSpeed, checked.second);
+    } else {
+      speed("forward", phase.forward, kSpeed, checked.first);
+      speed("turn", phase.turn, kRate, checked.second);
+    }
+  }
+
+  void checkInterruption(const std::string& key, const PhaseText& phase, CheckedPhase& checked) {
+    const auto until = read(key + ".until", phase.until);
+    if (until && until->type != Type::kTruth) {
+      error(key + ".until", 0, "found a value, expected a condition such as \"ir(0) > 0.3\"");
+    }
+    if (!phase.then.empty()) {
+      if (const auto then = readPhase(key + ".then", phase.then)) {
+        checked.then = *then;
+      }
+    }
+    if (until) {
+      checked.until = *until;
+    }
+  }
+
+  // --- ranges ---
+
+  /// Extends the ranges of the state variables until no phase leaves them.
+  void findRanges() {
+    for (int round = 0; round < kRangeRounds; ++round) {
+      if (!extendRanges(round == kRangeRounds - 1)) {
+        return;
+      }
+      checkPhases();
+    }
+  }
+
+  bool extendRanges(bool last) {
+    bool extended = false;
+    for (const CheckedPhase& phase : phases_) {
+      for (const auto& [number, value] : phase.set) {
+        Interval& range = scope_.states[result_.states[number]].range;
+        Interval joined = join(range, value.range);
+        if (joined.low == range.low && joined.high == range.high) {
+          continue;
+        }
+        if (last) {
+          joined = bounds(-kLargestNumber, kLargestNumber);
+        }
+        range = {joined.low, joined.high, false};
+        extended = true;
+      }
+    }
+    return extended;
+  }
+
+  void checkRanges() {
+    for (const auto& [key, notes] : notes_) {
+      for (const RangeNote& note : notes) {
+        result_.warnings.push_back({key, note.offset, note.message});
+      }
+    }
+    for (std::size_t i = 0; i < phases_.size(); ++i) {
+      const std::string key = "phases." + text_.phases[i].name;
+      PhaseFacts facts;
+      facts.name = text_.phases[i].name;
+      facts.hold = phases_[i].hold.range;
+      wheelRanges(phases_[i], facts);
+      checkWheels(key, facts);
+      checkHold(key + ".hold", phases_[i].hold);
+      result_.phases.push_back(facts);
+    }
+  }
+
+  void wheelRanges(const CheckedPhase& phase, PhaseFacts& facts) const {
+    if (phase.wheels) {
+      facts.left = phase.first.range;
+      facts.right = phase.second.range;
+      return;
+    }
+    const Interval half_turn = product(phase.second.range, Interval{half_base_, half_base_, true});
+    facts.left = sum(phase.first.range, negative(half_turn));
+    facts.right = sum(phase.first.range, half_turn);
+  }
+
+  void checkWheels(const std::string& key, const PhaseFacts& facts) {
+    const Interval& faster =
+        facts.left.magnitude() > facts.right.magnitude() ? facts.left : facts.right;
+    if (faster.magnitude() <= wheel_limit_ * (1 + kRoundingSlack)) {
+      return;
+    }
+    const std::string needed =
+        number(faster.magnitude()) + " cm/s, the wheels reach " + number(wheel_limit_) + " cm/s";
+    if (faster.attained) {
+      error(key, 0,
+            "needs a wheel speed of " + needed +
+                "; reduce the speed or the turn (a turn of 1 rad/s takes " + number(half_base_) +
+                " cm/s of each wheel)");
+    } else {
+      result_.warnings.push_back(
+          {key, 0, "can ask for a wheel speed of " + needed + "; it is then limited and counted"});
+    }
+  }
+
+  void checkHold(const std::string& key, const CheckedExpression& hold) {
+    if (hold.endless) {
+      return;
+    }
+    const Interval& range = hold.range;
+    if (hold.constant && (range.low < kShortestHold || range.high > kLongestHold)) {
+      error(key, 0, "holds for " + number(range.low) + " s, expected 1 ms to 3600 s, or forever");
+    } else if (range.high < kShortestHold) {
+      error(key, 0,
+            "is never longer than " + number(range.high * 1000) + " ms, expected at least 1 ms");
+    } else if (range.low < 0 && range.attained) {
+      error(key, 0,
+            "can be " + number(range.low) +
+                " s, expected 0 or more; use max(0, ...) if "
+                "short holds may be cut");
+    } else if (range.low < 0 || range.high > kLongestHold) {
+      result_.warnings.push_back({key, 0,
+                                  "can be " + number(range.low < 0 ? range.low : range.high) +
+                                      " s; it is then limited to 0 s to 3600 s and "
+                                      "counted"});
+    }
+  }
+
+  // --- byte code ---
+
+  void generate() {
+    std::vector<std::uint8_t>& code = result_.code;
+    code = {dynamics::kByteCodeFormat, static_cast<std::uint8_t>(phases_.size())};
+    BlockCode start;
+    for (const CheckedExpression& value : starts_) {
+      start.push(value);
+    }
+    storeStates(start, starts_.size(), [](std::size_t i) { return static_cast<std::uint8_t>(i); });
+    append("state", start);
+    for (std::size_t i = 0; i < phases_.size(); ++i) {
+      const std::string key = "phases." + text_.phases[i].name;
+      const BlockCode evaluation = evaluationOf(phases_[i]);
+      BlockCode interruption;
+      if (phases_[i].until) {
+        interruption.push(*phases_[i].until);
+        interruption.push(phases_[i].then);
+      }
+      result_.phases[i].cost = evaluation.cost();
+      result_.phases[i].interruption_cost = interruption.cost();
+      append(key, evaluation);
+      append(key + ".until", interruption);
+    }
+    if (code.size() > dynamics::kLargestProgram) {
+      error("", 0,
+            "compiles to " + std::to_string(code.size()) + " bytes, a robot stores " +
+                std::to_string(dynamics::kLargestProgram) +
+                "; share sub-expressions through state variables or use fewer phases");
+    }
+    if (!result_.ok()) {
+      code.clear();
+      return;
+    }
+    result_.hash = dynamics::programHash(code.data(), static_cast<std::uint8_t>(code.size()));
+  }
+
+  static void storeStates(BlockCode& block, std::size_t count,
+                          const std::function<std::uint8_t(std::size_t)>& number) {
+    for (std::size_t i = count; i > 0; --i) {
+      block.add(dynamics::kStore, number(i - 1), 1, 0);
+    }
+  }
+
+  static BlockCode evaluationOf(const CheckedPhase& phase) {
+    BlockCode block;
+    for (const auto& [number, value] : phase.set) {
+      block.push(value);
+    }
+    storeStates(block, phase.set.size(), [&](std::size_t i) { return phase.set[i].first; });
+    block.push(phase.first);
+    block.push(phase.second);
+    block.push(phase.hold);
+    block.push(phase.next);
+    block.add(phase.wheels ? dynamics::kWheelSpeeds : dynamics::kDrive, 4, 4);
+    return block;
+  }
+
+  void append(const std::string& key, const BlockCode& block) {
+    if (block.deepestStack() > dynamics::kLargestStack) {
+      error(key, 0,
+            "needs " + std::to_string(block.deepestStack()) +
+                " places on the stack, a robot "
+                "has " +
+                std::to_string(dynamics::kLargestStack) +
+                "; compute a part in a phase before, or use brackets less");
+    }
+    if (block.cost() > dynamics::kLargestCost) {
+      error(key, 0,
+            "can take " + number(block.cost() / 8000.0) +
+                " ms on the robot, at most 5 ms; use fewer draws, divisions and functions");
+    }
+    const std::size_t size = std::min<std::size_t>(block.bytes().size(), 255);
+    result_.code.push_back(static_cast<std::uint8_t>(size));
+    result_.code.insert(result_.code.end(), block.bytes().begin(), block.bytes().end());
+  }
+
+  const ProgramText& text_;
+  const double wheel_limit_;  ///< [cm/s]
+  const double half_base_;    ///< [cm]
+  Scope scope_;
+  std::map<std::string, std::uint8_t, std::less<>> waiting_phases_;
+  std::map<std::string, Expression> syntax_;             ///< By key, parsed once.
+  std::map<std::string, std::vector<RangeNote>> notes_;  ///< By key, of the last check.
+  std::vector<CheckedExpression> starts_;                ///< Of the state variables.
+  std::vector<CheckedPhase> phases_;
+  CompiledProgram result_;
+};
+
+}  // namespace
+
+CompiledProgram compile(const ProgramText& text, const dynamics::WheelLimits& limits) {
+  return Compiler(text, limits).compile();
+}
+
+}  // namespace lab::language

@@ -1,0 +1,174 @@
+#include "runner/program/program_command.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <string_view>
+#include <vector>
+
+#include "common/files/file_text.hpp"
+#include "common/process/installation.hpp"
+#include "common/text/nearest_word.hpp"
+#include "robot/dynamics/machine.hpp"
+#include "robot/language/listing.hpp"
+#include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/print_line.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr FileKind kProgramKind{"a program of motion", 100'000};
+constexpr double kCyclesPerMs = 8000;  // the robot's clock has 8 MHz
+
+fs::path shippedPrograms() { return installation().motion_programs; }
+
+std::vector<std::string> namesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+fs::path findProgram(const std::string& named, const fs::path& shipped) {
+  const fs::path file = named;
+  std::error_code error;
+  if (file.has_parent_path() || file.extension() == ".toml" || fs::exists(file, error)) return file;
+  const fs::path of_name = shipped / (named + ".toml");
+  if (fs::exists(of_name, error)) return of_name;
+  const std::vector<std::string> names = namesIn(shipped);
+  throw UserError(fmt::format("no program {}: looked for the files {} and {}; there are {}{}",
+                              named, fs::absolute(file).string(), of_name.string(),
+                              fmt::join(names, ", "), didYouMean(named, names)));
+}
+
+void printLines(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    printLine(text.substr(0, end));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+  }
+}
+
+std::string rangeText(const language::Interval& range, const char* unit) {
+  if (range.isPoint()) return fmt::format("{:.4g} {}", range.low, unit);
+  return fmt::format("{:.4g} to {:.4g} {}", range.low, range.high, unit);
+}
+
+std::string holdText(const language::Interval& hold) {
+  if (hold.low >= language::kLargestNumber) return "forever";
+  if (hold.high < language::kLargestNumber) return rangeText(hold, "s");
+  return fmt::format("{:.4g} s or more", hold.low);
+}
+
+}  // namespace
+
+ProgramFile loadProgram(const std::string& named, const fs::path& shipped) {
+  const fs::path file = findProgram(named, shipped);
+  return readProgram(readFileText(file, kProgramKind), file.string(), file.stem().string());
+}
+
+std::string describeProgram(const ProgramFile& program) {
+  const language::CompiledProgram& compiled = program.compiled;
+  std::string text =
+      fmt::format("{}: {}\n{} of {} bytes, hash {:08x}\n", compiled.name, program.text.description,
+                  compiled.code.size(), dynamics::kLargestProgram, compiled.hash);
+  const auto out = std::back_inserter(text);
+  for (const language::Parameter& parameter : compiled.parameters) {
+    fmt::format_to(out, "parameter {} = {:.6g} {}\n", parameter.name, parameter.value,
+                   language::unitText(parameter.dimension));
+  }
+  for (const language::PhaseFacts& phase : compiled.phases) {
+    fmt::format_to(out, "phase {}: left wheel {}, right wheel {}, hold {}; at most {:.2f} ms\n",
+                   phase.name, rangeText(phase.left, "cm/s"), rangeText(phase.right, "cm/s"),
+                   holdText(phase.hold), (phase.cost + phase.interruption_cost) / kCyclesPerMs);
+  }
+  for (const language::Problem& warning : compiled.warnings) {
+    fmt::format_to(out, "warning: {}: {}\n", warning.key, warning.message);
+  }
+  return text;
+}
+
+std::string traceProgram(const ProgramFile& program, const TraceOptions& options) {
+  const language::CompiledProgram& compiled = program.compiled;
+  std::string text = describeProgram(program);
+  const auto out = std::back_inserter(text);
+  for (const language::ListedBlock& block : language::listing(compiled.code)) {
+    fmt::format_to(out, "\n{}\n", block.title);
+    for (const language::ListedInstruction& step : block.instructions) {
+      fmt::format_to(out, "{:5}  {:34}{:6} cycles\n", step.position, step.text, step.cost);
+    }
+  }
+  fmt::format_to(out, "\n{:>10} {:>12} {:>10} {:>10} {:>10} {:>10}", "t (s)", "phase",
+                 "left (cm/s)", "right (cm/s)", "turn (/s)", "hold (s)");
+  for (const std::string& state : compiled.states) fmt::format_to(out, " {:>10}", state);
+  text += '\n';
+
+  dynamics::MachineInputs inputs;
+  const auto counts = static_cast<std::uint16_t>(std::lround(options.light * 1023));
+  inputs.sensors.light_front = counts;
+  inputs.sensors.light_back = counts;
+  dynamics::Rng rng(options.seed);
+  dynamics::Machine machine;
+  machine.start(compiled.code.data(), static_cast<std::uint8_t>(compiled.code.size()), inputs, rng);
+  for (int i = 0; i < options.holds; ++i) {
+    const dynamics::PhaseResult hold = machine.next(inputs, rng);
+    const bool endless = hold.duration_ms == dynamics::kEndless;
+    fmt::format_to(out, "{:10.3f} {:>12} {:10.4f} {:10.4f} {:10.4f} {:>10}", inputs.time_ms / 1e3,
+                   compiled.phases[machine.phase()].name, hold.left_um_s / 1e4,
+                   hold.right_um_s / 1e4, (hold.right_um_s - hold.left_um_s) / 75000.0,
+                   endless ? "forever" : fmt::format("{:.3f}", hold.duration_ms / 1e3));
+    for (std::size_t state = 0; state < compiled.states.size(); ++state) {
+      fmt::format_to(
+          out, " {:10.4f}",
+          machine.state(static_cast<std::uint8_t>(state)) / static_cast<double>(dynamics::kOne));
+    }
+    text += '\n';
+    if (endless) break;
+    inputs.time_ms += hold.duration_ms;
+    inputs.distance_um += static_cast<std::uint32_t>(
+        std::abs(static_cast<std::int64_t>(hold.left_um_s) + hold.right_um_s) * hold.duration_ms /
+        2000);
+    inputs.heading_turns += dynamics::turnsOf(static_cast<dynamics::Fixed>(
+        std::remainder((hold.right_um_s - hold.left_um_s) / 75000.0 * hold.duration_ms / 1e3,
+                       2 * 3.14159265358979323846) *
+        dynamics::kOne));
+  }
+  if (machine.saturationCount() > 0) {
+    fmt::format_to(out, "{} results were limited\n", machine.saturationCount());
+  }
+  return text;
+}
+
+int listPrograms() {
+  const fs::path shipped = shippedPrograms();
+  for (const std::string& name : namesIn(shipped)) {
+    const ProgramFile program = loadProgram((shipped / (name + ".toml")).string(), shipped);
+    printLine(fmt::format("{:20} {:3} bytes  {}", name, program.compiled.code.size(),
+                          program.text.description));
+  }
+  return kDone;
+}
+
+int showProgram(const std::string& named) {
+  printLines(readFileText(findProgram(named, shippedPrograms()), kProgramKind));
+  return kDone;
+}
+
+int checkProgram(const std::string& named) {
+  printLines(describeProgram(loadProgram(named, shippedPrograms())));
+  return kDone;
+}
+
+int traceProgram(const TraceOptions& options) {
+  printLines(traceProgram(loadProgram(options.program, shippedPrograms()), options));
+  return kDone;
+}
+
+}  // namespace lab::runner

@@ -1,0 +1,353 @@
+#include "robot/language/compiler.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <string>
+
+#include "robot/dynamics/byte_code.hpp"
+#include "robot/dynamics/machine.hpp"
+
+namespace lab::language {
+namespace {
+
+ProgramText activeBrownian() {
+  ProgramText text;
+  text.name = "abp";
+  text.parameters = {{"v", "5 cm/s"}, {"eta", "3 rad/s"}, {"epsilon", "0.5 s"}};
+  PhaseText run;
+  run.name = "run";
+  run.forward = "v";
+  run.turn = "uniform(-eta, eta)";
+  run.hold = "epsilon";
+  text.phases = {run};
+  return text;
+}
+
+ProgramText runAndTumble() {
+  ProgramText text;
+  text.name = "rtp";
+  text.parameters = {{"v", "5 cm/s"}, {"gamma", "3 / s"}, {"tau_t", "0.5 s"}};
+  PhaseText run;
+  run.name = "run";
+  run.forward = "v";
+  run.hold = "exponential(1/gamma)";
+  run.next = "tumble";
+  PhaseText tumble;
+  tumble.name = "tumble";
+  tumble.turn = "uniform(-pi, pi) / tau_t";
+  tumble.hold = "tau_t";
+  tumble.next = "run";
+  text.phases = {run, tumble};
+  return text;
+}
+
+ProgramText runReverse() {
+  ProgramText text;
+  text.name = "run_reverse";
+  text.parameters = {
+      {"v", "5 cm/s"}, {"gamma", "0.5 1/s"}, {"eta", "0.4 rad/s"}, {"epsilon", "0.1 s"}};
+  text.parameters[1].second = "0.5 / s";
+  text.state = {{"sign_of_v", "1"}};
+  PhaseText run;
+  run.name = "run";
+  run.set = {{"sign_of_v", "if(chance(gamma*epsilon), -sign_of_v, sign_of_v)"}};
+  run.forward = "sign_of_v*v";
+  run.turn = "uniform(-eta, eta)";
+  run.hold = "epsilon";
+  run.next = "run";
+  text.phases = {run};
+  return text;
+}
+
+std::string firstError(const ProgramText& text) {
+  const CompiledProgram program = compile(text);
+  return program.ok() ? "" : program.errors[0].key + ": " + program.errors[0].message;
+}
+
+TEST(Compiler, WritesByteCodeThatTheMachineAccepts) {
+  for (const ProgramText& text : {activeBrownian(), runAndTumble(), runReverse()}) {
+    const CompiledProgram program = compile(text);
+    ASSERT_TRUE(program.ok()) << firstError(text);
+    EXPECT_TRUE(program.warnings.empty()) << program.warnings[0].message;
+    EXPECT_EQ(dynamics::checkByteCode(program.code.data(),
+                                      static_cast<std::uint16_t>(program.code.size()))
+                  .fault,
+              dynamics::kValidByteCode);
+    EXPECT_NE(program.hash, 0U);
+    EXPECT_LT(program.code.size(), 60U);
+  }
+}
+
+TEST(Compiler, KnowsTheRangesOfAPhase) {
+  const CompiledProgram program = compile(activeBrownian());
+  ASSERT_EQ(program.phases.size(), 1U);
+  EXPECT_NEAR(program.phases[0].left.low, 5 - 3 * 3.75, 1e-9);
+  EXPECT_NEAR(program.phases[0].right.high, 5 + 3 * 3.75, 1e-9);
+  EXPECT_EQ(program.phases[0].hold.low, 0.5);
+  EXPECT_GT(program.phases[0].cost, 0U);
+}
+
+TEST(Compiler, StateVariablesHaveTheRangeOfAllTheirValues) {
+  // The sign is -1 or 1, so the wheels stay below the limit and there is no warning.
+  const CompiledProgram program = compile(runReverse());
+  ASSERT_TRUE(program.ok());
+  EXPECT_NEAR(program.phases[0].left.magnitude(), 5 + 0.4 * 3.75, 1e-9);
+}
+
+/// Executes holds of a program without sensors.
+void execute(const CompiledProgram& program, int holds,
+             const std::function<void(const dynamics::PhaseResult&, std::uint8_t phase)>& take) {
+  dynamics::Machine machine;
+  dynamics::Rng rng(3);
+  const dynamics::MachineInputs inputs;
+  machine.start(program.code.data(), static_cast<std::uint8_t>(program.code.size()), inputs, rng);
+  for (int i = 0; i < holds; ++i) {
+    const dynamics::PhaseResult result = machine.next(inputs, rng);
+    take(result, machine.phase());
+  }
+  EXPECT_EQ(machine.saturationCount(), 0U);
+}
+
+TEST(Compiler, AnActiveBrownianParticleTurnsUniformly) {
+  double sum = 0;
+  double squares = 0;
+  constexpr int kHolds = 200000;
+  execute(compile(activeBrownian()), kHolds, [&](const dynamics::PhaseResult& result, int) {
+    EXPECT_NEAR((result.left_um_s + result.right_um_s) / 2.0, 50000, 1);
+    EXPECT_EQ(result.duration_ms, 500U);
+    const double turn = (result.right_um_s - result.left_um_s) / 75000.0;
+    EXPECT_LE(std::abs(turn), 3.00002);
+    sum += turn;
+    squares += turn * turn;
+  });
+  // Uniform on [-3, 3]: variance 3, fourth moment 81 / 5.
+  EXPECT_LT(std::abs(sum / kHolds) / std::sqrt(3.0 / kHolds), 4);
+  EXPECT_LT(std::abs(squares / kHolds - 3) / std::sqrt((81.0 / 5 - 9) / kHolds), 4);
+}
+
+TEST(Compiler, ARunAndTumbleParticleAlternates) {
+  double runs_ms = 0;
+  constexpr int kHolds = 200000;
+  execute(compile(runAndTumble()), kHolds, [&](const dynamics::PhaseResult& result, int phase) {
+    if (phase == 0) {
+      EXPECT_EQ(result.left_um_s, 50000);
+      EXPECT_EQ(result.right_um_s, 50000);
+      runs_ms += result.duration_ms;
+    } else {
+      EXPECT_EQ(result.left_um_s + result.right_um_s, 0);
+      EXPECT_EQ(result.duration_ms, 500U);
+    }
+  });
+  const double runs = kHolds / 2.0;
+  EXPECT_LT(std::abs(runs_ms / runs - 1000.0 / 3) / (1000.0 / 3 / std::sqrt(runs)), 4);
+}
+
+TEST(Compiler, ARunReverseParticleReversesAtItsRate) {
+  int reversals = 0;
+  int last = 1;
+  constexpr int kHolds = 400000;
+  execute(compile(runReverse()), kHolds, [&](const dynamics::PhaseResult& result, int) {
+    const int sign = result.left_um_s + result.right_um_s > 0 ? 1 : -1;
+    reversals += sign != last ? 1 : 0;
+    last = sign;
+  });
+  const double p = 0.05;
+  EXPECT_LT(std::abs(reversals - p * kHolds) / std::sqrt(p * (1 - p) * kHolds), 4);
+}
+
+using Change = std::function<void(ProgramText&)>;
+struct Wrong {
+  const char* name;
+  Change change;
+  const char* key;
+  const char* message;
+};
+
+void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.name; }
+
+class WrongProgram : public testing::TestWithParam<Wrong> {};
+
+TEST_P(WrongProgram, IsRefusedWithKeyAndReason) {
+  ProgramText text = runReverse();
+  GetParam().change(text);
+  const CompiledProgram program = compile(text);
+  ASSERT_FALSE(program.ok());
+  EXPECT_TRUE(program.code.empty());
+  EXPECT_EQ(program.errors[0].key, GetParam().key);
+  EXPECT_NE(program.errors[0].message.find(GetParam().message), std::string::npos)
+      << program.errors[0].message;
+  EXPECT_EQ(program.errors[0].message.find('\n'), std::string::npos);
+}
+
+PhaseText& run(ProgramText& text) { return text.phases[0]; }
+
+INSTANTIATE_TEST_SUITE_P(
+    All, WrongProgram,
+    testing::Values(
+        Wrong{"unit of a sum", [](ProgramText& p) { run(p).forward = "v + gamma"; },
+              "phases.run.forward",
+              "'gamma' is a number in 1/s, expected a number in cm/s like 'v'"},
+        Wrong{"unit of the speed", [](ProgramText& p) { run(p).forward = "eta"; },
+              "phases.run.forward", "is a number in 1/s, expected a number in cm/s"},
+        Wrong{"unit of the turn", [](ProgramText& p) { run(p).turn = "v"; }, "phases.run.turn",
+              "expected a number in 1/s"},
+        Wrong{"unit of the hold", [](ProgramText& p) { run(p).hold = "gamma"; }, "phases.run.hold",
+              "expected a number in s"},
+        Wrong{"unit of a state", [](ProgramText& p) { run(p).set[0].second = "v"; },
+              "phases.run.set.sign_of_v", "expected a number without unit"},
+        Wrong{"unit of an angle", [](ProgramText& p) { run(p).forward = "v*sin(v)"; },
+              "phases.run.forward", "the angle 'v' is a number in cm/s"},
+        Wrong{"unit of a probability",
+              [](ProgramText& p) { run(p).set[0].second = "if(chance(gamma), 1, 2)"; },
+              "phases.run.set.sign_of_v", "the probability 'gamma' is a number in 1/s"},
+        Wrong{"root of no square", [](ProgramText& p) { run(p).forward = "sqrt(v)"; },
+              "phases.run.forward", "expected a square"},
+        Wrong{"unknown name", [](ProgramText& p) { run(p).forward = "w"; }, "phases.run.forward",
+              "unknown name 'w'; this program has epsilon, eta, gamma, v, sign_of_v, run"},
+        Wrong{"unknown function", [](ProgramText& p) { run(p).forward = "log(v)"; },
+              "phases.run.forward", "unknown function 'log'; there are if, min"},
+        Wrong{"wrong number of arguments", [](ProgramText& p) { run(p).turn = "uniform(eta)"; },
+              "phases.run.turn", "has 1 arguments, expected uniform(a, b)"},
+        Wrong{"function without brackets", [](ProgramText& p) { run(p).turn = "uniform"; },
+              "phases.run.turn", "is a function: write uniform(a, b)"},
+        Wrong{"condition as a number", [](ProgramText& p) { run(p).forward = "v * (v > v)"; },
+              "phases.run.forward", "is a condition, expected a number beside '*'"},
+        Wrong{"number as a condition", [](ProgramText& p) { run(p).forward = "if(v, v, v)"; },
+              "phases.run.forward", "expected a condition as the first argument of 'if'"},
+        Wrong{"phase as a number", [](ProgramText& p) { run(p).forward = "run"; },
+              "phases.run.forward", "found a condition or a phase"},
+        Wrong{"number as a phase", [](ProgramText& p) { run(p).next = "1"; }, "phases.run.next",
+              "found a number, expected a phase: run"},
+        Wrong{"missing phase", [](ProgramText& p) { run(p).next = "tumble"; }, "phases.run.next",
+              "unknown name 'tumble'"},
+        Wrong{"no phases", [](ProgramText& p) { p.phases.clear(); }, "phases",
+              "the program has no phase"},
+        Wrong{"no hold", [](ProgramText& p) { run(p).hold.clear(); }, "phases.run", "has no hold"},
+        Wrong{"hold of zero", [](ProgramText& p) { run(p).hold = "0"; }, "phases.run.hold",
+              "holds for 0 s, expected 1 ms to 3600 s"},
+        Wrong{"hold always below a millisecond",
+              [](ProgramText& p) { run(p).hold = "uniform(0, 0.4 ms)"; }, "phases.run.hold",
+              "is never longer than 0.4 ms"},
+        Wrong{"hold too long", [](ProgramText& p) { run(p).hold = "3601 s"; }, "phases.run.hold",
+              "holds for 3601 s"},
+        Wrong{"negative hold", [](ProgramText& p) { run(p).hold = "uniform(-1 s, 1 s)"; },
+              "phases.run.hold", "can be -1 s"},
+        Wrong{"wheels too fast", [](ProgramText& p) { run(p).forward = "30 cm/s"; }, "phases.run",
+              "needs a wheel speed of 31.5 cm/s, the wheels reach 27 cm/s"},
+        Wrong{"turn too fast",
+              [](ProgramText& p) {
+                run(p).forward = "v";
+                run(p).turn = "uniform(-10, 10) * 1/s";
+              },
+              "phases.run", "needs a wheel speed of"},
+        Wrong{"both speed pairs", [](ProgramText& p) { run(p).left = "v"; }, "phases.run",
+              "has both wheel speeds"},
+        Wrong{"set of a parameter", [](ProgramText& p) { run(p).set[0].first = "v"; },
+              "phases.run.set.v", "'v' is not a state variable"},
+        Wrong{"then without until", [](ProgramText& p) { run(p).then = "run"; }, "phases.run.then",
+              "needs `until`"},
+        Wrong{"until is a number", [](ProgramText& p) { run(p).until = "ir(0)"; },
+              "phases.run.until", "expected a condition"},
+        Wrong{"no such sensor", [](ProgramText& p) { run(p).until = "ir(6) > 0.5"; },
+              "phases.run.until", "expected a whole number from 0 to 5"},
+        Wrong{"sensor number that is not constant",
+              [](ProgramText& p) { run(p).until = "ir(sign_of_v) > 0.5"; }, "phases.run.until",
+              "expected a whole number from 0 to 5"},
+        Wrong{"division by zero", [](ProgramText& p) { run(p).forward = "v / 0"; },
+              "phases.run.forward", "division by zero"},
+        Wrong{"probability above 1",
+              [](ProgramText& p) { run(p).set[0].second = "if(chance(1.5), 1, -1)"; },
+              "phases.run.set.sign_of_v", "expected 0 to 1"},
+        Wrong{"negative mean", [](ProgramText& p) { run(p).hold = "exponential(-1 s)"; },
+              "phases.run.hold", "expected more than 0"},
+        Wrong{"choose of none", [](ProgramText& p) { run(p).forward = "v * choose(0)"; },
+              "phases.run.forward", "needs n of 1 or more"},
+        Wrong{"forever in a sum", [](ProgramText& p) { run(p).hold = "forever + 1 s"; },
+              "phases.run.hold", "'forever' can only stand alone"},
+        Wrong{"forever as a speed", [](ProgramText& p) { run(p).forward = "forever"; },
+              "phases.run.forward", "can only be a hold"},
+        Wrong{"number too large", [](ProgramText& p) { run(p).forward = "40000 cm/s"; },
+              "phases.run.forward", "too large"},
+        Wrong{"draw in a parameter",
+              [](ProgramText& p) { p.parameters[0].second = "uniform(1, 2)"; }, "parameters.v",
+              "expected a number with its unit"},
+        Wrong{"reserved name", [](ProgramText& p) { p.parameters[0].first = "cm"; },
+              "parameters.cm", "has a meaning in the language"},
+        Wrong{"name used twice", [](ProgramText& p) { p.state[0].first = "v"; }, "state.v",
+              "is used twice"},
+        Wrong{"name with a hyphen", [](ProgramText& p) { p.state[0].first = "a-b"; }, "state.a-b",
+              "is not a name"},
+        Wrong{"too many states",
+              [](ProgramText& p) {
+                for (int i = 0; i < 8; ++i) p.state.emplace_back("x" + std::to_string(i), "0");
+              },
+              "state", "found 9 state variables, a robot has 8"},
+        Wrong{"too many phases",
+              [](ProgramText& p) {
+                for (int i = 0; i < 8; ++i) {
+                  p.phases.push_back(run(p));
+                  p.phases.back().name = "p" + std::to_string(i);
+                }
+              },
+              "phases", "found 9 phases, a robot has 8"},
+        Wrong{"too slow",
+              [](ProgramText& p) { run(p).forward = "normal(0,v)+normal(0,v)+normal(0,v)"; },
+              "phases.run", "ms on the robot, at most 5 ms"},
+        Wrong{"too long",
+              [](ProgramText& p) {
+                for (int i = 0; i < 7; ++i) {
+                  p.phases.push_back(run(p));
+                  p.phases.back().name = "p" + std::to_string(i);
+                }
+              },
+              "", "a robot stores 176"},
+        Wrong{"stack too deep",
+              [](ProgramText& p) {
+                std::string deep = "light";
+                for (int i = 0; i < 12; ++i) deep = "light + (" + deep + ")";
+                run(p).forward = "v * (" + deep + ") / 100";
+              },
+              "phases.run", "places on the stack, a robot has 12"},
+        Wrong{"no expression", [](ProgramText& p) { run(p).forward = "v +"; }, "phases.run.forward",
+              "found the end of the text"}));
+
+struct Doubtful {
+  const char* name;
+  Change change;
+  const char* message;
+};
+
+void PrintTo(const Doubtful& doubtful, std::ostream* out) { *out << doubtful.name; }
+
+class DoubtfulProgram : public testing::TestWithParam<Doubtful> {};
+
+TEST_P(DoubtfulProgram, IsCompiledWithAWarning) {
+  ProgramText text = runReverse();
+  GetParam().change(text);
+  const CompiledProgram program = compile(text);
+  ASSERT_TRUE(program.ok()) << firstError(text);
+  ASSERT_FALSE(program.warnings.empty());
+  EXPECT_NE(program.warnings[0].message.find(GetParam().message), std::string::npos)
+      << program.warnings[0].message;
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, DoubtfulProgram,
+    testing::Values(
+        Doubtful{"division by a sensor",
+                 [](ProgramText& p) { run(p).forward = "min(v, v*0.1/light)"; },
+                 "'light' can be 0"},
+        Doubtful{"normal speed", [](ProgramText& p) { run(p).forward = "normal(v, v)"; },
+                 "can ask for a wheel speed of"},
+        Doubtful{"root of a negative state",
+                 [](ProgramText& p) { run(p).forward = "v * sqrt(sign_of_v)"; }, "can be negative"},
+        Doubtful{"probability of a sensor",
+                 [](ProgramText& p) { run(p).forward = "if(chance(2*light), v, 0)"; },
+                 "can lie outside 0 to 1"},
+        Doubtful{"long hold", [](ProgramText& p) { run(p).hold = "exponential(1000 s)"; },
+                 "it is then limited"}));
+
+}  // namespace
+}  // namespace lab::language
