@@ -193,6 +193,19 @@ TEST_F(WebRun, ReplaysWithADashboardAndRefusesOtherRequests) {
   EXPECT_THAT(leftInRegistry(), IsEmpty());
 }
 
+/// Runs of older versions may have keys that would run code; a replay executes nothing.
+TEST_F(WebRun, ReplaysAnOlderRunWithADashboard) {
+  ASSERT_EQ(run(labRun("--virtual-time --no-report --set duration_s=20")).exit_code, 0);
+  const fs::path file = onlyRun(runs()) / "experiment.toml";
+  run("sed -i 's/^configuration = .*/configuration = \"my.xml\"/' " + file.string());
+  ASSERT_THAT(readFile(file), HasSubstr("my.xml"));
+  EXPECT_EQ(run("lab check " + file.string()).exit_code, 2);
+  Background replay("exec lab replay " + onlyRun(runs()).string() + " --web");
+  EXPECT_TRUE(answers(addressOf(replay))) << replay.output();
+  replay.signal(SIGINT);
+  EXPECT_EQ(replay.wait(seconds(10)).exit_code, 0);
+}
+
 TEST_F(WebRun, ShowsPastRunsWithoutALab) {
   Background web("exec lab web --port 28481 --runs " + folder.path().string());
   const std::string address = addressOf(web);
