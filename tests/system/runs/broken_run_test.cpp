@@ -168,14 +168,14 @@ TEST_F(BrokenRun, ClosesTheRunWhenItsLogIsDeleted) {
 TEST_F(BrokenRun, RecordsTheDeathOfTheLoggerInTheNextLog) {
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
-  const pid_t logger = processOf(lab, "lcm-logger");
+  const pid_t logger = processOf(lab, "recorder");
   ASSERT_GT(logger, 0);
   kill(logger, SIGKILL);
 
   const Finished ended = lab.wait(seconds(60));
 
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
-  const std::string fault = "lcm-logger died (killed by signal 9) and was restarted";
+  const std::string fault = "recorder died (killed by signal 9) and was restarted";
   EXPECT_THAT(ended.output, HasSubstr("fault    " + fault));
   EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
 }
@@ -263,14 +263,14 @@ TEST_F(BrokenRun, AStoppedServiceDoesNotOutliveAKilledRunner) {
 TEST_F(BrokenRun, ReportsAHangingLogger) {
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
-  const pid_t logger = processOf(lab, "lcm-logger");
+  const pid_t logger = processOf(lab, "recorder");
   ASSERT_GT(logger, 0);
   kill(logger, SIGSTOP);
 
   const Finished ended = lab.wait(seconds(60));
 
-  EXPECT_THAT(ended.output, HasSubstr("fault    lcm-logger has written nothing for 3 s"));
-  EXPECT_THAT(ended.output, HasSubstr("fault    lcm-logger did not end on request"));
+  EXPECT_THAT(ended.output, HasSubstr("fault    recorder has written nothing for 3 s"));
+  EXPECT_THAT(ended.output, HasSubstr("fault    recorder did not end on request"));
 }
 
 /// After SIGCONT the runner receives the heartbeats again.
