@@ -25,6 +25,7 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/process/file_descriptor.hpp"
 #include "tests/common/bus/udpm_datagrams.hpp"
+#include "tests/support/wait_until.hpp"
 
 namespace lab {
 namespace {
@@ -163,6 +164,19 @@ TEST(LcmBus, ReturnsFromItsWaitOnASignal) {
   EXPECT_LT(clock.now() - start, kPatience_ms * 1000);
   const itimerval never{};
   ASSERT_EQ(setitimer(ITIMER_REAL, &never, nullptr), 0);
+}
+
+TEST(LcmBus, KnowsForHowLongTheOldestMessageHasWaited) {
+  LcmBus dut(lcmUrl(kPort));
+  std::vector<int> heard;
+  dut.subscribe("A", into(heard));
+  EXPECT_EQ(dut.backlog(), 0);
+  dut.publish("A", number(1));
+  EXPECT_TRUE(waitUntil([&dut] { return dut.backlog() > 50'000; },
+                        std::chrono::milliseconds(kPatience_ms)));
+  dut.drain();
+  EXPECT_THAT(heard, ElementsAre(1));
+  EXPECT_EQ(dut.backlog(), 0);
 }
 
 TEST(LcmBus, SeparatesLabsByTheirPort) {  // the multicast group does not
