@@ -40,8 +40,44 @@ fs::path logOf(const fs::path& run_or_log) {
   return log;
 }
 
+constexpr std::int64_t kRunnerSilent_us = 3'000'000;  // it sends five messages a second
+
 /// Thrown to stop reading a log early.
 struct Enough {};
+
+/// How much of a START event can be right: that of a run states a contract version that exists,
+/// this software's types, and an experiment. Each START is sent several times, and one copy may be
+/// damaged.
+class StartJudge {
+ public:
+  static constexpr int kWhole = 4;
+
+  int rankOf(const experiment_event_t& start) {
+    if (start.contract_version < kOldestContractVersion ||
+        start.contract_version > kContractVersion) {
+      return 1;
+    }
+    if (!ContractCheck::changedType(start.fingerprints).empty()) return 2;
+    return isExperiment(start.text) ? kWhole : 3;
+  }
+
+ private:
+  /// Parses each text once: a log may repeat one thousands of times.
+  bool isExperiment(const std::string& text) {
+    constexpr std::size_t kMostTexts = 1000;
+    if (const auto known = texts_.find(text); known != texts_.end()) return known->second;
+    if (texts_.size() >= kMostTexts) texts_.clear();
+    bool parses = true;
+    try {
+      static_cast<void>(parseExperiment(text, "experiment in the log"));
+    } catch (const ExperimentError&) {
+      parses = false;
+    }
+    return texts_[text] = parses;
+  }
+
+  std::map<std::string, bool> texts_;  ///< whether it is an experiment
+};
 
 class Reading {
  public:
@@ -65,11 +101,12 @@ class Reading {
       ++facts_.decode_errors[std::string(packet.channel)];
       return;
     }
-    if (const auto problem = impossibleHeader(header->utime, header->seq)) {
+    if (const auto problem = impossibleHeader(packet.channel, header->utime, header->seq)) {
       refuse(packet.channel, header->sender, *problem);
       return;
     }
     loss_counter_.count(packet.channel, *header, packet.received_utime);
+    if (isRunner(*header)) runner_utime_ = packet.received_utime;
     if (!dispatch(packet)) ++facts_.decode_errors[std::string(packet.channel)];
   }
 
@@ -90,9 +127,12 @@ class Reading {
   bool deliver(const Packet& packet, const Sink& sink) {
     Message message{};
     if (!decode(packet.data, message)) return false;
-    if (const auto problem = impossibleValue(message)) {
-      refuse(packet.channel, message.sender, *problem);
-      return true;
+    if (const auto found = removeImpossible(message)) {
+      if (!found->usable) {
+        refuse(packet.channel, message.sender, found->first);
+        return true;
+      }
+      removeRobots(packet.channel, message.sender, *found);
     }
     const bool timely = !timesFollowClock(packet.channel) ||
                         clocks_[std::string(packet.channel)].accepts(
@@ -122,8 +162,9 @@ class Reading {
       return deliver<light_status_t>(packet, sinks_.light);
     }
     if (packet.channel == channels::kExperimentEvent) {
-      return deliver<experiment_event_t>(packet,
-                                         [this](const experiment_event_t& event) { take(event); });
+      return deliver<experiment_event_t>(packet, [this, &packet](const experiment_event_t& event) {
+        take(event, packet.received_utime);
+      });
     }
     if (packet.channel == channels::kServiceStatus) {
       return deliver<service_status_t>(packet, [this](const service_status_t& status) {
@@ -139,10 +180,25 @@ class Reading {
     return true;
   }
 
-  void take(const experiment_event_t& event) {
+  /// A log that was recorded by hand may have several runs. A runner's START is believed after the
+  /// END of the run before, or when its runner has fallen silent.
+  bool beginsNextRun(const experiment_event_t& event, std::int64_t received_utime) {
+    return event.kind == experiment_event_t::START &&
+           (ended_ || (runner_utime_ != 0 && received_utime - runner_utime_ > kRunnerSilent_us)) &&
+           judge_.rankOf(event) == StartJudge::kWhole;
+  }
+
+  void take(const experiment_event_t& event, std::int64_t received_utime) {
     const std::pair sender{event.sender, event.instance};
     if (!runner_) runner_ = sender;
-    if (*runner_ != sender) {
+    if (*runner_ != sender && beginsNextRun(event, received_utime)) {
+      runner_ = sender;
+      ended_ = false;
+    }
+    if (*runner_ == sender) {
+      runner_utime_ = received_utime;
+      ended_ = ended_ || event.kind == experiment_event_t::END;
+    } else {
       refuse(channels::kExperimentEvent, event.sender,
              fmt::format("sender: found \"{}\" (instance {}), expected the runner \"{}\" "
                          "(instance {})",
@@ -152,9 +208,24 @@ class Reading {
     sinks_.event(event);
   }
 
+  [[nodiscard]] bool isRunner(const MessageHeader& header) const {
+    return runner_ && header.sender == runner_->first && header.instance == runner_->second;
+  }
+
   void refuse(std::string_view channel, std::string_view sender, const std::string& problem) {
+    ++refusedOn(channel, sender, problem).count;
+  }
+
+  void removeRobots(std::string_view channel, std::string_view sender,
+                    const ImpossibleNumbers& found) {
+    refusedOn(channel, sender, found.first).robots += found.count;
+  }
+
+  RefusedMessages& refusedOn(std::string_view channel, std::string_view sender,
+                             const std::string& problem) {
     RefusedMessages& refused = facts_.refused[std::string(channel)];
-    if (refused.count++ == 0) refused.first = fmt::format("from {}: {}", sender, problem);
+    if (refused.first.empty()) refused.first = fmt::format("from {}: {}", sender, problem);
+    return refused;
   }
 
   void countOther(std::string_view channel) {
@@ -172,26 +243,10 @@ class Reading {
   ContractCheck contract_;
   std::map<std::string, ArrivalClock> clocks_;                  ///< by channel
   std::optional<std::pair<std::string, std::int64_t>> runner_;  ///< sender and instance
+  std::int64_t runner_utime_ = 0;                               ///< arrival of its last message
+  bool ended_ = false;  ///< it has reported the END of its run
+  StartJudge judge_;
 };
-
-constexpr int kWholeStart = 4;
-
-/// How much of a START event can be right: that of this run states a contract version that exists,
-/// this software's types, and an experiment. Each START is sent several times, and one copy may be
-/// damaged.
-int rankOf(const experiment_event_t& start) {
-  if (start.contract_version < kOldestContractVersion ||
-      start.contract_version > kContractVersion) {
-    return 1;
-  }
-  if (!ContractCheck::changedType(start.fingerprints).empty()) return 2;
-  try {
-    static_cast<void>(parseExperiment(start.text, "experiment in the log"));
-    return kWholeStart;
-  } catch (const ExperimentError&) {
-    return 3;
-  }
-}
 
 }  // namespace
 
@@ -217,16 +272,17 @@ std::vector<fs::path> logFiles(const fs::path& run_or_log) {
 std::optional<experiment_event_t> findStart(const std::vector<fs::path>& files) {
   std::optional<experiment_event_t> start;
   int rank = 0;
+  StartJudge judge;
   try {
     readLog(files, [&](const Packet& packet) {
       experiment_event_t event{};
       if (packet.channel != channels::kExperimentEvent || !decode(packet.data, event)) return;
       if (event.kind != experiment_event_t::START || impossibleValue(event)) return;
-      const int own = rankOf(event);
+      const int own = judge.rankOf(event);
       if (own <= rank) return;
       rank = own;
       start = std::move(event);
-      if (rank == kWholeStart) throw Enough{};
+      if (rank == StartJudge::kWhole) throw Enough{};
     });
   } catch (const Enough&) {
   }

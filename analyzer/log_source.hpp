@@ -29,10 +29,12 @@ struct MessageSinks {
   std::function<void(const link_status_t&)> link;
 };
 
-/// Messages of one channel that are not used, because something in them is impossible.
+/// Messages of one channel that are not used, and robots and detections that were removed from
+/// messages, because something in them is impossible.
 struct RefusedMessages {
-  std::int64_t count = 0;
-  std::string first;  ///< the reason for the first one: sender, field, found, expected
+  std::int64_t count = 0;   ///< messages
+  std::int64_t robots = 0;  ///< and detections, in other messages
+  std::string first;        ///< the reason for the first one: sender, field, found, expected
 };
 
 /// Counts of a finished reading.
@@ -65,7 +67,7 @@ struct LogFacts {
 
 /// Reads the whole log once. Messages with impossible numbers (message_values.hpp), times that do
 /// not continue their stream (arrival_clock.hpp), and events of others than the run's runner are
-/// counted and not passed on.
+/// counted and not passed on. A log of several runs has one runner after the other.
 /// @throws ReportError if the log has another contract version.
 [[nodiscard]] LogFacts readMessages(const std::vector<std::filesystem::path>& files,
                                     const MessageSinks& sinks);

@@ -8,7 +8,7 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 
 # Only the command active-lab is in PATH. Programs find each other in their common folder.
 install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-preview lab-program lab-reproduce
-  lab-run-virtual lab-track analyzer projector_ctl robot_bridge sim_svc tracker_svc
+  lab-run-virtual lab-track recorder analyzer projector_ctl robot_bridge sim_svc tracker_svc
   RUNTIME DESTINATION ${programs} COMPONENT main)
 if(TARGET dashboard)
   install(TARGETS dashboard RUNTIME DESTINATION ${programs} COMPONENT main)
@@ -60,7 +60,7 @@ function(lab_man_page component page program)
   install(FILES "${staged}/${page}.1.gz" DESTINATION share/man/man1 COMPONENT ${component})
 endfunction()
 lab_man_page(main active-lab lab)
-foreach(service analyzer projector_ctl robot_bridge sim_svc tracker_svc dashboard)
+foreach(service recorder analyzer projector_ctl robot_bridge sim_svc tracker_svc dashboard)
   if(TARGET ${service})
     lab_man_page(main active-lab-${service} ${service})
   endif()
@@ -94,9 +94,9 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 
 set(CPACK_DEBIAN_MAIN_PACKAGE_NAME active-lab)
-# `run` refuses to start without the logger, or without gnuplot for its report.
-set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "liblcm-bin, gnuplot-nox | gnuplot")
-set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "iproute2, avrdude")
+# `run` refuses to start without gnuplot for its report.
+set(CPACK_DEBIAN_MAIN_PACKAGE_DEPENDS "gnuplot-nox | gnuplot")
+set(CPACK_DEBIAN_MAIN_PACKAGE_RECOMMENDS "iproute2, avrdude, liblcm-bin")
 set(CPACK_DEBIAN_MAIN_PACKAGE_SUGGESTS
   "active-lab-gateway, active-lab-emulator, ffmpeg, openssh-client, chrony, www-browser")
 set(CPACK_COMPONENT_MAIN_DESCRIPTION "instrument for robots driven by light

@@ -171,6 +171,7 @@ ServiceDescription serviceDescription() {
   description.name = kName;
   description.summary = "The lab in a browser: arena, light, curves, health, stop";
   description.needs_experiment = false;
+  description.shows_only = true;
   const auto options = std::make_shared<DashboardOptions>();
   description.add_options = [options](CLI::App& app) {
     app.add_option("--port", options->port, "First port to try, 0: as in the experiment file")

@@ -3,6 +3,7 @@
 
 #include <lcm/lcm.h>
 
+#include <cstdint>
 #include <exception>
 #include <memory>
 #include <optional>

@@ -14,7 +14,9 @@
 #include <lab/tracked_frame_t.hpp>
 #include <lab/tracker_status_t.hpp>
 #include <limits>
+#include <vector>
 
+#include "common/bus/channels.hpp"
 #include "robot/dynamics/program.hpp"
 
 namespace lab {
@@ -39,7 +41,9 @@ void checkHeader(ValueChecker& check, std::int64_t utime, std::int64_t seq) {
   check.whole("seq", seq, 0, kMostOrders);
 }
 
-std::optional<std::string> impossibleHeader(std::int64_t utime, std::int64_t seq) {
+std::optional<std::string> impossibleHeader(std::string_view channel, std::int64_t utime,
+                                            std::int64_t seq) {
+  if (channel == channels::kRobotStop) return std::nullopt;
   ValueChecker check;
   checkHeader(check, utime, seq);
   return check.problem();
@@ -210,6 +214,29 @@ void checkValues(ValueChecker& check, const service_status_t& status) {
   check.time("start_utime", status.start_utime);
   check.list("sent", status.sent);
   check.list("received", status.received);
+}
+
+/// @param size the field with the length of the list, which LCM's encoder trusts
+template <class Part>
+static std::int64_t removeFrom(std::vector<Part>& parts, std::int32_t& size) {
+  const auto removed = std::erase_if(parts, [](const Part& part) {
+    ValueChecker check;
+    checkValues(check, part);
+    return check.problem().has_value();
+  });
+  size = static_cast<std::int32_t>(parts.size());
+  return static_cast<std::int64_t>(removed);
+}
+
+std::int64_t removeImpossibleParts(robot_status_t& status) {
+  const std::int64_t removed = removeFrom(status.robots, status.num_robots);
+  return status.robots.empty() ? 0 : removed;
+}
+
+std::int64_t removeImpossibleParts(tracked_frame_t& frame) {
+  const std::int64_t removed = removeFrom(frame.robots, frame.num_robots) +
+                               removeFrom(frame.unidentified, frame.num_unidentified);
+  return frame.robots.empty() && frame.unidentified.empty() ? 0 : removed;
 }
 
 }  // namespace lab

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <type_traits>
 
 #include "common/bus/value_checker.hpp"
@@ -62,6 +63,35 @@ template <class Message>
 }
 
 /// The same for the header of a message that is not decoded.
-[[nodiscard]] std::optional<std::string> impossibleHeader(std::int64_t utime, std::int64_t seq);
+[[nodiscard]] std::optional<std::string> impossibleHeader(std::string_view channel,
+                                                          std::int64_t utime, std::int64_t seq);
+
+/// Impossible numbers that were found in a message.
+struct ImpossibleNumbers {
+  std::string first;       ///< the first one, as of impossibleValue()
+  std::int64_t count = 1;  ///< of robots and detections that were removed; 1: the whole message
+  bool usable = false;     ///< the rest of the message may be used
+};
+
+/// Removes the robots and detections that have an impossible number.
+/// @return how many; 0 if none remains: the message is of no use
+std::int64_t removeImpossibleParts(robot_status_t& status);
+std::int64_t removeImpossibleParts(tracked_frame_t& frame);
+template <class Message>
+std::int64_t removeImpossibleParts(Message& /*message*/) {
+  return 0;
+}
+
+/// Checks a message as impossibleValue() does. In a message about many robots, one of them with an
+/// impossible number is removed, and the others are used.
+/// @return nothing: all numbers are possible
+template <class Message>
+[[nodiscard]] std::optional<ImpossibleNumbers> removeImpossible(Message& message) {
+  const std::optional<std::string> problem = impossibleValue(message);
+  if (!problem) return std::nullopt;
+  const std::int64_t removed = removeImpossibleParts(message);
+  if (removed == 0 || impossibleValue(message)) return ImpossibleNumbers{*problem};
+  return ImpossibleNumbers{*problem, removed, true};
+}
 
 }  // namespace lab

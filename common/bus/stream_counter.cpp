@@ -1,6 +1,7 @@
 #include "common/bus/stream_counter.hpp"
 
 #include "common/bus/channels.hpp"
+#include "common/math/saturated.hpp"
 
 namespace lab {
 
@@ -15,12 +16,13 @@ constexpr std::int64_t kSilentFor = 2000;  // messages of others
 
 /// @param seq not below the first of the stream
 void track(StreamCount& stream, std::int64_t seq, bool counts_messages) {
-  const std::int64_t ahead = seq - stream.last_seq;
+  // A stop is counted, whatever its number is.
+  const std::int64_t ahead = saturatedDifference(seq, stream.last_seq);
   if (ahead > 0) {
     if (counts_messages) stream.lost += ahead - 1;
     stream.recent = ahead < kRecent ? (stream.recent << ahead) | 1U : 1U;
     stream.last_seq = seq;
-  } else if (-ahead < kRecent && ((stream.recent >> -ahead) & 1U) == 0) {
+  } else if (ahead > -kRecent && ((stream.recent >> -ahead) & 1U) == 0) {
     stream.recent |= std::uint64_t{1} << -ahead;
     if (counts_messages) --stream.lost;
   }

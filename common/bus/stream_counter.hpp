@@ -48,7 +48,9 @@ class StreamCounter {
 
   void count(std::string_view channel, std::string_view sender, std::int64_t instance,
              std::int64_t seq, std::int64_t utime);
-  void countDecodeError(std::string_view channel) { ++decode_errors_[std::string(channel)]; }
+  void countDecodeError(std::string_view channel, std::int64_t count = 1) {
+    decode_errors_[std::string(channel)] += count;
+  }
 
   [[nodiscard]] const std::map<StreamKey, StreamCount>& streams() const { return streams_; }
   [[nodiscard]] const std::map<std::string, std::int64_t>& decodeErrors() const {

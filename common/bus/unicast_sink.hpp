@@ -1,4 +1,5 @@
-/// Keeps unicast datagrams away from stock LCM programs on a bus, such as lcm-logger.
+/// Keeps unicast datagrams away from stock LCM programs on a bus, such as an lcm-logger of the
+/// user.
 #pragma once
 
 #include <cstdint>

@@ -64,6 +64,10 @@ Experiment loadExperiment(const std::filesystem::path& file,
   return parseExperiment(readFile(file), file.string(), overrides, file.parent_path());
 }
 
+Experiment loadRecordedExperiment(const std::filesystem::path& file) {
+  return parseExperiment(readFile(file), file.string());
+}
+
 Experiment parseExperiment(std::string_view text, const std::string& name,
                            const std::vector<std::string>& overrides,
                            const std::optional<std::filesystem::path>& directory) {

@@ -20,9 +20,15 @@ namespace lab {
 [[nodiscard]] Experiment loadExperiment(const std::filesystem::path& file,
                                         const std::vector<std::string>& overrides = {});
 
+/// Reads the experiment of a run to show it, as parseExperiment() reads the one in its log: keys
+/// that only whoever executes it must refuse are accepted, and image files are not looked for.
+/// @throws ExperimentError with up to 20 problems
+[[nodiscard]] Experiment loadRecordedExperiment(const std::filesystem::path& file);
+
 /// As loadExperiment(), from a text such as the one stored in a log.
 /// @param name of the text, for messages
-/// @param directory of the image files; if none is given, image files are not looked for
+/// @param directory of the image files; if none is given, image files are not looked for, and keys
+///   that can run code are accepted: the experiment must not be executed
 /// @throws ExperimentError
 [[nodiscard]] Experiment parseExperiment(
     std::string_view text, const std::string& name, const std::vector<std::string>& overrides = {},

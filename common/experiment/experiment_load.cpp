@@ -28,7 +28,7 @@ struct Cost {
 
 // Measured by tests/benchmarks/robots_per_core.py, except where another program is named.
 constexpr Cost kRunner{0.0027, 0.12e-4, 20e-6, 0.25e-6};
-constexpr Cost kLogger{0.0033, 0.28e-4, 19e-6, 0.37e-6};
+constexpr Cost kRecorder{0.0014, 0.28e-4, 20e-6, 0};
 constexpr Cost kAnalyzer{0, 11.5e-4, 0, 1.23e-6};
 constexpr Cost kProjector{0.0038, 0.06e-4, 10e-6, 0.12e-6};
 constexpr Cost kSimulator{0.0040, 0.15e-4, 28e-6, 0.49e-6};    // with the simulated tracker
@@ -67,7 +67,7 @@ std::vector<ProcessLoad> expectedLoad(const Experiment& experiment) {
   const double on_wire = static_cast<double>(std::ranges::count_if(
       experiment.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); }));
   std::vector<ProcessLoad> all{{"lab", kRunner.cores(robots, camera.fps)},
-                               {"lcm-logger", kLogger.cores(robots, camera.fps)}};
+                               {"recorder", kRecorder.cores(robots, camera.fps)}};
   const auto add = [&](std::string_view service, double cores) {
     if (!isNeeded(experiment, service) || !hostOf(experiment, service).empty()) return;
     all.push_back({std::string(service), cores});

@@ -1,7 +1,8 @@
-/// Conversion of numbers that come from outside to integers.
+/// Numbers that come from outside, as integers that do not overflow.
 #pragma once
 
 #include <concepts>
+#include <cstdint>
 #include <limits>
 
 namespace lab {
@@ -17,6 +18,14 @@ template <std::integral Integer>
   // The highest 64-bit numbers are no doubles: the next one is above the range.
   if (value >= static_cast<double>(kHighest)) return kHighest;
   return static_cast<Integer>(value);
+}
+
+/// a - b, limited to what fits: of numbers that come from outside.
+[[nodiscard]] constexpr std::int64_t saturatedDifference(std::int64_t a, std::int64_t b) {
+  std::int64_t difference = 0;
+  if (!__builtin_sub_overflow(a, b, &difference)) return difference;
+  return a < b ? std::numeric_limits<std::int64_t>::min()
+               : std::numeric_limits<std::int64_t>::max();
 }
 
 }  // namespace lab

@@ -1,7 +1,6 @@
 #include "common/process/child_process.hpp"
 
 #include <fcntl.h>
-#include <linux/close_range.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -12,6 +11,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "common/process/file_descriptor.hpp"
 #include "common/process/pidfd.hpp"
 #include "common/process/pipe.hpp"
 
@@ -66,7 +66,7 @@ bool arrangeDescriptors(Launch& launch) {
   for (std::size_t i = 0; i < launch.num_handed_on; ++i) {
     if (!away(launch.handed_on[i].first)) return false;
   }
-  if (close_range(3, ~0U, CLOSE_RANGE_CLOEXEC) != 0) return false;
+  closeFrom(3, Close::kAtExec);
   for (int stream = 0; stream < 3; ++stream) {
     int from = launch.streams[static_cast<std::size_t>(stream)];
     if (from == ChildSettings::kInherited) continue;

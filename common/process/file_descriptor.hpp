@@ -1,4 +1,4 @@
-/// Ownership of a file descriptor.
+/// File descriptors: ownership, and closing what a child does not need.
 #pragma once
 
 namespace lab {
@@ -19,5 +19,13 @@ class FileDescriptor {
  private:
   int number_;
 };
+
+enum class Close { kNow, kAtExec };
+
+/// Closes the descriptors from `first` on. System calls only, for use after fork().
+void closeFrom(int first, Close when);
+
+/// The same as Linux before 5.11 can do it, which has no close_range() for both.
+void closeOneByOneFrom(int first, Close when);
 
 }  // namespace lab

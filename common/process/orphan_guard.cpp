@@ -1,6 +1,5 @@
 #include "common/process/orphan_guard.hpp"
 
-#include <linux/close_range.h>
 #include <poll.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -15,6 +14,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/process/file_descriptor.hpp"
 #include "common/process/pidfd.hpp"
 #include "common/process/pipe.hpp"
 
@@ -73,7 +73,7 @@ std::int64_t steady_ms() {
   prctl(PR_SET_NAME, "lab-guard");
   for (const int number : {SIGHUP, SIGINT, SIGTERM, SIGPIPE}) std::signal(number, SIG_IGN);
   if (pids != 0) dup2(pids, 0);
-  close_range(1, ~0U, 0);  // a reader of the run's output waits for no guard
+  closeFrom(1, Close::kNow);  // a reader of the run's output waits for no guard
   Children children;
   for (;;) {
     pid_t pid = 0;

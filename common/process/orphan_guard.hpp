@@ -9,7 +9,7 @@ namespace lab {
 
 /// A death signal (ChildSettings) does not end every orphan: a process that is stopped, or that
 /// hangs, does not act on SIGTERM, and SIGKILL would not let robot_bridge stop its robots or
-/// lcm-logger write its data. So a small process waits for the end of this one. It then sends
+/// the recorder write its data. So a small process waits for the end of this one. It then sends
 /// SIGTERM and SIGCONT to the children that still run, and SIGKILL after kTimeout_ms.
 class OrphanGuard {
  public:

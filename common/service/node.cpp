@@ -54,8 +54,9 @@ void Node::close() {
     beat();
 }
 
-void Node::refuse(std::string_view channel, const std::string& sender, const std::string& problem) {
-  streams_.countDecodeError(channel);
+void Node::refuse(std::string_view channel, const std::string& sender, const std::string& problem,
+                  std::int64_t count) {
+  streams_.countDecodeError(channel, count);
   // Once for each channel: a flood must not hide what else is reported.
   if (!refused_on_.emplace(channel).second) return;
   std::string text = std::string(channel) + " from " + sender + " refused: " + problem;

@@ -56,7 +56,8 @@ class Node {
 
   /// Calls `handler` with every message of this channel whose numbers are possible
   /// (message_values.hpp) and whose time continues that of its stream (arrival_clock.hpp). The
-  /// others, and undecodable ones, are counted as decode errors; the reason is in the heartbeat.
+  /// others, undecodable ones, and robots that were removed from a message are counted as decode
+  /// errors; the reason is in the heartbeat.
   template <class Message>
   void subscribe(std::string_view channel, std::function<void(const Message&)> handler) {
     std::optional<ArrivalClock> clock;
@@ -68,13 +69,13 @@ class Node {
         streams_.countDecodeError(packet.channel);
         return;
       }
-      if (const auto problem = impossibleValue(message)) {
-        refuse(packet.channel, message.sender, *problem);
-        return;
+      if (const auto found = removeImpossible(message)) {
+        refuse(packet.channel, message.sender, found->first, found->count);
+        if (!found->usable) return;
       }
       const std::int64_t now = loop_.now();
       if (clock && !clock->accepts(message.sender, message.instance, message.utime, now)) {
-        refuse(packet.channel, message.sender, lateOrEarly(message.utime, now));
+        refuse(packet.channel, message.sender, lateOrEarly(message.utime, now), 1);
         return;
       }
       streams_.count(packet.channel, message.sender, message.instance, message.seq, message.utime);
@@ -120,7 +121,8 @@ class Node {
 
  private:
   void beat();
-  void refuse(std::string_view channel, const std::string& sender, const std::string& problem);
+  void refuse(std::string_view channel, const std::string& sender, const std::string& problem,
+              std::int64_t count);
   void noteStreamLimit();
   static std::string lateOrEarly(std::int64_t utime, std::int64_t now);
   std::int64_t& sentOn(std::string_view channel);

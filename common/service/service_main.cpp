@@ -43,9 +43,13 @@ void end(Node& node, AsioLoop& loop, Service& service) {
   }
 }
 
+Experiment read(const ServiceDescription& description, const std::string& file) {
+  if (file.empty()) return {};
+  return description.shows_only ? loadRecordedExperiment(file) : loadExperiment(file);
+}
+
 void run(const ServiceDescription& description, const Options& options) {
-  Experiment experiment =
-      options.experiment.empty() ? Experiment{} : loadExperiment(options.experiment);
+  Experiment experiment = read(description, options.experiment);
   if (description.sources) adopt(description.sources(), experiment);
   AsioLoop loop(options.clock_offset_us);
   LcmBus bus(options.lcm_url);

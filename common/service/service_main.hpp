@@ -60,6 +60,9 @@ struct ServiceDescription {
   std::string summary;           ///< one line, for --help
   std::int8_t origin = 0;        ///< as in robot_state_t
   bool needs_experiment = true;  ///< false: --experiment may be left out
+  /// Executes nothing of the experiment, so it also takes that of an older run, with keys that are
+  /// refused today.
+  bool shows_only = false;
   ServiceFactory make;
   std::function<void(CLI::App&)> add_options{};  ///< adds its own command line options
   /// What only the command line may name (docs/security.md), for the experiment.

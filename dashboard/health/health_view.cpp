@@ -5,6 +5,7 @@
 #include <lab/robot_state_t.hpp>
 
 #include "common/bus/channels.hpp"
+#include "common/math/saturated.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::dashboard {
@@ -130,7 +131,7 @@ void HealthView::count(std::string_view channel, const MessageHeader& header, st
   last_->second.heard_utime = now;
   counter_.count(channel, header.sender, header.instance, header.seq, header.utime);
   // Commands may have a time in the future, measurements may not.
-  const double ahead = units::seconds(header.utime - now);
+  const double ahead = units::seconds(saturatedDifference(header.utime, now));
   if (ahead > kClockAhead && seqCountsMessages(channel) && ahead_.size() < kMaxNames) {
     ahead_[last_->first.sender] = ahead;
   } else if (!ahead_.empty() && ahead < kClockAhead / 2) {
@@ -138,10 +139,10 @@ void HealthView::count(std::string_view channel, const MessageHeader& header, st
   }
 }
 
-void HealthView::countNotUnderstood(std::string_view channel) {
+void HealthView::countNotUnderstood(std::string_view channel, std::int64_t count) {
   std::string name(channel);
   if (not_understood_.size() >= kMaxNames && !not_understood_.contains(name)) return;
-  ++not_understood_[std::move(name)];
+  not_understood_[std::move(name)] += count;
 }
 
 void HealthView::take(const service_status_t& status, std::int64_t now) {

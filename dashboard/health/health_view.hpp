@@ -52,7 +52,7 @@ class HealthView {
   void count(std::string_view channel, const MessageHeader& header, std::int64_t now);
 
   /// Counts a message of an unknown type or a damaged one.
-  void countNotUnderstood(std::string_view channel);
+  void countNotUnderstood(std::string_view channel, std::int64_t count = 1);
 
   void take(const service_status_t& status, std::int64_t now);
   void take(const tracker_status_t& status, std::int64_t now);

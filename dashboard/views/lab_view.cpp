@@ -51,9 +51,10 @@ void LabView::on(std::string_view channel,
                  std::function<void(const Message&, std::int64_t)> handler) {
   takes_[std::string(channel)] = [handler = std::move(handler)](Bytes data, std::int64_t now) {
     Message message{};
-    if (!decode(data, message) || impossibleValue(message)) return false;
-    handler(message, now);
-    return true;
+    if (!decode(data, message)) return std::int64_t{1};
+    const auto found = removeImpossible(message);
+    if (!found || found->usable) handler(message, now);
+    return found ? found->count : 0;
   };
 }
 
@@ -123,9 +124,12 @@ bool LabView::isWanted(std::string_view channel, const MessageHeader& header) {
 }
 
 void LabView::take(const Packet& packet, std::int64_t now) {
+  const auto found = takes_.find(packet.channel);
   const std::optional<MessageHeader> header = peekHeader(packet.data);
-  if (!header || impossibleHeader(header->utime, header->seq)) {
+  if (!header || impossibleHeader(packet.channel, header->utime, header->seq)) {
     health_.countNotUnderstood(packet.channel);
+    // A stop is shown, whoever sent it.
+    if (packet.channel == channels::kRobotStop) found->second(packet.data, now);
     return;
   }
   if (header->sender == sender_ && header->instance == instance_ &&
@@ -135,9 +139,9 @@ void LabView::take(const Packet& packet, std::int64_t now) {
   health_.count(packet.channel, *header, now);
   if (header->sender != sender_) bus_utime_ = now;
   if (run_info_.isRunner(header->sender, header->instance)) runner_utime_ = now;
-  const auto found = takes_.find(packet.channel);
   if (found == takes_.end() || !isWanted(packet.channel, *header)) return;
-  if (!found->second(packet.data, now)) health_.countNotUnderstood(packet.channel);
+  const std::int64_t not_understood = found->second(packet.data, now);
+  if (not_understood > 0) health_.countNotUnderstood(packet.channel, not_understood);
 }
 
 void LabView::take(const experiment_event_t& event, std::int64_t now) {

@@ -74,7 +74,8 @@ class LabView {
   [[nodiscard]] const HealthView& health() const { return health_; }
 
  private:
-  using Take = std::function<bool(Bytes, std::int64_t now)>;
+  /// @return how much was not understood: messages, or robots in them
+  using Take = std::function<std::int64_t(Bytes, std::int64_t now)>;
 
   template <class Message>
   void on(std::string_view channel, std::function<void(const Message&, std::int64_t now)> handler);

@@ -105,8 +105,8 @@ uint32_t turnsOf(Fixed radians) {
 Fixed radiansOf(uint32_t turns) {
   const int32_t half_turns = static_cast<int32_t>(turns);  // [-pi, pi) in units of 2^-31 pi
   const Fixed radians =
-      static_cast<Fixed>((static_cast<int64_t>(half_turns) * kPi + 0x40000000L) >> 31);
-  return radians == -kPi ? kPi : radians;
+      static_cast<Fixed>((static_cast<int64_t>(half_turns) * kFixedPi + 0x40000000L) >> 31);
+  return radians == -kFixedPi ? kFixedPi : radians;
 }
 
 Fixed sinTurns(uint32_t turns) {

@@ -15,7 +15,7 @@ constexpr Fixed kOne = 65536L;
 constexpr Fixed kLargest = 0x7FFFFFFFL;
 /// The smallest number is -kLargest, so that every number has its negative.
 constexpr Fixed kSmallest = -kLargest;
-constexpr Fixed kPi = 205887L;  ///< pi, rounded to the nearest number
+constexpr Fixed kFixedPi = 205887L;  ///< pi, rounded to the nearest number
 
 /// Arithmetic that saturates at the largest number instead of overflowing. A division by zero gives
 /// the largest number of the sign of the dividend, and 0 / 0 gives 0. Every saturation sets

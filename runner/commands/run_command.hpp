@@ -30,7 +30,7 @@ ExitCode run(const RunOptions& options);
 /// @param run_virtual needed when options.virtual_time is set
 ExitCode run(const RunOptions& options, const RunVirtual& run_virtual);
 
-/// The programs that a run with these options executes on this machine, beside lcm-logger: file
+/// The programs that a run with these options executes on this machine: file
 /// names in the folder of programs. `./lab` builds them before it starts the run.
 [[nodiscard]] std::vector<std::string> programsOfRun(const RunOptions& options);
 

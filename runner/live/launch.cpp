@@ -65,7 +65,7 @@ void warnUnpinned() {
 }
 
 RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& name,
-                   const std::string& url, const fs::path& logger, RemoteHosts* hosts,
+                   const std::string& url, RemoteHosts* hosts,
                    const std::function<void()>& announce, const ShowProgress& show,
                    const ProcedureFactory& procedure) {
   if (!options.run_virtual) {
@@ -73,7 +73,6 @@ RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const s
                    {.name = name,
                     .url = url,
                     .programs = options.programs,
-                    .lcm_logger = logger,
                     .hosts = hosts,
                     .port = run.experiment.network.port,
                     .web = options.web,
@@ -106,7 +105,9 @@ void writeProvenance(const LaunchOptions& options, const PreparedRun& run, const
                                     {"version", kVersion},
                                     {"interrupted", outcome.interrupted},
                                     {"faults", outcome.faults}};
-  writeNewFile(run.directory / files::kProvenance, json.dump(2) + "\n");
+  // Faults quote what others have sent, which may be no UTF-8.
+  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  writeNewFile(run.directory / files::kProvenance, json.dump(2, ' ', false, kReplace) + "\n");
 }
 
 }  // namespace
@@ -117,6 +118,7 @@ std::vector<std::string> neededPrograms(const Experiment& experiment, bool virtu
     return virtual_time || hostOf(experiment, service).empty();
   };
   if (!virtual_time) {
+    names.emplace_back("recorder");
     for (const std::string& service : neededServices(experiment)) {
       if (is_here(service)) names.push_back(service);
     }
@@ -137,7 +139,6 @@ fs::path requireProgram(const std::string& name, const std::string& package) {
 Launched launch(const LaunchOptions& options, Experiment experiment, const ShowProgress& show,
                 const ProcedureFactory& procedure) {
   const bool virtual_time = static_cast<bool>(options.run_virtual);
-  fs::path logger;
   std::string url;
   std::optional<PortLock> port_lock;
   std::optional<RemoteHosts> hosts;
@@ -152,7 +153,6 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   requireParts(experiment, virtual_time);
   requireDisk(experiment, options.out);
   if (!virtual_time) {
-    logger = requireProgram("lcm-logger", "liblcm-bin");
     if (const auto problem = multicastProblem()) throw UserError(*problem);
     const bool wanted = experiment.network.port != 0;
     experiment.network.port = choosePort(experiment.network.port);
@@ -187,8 +187,8 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
     fmt::print("{}", printableLines(head));
     std::fflush(stdout);
   };
-  RunOutcome outcome = execute(options, prepared, name, url, logger, hosts ? &*hosts : nullptr,
-                               announce, show, procedure);
+  RunOutcome outcome =
+      execute(options, prepared, name, url, hosts ? &*hosts : nullptr, announce, show, procedure);
   registration.reset();
   // The report takes seconds; Ctrl-C must not leave it half-written.
   std::signal(SIGINT, SIG_IGN);

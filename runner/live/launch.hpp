@@ -37,8 +37,9 @@ struct Launched {
 /// The path of a program. @throws UserError that names the Debian package to install.
 std::filesystem::path requireProgram(const std::string& name, const std::string& package);
 
-/// File names, in the folder of programs, of what the experiment needs on this machine: its
-/// services (in virtual time they are part of the runner), robot_emulator and its firmware.
+/// File names, in the folder of programs, of what the experiment needs on this machine: the
+/// recorder and its services (in virtual time they are part of the runner), robot_emulator and its
+/// firmware.
 [[nodiscard]] std::vector<std::string> neededPrograms(const Experiment& experiment,
                                                       bool virtual_time);
 

@@ -19,7 +19,7 @@ class LocalProcess final : public ServiceProcess {
  public:
   /// How it ends if the runner is killed.
   enum class Death {
-    kTerm,  ///< SIGTERM: robots stop, the logger writes its data. Needs an OrphanGuard
+    kTerm,  ///< SIGTERM: robots stop, the recorder writes its data. Needs an OrphanGuard
     kKill   ///< SIGKILL: for what has nothing to close
   };
 
@@ -38,7 +38,7 @@ class LocalProcess final : public ServiceProcess {
   void terminate() override;
   void kill();
 
-  /// lcm-logger must get time to write its data: SIGKILL would lose it.
+  /// The recorder must get time to write its data: SIGKILL would lose it.
   bool waitOrKill(int timeout_ms) override;
 
  private:

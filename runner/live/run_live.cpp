@@ -138,10 +138,10 @@ class LiveRun {
     if (hosts() != nullptr) {
       hosts()->begin(run_, options_.name, supervisor_.logFolder(), options_.port);
     }
-    supervisor_.startLogger();
-    // This node's heartbeat is the first message for the logger.
-    waitUntil([this] { return supervisor_.loggerWrites(); }, [this] { node_.ready(); },
-              [this] { return "lcm-logger wrote nothing" + whereToLook(); });
+    supervisor_.startRecorder();
+    // This node's heartbeat is the first message for the recorder.
+    waitUntil([this] { return supervisor_.recorderWrites(); }, [this] { node_.ready(); },
+              [this] { return "the recorder wrote nothing" + whereToLook(); });
     if (hosts() != nullptr) joinBuses();
     startDashboard();
     supervisor_.startServices();
@@ -232,7 +232,7 @@ class LiveRun {
     page_.reset();
     const auto report = [this](const std::string& what) { outcome_.faults.push_back(what); };
     supervisor_.endServices(report);
-    supervisor_.endLogger(report);
+    supervisor_.endRecorder(report);
     if (hosts() != nullptr) hosts()->leave();
   }
 
@@ -309,7 +309,7 @@ class LiveRun {
     loop_.at(loop_.now() + kRobotsStop_ms * 1000, [this] { loop_.stop(); });
   }
 
-  /// Ends the publishers, waits, then ends the logger, so that the log has the last messages.
+  /// Ends the publishers, waits, then ends the recorder, so that the log has the last messages.
   void end() {
     show_(controller_.progress());
     supervisor_.endServices([this](const std::string& what) { controller_.fault(what); });
@@ -320,7 +320,7 @@ class LiveRun {
       bus_.drain();
       std::this_thread::sleep_for(std::chrono::milliseconds(kTick_ms));
     }
-    supervisor_.endLogger([this](const std::string& what) { outcome_.faults.push_back(what); });
+    supervisor_.endRecorder([this](const std::string& what) { outcome_.faults.push_back(what); });
   }
 
   const PreparedRun& run_;
@@ -333,7 +333,7 @@ class LiveRun {
   ExperimentController controller_;
   std::optional<ProcedureNode> procedure_;
   Supervisor supervisor_;
-  UnicastSink unicast_sink_;  ///< for lcm-logger
+  UnicastSink unicast_sink_;  ///< for stock programs
   std::optional<DashboardProcess> page_;
   RunOutcome outcome_;
   bool announced_ = false;

@@ -27,7 +27,6 @@ struct LiveOptions {
   std::string name;                   ///< of the lab, as registered
   std::string url;                    ///< of the bus
   std::filesystem::path programs;     ///< folder of the services' programs
-  std::filesystem::path lcm_logger;   ///< stock lcm-logger
   RemoteHosts* hosts = nullptr;       ///< other hosts, connected; nullptr: none
   int port = 0;                       ///< of the bus
   bool web = false;                   ///< starts the dashboard
@@ -39,8 +38,8 @@ struct LiveOptions {
   std::int64_t disk_reserve = 50'000'000;  ///< [bytes] the run is closed when less is left
 };
 
-/// Starts lcm-logger, then the services, waits for READY, conducts the experiment, restarts
-/// processes that die, and ends the publishers before the logger.
+/// Starts the recorder, then the services, waits for READY, conducts the experiment, restarts
+/// processes that die, and ends the publishers before the recorder.
 /// @param procedure drives the robots instead of their light table; may be empty
 /// @throws UserError when a service does not get ready; nothing is left running
 [[nodiscard]] RunOutcome runLive(const PreparedRun& run, const LiveOptions& options,

@@ -22,8 +22,8 @@ namespace {
 
 constexpr const char* kGatewayService = "dds_gateway";
 constexpr int kServiceTimeout_ms = 3000;
-constexpr int kLinkSettles_ms = 300;      // [ms] for the last messages of other hosts
-constexpr int kLoggerTimeout_ms = 10000;  // it writes its buffers before it ends
+constexpr int kLinkSettles_ms = 300;        // [ms] for the last messages of other hosts
+constexpr int kRecorderTimeout_ms = 10000;  // it writes its buffers before it ends
 
 }  // namespace
 
@@ -35,24 +35,24 @@ Supervisor::Supervisor(const PreparedRun& run, const LiveOptions& options,
 
 fs::path Supervisor::logFolder() const { return run_.directory / files::kServiceLogs; }
 
-/// A restarted logger goes on in a file of its own: log.lcmlog.01, log.lcmlog.02 ...
+/// A restarted recorder goes on in a file of its own: log.lcmlog.01, log.lcmlog.02 ...
 fs::path Supervisor::logFile() const {
-  return run_.directory / (logger_.restarts == 0
+  return run_.directory / (recorder_.restarts == 0
                                ? files::kLog
-                               : fmt::format("{}.{:02}", files::kLog, logger_.restarts));
+                               : fmt::format("{}.{:02}", files::kLog, recorder_.restarts));
 }
 
-void Supervisor::startLogger() {
-  // Its options -l, --increment and --strftime are broken in LCM 1.3.1; --lcm-url= works.
-  logger_.process = startHere(
-      {options_.lcm_logger.string(), "-q", "--lcm-url=" + options_.url, logFile().string()},
-      logFolder() / "lcm-logger.txt");
-  heartbeats_.expect(logger_.name);
+void Supervisor::startRecorder() {
+  recorder_.process =
+      startHere({(options_.programs / recorder_.name).string(), "--log", logFile().string(),
+                 "--lcm-url", options_.url, "--clock-offset-us", std::to_string(clock_offset_us_)},
+                logOf(recorder_));
+  heartbeats_.expect(recorder_.name);
   log_size_ = 0;
   heartbeats_since_growth_ = 0;
 }
 
-bool Supervisor::loggerWrites() const {
+bool Supervisor::recorderWrites() const {
   std::error_code error;
   const auto size = fs::file_size(logFile(), error);
   return !error && size > 0;
@@ -150,9 +150,11 @@ static std::string lastLine(const fs::path& log) {
   for (std::string line; std::getline(file, line);) {
     if (!line.empty()) last = line;
   }
-  constexpr std::string_view kLevel = "[error] ";
-  const auto level = last.find(kLevel);
-  return level == std::string::npos ? last : last.substr(level + kLevel.size());
+  for (const std::string_view level : {"[error] ", "[critical] "}) {
+    const auto at = last.find(level);
+    if (at != std::string::npos) return last.substr(at + level.size());
+  }
+  return last;
 }
 
 std::string Supervisor::endedWith() const {
@@ -185,13 +187,13 @@ void Supervisor::noteHeartbeat(const std::string& sender, pid_t pid, bool ready)
 }
 
 /// The log grows by the messages of the services. While these are silent, a log that does not grow
-/// says nothing about the logger.
+/// says nothing about the recorder.
 void Supervisor::checkLogGrowth() {
   std::error_code error;
   const auto size = fs::file_size(logFile(), error);
   const bool grew = !error && size != log_size_;
   if (!grew && heartbeats_since_growth_ > 0) return;
-  heartbeats_.beat(logger_.name);
+  heartbeats_.beat(recorder_.name);
   heartbeats_since_growth_ = 0;
   if (!error) log_size_ = size;
 }
@@ -201,27 +203,27 @@ void Supervisor::checkHeartbeats(std::int64_t now,
                                  const std::function<void(const std::string&)>& again) {
   checkLogGrowth();
   for (const auto& [name, is_silent, silence_s] : heartbeats_.look(now)) {
-    const bool logger = name == logger_.name;
+    const bool recorder = name == recorder_.name;
     if (is_silent) {
-      silent(logger ? fmt::format("{} has written nothing for {} s", name, silence_s)
-                    : fmt::format("{} has sent no heartbeat for {} s", name, silence_s));
+      silent(recorder ? fmt::format("{} has written nothing for {} s", name, silence_s)
+                      : fmt::format("{} has sent no heartbeat for {} s", name, silence_s));
     } else {
-      again(logger ? fmt::format("{} writes again after {} s", name, silence_s)
-                   : fmt::format("{} sends heartbeats again after {} s", name, silence_s));
+      again(recorder ? fmt::format("{} writes again after {} s", name, silence_s)
+                     : fmt::format("{} sends heartbeats again after {} s", name, silence_s));
     }
   }
 }
 
 bool Supervisor::anyEnded() const {
   const auto ended = [](const Entry& entry) { return entry.process && !entry.process->running(); };
-  return ended(logger_) || std::any_of(services_.begin(), services_.end(), ended);
+  return ended(recorder_) || std::any_of(services_.begin(), services_.end(), ended);
 }
 
 bool Supervisor::restartEnded(std::int64_t now,
                               const std::function<void(const std::string&)>& report,
                               const std::function<fs::path()>& resume) {
   const bool all_up = restartEach(now, resume);
-  if (!all_up || loggerWrites()) reportHeld(report);
+  if (!all_up || recorderWrites()) reportHeld(report);
   return all_up;
 }
 
@@ -232,7 +234,11 @@ void Supervisor::reportHeld(const std::function<void(const std::string&)>& repor
 /// Decides when a process that has died is started again, if at all.
 void Supervisor::noteDeath(Entry& entry, std::int64_t now) {
   const std::string title = titleOf(entry.name, entry.host);
-  const std::string ending = entry.process->ending();
+  std::string ending = entry.process->ending();
+  // A recorder that cannot write has said why, and cannot say it in the log.
+  if (&entry == &recorder_ && ending.starts_with("exit code")) {
+    ending += ": " + lastLine(logOf(entry));
+  }
   if (entry.host.empty()) heartbeats_.forget(entry.name);
   entry.restart_utime = ending == kWithItsHost ? now : entry.limit.noteDeath(now);
   if (entry.restart_utime) {
@@ -258,8 +264,8 @@ bool Supervisor::isDue(Entry& entry, std::int64_t now) {
 }
 
 bool Supervisor::restartEach(std::int64_t now, const std::function<fs::path()>& resume) {
-  if (isDue(logger_, now)) startLogger();
-  if (logger_.left_out) return false;
+  if (isDue(recorder_, now)) startRecorder();
+  if (recorder_.left_out) return false;
   for (Entry& entry : services_) {
     if (isDue(entry, now)) {
       const fs::path file =
@@ -283,8 +289,8 @@ void Supervisor::endServices(const std::function<void(const std::string&)>& repo
     if (!entry.process->waitOrKill(kServiceTimeout_ms)) return;
     report(killedText(titleOf(entry.name, entry.host), kServiceTimeout_ms));
   };
-  // One after the other: their closing messages together would overflow the logger's queue. The
-  // gateways last, as they bring the messages of other hosts.
+  // One after the other: their closing messages together would overflow the queue of a stock
+  // logger. The gateways last, as they bring the messages of other hosts.
   for (Entry& entry : services_) {
     if (entry.name != kGatewayService) end(entry);
   }
@@ -294,11 +300,11 @@ void Supervisor::endServices(const std::function<void(const std::string&)>& repo
   }
 }
 
-void Supervisor::endLogger(const std::function<void(const std::string&)>& report) {
-  if (!logger_.process) return;
-  logger_.process->terminate();
-  if (logger_.process->waitOrKill(kLoggerTimeout_ms)) {
-    report(killedText(logger_.name, kLoggerTimeout_ms) + ": the log's end may be missing");
+void Supervisor::endRecorder(const std::function<void(const std::string&)>& report) {
+  if (!recorder_.process) return;
+  recorder_.process->terminate();
+  if (recorder_.process->waitOrKill(kRecorderTimeout_ms)) {
+    report(killedText(recorder_.name, kRecorderTimeout_ms) + ": the log's end may be missing");
   }
 }
 

@@ -17,26 +17,26 @@
 
 namespace lab::runner {
 
-/// Starts, watches, restarts and ends lcm-logger and the services of one run, on this machine and
+/// Starts, watches, restarts and ends the recorder and the services of one run, on this machine and
 /// on other hosts.
 ///
-/// Order of calls: startLogger(), startGateways() when loggerWrites(), startServices() when
+/// Order of calls: startRecorder(), startGateways() when recorderWrites(), startServices() when
 /// missing() is empty; during the run restartEnded() and checkHeartbeats() repeatedly; at the end
-/// endServices(), endLogger(), reportHeld(). noteHeartbeat() at any time after startLogger().
+/// endServices(), endRecorder(), reportHeld(). noteHeartbeat() at any time after startRecorder().
 class Supervisor {
  public:
   /// @param clock_offset_us of the runner's loop: all services of this machine share its time,
   ///   also those that are restarted after a step of the wall clock
   Supervisor(const PreparedRun& run, const LiveOptions& options, std::int64_t clock_offset_us);
 
-  void startLogger();
+  void startRecorder();
 
   /// Starts the gateways that connect the buses of all hosts; none if all services are here.
   void startGateways();
   void startServices();
 
-  /// Whether the newest lcm-logger has written something. It does not report READY itself.
-  [[nodiscard]] bool loggerWrites() const;
+  /// Whether the newest recorder has written something.
+  [[nodiscard]] bool recorderWrites() const;
 
   /// Takes a heartbeat. Processes are known by sender and pid: two hosts may use the same pid.
   void noteHeartbeat(const std::string& sender, pid_t pid, bool ready);
@@ -56,7 +56,7 @@ class Supervisor {
   /// Restarts processes that died (RestartLimit); one that dies too often is left out if
   /// isDispensable().
   /// @param report called with one sentence per death. The sentences are held back until a
-  ///   logger writes, but delivered at once if the result is false
+  ///   recorder writes, but delivered at once if the result is false
   /// @param resume makes the experiment file for a restarted sim_svc
   /// @return false if a process that the run needs died too often
   [[nodiscard]] bool restartEnded(std::int64_t now,
@@ -70,12 +70,12 @@ class Supervisor {
   void checkHeartbeats(std::int64_t now, const std::function<void(const std::string&)>& silent,
                        const std::function<void(const std::string&)>& again);
 
-  /// Reports what happened while no logger ran.
+  /// Reports what happened while no recorder ran.
   void reportHeld(const std::function<void(const std::string&)>& report);
 
   /// @param report called with a sentence for each that had to be killed
   void endServices(const std::function<void(const std::string&)>& report);
-  void endLogger(const std::function<void(const std::string&)>& report);
+  void endRecorder(const std::function<void(const std::string&)>& report);
 
  private:
   struct Entry {
@@ -111,9 +111,9 @@ class Supervisor {
   const LiveOptions& options_;
   std::int64_t clock_offset_us_;
   OrphanGuard guard_;  ///< of the processes below
-  Entry logger_{.name = "lcm-logger"};
+  Entry recorder_{.name = "recorder"};
   std::vector<Entry> services_;
-  std::vector<std::string> held_;  ///< sentences to report once a logger runs
+  std::vector<std::string> held_;  ///< sentences to report once a recorder runs
   HeartbeatMonitor heartbeats_;
   std::uintmax_t log_size_ = 0;      ///< at the last check
   int heartbeats_since_growth_ = 0;  ///< heartbeats since the log last grew

@@ -55,7 +55,9 @@ class Collector {
   /// Decodes a message. @return whether it can be one of the recorded lab
   template <class Message>
   static bool isPossible(const Packet& packet, Message& message, ArrivalClock& clock) {
-    return decode(packet.data, message) && !impossibleValue(message) &&
+    if (!decode(packet.data, message)) return false;
+    const auto found = removeImpossible(message);
+    return (!found || found->usable) &&
            clock.accepts(message.sender, message.instance, message.utime, packet.received_utime);
   }
 

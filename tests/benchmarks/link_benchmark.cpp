@@ -65,7 +65,7 @@ double processorSeconds(pid_t process) {
 
 /// Publishes on a host's bus from its own thread, as another process would.
 std::vector<double> publish(const Host& host, const Load& load) {
-  const Within there(host.process);
+  const NetworkNamespaceScope there(host.process);
   LcmBus bus(kUrl);
   std::vector<double> sent;
   const double start = steadySeconds();

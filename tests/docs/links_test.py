@@ -62,6 +62,29 @@ class Links(unittest.TestCase):
                         wrong.append(f"{name}:{line}: there is no {code}")
         self.nothing(wrong)
 
+    def test_every_row_of_security_names_its_test(self):
+        """In tables with the column `test`: files that exist, and (Beginning…) of names in them."""
+        wrong, heads, rows, has_tests = [], 0, 0, False
+        for line, row in page("docs/security.md").prose:
+            cells = [cell.strip() for cell in row.split("|")[1:-1]] if row.startswith("|") else []
+            if not cells:
+                has_tests = False
+            elif cells[-1] == "test":
+                has_tests = True
+                heads += 1
+            elif has_tests and set(cells[-1]) != {"-"}:
+                rows += 1
+                files = re.findall(r"`(tests/[^`]+)`", cells[-1])
+                texts = "".join((ROOT / file).read_text(encoding="utf-8")
+                                for file in files if (ROOT / file).is_file())
+                if not texts:
+                    wrong.append(f"docs/security.md:{line}: the row names no test that exists")
+                wrong += [f"docs/security.md:{line}: there is no test {name}…"
+                          for name in re.findall(r"(\w+)…", cells[-1]) if f", {name}" not in texts]
+        self.nothing(wrong)
+        self.assertGreaterEqual(heads, 4)
+        self.assertGreater(rows, 35)
+
     def test_quoted_messages_are_printed(self):
         """In the tables of symptoms; an ellipsis stands for the part that varies."""
         sources = [path.read_text(encoding="utf-8") for folder in SOURCES

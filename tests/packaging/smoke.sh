@@ -39,7 +39,7 @@ everything() { (cd "$root" && find . -xdev \( -path ./proc -o -path ./sys -o -pa
 suite=$(. /etc/os-release && echo "${VERSION_CODENAME-}")
 [ -n "$suite" ] || skip "/etc/os-release names no VERSION_CODENAME"
 step "a bare $suite"
-mmdebstrap --quiet --variant=apt --dpkgopt='force-unsafe-io' "$suite" "$root" \
+mmdebstrap --quiet --variant=apt --dpkgopt='force-unsafe-io' --include=passwd "$suite" "$root" \
   ${LAB_MIRROR:+"$LAB_MIRROR"} >"$work/bootstrap.log" 2>&1 || {
   tail -n 3 "$work/bootstrap.log"
   skip "no bare root could be made: is a mirror reachable?"

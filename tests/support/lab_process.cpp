@@ -101,6 +101,18 @@ std::vector<pid_t> childrenWith(pid_t parent, const std::string& text) {
   return children;
 }
 
+static std::string shellWait(const std::string& condition) {
+  return "for i in $(seq 600); do " + condition + " && break; sleep 0.1; done; ";
+}
+
+std::string whenLogHasData(const fs::path& runs) {
+  return shellWait("[ $(cat " + runs.string() + "/*/log.lcmlog 2>/dev/null | wc -c) -gt 200000 ]");
+}
+
+std::string whenMounted(const fs::path& folder) {
+  return shellWait("mountpoint -q " + folder.string());
+}
+
 fs::path experiment(const std::string& name) {
   return fs::path(LAB_EXPERIMENTS) / (name + ".toml");
 }

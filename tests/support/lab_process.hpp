@@ -60,6 +60,12 @@ std::vector<pid_t> processesWith(const std::string& text);
 /// The children of a process whose command line contains `text`.
 std::vector<pid_t> childrenWith(pid_t parent, const std::string& text);
 
+/// Shell text that waits, at most for a minute, until a run in `runs` has recorded for about two
+/// seconds (its log has 200 kB).
+std::string whenLogHasData(const std::filesystem::path& runs);
+/// Shell text that waits until a file system is mounted at `folder`, at most for a minute.
+std::string whenMounted(const std::filesystem::path& folder);
+
 /// The path of a shipped experiment.
 std::filesystem::path experiment(const std::string& name);
 

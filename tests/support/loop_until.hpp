@@ -8,10 +8,10 @@
 
 namespace lab {
 
-/// Runs `loop` and checks `condition` every millisecond, at most for 20 s.
+/// Runs `loop` and checks `condition` every millisecond, at most for a minute.
 /// @return the last value of `condition`
 inline bool loopUntil(AsioLoop& loop, const std::function<bool()>& condition) {
-  const std::int64_t deadline = loop.now() + 20'000'000;
+  const std::int64_t deadline = loop.now() + 60'000'000;
   std::function<void()> check = [&] {
     if (condition() || loop.now() > deadline) {
       loop.stop();

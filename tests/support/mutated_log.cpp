@@ -26,6 +26,8 @@ namespace lab {
 namespace {
 
 constexpr std::size_t kHeader = 16;  // fingerprint and utime of a message
+constexpr std::size_t kUtime = 8;
+constexpr std::size_t kSender = 20;
 
 constexpr std::array kExtremes{0.0,
                                -0.0,
@@ -79,6 +81,30 @@ void overwrite(std::vector<std::uint8_t>& data, Random& random) {
   }
 }
 
+void damage(RecordedMessage& message, Random& random) {
+  std::vector<std::uint8_t>& data = message.data;
+  if (data.empty()) return;
+  switch (below(random, 12)) {
+    case 0:
+    case 1:
+    case 2:
+      data[below(random, data.size())] ^= static_cast<std::uint8_t>(1U << below(random, 8));
+      break;
+    case 3:
+      data.resize(below(random, data.size() + 1));
+      break;
+    case 4:
+      put(data, kUtime, static_cast<std::uint64_t>(kWholes[below(random, kWholes.size())]), 8);
+      break;
+    case 5:
+      if (data.size() > kSender) data[kSender] = static_cast<std::uint8_t>(random.next());
+      break;
+    default:
+      overwrite(data, random);
+      break;
+  }
+}
+
 void damage(std::vector<RecordedMessage>& messages, Random& random) {
   const std::size_t i = below(random, messages.size());
   RecordedMessage& one = messages[i];
@@ -121,7 +147,6 @@ void damage(std::vector<RecordedMessage>& messages, Random& random) {
       if (random.uniform() < 0.5) one.utime = kWholes[below(random, kWholes.size())];
       break;
     default: {  // one sender among many forged ones
-      constexpr std::size_t kSender = 20;
       if (one.data.size() <= kSender) break;
       std::vector<RecordedMessage> forged(300, one);
       for (std::size_t copy = 0; copy < forged.size(); ++copy) {
@@ -198,6 +223,17 @@ std::vector<RecordedMessage> mutated(std::vector<RecordedMessage> messages, std:
   const std::size_t faults = 1 + below(random, 8);
   for (std::size_t i = 0; i < faults && !messages.empty(); ++i) damage(messages, random);
   return messages;
+}
+
+RecordedMessage mutant(RecordedMessage message, std::uint64_t seed) {
+  Random random(seed, 4);
+  const std::size_t faults = 1 + below(random, 4);
+  for (std::size_t i = 0; i < faults; ++i) damage(message, random);
+  return message;
+}
+
+void setUtime(RecordedMessage& message, std::int64_t utime) {
+  put(message.data, kUtime, static_cast<std::uint64_t>(utime), 8);
 }
 
 void overwriteNumbers(std::vector<std::uint8_t>& data, std::uint64_t seed) {

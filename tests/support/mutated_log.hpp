@@ -24,6 +24,13 @@ struct RecordedMessage {
 [[nodiscard]] std::vector<RecordedMessage> mutated(std::vector<RecordedMessage> messages,
                                                    std::uint64_t seed);
 
+/// The message with one to four faults: flipped bits, extreme numbers, a forged sender, a time of
+/// another year, or cut off.
+[[nodiscard]] RecordedMessage mutant(RecordedMessage message, std::uint64_t seed);
+
+/// Sets the time in the header of a message.
+void setUtime(RecordedMessage& message, std::int64_t utime);
+
 /// One message with extreme numbers written over its own.
 void overwriteNumbers(std::vector<std::uint8_t>& data, std::uint64_t seed);
 

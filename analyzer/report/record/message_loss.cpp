@@ -7,6 +7,7 @@
 
 #include "common/bus/stream_counter.hpp"
 #include "common/experiment/service_placement.hpp"
+#include "common/math/saturated.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::report {
@@ -16,6 +17,11 @@ namespace {
 constexpr std::size_t kMostStreams = 64;           // of one sender: the lab has 21 channels
 constexpr std::int64_t kNearSeq = 1000;            // between two messages of a stream
 constexpr std::int64_t kFarthestSeq = 10'000'000;  // of a count beyond the messages in the log
+
+bool isNear(std::int64_t seq, std::int64_t other) {
+  const std::int64_t difference = saturatedDifference(seq, other);
+  return difference >= -kNearSeq && difference <= kNearSeq;
+}
 
 }  // namespace
 
@@ -60,11 +66,12 @@ void MessageLossCounter::count(std::string_view channel, const MessageHeader& he
   }
   Stream& stream = *found;
   stream.take(header.seq);
-  stream.largest_age_us = std::max(stream.largest_age_us, received_utime - header.utime);
+  stream.largest_age_us =
+      std::max(stream.largest_age_us, saturatedDifference(received_utime, header.utime));
 }
 
 void MessageLossCounter::Stream::take(std::int64_t seq) {
-  const auto near = [seq](std::int64_t other) { return std::abs(seq - other) <= kNearSeq; };
+  const auto near = [seq](std::int64_t other) { return isNear(seq, other); };
   ++received;
   if (received > 1 && !near(last_seq)) {
     // A damaged number would be the largest or the smallest for ever: the next one must confirm it.

@@ -210,7 +210,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   record.left_out = feed.counters().left_out;
   if (feed.refused() > 0) {
     RefusedMessages& refused = record.log.refused[std::string(channels::kRobotStatus)];
-    if (refused.count == 0) refused.first = feed.refusal();
+    if (refused.first.empty()) refused.first = feed.refusal();
     refused.count += feed.refused();
   }
   services.finish(record);

@@ -284,9 +284,11 @@ std::string lossText(const RunRecord& record) {
 std::vector<std::string> refusalTexts(const RunRecord& record) {
   std::vector<std::string> lines;
   for (const auto& [channel, refused] : record.log.refused) {
-    lines.push_back(fmt::format("{} not used: the first {}",
-                                countText(refused.count, "message") + " on " + channel,
-                                refused.first));
+    std::string what = refused.count > 0 ? countText(refused.count, "message") : "";
+    if (refused.robots > 0) {
+      what += (what.empty() ? "" : " and ") + countText(refused.robots, "robot");
+    }
+    lines.push_back(fmt::format("{} on {} not used: the first {}", what, channel, refused.first));
   }
   if (record.log.bad_times > 0) {
     lines.push_back(fmt::format("{} of arrival damaged: replaced by the one before",

@@ -137,6 +137,7 @@ Json losses(const RunRecord& record) {
   json["damaged_places_in_log"] = record.log.damaged_places;
   for (const auto& [channel, refused] : record.log.refused) {
     json["refused"][channel] = {{"messages", refused.count}, {"first", refused.first}};
+    if (refused.robots > 0) json["refused"][channel]["robots"] = refused.robots;
   }
   if (record.log.bad_times > 0) json["damaged_times_in_log"] = record.log.bad_times;
   json["camera_frames"] = record.log.frames;

@@ -39,6 +39,7 @@ constexpr int kAttacks = 40;
 constexpr double kPatience = 20;  // [s]
 constexpr const char* kGroup = "239.255.76.67";
 constexpr const char* kNeighbour = "10.77.1.254";
+constexpr const char* kBroadcast = "10.77.1.255";
 constexpr std::string_view kOfThisHost = "own";
 constexpr std::string_view kForeign = "foreign";
 
@@ -49,6 +50,8 @@ class Neighbour {
       : udp_(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0)),
         raw_(socket(AF_INET, SOCK_RAW | SOCK_CLOEXEC, IPPROTO_RAW)) {
     const in_addr interface { inet_addr(kNeighbour) };
+    const int on = 1;
+    EXPECT_EQ(setsockopt(udp_.get(), SOL_SOCKET, SO_BROADCAST, &on, sizeof on), 0);
     for (const int socket : {udp_.get(), raw_.get()}) {
       EXPECT_EQ(setsockopt(socket, IPPROTO_IP, IP_MULTICAST_IF, &interface, sizeof interface), 0);
     }
@@ -164,6 +167,28 @@ TEST_F(BusBesideANeighbour, HearsNoUnicastWhetherOpenOrNot) {
   }
 }
 
+TEST_F(BusBesideANeighbour, HearsNoBroadcastWhetherOpenOrNot) {
+  FileDescriptor any;  // takes what is sent to any address of host A
+  {
+    const NetworkNamespaceScope there(required("HOST_A"));
+    any = FileDescriptor(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
+    const int share = 1;
+    setsockopt(any.get(), SOL_SOCKET, SO_REUSEADDR, &share, sizeof share);
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(kPort);
+    ASSERT_EQ(bind(any.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address), 0);
+  }
+  for (const int ttl : {0, 1}) {
+    open(ttl);
+    for (int i = 0; i < kAttacks; ++i) neighbour_.send(whole("A", kForeign), kBroadcast);
+    char byte = 0;
+    EXPECT_TRUE(until([&] { return recv(any.get(), &byte, 1, MSG_TRUNC) > 0; })) << "it arrives";
+    hearOwn();
+    EXPECT_THAT(heard_, Each(kOfThisHost)) << "ttl " << ttl;
+  }
+}
+
 TEST_F(BusBesideANeighbour, RefusesMulticastOfOthersAndNamesThem) {
   open(0);
   for (int i = 0; i < kAttacks; ++i) neighbour_.send(whole("A", kForeign), kGroup);
@@ -185,7 +210,6 @@ TEST_F(BusBesideANeighbour, HearsMulticastOfOthersIfTheUrlOpensIt) {
 
 TEST_F(BusBesideANeighbour, IsOpenOnlyToTheNetworkOfItsRoute) {
   routeMulticast("lo");
-  open(1);
   // Another program on host A has joined the group on the network card.
   std::unique_ptr<FileDescriptor> other;
   {
@@ -195,25 +219,36 @@ TEST_F(BusBesideANeighbour, IsOpenOnlyToTheNetworkOfItsRoute) {
     ASSERT_EQ(
         setsockopt(other->get(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership), 0);
   }
-  for (int i = 0; i < kAttacks; ++i) neighbour_.send(whole("A", kForeign), kGroup);
-  hearOwn();
-  EXPECT_THAT(heard_, Each(kOfThisHost));
+  for (const int ttl : {0, 1}) {
+    open(ttl);
+    for (int i = 0; i < kAttacks; ++i) neighbour_.send(whole("A", kForeign), kGroup);
+    const int counted = ttl == 0 ? kAttacks : 0;
+    EXPECT_TRUE(until([&] { return strangers().datagrams == counted; })) << "ttl " << ttl;
+    hearOwn();
+    EXPECT_THAT(heard_, Each(kOfThisHost)) << "ttl " << ttl;
+  }
 }
 
 /// The kernel drops datagrams from outside with a source of this machine.
 TEST_F(BusBesideANeighbour, HearsNobodyWhoUsesAnAddressOfThisMachine) {
-  open(0);
   const std::string own = required("ADDRESS_A");
-  for (const char* source : {own.c_str(), "127.0.0.1"}) {
-    for (int i = 0; i < kAttacks; ++i) neighbour_.sendAs(source, whole("A", kForeign));
-  }
-  neighbour_.sendAs("10.77.1.77", whole("A", kForeign));
+  for (const int ttl : {0, 1}) {
+    open(ttl);
+    for (const char* source : {own.c_str(), "127.0.0.1"}) {
+      for (int i = 0; i < kAttacks; ++i) neighbour_.sendAs(source, whole("A", kForeign));
+    }
+    neighbour_.sendAs("10.77.1.77", whole("A", kForeign));
 
-  EXPECT_TRUE(until([this] { return strangers().datagrams > 0; }));
-  EXPECT_EQ(strangers().datagrams, 1);
-  EXPECT_EQ(sourceText(strangers().last), "10.77.1.77:7811");
-  hearOwn();
-  EXPECT_THAT(heard_, Each(kOfThisHost));
+    if (ttl == 0) {
+      EXPECT_TRUE(until([this] { return strangers().datagrams > 0; }));
+      EXPECT_EQ(strangers().datagrams, 1);
+      EXPECT_EQ(sourceText(strangers().last), "10.77.1.77:7811");
+    } else {
+      EXPECT_TRUE(until([this] { return heardOf(kForeign) > 0; }));
+    }
+    hearOwn();
+    EXPECT_EQ(heardOf(kForeign), static_cast<std::size_t>(ttl));
+  }
 }
 
 TEST_F(BusBesideANeighbour, HasASinkThatKeepsUnicastAwayFromStockPrograms) {

@@ -30,7 +30,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPort = 7811;
-constexpr int kPatience_ms = 5'000;
+constexpr int kPatience_ms = 60'000;
 constexpr std::int64_t kMillisecond = 1'000;
 
 /// A program that runs during the test.

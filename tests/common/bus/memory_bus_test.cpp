@@ -52,6 +52,20 @@ TEST_F(MemoryBusTest, StampsTheTimeOfDelivery) {
   EXPECT_EQ(received, 2000);
 }
 
+TEST_F(MemoryBusTest, KnowsForHowLongTheOldestMessageHasWaited) {
+  std::vector<std::int64_t> behind;
+  dut_.subscribeAll([&](const Packet&) { behind.push_back(dut_.backlog()); });
+  EXPECT_EQ(dut_.backlog(), 0);
+  publish(1);
+  now_ += 300;
+  publish(2);
+  now_ += 50;
+  EXPECT_EQ(dut_.backlog(), 350);
+  dut_.deliver();
+  EXPECT_THAT(behind, ElementsAre(50, 0)) << "of what waits behind the one that is handled";
+  EXPECT_EQ(dut_.backlog(), 0);
+}
+
 TEST_F(MemoryBusTest, DoesNotRecurseIntoAHandlerThatPublishes) {
   std::vector<int> heard;
   int depth = 0;

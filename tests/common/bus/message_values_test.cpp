@@ -64,6 +64,62 @@ TEST(MessageValues, NeverRefuseAStop) {
   stop.utime = std::numeric_limits<std::int64_t>::min();
   stop.seq = -1;
   EXPECT_EQ(problem(stop), "");
+  EXPECT_FALSE(impossibleHeader("ROBOT_STOP", stop.utime, stop.seq));
+  EXPECT_TRUE(impossibleHeader("ROBOT_COMMAND", stop.utime, stop.seq));
+}
+
+TEST(MessageValues, OnlyTheRobotConcernedIsRemoved) {
+  robot_status_t dut = status();
+  EXPECT_FALSE(removeImpossible(dut));
+  dut.robots[0].robot_id = 1;
+  dut.robots[1].run_time = -1;
+  dut.robots[2].robot_id = 3;
+  const auto found = removeImpossible(dut);
+  ASSERT_TRUE(found);
+  EXPECT_TRUE(found->usable);
+  EXPECT_EQ(found->count, 1);
+  EXPECT_EQ(found->first, "robots[1].run_time: found -1, expected 0 to 1e+10");
+  ASSERT_EQ(dut.robots.size(), 2U);
+  EXPECT_EQ(dut.num_robots, 2);
+  EXPECT_EQ(dut.robots[1].robot_id, 3);
+}
+
+TEST(MessageValues, OnlyTheDetectionConcernedIsRemoved) {
+  tracked_frame_t frame{};
+  frame.utime = kNow;
+  frame.robots.resize(2);
+  frame.num_robots = 2;
+  frame.unidentified.resize(2);
+  frame.num_unidentified = 2;
+  frame.robots[0].y = 1e9;
+  frame.unidentified[1].theta = std::numeric_limits<double>::quiet_NaN();
+  const auto found = removeImpossible(frame);
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->count, 2);
+  EXPECT_EQ(frame.num_robots, 1);
+  EXPECT_EQ(frame.num_unidentified, 1);
+  EXPECT_EQ(problem(frame), "");
+}
+
+TEST(MessageValues, AMessageWithAnImpossibleHeaderIsNotUsable) {
+  tracked_frame_t frame{};
+  frame.utime = kNow;
+  frame.frame = -7;
+  frame.robots.resize(1);
+  frame.num_robots = 1;
+  frame.robots[0].y = 1e9;
+  const auto found = removeImpossible(frame);
+  ASSERT_TRUE(found);
+  EXPECT_FALSE(found->usable);
+  EXPECT_EQ(found->count, 1);
+}
+
+TEST(Saturated, DifferencesDoNotOverflow) {
+  constexpr std::int64_t kLowest = std::numeric_limits<std::int64_t>::min();
+  constexpr std::int64_t kHighest = std::numeric_limits<std::int64_t>::max();
+  EXPECT_EQ(saturatedDifference(7, 9), -2);
+  EXPECT_EQ(saturatedDifference(kLowest, 1), kLowest);
+  EXPECT_EQ(saturatedDifference(kHighest, -1), kHighest);
 }
 
 TEST(Saturated, LimitsWhatACastCannotHold) {

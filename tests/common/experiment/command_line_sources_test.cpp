@@ -86,6 +86,13 @@ TEST(CommandLineSources, OfOlderLogsAreStillRead) {
   const TemporaryFolder folder;
   std::ofstream(folder / "e.toml") << text;
   EXPECT_THROW(static_cast<void>(loadExperiment(folder / "e.toml")), ExperimentError);
+  EXPECT_EQ(loadRecordedExperiment(folder / "e.toml").gateway.configuration, "my.xml");
+
+  std::string camera = writeExperiment(withSerialRobot(kPipeline));
+  camera.replace(camera.find("\"pipeline\""), 10, "\"gst:aravissrc ! queue\"");
+  std::ofstream(folder / "camera.toml") << camera;
+  EXPECT_THROW(static_cast<void>(loadExperiment(folder / "camera.toml")), ExperimentError);
+  EXPECT_EQ(loadRecordedExperiment(folder / "camera.toml").camera.source, "gst:aravissrc ! queue");
   EXPECT_THROW(static_cast<void>(
                    parseExperiment(kSmall, "e", {"gateway.configuration=my.xml"}, folder.path())),
                ExperimentError)

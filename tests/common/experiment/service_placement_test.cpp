@@ -46,7 +46,7 @@ TEST(ServicePlacement, OnlyWhatNothingDependsOnIsDispensable) {
   EXPECT_TRUE(isDispensable(experiment, "dds_gateway"));
   EXPECT_TRUE(isDispensable(experiment, "dashboard"));
   for (const char* service :
-       {"sim_svc", "robot_bridge", "projector_ctl", "tracker_svc", "lcm-logger"}) {
+       {"sim_svc", "robot_bridge", "projector_ctl", "tracker_svc", "recorder"}) {
     EXPECT_FALSE(isDispensable(experiment, service)) << service;
   }
 

@@ -52,6 +52,17 @@ TEST(ChildProcess, SaysHowItEnded) {
   EXPECT_EQ(killed.ending(), "killed by signal 15");
 }
 
+TEST(CloseFrom, WorksAlsoOneByOne) {
+  const FileDescriptor low(fcntl(0, F_DUPFD, 40));
+  int high = fcntl(0, F_DUPFD, 60);
+  closeOneByOneFrom(50, Close::kAtExec);
+  EXPECT_EQ(fcntl(low.get(), F_GETFD), 0);
+  EXPECT_EQ(fcntl(high, F_GETFD), FD_CLOEXEC);
+  closeOneByOneFrom(50, Close::kNow);
+  EXPECT_EQ(fcntl(low.get(), F_GETFD), 0);
+  EXPECT_EQ(fcntl(high, F_GETFD), -1);
+}
+
 TEST(ChildProcess, AProgramThatIsNotThereIsAnError) {
   try {
     const ChildProcess child({.arguments = {"/nonexistent/program"}});

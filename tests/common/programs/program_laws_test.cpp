@@ -41,7 +41,7 @@ struct Msd {
   std::vector<double> error;
 };
 
-Msd simulatedMsd(const language::CompiledProgram& program, int holds) {
+Msd simulatedMsd(const language::CompiledProgram& program, std::size_t holds) {
   std::vector<double> sum(holds);
   std::vector<double> squares(holds);
   const dynamics::MachineInputs inputs;
@@ -51,7 +51,7 @@ Msd simulatedMsd(const language::CompiledProgram& program, int holds) {
     machine.start(program.code.data(), static_cast<std::uint8_t>(program.code.size()), inputs, rng);
     Complex position = 0;
     double heading = 0;
-    for (int i = 0; i < holds; ++i) {
+    for (std::size_t i = 0; i < holds; ++i) {
       const dynamics::PhaseResult hold = machine.next(inputs, rng);
       const double time = hold.duration_ms * 1e-3;
       const double speed = (hold.left_um_s + hold.right_um_s) / 2.0 * 1e-4;
@@ -64,7 +64,7 @@ Msd simulatedMsd(const language::CompiledProgram& program, int holds) {
     EXPECT_EQ(machine.saturationCount(), 0U);
   }
   Msd msd;
-  for (int i = 0; i < holds; ++i) {
+  for (std::size_t i = 0; i < holds; ++i) {
     const double mean = sum[i] / kRobots;
     msd.mean.push_back(mean);
     msd.error.push_back(std::sqrt((squares[i] / kRobots - mean * mean) / kRobots));

@@ -8,7 +8,9 @@
 #include <cstdint>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
+#include <lab/robot_stop_t.hpp>
 #include <lab/sim_truth_t.hpp>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -92,6 +94,46 @@ TEST_F(NodeTest, StampsSenderInstanceSeqAndTime) {
   EXPECT_EQ(heard[0].utime, kStart + 3);
   EXPECT_EQ(heard[1].seq, 2);
   EXPECT_EQ(heard[1].utime, kStart + 12345);
+}
+
+TEST_F(NodeTest, UsesTheOtherRobotsOfAMessageWithAnImpossibleNumber) {
+  std::vector<robot_status_t> heard;
+  dut_.subscribe<robot_status_t>(channels::kRobotStatus,
+                                 [&](const robot_status_t& status) { heard.push_back(status); });
+  robot_status_t status{};
+  status.sender = "robot_bridge";
+  status.robots.resize(3);
+  status.num_robots = 3;
+  status.robots[0].robot_id = 1;
+  status.robots[1].wheel_left = 1e300;
+  status.robots[2].robot_id = 3;
+  bus_.publish(channels::kRobotStatus, encode(status));
+  bus_.deliver();
+  ASSERT_EQ(heard.size(), 1U);
+  ASSERT_EQ(heard[0].robots.size(), 2U);
+  EXPECT_EQ(heard[0].robots[1].robot_id, 3);
+  EXPECT_EQ(dut_.streams().decodeErrors().at("ROBOT_STATUS"), 1);
+  dut_.start();
+  EXPECT_EQ(nextBeat().last_error,
+            "ROBOT_STATUS from robot_bridge refused: robots[1].wheel_left: found 1e+300, expected "
+            "-100 to 100");
+}
+
+TEST_F(NodeTest, CountsAStopWhateverItsHeaderIs) {
+  int heard = 0;
+  dut_.subscribe<robot_stop_t>(channels::kRobotStop, [&](const robot_stop_t&) { ++heard; });
+  constexpr std::int64_t kLowest = std::numeric_limits<std::int64_t>::min();
+  for (const std::int64_t seq : {std::int64_t{-1}, -(kLowest + 1), kLowest, std::int64_t{3}}) {
+    robot_stop_t stop{};
+    stop.sender = "panic";
+    stop.utime = kLowest;
+    stop.seq = seq;
+    bus_.publish(channels::kRobotStop, encode(stop));
+  }
+  bus_.deliver();
+  EXPECT_EQ(heard, 4);
+  EXPECT_EQ(dut_.streams().streams().begin()->second.received, 4);
+  EXPECT_EQ(dut_.streams().lost(), 0);
 }
 
 TEST_F(NodeTest, NumbersEveryChannelFromOne) {

@@ -95,7 +95,7 @@ class PageTest(unittest.TestCase):
     def js(self, text, *arguments):
         return browser.execute_script("return " + text, *arguments)
 
-    def until(self, text, timeout=10.0):
+    def until(self, text, timeout=60.0):
         """Waits until the JavaScript expression is true; returns its value."""
         end = time.monotonic() + timeout
         while True:
@@ -129,7 +129,7 @@ class PageTest(unittest.TestCase):
 
     def comes(self, count, found):
         """Waits until found() has at least `count` elements."""
-        end = time.monotonic() + 8
+        end = time.monotonic() + 60
         while len(found()) < count:
             self.assertLess(time.monotonic(), end, "too few elements")
             time.sleep(0.02)

@@ -82,7 +82,7 @@ class Files(PageTest):
             for kind in ["SVG", "CSV"]:
                 browser.find_element(By.CSS_SELECTOR, f"[aria-label='MSD as {kind}']").click()
                 file = pathlib.Path(folder) / f"MSD.{kind.lower()}"
-                end = time.monotonic() + 5
+                end = time.monotonic() + 60
                 while not file.exists() and time.monotonic() < end:
                     time.sleep(0.05)
                 self.assertGreater(file.stat().st_size, 500)

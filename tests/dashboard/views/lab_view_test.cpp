@@ -6,7 +6,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <lab/robot_stop_t.hpp>
 #include <lab/service_status_t.hpp>
+#include <limits>
 #include <vector>
 
 #include "common/bus/channels.hpp"
@@ -109,6 +111,36 @@ TEST(LabView, KeepsAStopWhenStartIsRepeatedAndWhenAnotherRunBegins) {
   bench.start(2, kNow + 70 * kSecond);
   bench.dut.publishMoving(kNow + 70 * kSecond, true);
   EXPECT_EQ(bench.topic("stop")["state"], "stopping");
+}
+
+TEST(LabView, ShowsAStopWhateverItsHeaderIs) {
+  for (const char* sender : {"panic",
+                             "a button whose name is much longer than that of any service "
+                             "of the lab"}) {
+    Bench bench;
+    bench.start(1, kNow);
+    robot_stop_t stop{};
+    stop.sender = sender;
+    stop.utime = std::numeric_limits<std::int64_t>::min();
+    stop.seq = -1;
+    const auto data = encode(stop);
+    bench.dut.take({channels::kRobotStop, data, kNow}, kNow);
+    bench.dut.publishMoving(kNow, true);
+    EXPECT_EQ(bench.topic("stop")["state"], "stopping") << sender;
+  }
+}
+
+TEST(LabView, ShowsTheOtherRobotsOfAMessageWithAnImpossibleNumber) {
+  Bench bench;
+  bench.start(1, kNow);
+  auto frame = frameOf(kNow, {poseOf(3, 0.1, 0.2), poseOf(7, 0.3, 0.4)});
+  frame.robots[0].x = std::numeric_limits<double>::infinity();
+  bench.send(channels::kTrackedFrame, frame, kNow);
+  bench.dut.publishMoving(kNow + 50'000, true);
+  bench.dut.publishTotals(kNow + kSecond, {});
+  ASSERT_EQ(bench.topic("frame")["robots"].size(), 1U);
+  EXPECT_EQ(bench.topic("health")["not_understood"],
+            Json::parse(R"([{"channel": "TRACKED_FRAME", "messages": 1}])"));
 }
 
 TEST(LabView, AJumpInAReplayedLogRemovesEarlierData) {

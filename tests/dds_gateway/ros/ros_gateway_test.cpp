@@ -134,6 +134,24 @@ TEST(RosGateway, CmdVelDrivesASimulatedRobotAndSilenceStopsIt) {
       10, 0.05, [&] { stamped.write(message); }, [&] { return dut.driven(2, 0.27); }));
 }
 
+TEST(RosGateway, NobodyCommandsUnlessTheFileAllowsIt) {
+  std::string text = kTwoRobots;
+  text.erase(text.find("commands = true\n"), std::string("commands = true\n").size());
+  RosGatewayFixture dut(text, true);
+  ASSERT_TRUE(dut.spin(10, [&] { return dut.inScript(1); }));
+  RosReader<ros::PoseStamped> pose(dut.domain(), "/lab/robot1/pose");
+  RosWriter<ros::Twist> teleop(dut.domain(), "/lab/robot1/cmd_vel", false);
+  // The reader is matched: the discovery of the gateway's endpoints is over.
+  ASSERT_TRUE(dut.spin(10, [&] { return pose.matching().peers > 0; }));
+  int driven = 0;
+  dut.spinActing(1, 0.05, [&] {
+    teleop.write(forward(0.1));
+    driven += dut.driven(1, 0.1) ? 1 : 0;
+  });
+  EXPECT_EQ(driven, 0);
+  EXPECT_EQ(teleop.matching().peers, 0);
+}
+
 TEST(RosGateway, OnePublisherHoldsARobot) {
   RosGatewayFixture dut(kTwoRobots, true);
   RosWriter<ros::Twist> anna(dut.domain(), "/lab/robot1/cmd_vel");

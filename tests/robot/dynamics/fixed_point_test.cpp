@@ -14,7 +14,7 @@ double real(Fixed x) { return x / static_cast<double>(kOne); }
 
 /// Numbers of all sizes, and the limits.
 std::vector<Fixed> manyNumbers() {
-  std::vector<Fixed> numbers{0, 1, -1, kOne, -kOne, kLargest, kSmallest, kLargest - 1, kPi};
+  std::vector<Fixed> numbers{0, 1, -1, kOne, -kOne, kLargest, kSmallest, kLargest - 1, kFixedPi};
   std::mt19937 rng(1);
   for (int i = 0; i < 400; ++i) {
     const Fixed x = static_cast<Fixed>(rng() >> (rng() % 31)) & kLargest;
@@ -72,9 +72,9 @@ TEST(FixedPoint, SquareRootIsExactRoundedDown) {
     const Fixed root = sqrtFixed(x, saturated);
     EXPECT_EQ(saturated, x < 0);
     if (x >= 0) {
-      const auto square = static_cast<__int128>(root) * root;
-      const auto above = static_cast<__int128>(root + 1) * (root + 1);
-      const auto wanted = static_cast<__int128>(x) << kFractionBits;
+      const auto square = static_cast<uint64_t>(root) * static_cast<uint64_t>(root);
+      const auto above = static_cast<uint64_t>(root + 1) * static_cast<uint64_t>(root + 1);
+      const auto wanted = static_cast<uint64_t>(x) << kFractionBits;
       EXPECT_TRUE(square <= wanted && wanted < above) << x;
     }
   }
@@ -102,7 +102,7 @@ TEST(FixedPoint, AnglesBecomeTurnsAndBack) {
     const double got = real(radiansOf(turnsOf(radians)));
     EXPECT_LT(std::abs(std::remainder(got - exact, 2 * std::numbers::pi)), 3e-5) << angle;
   }
-  EXPECT_EQ(radiansOf(0x80000000U), kPi);
+  EXPECT_EQ(radiansOf(0x80000000U), kFixedPi);
 }
 
 TEST(FixedPoint, Atan2IsRightWithinFourInAHundredThousand) {

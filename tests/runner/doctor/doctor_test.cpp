@@ -56,14 +56,12 @@ TEST(Doctor, ReportsErrorsIfNoLabCanRun) {
   no_loopback.loopback_up = false;
   MachineFacts no_multicast = healthyMachine();
   no_multicast.multicast_problem = {"no route", "add one"};
-  MachineFacts no_logger = healthyMachine();
-  no_logger.has_logger = false;
   MachineFacts no_disk = healthyMachine();
   no_disk.free_bytes = 99'999'999;
   MachineFacts no_gnuplot = healthyMachine();
   no_gnuplot.has_gnuplot = false;
 
-  for (const MachineFacts& facts : {no_loopback, no_multicast, no_logger, no_disk, no_gnuplot}) {
+  for (const MachineFacts& facts : {no_loopback, no_multicast, no_disk, no_gnuplot}) {
     EXPECT_EQ(onlyProblem(facts).level, Level::kError);
     EXPECT_EQ(exitCode(problems(facts)), 2);
   }
@@ -82,9 +80,11 @@ TEST(Doctor, WarnsOnlyIfALabCanStillRun) {
   one_cpu.cpus = 1;
   MachineFacts unknown_route = healthyMachine();
   unknown_route.multicast_interface.reset();
+  MachineFacts no_logger = healthyMachine();
+  no_logger.has_logger = false;
 
   for (const MachineFacts& facts :
-       {small_buffer, little_disk, free_clock, unknown_clock, one_cpu, unknown_route}) {
+       {small_buffer, little_disk, free_clock, unknown_clock, one_cpu, unknown_route, no_logger}) {
     const Finding finding = onlyProblem(facts);
     EXPECT_EQ(finding.level, Level::kWarning) << finding.what;
     EXPECT_NE(finding.fix, "") << finding.what;

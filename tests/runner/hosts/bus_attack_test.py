@@ -25,13 +25,14 @@ MESSAGE = b'LC02' + bytes(4) + b'ROBOT_COMMAND\0' + b'forged'
 FIRST = b'LC03' + struct.pack('>IIIHH', 9, 2000, 0, 0, 3) + b'LIGHT_COMMAND\0' + bytes(1000)
 # Offset and size add up to 2^32.
 SECOND = b'LC03' + struct.pack('>IIIHH', 9, 2000, 2**32 - 60000, 1, 3) + bytes(60000)
-# Sent on host A itself: nothing that LCM would send.
+# Sent on host A itself: nothing that LCM would send, and the fragments.
 JUNK = """
 import socket
 s = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 s.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
-s.sendto(b"no message of LCM", ("239.255.76.67", %d))
-""" % PORT
+for datagram in (b"no message of LCM", %r, %r):
+    s.sendto(datagram, ("239.255.76.67", %d))
+"""
 
 
 def main():
@@ -52,7 +53,8 @@ def main():
         for datagram in (MESSAGE, FIRST, SECOND):
             attacker.sendto(datagram, (os.environ['ADDRESS_A'], PORT))
         if bursts % 25 == 0:
-            subprocess.run([os.environ['TWO_HOSTS'], 'on', 'A', sys.executable, '-c', JUNK], check=True)
+            subprocess.run([os.environ['TWO_HOSTS'], 'on', 'A', sys.executable, '-'],
+                           input=JUNK % (FIRST, SECOND, PORT), text=True, check=True)
         bursts += 1
         time.sleep(0.02)
     text = lab.stdout.read()
@@ -72,7 +74,7 @@ def main():
     (log,) = glob.glob(os.path.join(folder, 'runs', '*', 'logs', 'analyzer.txt'))
     with open(log, encoding='utf-8') as stream:
         assert re.search(r'the bus refused \d+: not an LCM datagram, the last from 10\.77\.1\.1:', stream.read())
-    assert not glob.glob(logs + '.*'), 'the logger was restarted'
+    assert not glob.glob(logs + '.*'), 'the recorder was restarted'
     shutil.rmtree(folder)
     print('passed')
 

@@ -130,7 +130,7 @@ class Hosts:
                 pass
         return pids
 
-    def nothing_left(self, within=6.0):
+    def nothing_left(self, within=60.0):
         deadline = time.time() + within
         while time.time() < deadline:
             left = [line for name in self.names for line in self.left_on(name)]

@@ -19,7 +19,7 @@ TWO_HOSTS = os.environ['TWO_HOSTS']
 SKIPPED = 77
 
 
-def started(lab, hosts, robots_on='bench', within=20.0):
+def started(lab, hosts, robots_on='bench', within=120.0):
     """Waits until robots move on the host: the log grows."""
     deadline = time.time() + within
     while time.time() < deadline and lab.poll() is None:
@@ -114,7 +114,7 @@ def cable(hosts, out=4.0, duration=14):
     assert any('host bench is back after' in m for m in texts(summary, 'marks')), summary['marks']
     assert all(r['lease_expired_share'] > 0 for r in summary['robots']), 'no robot stopped'
     assert all(r['boots'] <= 1 for r in summary['robots']), 'the robots\' service was restarted'
-    hosts.nothing_left(within=20)
+    hosts.nothing_left()
 
 
 def cable_30s(hosts):
@@ -128,7 +128,7 @@ def cable_for_good(hosts):
     subprocess.run([TWO_HOSTS, 'cut', 'B'], check=True)
     text = finished(lab, code=3)
     assert 'host bench did not come back within 3 s (link.patience_s)' in text, text
-    hosts.nothing_left(within=25)  # the agent ends by its timeout
+    hosts.nothing_left()  # the agent ends by its timeout
 
 
 def sshd_dies(hosts):
@@ -155,7 +155,7 @@ def slow_agent(hosts):
         os.kill(pid, signal.SIGSTOP)
     hosts.end_sshd('bench')
     hosts.start_sshd('bench')
-    deadline = time.time() + 15
+    deadline = time.time() + 60
     while not set(hosts.pids_on('bench', 'lab')) - set(first):
         assert time.time() < deadline, 'no second agent'
         time.sleep(0.05)

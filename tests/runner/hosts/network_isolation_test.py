@@ -68,7 +68,7 @@ class Capture:
 
     def prove(self):
         """Checks that the capture works, with a frame of our own."""
-        deadline = time.time() + 10
+        deadline = time.time() + 60
         with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
             while not any(frame.endswith(b'probe') for frame in self.data):
                 assert time.time() < deadline, 'the capture receives nothing'
@@ -96,7 +96,7 @@ class Reader:
 
     def end(self):
         self.process.stdin.close()
-        self.process.wait(timeout=20)
+        self.process.wait(timeout=60)
 
 
 def main():
@@ -119,13 +119,16 @@ def main():
                            stderr=subprocess.STDOUT, text=True,
                            env=dict(os.environ, XDG_RUNTIME_DIR=folder))
     if SCENARIO == 'replaced':
-        time.sleep(3)
+        deadline = time.time() + 60
+        while reader.count == 0:
+            assert time.time() < deadline and lab.poll() is None, 'no poses from the run'
+            time.sleep(0.1)
         sh('ip link del eth9')
         time.sleep(0.3)
         capture.plug_in()
         capture.prove()
         before = reader.count
-    text, _ = lab.communicate(timeout=50)
+    text, _ = lab.communicate(timeout=150)
     print(text)
     assert lab.returncode == 0, lab.returncode
     warned = 'warn     multicast is routed over eth9' in text

@@ -41,7 +41,7 @@ class BrokenRun : public testing::Test {
 
   static bool waitUntilRunning(Background& lab) {
     return waitUntil([&] { return lab.output().find("running ") != std::string::npos; },
-                     seconds(20));
+                     seconds(60));
   }
 
   /// The process id of a program of the lab; -1 if there is not exactly one.
@@ -81,7 +81,7 @@ TEST_P(EndedByTheUser, ReportsTheElapsedTime) {
   pass(seconds(2));
   lab.signal(GetParam());
 
-  const Finished ended = lab.wait(seconds(30));
+  const Finished ended = lab.wait(seconds(60));
 
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output, ContainsRegex("\nended by the user after [1-9] s of 600 s\n"));
@@ -93,7 +93,7 @@ TEST_P(EndedByTheUser, ReportsTheElapsedTimeInVirtualTime) {
   pass(seconds(1));
   lab.signal(GetParam());
 
-  const Finished ended = lab.wait(seconds(30));
+  const Finished ended = lab.wait(seconds(60));
 
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output, ContainsRegex("\nended by the user after [1-9][0-9]* s of 100000 s\n"));
@@ -108,14 +108,14 @@ INSTANTIATE_TEST_SUITE_P(Each, EndedByTheUser, testing::Values(SIGINT, SIGTERM),
 /// the SIGINT together.
 TEST_F(BrokenRun, EndsOnSigintTogetherWithTheLastReady) {
   Background lab(labRun(600));
-  ASSERT_TRUE(waitUntil([&] { return processOf(lab, "sim_svc") > 0; }, seconds(20)));
+  ASSERT_TRUE(waitUntil([&] { return processOf(lab, "sim_svc") > 0; }, seconds(60)));
   lab.signal(SIGSTOP);
   pass(seconds(2));
 
   lab.signal(SIGINT);
   lab.signal(SIGCONT);
 
-  const Finished ended = lab.wait(seconds(20));
+  const Finished ended = lab.wait(seconds(60));
   EXPECT_GE(ended.exit_code, 0) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("ended by the user"));
   EXPECT_THAT(processesWith(runs().string()), IsEmpty());
@@ -126,10 +126,11 @@ TEST_F(BrokenRun, ReportsTheReasonWhenTheDiskFillsAtOnce) {
   fs::create_directories(runs());
   const std::string disk = runs().string();
   const fs::path kept = folder.path() / "kept";
-  const Finished lab = run(
-      "exec unshare -Urm bash -c 'mount -t tmpfs -o size=170m none " + disk +
-      " && { sleep 6; dd if=/dev/zero of=" + disk + "/ballast bs=1M status=none; } & sleep 1; (" +
-      labRun(60) + "); code=$?; cp -r " + disk + "/abp-* " + kept.string() + "; exit $code'");
+  const Finished lab =
+      run("exec unshare -Urm bash -c 'mount -t tmpfs -o size=170m none " + disk + " && { " +
+          whenLogHasData(disk) + "dd if=/dev/zero of=" + disk + "/ballast bs=1M status=none; } & " +
+          whenMounted(disk) + "(" + labRun(60) + "); code=$?; cp -r " + disk + "/abp-* " +
+          kept.string() + "; exit $code'");
 
   EXPECT_EQ(lab.exit_code, 3) << lab.output;
   EXPECT_THAT(lab.output, HasSubstr("fault    the disk is full"));
@@ -147,7 +148,7 @@ TEST_F(BrokenRun, ClosesTheRunWhenItsFolderIsDeleted) {
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   fs::remove_all(theRun());
 
-  const Finished ended = lab.wait(seconds(20));
+  const Finished ended = lab.wait(seconds(60));
 
   EXPECT_EQ(ended.exit_code, 3) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("fault    the run's folder"));
@@ -159,7 +160,7 @@ TEST_F(BrokenRun, ClosesTheRunWhenItsLogIsDeleted) {
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
   fs::remove(theRun() / "log.lcmlog");
 
-  const Finished ended = lab.wait(seconds(20));
+  const Finished ended = lab.wait(seconds(60));
 
   EXPECT_EQ(ended.exit_code, 3) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("log.lcmlog is gone"));
@@ -168,14 +169,14 @@ TEST_F(BrokenRun, ClosesTheRunWhenItsLogIsDeleted) {
 TEST_F(BrokenRun, RecordsTheDeathOfTheLoggerInTheNextLog) {
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
-  const pid_t logger = processOf(lab, "lcm-logger");
+  const pid_t logger = processOf(lab, "recorder");
   ASSERT_GT(logger, 0);
   kill(logger, SIGKILL);
 
   const Finished ended = lab.wait(seconds(60));
 
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
-  const std::string fault = "lcm-logger died (killed by signal 9) and was restarted";
+  const std::string fault = "recorder died (killed by signal 9) and was restarted";
   EXPECT_THAT(ended.output, HasSubstr("fault    " + fault));
   EXPECT_THAT(recorded(experiment_event_t::FAULT), Contains(fault));
 }
@@ -227,7 +228,7 @@ TEST_F(BrokenRun, GoesOnWithoutAnAnalyzerThatKeepsDying) {
           analyzer = processOf(lab, "analyzer");
           return analyzer > 0 && analyzer != killed;
         },
-        seconds(10)))
+        seconds(60)))
         << "death " << deaths << "\n"
         << lab.output();
     kill(analyzer, SIGKILL);
@@ -256,21 +257,21 @@ TEST_F(BrokenRun, AStoppedServiceDoesNotOutliveAKilledRunner) {
   kill(simulator, SIGSTOP);
   lab.signal(SIGKILL);
 
-  EXPECT_TRUE(waitUntil([&] { return processesWith(runs().string()).empty(); }, seconds(10)));
+  EXPECT_TRUE(waitUntil([&] { return processesWith(runs().string()).empty(); }, seconds(60)));
   prctl(PR_SET_CHILD_SUBREAPER, 0);
 }
 
 TEST_F(BrokenRun, ReportsAHangingLogger) {
   Background lab(labRun(8));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
-  const pid_t logger = processOf(lab, "lcm-logger");
+  const pid_t logger = processOf(lab, "recorder");
   ASSERT_GT(logger, 0);
   kill(logger, SIGSTOP);
 
   const Finished ended = lab.wait(seconds(60));
 
-  EXPECT_THAT(ended.output, HasSubstr("fault    lcm-logger has written nothing for 3 s"));
-  EXPECT_THAT(ended.output, HasSubstr("fault    lcm-logger did not end on request"));
+  EXPECT_THAT(ended.output, HasSubstr("fault    recorder has written nothing for 3 s"));
+  EXPECT_THAT(ended.output, HasSubstr("fault    recorder did not end on request"));
 }
 
 /// After SIGCONT the runner receives the heartbeats again.

@@ -46,7 +46,7 @@ class MixedBodies : public testing::Test {
   /// Waits until the script begins: every robot has its light table.
   static bool waitUntilAllRun(Background& lab) {
     return waitUntil([&] { return lab.output().find("light half dark") != std::string::npos; },
-                     seconds(20));
+                     seconds(60));
   }
 
   static bool alive(pid_t process) { return kill(process, 0) == 0; }
@@ -143,7 +143,7 @@ TEST_F(MixedBodies, AStopReachesEveryBody) {
   EXPECT_EQ(stop.exit_code, 0) << stop.output;
   EXPECT_THAT(stop.output, HasSubstr("confirmed by 20 robots"));
   lab.signal(SIGINT);
-  lab.wait(seconds(30));
+  lab.wait(seconds(60));
 }
 
 TEST_F(MixedBodies, AKilledChipIsRestartedAndStands) {

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 #include <signal.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <lab/analysis_t.hpp>
 #include <lab/robot_status_t.hpp>
+#include <lab/tracked_frame_t.hpp>
 #include <map>
 #include <stdexcept>
 #include <string>
@@ -50,20 +53,39 @@ std::map<std::pair<int, int>, analysis_t> lastAnalyses(const fs::path& log, bool
   return last;
 }
 
+/// The time of the last camera frame [us since 1970].
+std::int64_t lastFrame(const fs::path& log) {
+  std::int64_t last = 0;
+  readLog({log}, [&last](const Packet& packet) {
+    tracked_frame_t frame{};
+    if (packet.channel == channels::kTrackedFrame && decode(packet.data, frame)) last = frame.utime;
+  });
+  return last;
+}
+
 TEST_F(Replay, AnAnalyzerFedByLcmLogplayerGivesTheSameResults) {
   const std::string url = "'udpm://239.255.76.67:24681?ttl=0&recv_buf_size=4194304'";
   const fs::path again = folder.path() / "again.lcmlog";
   Background logger("exec lcm-logger -q --lcm-url=" + url + " " + again.string());
   Background analyzer("exec analyzer --lcm-url " + url);
   ASSERT_TRUE(
-      waitUntil([&] { return fs::exists(again) && fs::file_size(again) > 0; }, seconds(10)));
+      waitUntil([&] { return fs::exists(again) && fs::file_size(again) > 0; }, seconds(60)));
   const Finished player = run("lcm-logplayer -s 15 -l " + url + " " + log.string());
   ASSERT_EQ(player.exit_code, 0) << player.output;
-  waitUntil([] { return false; }, seconds(2));  // the last update of the analyzer
+  const std::int64_t last_frame = lastFrame(log);
+  EXPECT_TRUE(waitUntil(
+      [&] {
+        const auto results = lastAnalyses(again, false);
+        return !results.empty() && std::ranges::all_of(results, [&](const auto& result) {
+          return result.second.utime >= last_frame;
+        });
+      },
+      seconds(60)))
+      << "the analyzer has not analyzed the last frame";
   analyzer.signal(SIGTERM);
-  EXPECT_EQ(analyzer.wait(seconds(10)).exit_code, 0);
+  EXPECT_EQ(analyzer.wait(seconds(60)).exit_code, 0);
   logger.signal(SIGTERM);
-  logger.wait(seconds(10));
+  logger.wait(seconds(60));
 
   const auto before = lastAnalyses(log, true);
   const auto after = lastAnalyses(again, false);
@@ -96,10 +118,10 @@ TEST_F(Replay, LabReplayPlaysAPartOnItsOwnBusAsReplay) {
                     " --from 10 --to 40 --speed 10 --port 24683 --channel ROBOT_STATUS");
   Background logger("exec lcm-logger -q '--lcm-url=udpm://239.255.76.67:24683?ttl=0' " +
                     recorded.string());
-  const Finished ended = player.wait(seconds(30));
+  const Finished ended = player.wait(seconds(60));
   EXPECT_EQ(ended.exit_code, 0) << ended.output;
   logger.signal(SIGTERM);
-  logger.wait(seconds(10));
+  logger.wait(seconds(60));
   int messages = 0;
   readLog({recorded}, [&messages](const Packet& packet) {
     // The state of the player is always published.

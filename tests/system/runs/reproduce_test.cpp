@@ -85,9 +85,9 @@ TEST(Reproduce, EndsCleanlyAtCtrlC) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "out";
   Background lab("exec lab reproduce --hours 20 --panels 2b --out " + out.string());
-  ASSERT_TRUE(waitUntil([&] { return fs::exists(out / "films"); }, std::chrono::seconds(20)));
+  ASSERT_TRUE(waitUntil([&] { return fs::exists(out / "films"); }, std::chrono::seconds(60)));
   lab.signal(SIGINT);
-  const Finished dut = lab.wait(std::chrono::seconds(20));
+  const Finished dut = lab.wait(std::chrono::seconds(60));
   EXPECT_EQ(dut.exit_code, 1) << dut.output;
   EXPECT_THAT(dut.output, HasSubstr("ended by the user"));
   EXPECT_FALSE(fs::exists(out));

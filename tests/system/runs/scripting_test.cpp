@@ -45,14 +45,14 @@ class Scripting : public testing::Test {
     Background lab("exec lab run " + experiment("light_switching").string() +
                    " --no-report --set duration_s=12 --out " + (folder_.path() / "runs").string());
     if (!waitUntil([&lab] { return lab.output().find("running") != std::string::npos; },
-                   milliseconds(15'000))) {
+                   milliseconds(60'000))) {
       ADD_FAILURE() << lab.output();
       return {};
     }
     const std::string text = lab.output();
     const std::size_t begin = text.find("udpm://");
     const std::string url = text.substr(begin, text.find_first_of(" \n", begin) - begin);
-    Finished finished = run(program + " '" + url + "'", seconds(30));
+    Finished finished = run(program + " '" + url + "'", seconds(60));
     EXPECT_EQ(lab.wait(seconds(60)).exit_code, 0) << lab.output();
     return finished;
   }

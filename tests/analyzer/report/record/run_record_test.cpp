@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <fstream>
+#include <lab/robot_stop_t.hpp>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -13,6 +16,8 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/message_header.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/process/version.hpp"
 #include "tests/analyzer/report/synthetic_lab.hpp"
 
 namespace lab::report {
@@ -375,6 +380,126 @@ TEST_F(RunRecordTest, BelievesOnlyTheRunsOwnRunner) {
   ASSERT_TRUE(dut.log.refused.contains("EXPERIMENT_EVENT"));
   EXPECT_EQ(dut.log.refused.at("EXPERIMENT_EVENT").count, 3);
   EXPECT_THAT(dut.log.refused.at("EXPERIMENT_EVENT").first, HasSubstr("from forger: sender"));
+}
+
+TEST_F(RunRecordTest, BelievesTheRunnerOfEachRunInALogOfTwo) {
+  const std::filesystem::path first = folder_.path() / "first";
+  const std::filesystem::path second = folder_.path() / "second";
+  for (const std::filesystem::path& one : {first, second}) {
+    SyntheticLab lab(one, experiment_);
+    lab.begin();
+    lab.runUntil(3);
+    lab.fault("fault of the " + one.filename().string());
+    lab.runUntil(20);
+    lab.end();
+  }
+  for (const bool ends : {true, false}) {
+    std::filesystem::remove(log());
+    {
+      LogWriter writer(log());
+      std::int64_t end = 0;
+      static_cast<void>(readLog({first}, [&](const Packet& packet) {
+        end = packet.received_utime;
+        experiment_event_t event{};
+        const bool last = packet.channel == channels::kExperimentEvent &&
+                          decode(packet.data, event) && event.kind == experiment_event_t::END;
+        if (ends || !last) writer.write(packet);
+      }));
+      const std::int64_t pause = end - VirtualLoop::kEpoch + 10'000'000;
+      static_cast<void>(readLog({second}, [&](const Packet& packet) {
+        experiment_event_t event{};
+        const std::int64_t utime = packet.received_utime + pause;
+        if (packet.channel != channels::kExperimentEvent || !decode(packet.data, event)) return;
+        event.instance += 1;
+        event.utime += pause;
+        writer.write({packet.channel, encode(event), utime});
+        // Another START within a run is not that of a run.
+        if (event.kind != experiment_event_t::FAULT) return;
+        event.sender = "forger";
+        event.kind = experiment_event_t::START;
+        event.contract_version = kContractVersion;
+        event.text = writeExperiment(experiment_);
+        writer.write({packet.channel, encode(event), utime});
+        event.kind = experiment_event_t::FAULT;
+        event.text = "forged";
+        writer.write({packet.channel, encode(event), utime});
+      }));
+    }
+
+    const RunRecord dut = read();
+
+    ASSERT_EQ(dut.faults.size(), 2U);
+    EXPECT_EQ(dut.faults[0].text, "fault of the first");
+    EXPECT_EQ(dut.faults[1].text, "fault of the second");
+    EXPECT_GT(dut.log.refused.at("EXPERIMENT_EVENT").count, 0);
+  }
+}
+
+TEST_F(RunRecordTest, RemovesOnlyTheRobotWithAnImpossibleNumber) {
+  const std::filesystem::path original = log().string() + ".original";
+  SyntheticLab(original, experiment_).run();
+  {
+    LogWriter writer(log());
+    static_cast<void>(readLog({original}, [&](const Packet& packet) {
+      tracked_frame_t frame{};
+      if (packet.channel != channels::kTrackedFrame || !decode(packet.data, frame)) {
+        writer.write(packet);
+        return;
+      }
+      frame.robots[0].x = 1e300;
+      writer.write({packet.channel, encode(frame), packet.received_utime});
+    }));
+  }
+
+  const RunRecord dut = read();
+
+  EXPECT_EQ(dut.log.frames, 400);
+  EXPECT_EQ(dut.tracks.rows.size(), 400U);
+  const RefusedMessages& refused = dut.log.refused.at("TRACKED_FRAME");
+  EXPECT_EQ(refused.count, 0);
+  EXPECT_EQ(refused.robots, 400);
+  EXPECT_THAT(refused.first, HasSubstr("robots[0].x: found 1e+300"));
+}
+
+TEST_F(RunRecordTest, CountsAStopWhateverItsHeaderIs) {
+  SyntheticLab(log(), experiment_).run();
+  {
+    LogWriter writer(log().string() + ".01");
+    robot_stop_t stop{};
+    stop.sender = "panic";
+    stop.utime = std::numeric_limits<std::int64_t>::min();
+    for (const std::int64_t seq : {stop.utime, -(stop.utime + 1), std::int64_t{-1}}) {
+      stop.seq = seq;
+      writer.write({channels::kRobotStop, encode(stop), VirtualLoop::kEpoch + 21'000'000});
+    }
+  }
+
+  const RunRecord dut = read();
+
+  EXPECT_FALSE(dut.log.refused.contains("ROBOT_STOP"));
+  EXPECT_EQ(streamOf(dut, "panic", channels::kRobotStop).received, 3);
+}
+
+TEST_F(RunRecordTest, ParsesAnExperimentThatIsNoneOnce) {
+  // The text takes 0.4 s to parse.
+  std::string text = "fileversion = 1\n";
+  for (int i = 0; i < 2000; ++i) text += "unknown_" + std::to_string(i) + " = 1\n";
+  {
+    LogWriter writer(log());
+    experiment_event_t start{};
+    start.kind = experiment_event_t::START;
+    start.sender = "lab";
+    start.contract_version = kContractVersion;
+    start.text = text;
+    const auto bytes = encode(start);
+    for (int i = 0; i < 400; ++i) writer.write({channels::kExperimentEvent, bytes, 1'000'000});
+  }
+  const auto before = std::chrono::steady_clock::now();
+
+  const auto start = findStart(logFiles(log()));
+
+  ASSERT_TRUE(start);
+  EXPECT_LT(std::chrono::steady_clock::now() - before, std::chrono::seconds(30));
 }
 
 TEST_F(RunRecordTest, BoundsItsStateUnderForgedSenders) {
