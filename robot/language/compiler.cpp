@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <optional>
 #include <set>
+#include <string_view>
 
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/language/checked_expression.hpp"
