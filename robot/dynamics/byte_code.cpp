@@ -12,33 +12,36 @@ struct Instruction {
   uint16_t cost;  ///< [cycles]; 0: no such instruction
 };
 
+// The costs are the largest ones of the compiled firmware on a simulated ATmega328P, over random
+// and extreme operands, and a tenth more.
 Instruction instruction(uint8_t opcode) {
   switch (opcode) {
     case kPushByte:
     case kPushPlain:
     case kLoad:
-      return {0, 1, 1, 200};
+      return {0, 1, 1, 110};
     case kPushShort:
-      return {0, 1, 2, 200};
+      return {0, 1, 2, 110};
     case kPushLong:
-      return {0, 1, 4, 200};
+      return {0, 1, 4, 110};
     case kPushForever:
-      return {0, 1, 0, 150};
+      return {0, 1, 0, 90};
     case kStore:
-      return {1, 0, 1, 200};
+      return {1, 0, 1, 110};
     case kRead:
-      return {0, 1, 1, 3000};
+      return {0, 1, 1, 1900};
     case kAdd:
     case kSubtract:
-      return {2, 1, 0, 400};
+      return {2, 1, 0, 260};
     case kMultiply:
-      return {2, 1, 0, 1200};
+      return {2, 1, 0, 500};
     case kDivide:
-      return {2, 1, 0, 6000};
+      return {2, 1, 0, 2200};
     case kNegate:
     case kAbs:
     case kSign:
-      return {1, 1, 0, 150};
+    case kNot:
+      return {1, 1, 0, 100};
     case kMin:
     case kMax:
     case kLess:
@@ -49,35 +52,33 @@ Instruction instruction(uint8_t opcode) {
     case kNotEqual:
     case kAnd:
     case kOr:
-      return {2, 1, 0, 200};
-    case kNot:
-      return {1, 1, 0, 150};
+      return {2, 1, 0, 180};
     case kSqrt:
-      return {1, 1, 0, 5000};
+      return {1, 1, 0, 7500};
     case kSin:
     case kCos:
-      return {1, 1, 0, 5000};
+      return {1, 1, 0, 3300};
     case kAtan2:
-      return {2, 1, 0, 12000};
+      return {2, 1, 0, 6700};
     case kSelect:
-      return {3, 1, 0, 200};
+      return {3, 1, 0, 120};
     case kUniform:
       return {2, 1, 0, 1500};
     case kNormal:
-      return {2, 1, 0, 15000};
+      return {2, 1, 0, 13500};
     case kExponential:
-      return {1, 1, 0, 4000};
+      return {1, 1, 0, 2500};
     case kPareto:
-      return {2, 1, 0, 16000};
+      return {2, 1, 0, 7000};
     case kChance:
-      return {1, 1, 0, 400};
+      return {1, 1, 0, 900};
     case kChanceOf:
-      return {0, 1, 4, 400};
+      return {0, 1, 4, 900};
     case kChoose:
-      return {1, 1, 0, 800};
+      return {1, 1, 0, 1300};
     case kDrive:
     case kWheelSpeeds:
-      return {4, 4, 0, 3000};
+      return {4, 4, 0, 1200};
     default:
       return {0, 0, 0, 0};
   }
