@@ -57,12 +57,12 @@ void AnalyzerService::take(const tracked_frame_t& frame) {
 void AnalyzerService::noteOverload() {
   const std::string pace =
       shedding_.longest() < 2 ? "" : fmt::format(" every {} s only,", shedding_.longest());
-  const std::string samples =
-      shedding_.leftOut() == 0
-          ? "samples"
-          : fmt::format("but {} of {} camera frames", shedding_.leftOut(), shedding_.frames());
+  const std::string samples = shedding_.leftOut() == 0
+                                  ? "from all samples"
+                                  : fmt::format("from all but {} of {} camera frames",
+                                                shedding_.leftOut(), shedding_.frames());
   node_.noteError(
-      fmt::format("overloaded: results are computed{} from all {}; the report is computed from the "
+      fmt::format("overloaded: results are computed{} {}; the report is computed from the "
                   "log and is complete",
                   pace, samples));
 }

@@ -67,9 +67,10 @@ for name in active-lab active-lab-gateway active-lab-emulator; do
   depends=$(dpkg-deb -f "$deb" Depends)
   expect "$name: Depends" "$depends" 'libc6'
   if [ $name = active-lab ]; then
-    for needed in liblcm1 liblcm-bin gnuplot-nox libqpdf libsdl2; do
+    for needed in liblcm1 gnuplot-nox libqpdf libsdl2; do
       expect "$name: Depends" "$depends" "$needed"
     done
+    expect "$name: Recommends" "$(dpkg-deb -f "$deb" Recommends)" liblcm-bin
     ! grep -q simavr <<<"$depends" || fail "$name: depends on the GPL's libsimavr"
   else
     expect "$name: Depends" "$depends" "active-lab \(= $version\)"
