@@ -33,10 +33,10 @@ class RobotAdmission {
   /// The message without the robots that are refused; nothing if none is.
   template <typename Message>
   [[nodiscard]] std::optional<Message> withoutRefused(const Message& message) {
-    const auto refused = [this](const auto& robot) { return !admits(robot.robot_id); };
-    if (std::ranges::none_of(message.robots, refused)) return std::nullopt;
+    const auto is_refused = [this](const auto& robot) { return !admits(robot.robot_id); };
+    if (std::ranges::none_of(message.robots, is_refused)) return std::nullopt;
     Message admitted = message;
-    std::erase_if(admitted.robots, refused);
+    std::erase_if(admitted.robots, is_refused);
     admitted.num_robots = static_cast<std::int32_t>(admitted.robots.size());
     return admitted;
   }
