@@ -31,7 +31,7 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
   node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
     feed_.take(status);
     // Once, so that it does not hide a later error until the next heartbeat.
-    if (feed_.refused() > 0 && !std::exchange(refusal_noted_, true)) {
+    if (feed_.refused() > 0 && !std::exchange(refused_state_noted_, true)) {
       node_.noteError(feed_.refusal());
     }
   });

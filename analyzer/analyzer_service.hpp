@@ -12,8 +12,8 @@ namespace lab::analysis {
 
 /// Listens to frames, robots and light, and publishes the results so far: one ANALYSIS message per
 /// program for the pool of its robots and one for each robot. Each is sent once a second, evenly
-/// spread over the second. On a machine that is too slow for that it leaves out results first and
-/// then camera frames (LoadShedding); the heartbeat says so and counts the frames.
+/// spread over the second. Under overload it first computes results less often, then skips camera
+/// frames (LoadShedding); the heartbeat says so and counts the frames.
 class AnalyzerService final : public Service {
  public:
   explicit AnalyzerService(const ServiceContext& context);
@@ -29,12 +29,14 @@ class AnalyzerService final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   AnalysisFeed feed_;
-  bool refusal_noted_ = false;
+  /// Whether the first robot state that the feed refused was reported as an error.
+  bool refused_state_noted_ = false;
   std::vector<FeedResult> round_;  ///< Results of the current second.
   std::size_t published_ = 0;      ///< Number of them already published.
   std::int64_t round_utime_ = 0;   ///< Last frame in them [us since 1970].
   LoadShedding shedding_;
-  std::int64_t begin_utime_ = 0;  ///< of the current results
+  /// Start of the computation of the current results [us since 1970].
+  std::int64_t begin_utime_ = 0;
   std::int64_t alive_utime_ = 0;  ///< Last heartbeat while results are computed.
   int slot_ = 0;                  ///< Slot within the second.
 };

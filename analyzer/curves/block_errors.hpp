@@ -7,22 +7,25 @@
 
 namespace lab::analysis {
 
-/// With fewer groups, the scatter of blocks alone is not reliable.
-inline constexpr std::size_t kFewBlocks = 8;
+/// With an effective number of groups below this, the scatter between groups is not a reliable
+/// error: the standard error is then at least the model's prediction, where there is one, and the
+/// note of the estimate says so.
+inline constexpr std::size_t kMinReliableGroups = 8;
 
 /// Merges adjacent blocks of each robot until every group lasts min_length (s). Blocks differ by
 /// some frames, so 5 % less is accepted. A remainder joins the group before it; a robot with less
 /// than min_length is one group.
 [[nodiscard]] std::vector<BlockSums> groupBlocks(const BlockData& data, double min_length);
 
-/// Functions of the sums, and the same functions with one group left out at a time.
+/// Values of several functions of the sums: for all groups (values[q]) and with one group omitted
+/// (without[group][q]).
 struct Replicates {
   std::vector<double> values;
-  std::vector<std::vector<double>> without;  ///< One row per group.
-  std::vector<double> shares;                ///< Share of each group in the observed time.
+  std::vector<std::vector<double>> without;
+  std::vector<double> shares;  ///< Share of each group in the observed time.
 
-  /// The jackknife standard error of function q for groups of unequal size (Busing, Meijer and van
-  /// der Leeden 1999); nan below 2 groups.
+  /// The jackknife standard error of the function with index q for groups of unequal size (Busing,
+  /// Meijer and van der Leeden 1999); nan below 2 groups.
   [[nodiscard]] double sigma(std::size_t q) const { return sigmaOf(values[q], column(q)); }
 
   /// The same for a function that is given by its value and its values without each group.

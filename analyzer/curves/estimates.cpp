@@ -77,7 +77,7 @@ void setInterval(Estimate& estimate, double degrees_of_freedom, bool known_error
   estimate.n_eff = degrees_of_freedom + 1;
   if (!std::isfinite(estimate.value)) {
     estimate.note += "; too little data";
-  } else if (degrees_of_freedom + 1 < static_cast<double>(kFewBlocks)) {
+  } else if (degrees_of_freedom + 1 < static_cast<double>(kMinReliableGroups)) {
     estimate.note += "; few blocks, error not below the law's own";
   }
 }
@@ -277,7 +277,7 @@ class Report {
   /// With few blocks, sets sigma to the prediction of the law if that is larger. Returns whether it
   /// did.
   static bool boundedByModel(Estimate& estimate, double model, double dof) {
-    if (dof + 1 >= static_cast<double>(kFewBlocks) || estimate.sigma >= model) {
+    if (dof + 1 >= static_cast<double>(kMinReliableGroups) || estimate.sigma >= model) {
       return false;
     }
     estimate.sigma = model;

@@ -50,11 +50,11 @@ double BpKurtosis::ofWindow(double first, double holds, double last) const {
     return Part{square_(t) * t2, turned_(t) * t2, fourth_(t) * t2 * t2};
   };
   const Part a = part(first);
-  const Part whole = part(epsilon_);
+  const Part full_hold = part(epsilon_);
   const Part b = part(last);
-  return a.fourth + holds * whole.fourth + b.fourth +
-         4 * pairsOfChain(a.square, whole.square, b.square, holds, 1) +
-         2 * pairsOfChain(a.turned, whole.turned, b.turned, holds, q2_);
+  return a.fourth + holds * full_hold.fourth + b.fourth +
+         4 * sumOverHoldPairs(a.square, full_hold.square, b.square, holds, 1) +
+         2 * sumOverHoldPairs(a.turned, full_hold.turned, b.turned, holds, q2_);
 }
 
 double BpKurtosis::fourthMoment(double tau) const {

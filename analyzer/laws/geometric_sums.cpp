@@ -17,10 +17,10 @@ GeometricSums geometricSums(double q, double n) {
   return sums;
 }
 
-double pairsOfChain(double first, double whole, double last, double n, double q) {
+double sumOverHoldPairs(double first, double full_hold, double last, double n, double q) {
   const GeometricSums sums = geometricSums(q, n);
-  return whole * (first + last) * sums.plain + first * last * std::pow(q, n) +
-         whole * whole * sums.weighted;
+  return full_hold * (first + last) * sums.plain + first * last * std::pow(q, n) +
+         full_hold * full_hold * sums.weighted;
 }
 
 }  // namespace lab::analysis

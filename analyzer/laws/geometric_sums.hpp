@@ -11,8 +11,13 @@ struct GeometricSums {
 /// @param q in (-1, 1]; n a whole number, at least 0.
 [[nodiscard]] GeometricSums geometricSums(double q, double n);
 
-/// The sum of f_i f_j q^(j - i - 1) over the pairs i < j of n + 2 values, of which the n between
-/// the first and the last one are all equal to `whole`.
-[[nodiscard]] double pairsOfChain(double first, double whole, double last, double n, double q);
+/// The cross terms of different holds in moments of the displacement over a lag window: in its mean
+/// square (PhasedNoise) and its fourth moment (BpKurtosis). A lag window covers part of a first
+/// hold, n complete holds and part of a last hold.
+/// @param first, full_hold, last contributions f_i of the holds; every complete one has the same
+/// @param q correlation factor of adjacent holds
+/// @return the sum over i < j of f_i f_j q^(j - i - 1)
+[[nodiscard]] double sumOverHoldPairs(double first, double full_hold, double last, double n,
+                                      double q);
 
 }  // namespace lab::analysis

@@ -34,7 +34,7 @@ double PhasedNoise::msd(double tau, double to_update) const {
   const auto alone = [&](double t) { return va2 * chi_twice_(t) + psi_twice_(t); };
   const auto [first, holds, last] = window(tau, to_update);
   const double pairs =
-      pairsOfChain(chi_once_(first), chi_once_(noise_.epsilon()), chi_once_(last), holds, q_);
+      sumOverHoldPairs(chi_once_(first), chi_once_(noise_.epsilon()), chi_once_(last), holds, q_);
   return 2 * (alone(first) + holds * alone(noise_.epsilon()) + alone(last) + va2 * pairs);
 }
 

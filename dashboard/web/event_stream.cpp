@@ -37,10 +37,12 @@ void appendEvent(std::string& to, std::string_view topic, std::string_view text)
 std::string EventStream::next() {
   std::string text;
   if (!begun_) text = "retry: 1000\n\n";
+  // changesSince() advances seen_.
   std::vector<Hub::Change> changes = hub_.changesSince(seen_, begun_ ? kMaxWait : 0ms);
   if (begun_ && !changes.empty() && Clock::now() < written_ + kGather) {
     std::this_thread::sleep_until(written_ + kGather);
     std::vector<Hub::Change> newer = hub_.changesSince(seen_, 0ms);
+    // A topic that changed again is sent once, with its newest text.
     std::erase_if(changes, [&newer](const Hub::Change& old) {
       return std::ranges::find(newer, old.topic, &Hub::Change::topic) != newer.end();
     });
@@ -48,6 +50,8 @@ std::string EventStream::next() {
   }
   begun_ = true;
   for (const Hub::Change& change : changes) {
+    // Topics with a leading dot are raw pixels, which the page requests; they are not sent as
+    // events.
     if (!change.topic.starts_with('.')) appendEvent(text, change.topic, *change.text);
   }
   const auto now = Clock::now();

@@ -13,10 +13,11 @@
 
 namespace lab::projector {
 
-/// For each frame, calls back to decide the field, shows it, and reports it. Without a display a
-/// frame is shown at its boundary. With a display, the field is decided as late as possible before
-/// the swap, which is the display's next refresh, or a boundary of the clock if the display does
-/// not wait for the refresh. If the display is closed or does not answer, frames continue by the
+/// For each frame, calls back to compute the light field, shows it, and reports it. Without a
+/// display, a frame is shown at the next tick of FrameClock (its boundary). With a display, the
+/// light field is computed as late as possible before the swap. The swap is the next display
+/// refresh. If the display does not wait for its refresh, the swap is the next boundary. If the
+/// display is closed or does not answer, frames continue by the
 /// clock, and the state reports the fault.
 class FrameLoop {
  public:

@@ -34,11 +34,11 @@ constexpr std::array<ProgramCommand, 8> kProgramCommands{{
     {"analyze", "lab-analyze",
      "Make summary, report, trajectories and figures from a log or a file of poses"},
     {"theory", "lab-analyze",
-     "Print the exact laws of a program as CSV, beside the paper's formula"},
+     "Print the theoretical curves of a motion model and the paper's formulas as CSV"},
     {"track", "lab-track", "Track all robots in a movie or in pictures, without a lab"},
     {"reproduce", "lab-reproduce",
      "Reproduce the paper's figures 2, 3, 4 in virtual time, on one page"},
-    {"program", "lab-program", "List, show, check and trace programs of motion"},
+    {"program", "lab-program", "List, show, check and trace motion programs"},
     {"doctor", "lab-doctor",
      "Check this machine; for each problem print the command that fixes it"},
 }};

@@ -47,8 +47,8 @@ void addCheck(CLI::App& app, Chosen& chosen) {
 void addReplay(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   auto options = std::make_shared<ReplayOptions>();
   options->programs = programs;
-  CLI::App* command =
-      app.add_subcommand("replay", "Play a log onto a bus of its own; the space bar pauses");
+  CLI::App* command = app.add_subcommand(
+      "replay", "Play a recorded log on a separate LCM bus; the space bar pauses");
   command->add_option("LOG", options->log, "Log, or folder of a run")->required();
   command
       ->add_option("--from", options->from,

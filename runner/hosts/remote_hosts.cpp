@@ -191,8 +191,8 @@ std::string RemoteHosts::noDdsTraffic() const {
   return experiment_.link.security.empty()
              ? "nothing is heard over DDS; does a firewall let UDP through (docs/hosts.md)?"
              : "nothing is heard over DDS; does a firewall let UDP through (docs/hosts.md), and "
-               "has "
-               "the gateway there certificates of the same CA (link.security, docs/security.md)?";
+               "does the gateway there have certificates of the same CA (link.security, "
+               "docs/security.md)?";
 }
 
 std::string RemoteHosts::notJoined() const {

@@ -94,7 +94,7 @@ class TableCollector final : public KeyVisitor {
                    const std::function<void(const std::string&)>& keys) override {
     const std::string path = current().path + key.name + ".NAME";
     section(path + ".", "[" + path + "]",
-            key.meaning + ": " + name_rule.text() + " (" + countText(rule) + ")",
+            key.meaning + ": " + name_rule.text() + "; " + countText(rule) + " tables of this kind",
             [&] { keys("NAME"); });
   }
 

@@ -69,10 +69,11 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"lease_s",
             "a robot stops after this time without a further order; orders are sent every 0.2 s"},
            {0.4, 60}, robot.lease);
-  v.number({"free_run_s",
-            "a robot continues for this time without a further order, instead of lease_s; 0: it "
-            "does not"},
-           {0, kLongestFreeRun}, robot.free_run);
+  v.number(
+      {"free_run_s",
+       "if longer than lease_s, a robot stops only after this time without a further order; 0: "
+       "it stops after lease_s"},
+      {0, kLongestFreeRun}, robot.free_run);
   v.flag({"resume_after_reboot",
           "a wire, firmware or serial robot that reboots during a run continues by itself; false: "
           "it stands "
@@ -204,8 +205,8 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
   const auto painted = [&](Key key) { return tracker.only({Tracker::kCamera}, std::move(key)); };
   const auto modelled = [&](Key key) { return tracker.only({Tracker::kSimPoses}, std::move(key)); };
   v.text(painted({"camera",
-                  "sim: the one that sim_svc simulates; else a device, a movie, an address, or "
-                  "pipeline: --camera-pipeline of the command line (docs/cameras.md)"}),
+                  "sim: the one that sim_svc simulates; else a device, a movie, an address, or the "
+                  "word pipeline: the text of --camera-pipeline is used (docs/cameras.md)"}),
          {.most = 400}, camera.source);
   v.number({"fps", "frames per second"}, {1, 500}, camera.fps);
   std::int64_t width = camera.width;

@@ -93,7 +93,8 @@ void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
       entry.y);
   v.number(kind.only({kHalfPlane, kLinearGradient, kStripes, kChecker, kImage, kNoise, kWave},
                      {"angle_deg",
-                      "direction, counter-clockwise from x: towards the lit side, up the gradient, "
+                      "direction, counter-clockwise from x: towards the lit side, from intensity "
+                      "to intensity2 of a gradient, "
                       "across the stripes, of the image's lower edge, of the wave's propagation"}),
            kAngle, layer.angle);
   v.number(

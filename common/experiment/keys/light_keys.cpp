@@ -146,11 +146,11 @@ void visitLight(KeyVisitor& v, ExperimentForm& form) {
   v.number({"safe_intensity", "shown everywhere while no command is valid"}, kShare,
            light.safe_intensity);
   v.flag({"repeat", "the steps are repeated after the last one"}, light.repeat);
-  v.optionalNumber(
-      {.name = "length_s",
-       .meaning = "end of the last step, only with at_s and repeat; else the length of one pass",
-       .default_text = "-"},
-      {.low = 0, .high = kLongestRun, .above_low = true}, form.light_length);
+  v.optionalNumber({.name = "length_s",
+                    .meaning = "end of the last step, which is the length of one pass; required "
+                               "with at_s and repeat, not allowed otherwise",
+                    .default_text = "-"},
+                   {.low = 0, .high = kLongestRun, .above_low = true}, form.light_length);
   visitList(v, {"steps", "The steps of the light"}, {.fewest = 0, .most = 1000}, form.light_steps,
             [&](StepEntry& step) { visitStep(v, step); });
 }

@@ -22,8 +22,8 @@ void visitBus(KeyVisitor& v, Network& network) {
   std::int64_t port = network.port;
   std::int64_t ttl = network.ttl;
   v.integer({"port", "UDP port of the LCM bus, 0: a free one"}, 0, 65535, port);
-  v.integer({"ttl", "number of routers that a message may pass, 0: it does not leave this machine"},
-            0, 255, ttl);
+  v.integer({"ttl", "IP multicast TTL; 0: this machine only; 1: this network segment"}, 0, 255,
+            ttl);
   network.port = static_cast<int>(port);
   network.ttl = static_cast<int>(ttl);
 }

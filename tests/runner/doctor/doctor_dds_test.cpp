@@ -8,8 +8,10 @@ namespace {
 using testing::HasSubstr;
 using Level = Finding::Level;
 
-const DdsEndpoint kWriter{true, "rt/lab/robot1/pose", "PoseStamped_", true, false};
-const DdsEndpoint kReader{false, "rt/lab/robot1/pose", "PoseStamped_", true, false};
+const DdsEndpoint kWriter{
+    .writer = true, .topic = "rt/lab/robot1/pose", .type = "PoseStamped_", .reliable = true};
+const DdsEndpoint kReader{
+    .writer = false, .topic = "rt/lab/robot1/pose", .type = "PoseStamped_", .reliable = true};
 
 std::vector<Finding> findingsOf(std::vector<DdsEndpoint> endpoints) {
   DdsFacts facts;
@@ -29,14 +31,14 @@ TEST(DoctorDds, CountsParticipantsWritersAndReaders) {
 TEST(DoctorDds, ReportsIncompatibleWritersAndReaders) {
   DdsEndpoint best_effort = kWriter;
   best_effort.reliable = false;
-  DdsEndpoint late = kReader;
-  late.latched = true;
+  DdsEndpoint latched = kReader;
+  latched.latched = true;
   DdsEndpoint other_type = kReader;
   other_type.type = "String_";
 
   EXPECT_THAT(findingsOf({best_effort, kReader}).at(1).what,
               HasSubstr("rt/lab/robot1/pose does not match a writer: the writer is best effort"));
-  EXPECT_THAT(findingsOf({kWriter, late}).at(1).what, HasSubstr("wants transient local"));
+  EXPECT_THAT(findingsOf({kWriter, latched}).at(1).what, HasSubstr("wants transient local"));
   EXPECT_THAT(findingsOf({kWriter, other_type}).at(1).what, HasSubstr("the reader's String_"));
   EXPECT_THAT(findingsOf({best_effort, kReader}).at(1).fix, HasSubstr("/lab/robot1/pose"));
   EXPECT_EQ(findingsOf({best_effort, kReader, kReader}).size(), 2U) << "reported once";
@@ -54,8 +56,16 @@ TEST(DoctorDds, IgnoresCompatibleReadersAndOtherTopics) {
 
 // The lab reads commands in two types, so a writer of either type is received.
 TEST(DoctorDds, AParticipantThatReadsTwoTypesMatchesBoth) {
-  const DdsEndpoint teleop{true, "rt/lab/robot1/cmd_vel", "Twist_", true, false, "teleop"};
-  const DdsEndpoint plain{false, "rt/lab/robot1/cmd_vel", "Twist_", true, false, "lab"};
+  const DdsEndpoint teleop{.writer = true,
+                           .topic = "rt/lab/robot1/cmd_vel",
+                           .type = "Twist_",
+                           .reliable = true,
+                           .owner = "teleop"};
+  const DdsEndpoint plain{.writer = false,
+                          .topic = "rt/lab/robot1/cmd_vel",
+                          .type = "Twist_",
+                          .reliable = true,
+                          .owner = "lab"};
   DdsEndpoint stamped = plain;
   stamped.type = "TwistStamped_";
   EXPECT_EQ(findingsOf({teleop, plain, stamped}).size(), 1U);
@@ -85,20 +95,21 @@ TEST(DoctorDds, UsesTheConfigurationOfTheGateway) {
 }
 
 TEST(DoctorPorts, NamesPortsInUse) {
-  const auto all = [](int) { return true; };
-  const auto none = [](int) { return false; };
+  const auto all_free = [](int) { return true; };
+  const auto none_free = [](int) { return false; };
   Experiment experiment;
-  EXPECT_TRUE(judgePorts(experiment, none, none).empty()) << "any port will do, no ROS 2";
+  EXPECT_TRUE(judgePorts(experiment, none_free, none_free).empty()) << "any port will do, no ROS 2";
 
   experiment.network.port = 23456;
   experiment.gateway.ros = true;
   experiment.gateway.domain = 3;
-  EXPECT_TRUE(judgePorts(experiment, all, all).empty());
-  const auto found = judgePorts(experiment, none, none);
+  EXPECT_TRUE(judgePorts(experiment, all_free, all_free).empty());
+  const auto found = judgePorts(experiment, none_free, none_free);
   ASSERT_EQ(found.size(), 2U);
   EXPECT_EQ(found[0].level, Level::kWarning);
   EXPECT_THAT(found[0].what, HasSubstr("UDP port 23456 (network.port) is in use"));
   EXPECT_THAT(found[0].fix, HasSubstr("another network.port"));
+  // 7400 + 250 * domain, the first port of the domain.
   EXPECT_THAT(found[1].what, HasSubstr("UDP port 8150 (gateway.domain = 3) is in use"));
   EXPECT_THAT(found[1].fix, HasSubstr("another gateway.domain"));
 }

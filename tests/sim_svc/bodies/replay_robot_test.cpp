@@ -24,6 +24,7 @@ using testing::ThrowsMessage;
 constexpr std::int64_t kSecond_us = 1'000'000;
 constexpr std::int64_t kFirst = 1'000 * kSecond_us;    // the first frame of the recording
 constexpr std::int64_t kScript = kFirst + kSecond_us;  // its script starts a second later
+/// Time in the new run at which the replay starts.
 constexpr std::int64_t kLive = 5'000 * kSecond_us;
 
 template <class Message>
@@ -139,6 +140,7 @@ TEST_F(ReplayRobotTest, IsGoneAfterTheEnd) {
 }
 
 TEST_F(ReplayRobotTest, ReadsTheFolderOfARun) {
+  // The script starts at frame 50 of 0 to 500.
   EXPECT_EQ(loadRecording(folder / "", 4, 0).frames.size(), 451U);
 }
 

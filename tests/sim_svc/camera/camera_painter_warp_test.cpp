@@ -16,6 +16,7 @@ constexpr int kRows = 360;
 constexpr double kWidth = 1.2;
 constexpr double kHeight = 0.9;
 
+/// A white sheet at sensor height, where light is specified.
 PainterSettings plain() {
   PainterSettings settings;
   settings.camera = optics::simulatedCamera(kColumns, kRows, kWidth, kHeight);
@@ -30,7 +31,8 @@ PainterSettings plain() {
 optics::ProjectorModel nominal() { return {kWidth, kHeight, 1920, 1080}; }
 
 optics::ProjectorWarp bent() {
-  return {nominal(), optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {0.15, 0.08, 0, 0})};
+  return {nominal(), optics::simulatedProjector(kWidth, kHeight, 1920, 1080,
+                                                {.keystone = 0.15, .barrel = 0.08})};
 }
 
 light::Field disk(double x, double y, double radius) {
@@ -64,8 +66,9 @@ optics::Pixel middleOfLight(CameraPainter& painter) {
   return {x / sum, y / sum};
 }
 
-/// The point of the arena on which the light commanded at the disk's centre falls.
-optics::Place fallsOf(const optics::ProjectorWarp& warp, const optics::Place& commanded) {
+/// The point of the arena on which light falls that is commanded at `commanded`. Inverts
+/// warp.source() by fixed-point iteration.
+optics::Place whereLightFalls(const optics::ProjectorWarp& warp, const optics::Place& commanded) {
   optics::Place place = commanded;
   for (int i = 0; i < 50; ++i) {
     const optics::Place source = warp.source(place).value();
@@ -81,21 +84,21 @@ TEST(CameraPainterWarp, ADiskIsVisibleWhereItsLightFalls) {
   for (const bool straight : {true, false}) {
     if (!straight) settings.warp = bent();
     CameraPainter painter(settings);
-    const optics::Place place = fallsOf(settings.warp, {0.95, 0.2});
+    const optics::Place place = whereLightFalls(settings.warp, {0.95, 0.2});
     const optics::Pixel expected = camera.project(place.x, place.y, optics::kSensorHeight);
     const optics::Pixel seen = middleOfLight(painter);
     // The distortion of the disk's outline moves its centroid by about 0.01 px.
     EXPECT_NEAR(seen.x, expected.x, straight ? 0.01 : 0.03);
     EXPECT_NEAR(seen.y, expected.y, straight ? 0.01 : 0.03);
   }
-  const optics::Place place = fallsOf(bent(), {0.95, 0.2});
+  const optics::Place place = whereLightFalls(bent(), {0.95, 0.2});
   EXPECT_GT(std::hypot(place.x - 0.95, place.y - 0.2), 0.02);
 }
 
 TEST(CameraPainterWarp, IsDarkOutsideTheProjectorsPicture) {
   PainterSettings settings = plain();
   settings.warp = {nominal(),
-                   optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {0, 0, 0.1, 0})};
+                   optics::simulatedProjector(kWidth, kHeight, 1920, 1080, {.offset_x = 0.1})};
   CameraPainter painter(settings);
   painter.setLight({{light::Layer{.intensity = 1}}, {}, 1});
   const std::vector<float> seen = painter.expose({});
