@@ -17,7 +17,7 @@ command -v mmdebstrap >/dev/null || skip "no mmdebstrap: apt-get install mmdebst
 work=$(mktemp -d "${2:-${TMPDIR:-/tmp}}/active-lab-debian13.XXXXXX")
 root=$work/root
 trap 'umount -l "$root/proc" "$root/sys" "$root/dev" 2>/dev/null; rm -rf --one-file-system "$work"' EXIT
-mmdebstrap --quiet --variant=apt --dpkgopt='force-unsafe-io' --include=ca-certificates trixie "$root" \
+mmdebstrap --quiet --variant=apt --dpkgopt='force-unsafe-io' --include=ca-certificates,mount trixie "$root" \
   ${LAB_MIRROR:+"$LAB_MIRROR"} >"$work/bootstrap.log" 2>&1 || {
   tail -n 3 "$work/bootstrap.log"
   skip "no bare root could be made: is a mirror reachable?"
