@@ -545,7 +545,7 @@ void requireDimension(const CheckedExpression& number, const Dimension& dimensio
 
 bool isReserved(std::string_view name) {
   constexpr std::array<std::string_view, 5> kWords{"and", "or", "not", "pi", "forever"};
-  return unitNamed(name).has_value() || functionNamed(name) != nullptr ||
+  return unitNamed(name).has_value() ||
          std::find(kWords.begin(), kWords.end(), name) != kWords.end() ||
          std::any_of(kSensors.begin(), kSensors.end(),
                      [&](const Sensor& sensor) { return sensor.name == name; });

@@ -64,7 +64,8 @@ struct RangeNote {
 void requireDimension(const CheckedExpression& number, const Dimension& dimension,
                       const std::string& what, std::size_t offset);
 
-/// Whether the language gives this name a meaning, so that no program may.
+/// Whether the language gives this name a meaning, so that no program may. Names of functions are
+/// free, because a function is a name with a bracket.
 [[nodiscard]] bool isReserved(std::string_view name);
 
 }  // namespace lab::language

@@ -272,19 +272,22 @@ class Parser {
     return finish(std::move(inner));
   }
 
-  /// A number, and the unit that may follow it: "5 cm" is 5 * cm.
+  /// A number, and the unit that may follow it: "5 cm" is 5 * cm, and "3 1/s" is 3 * 1 / s.
   Expression parseNumber() {
     Expression number;
     number.value = token_.value;
     number.offset = token_.offset;
     advance();
     number = finish(std::move(number));
-    if (token_.kind != TokenKind::kName || !unitNamed(token_.text)) {
+    const bool named = token_.kind == TokenKind::kName && unitNamed(token_.text);
+    const bool inverse = token_.kind == TokenKind::kNumber && token_.text == "1";
+    if (!named && !inverse) {
       return number;
     }
     Expression unit;
-    unit.kind = Expression::kName;
-    unit.name = token_.text;
+    unit.kind = named ? Expression::kName : Expression::kNumber;
+    unit.name = named ? token_.text : "";
+    unit.value = 1;
     unit.offset = token_.offset;
     advance();
     return binary("*", std::move(number), finish(std::move(unit)));

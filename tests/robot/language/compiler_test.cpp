@@ -28,7 +28,7 @@ ProgramText activeBrownian() {
 ProgramText runAndTumble() {
   ProgramText text;
   text.name = "rtp";
-  text.parameters = {{"v", "5 cm/s"}, {"gamma", "3 / s"}, {"tau_t", "0.5 s"}};
+  text.parameters = {{"v", "5 cm/s"}, {"gamma", "3 1/s"}, {"tau_t", "0.5 s"}};
   PhaseText run;
   run.name = "run";
   run.forward = "v";
@@ -48,12 +48,11 @@ ProgramText runReverse() {
   text.name = "run_reverse";
   text.parameters = {
       {"v", "5 cm/s"}, {"gamma", "0.5 1/s"}, {"eta", "0.4 rad/s"}, {"epsilon", "0.1 s"}};
-  text.parameters[1].second = "0.5 / s";
-  text.state = {{"sign_of_v", "1"}};
+  text.state = {{"sign", "1"}};
   PhaseText run;
   run.name = "run";
-  run.set = {{"sign_of_v", "if(chance(gamma*epsilon), -sign_of_v, sign_of_v)"}};
-  run.forward = "sign_of_v*v";
+  run.set = {{"sign", "if(chance(gamma*epsilon), -sign, sign)"}};
+  run.forward = "sign*v";
   run.turn = "uniform(-eta, eta)";
   run.hold = "epsilon";
   run.next = "run";
@@ -196,16 +195,16 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"unit of the hold", [](ProgramText& p) { run(p).hold = "gamma"; }, "phases.run.hold",
               "expected a number in s"},
         Wrong{"unit of a state", [](ProgramText& p) { run(p).set[0].second = "v"; },
-              "phases.run.set.sign_of_v", "expected a number without unit"},
+              "phases.run.set.sign", "expected a number without unit"},
         Wrong{"unit of an angle", [](ProgramText& p) { run(p).forward = "v*sin(v)"; },
               "phases.run.forward", "the angle 'v' is a number in cm/s"},
         Wrong{"unit of a probability",
               [](ProgramText& p) { run(p).set[0].second = "if(chance(gamma), 1, 2)"; },
-              "phases.run.set.sign_of_v", "the probability 'gamma' is a number in 1/s"},
+              "phases.run.set.sign", "the probability 'gamma' is a number in 1/s"},
         Wrong{"root of no square", [](ProgramText& p) { run(p).forward = "sqrt(v)"; },
               "phases.run.forward", "expected a square"},
         Wrong{"unknown name", [](ProgramText& p) { run(p).forward = "w"; }, "phases.run.forward",
-              "unknown name 'w'; this program has epsilon, eta, gamma, v, sign_of_v, run"},
+              "unknown name 'w'; this program has epsilon, eta, gamma, v, sign, run"},
         Wrong{"unknown function", [](ProgramText& p) { run(p).forward = "log(v)"; },
               "phases.run.forward", "unknown function 'log'; there are if, min"},
         Wrong{"wrong number of arguments", [](ProgramText& p) { run(p).turn = "uniform(eta)"; },
@@ -253,13 +252,13 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"no such sensor", [](ProgramText& p) { run(p).until = "ir(6) > 0.5"; },
               "phases.run.until", "expected a whole number from 0 to 5"},
         Wrong{"sensor number that is not constant",
-              [](ProgramText& p) { run(p).until = "ir(sign_of_v) > 0.5"; }, "phases.run.until",
+              [](ProgramText& p) { run(p).until = "ir(sign) > 0.5"; }, "phases.run.until",
               "expected a whole number from 0 to 5"},
         Wrong{"division by zero", [](ProgramText& p) { run(p).forward = "v / 0"; },
               "phases.run.forward", "division by zero"},
         Wrong{"probability above 1",
               [](ProgramText& p) { run(p).set[0].second = "if(chance(1.5), 1, -1)"; },
-              "phases.run.set.sign_of_v", "expected 0 to 1"},
+              "phases.run.set.sign", "expected 0 to 1"},
         Wrong{"negative mean", [](ProgramText& p) { run(p).hold = "exponential(-1 s)"; },
               "phases.run.hold", "expected more than 0"},
         Wrong{"choose of none", [](ProgramText& p) { run(p).forward = "v * choose(0)"; },
@@ -342,7 +341,7 @@ INSTANTIATE_TEST_SUITE_P(
         Doubtful{"normal speed", [](ProgramText& p) { run(p).forward = "normal(v, v)"; },
                  "can ask for a wheel speed of"},
         Doubtful{"root of a negative state",
-                 [](ProgramText& p) { run(p).forward = "v * sqrt(sign_of_v)"; }, "can be negative"},
+                 [](ProgramText& p) { run(p).forward = "v * sqrt(sign)"; }, "can be negative"},
         Doubtful{"probability of a sensor",
                  [](ProgramText& p) { run(p).forward = "if(chance(2*light), v, 0)"; },
                  "can lie outside 0 to 1"},

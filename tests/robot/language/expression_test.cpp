@@ -43,6 +43,7 @@ TEST(Expression, AUnitBelongsToItsNumber) {
   EXPECT_EQ(parsed("5 cm/s"), "((5 * cm) / s)");
   EXPECT_EQ(parsed("2 / 5 cm"), "(2 / (5 * cm))");
   EXPECT_EQ(parsed("1/s"), "(1 / s)");
+  EXPECT_EQ(parsed("3 1/s"), "((3 * 1) / s)");
 }
 
 TEST(Expression, SaysWhatItCoversInTheText) {
