@@ -195,16 +195,15 @@ class Reading {
       runner_ = sender;
       ended_ = false;
     }
-    if (*runner_ == sender) {
-      runner_utime_ = received_utime;
-      ended_ = ended_ || event.kind == experiment_event_t::END;
-    } else {
+    if (*runner_ != sender) {
       refuse(channels::kExperimentEvent, event.sender,
              fmt::format("sender: found \"{}\" (instance {}), expected the runner \"{}\" "
                          "(instance {})",
                          event.sender, event.instance, runner_->first, runner_->second));
       return;
     }
+    runner_utime_ = received_utime;
+    ended_ = ended_ || event.kind == experiment_event_t::END;
     sinks_.event(event);
   }
 
