@@ -172,8 +172,7 @@ class Checker {
       throw SyntaxError(node.offset,
                         "'" + node.name + "' is a function: write " + std::string(function->usage));
     }
-    throw SyntaxError(node.offset,
-                      "unknown name '" + node.name + "'" + scope_.suggestions(node.name));
+    throw SyntaxError(node.offset, "unknown name '" + node.name + "'" + scope_.knownNames());
   }
 
   static CheckedExpression readInput(std::uint8_t input, const Dimension& dimension,
@@ -314,6 +313,8 @@ class Checker {
     CheckedExpression result = combined(x[1].type, kPure, join(x[1].range, x[2].range),
                                         dynamics::kSelect, {x[0], x[1], x[2]});
     result.constant = false;
+    // Sensors and history may never let a branch be taken; a draw does.
+    result.range.attained = result.range.attained && x[0].range.attained;
     result.phases = x[1].phases | x[2].phases;
     if (x[1].type == Type::kNumber) {
       result.dimension = commonDimension(node, 1, x[1], x[2]);
@@ -457,7 +458,7 @@ class Checker {
       notes_.push_back({operand.offset, "the probability " + quoted(operand) +
                                             " can lie outside 0 to 1, where it counts as 0 or 1"});
     }
-    return combined(Type::kTruth, kPure, Interval{0, 1, false}, dynamics::kChance, {x});
+    return combined(Type::kTruth, kPure, Interval{0, 1, x.constant}, dynamics::kChance, {x});
   }
 
   void requirePositive(const CheckedExpression& x, const Expression& node,
@@ -512,7 +513,7 @@ class Checker {
 
 }  // namespace
 
-std::string Scope::suggestions(std::string_view) const {
+std::string Scope::knownNames() const {
   std::string text;
   const auto add = [&](const std::string& name) { text += (text.empty() ? "" : ", ") + name; };
   for (const auto& [name, value] : parameters) {

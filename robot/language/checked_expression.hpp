@@ -45,7 +45,7 @@ struct Scope {
   std::map<std::string, StateVariable, std::less<>> states;
   std::map<std::string, std::uint8_t, std::less<>> phases;
   /// The end of a message about an unknown name: what there is.
-  [[nodiscard]] std::string suggestions(std::string_view unknown) const;
+  [[nodiscard]] std::string knownNames() const;
 };
 
 /// Notes of what can go wrong when the program runs.

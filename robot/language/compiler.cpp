@@ -10,6 +10,7 @@
 #include <string_view>
 
 #include "robot/dynamics/byte_code.hpp"
+#include "robot/dynamics/machine.hpp"
 #include "robot/language/checked_expression.hpp"
 #include "robot/language/code_generator.hpp"
 #include "robot/language/expression.hpp"
@@ -18,10 +19,10 @@ namespace lab::language {
 namespace {
 
 constexpr double kCmPerMetre = 100;
-constexpr double kShortestHold = 0.0005;  // rounds to 1 ms
-constexpr double kLongestHold = 3600;
+constexpr double kShortestHold = 0.0005;                          // rounds to 1 ms
+constexpr double kLongestHold = dynamics::kLongestHoldMs * 1e-3;  // s
 constexpr double kRoundingSlack = 1e-9;  // so that a limit met exactly is not refused
-/// So often the ranges of state variables are extended before they count as unlimited.
+/// The ranges of state variables are extended so often. What still grows then is unlimited.
 constexpr int kRangeRounds = 12;
 
 std::string number(double value) {
@@ -326,15 +327,13 @@ class Compiler {
 
   /// Extends the ranges of the state variables until no phase leaves them.
   void findRanges() {
-    for (int round = 0; round < kRangeRounds; ++round) {
-      if (!extendRanges(round == kRangeRounds - 1)) {
-        return;
-      }
+    // Ends, because each variable becomes unlimited only once.
+    for (int round = 1; extendRanges(round >= kRangeRounds); ++round) {
       checkPhases();
     }
   }
 
-  bool extendRanges(bool last) {
+  bool extendRanges(bool to_the_limits) {
     bool extended = false;
     for (const CheckedPhase& phase : phases_) {
       for (const auto& [number, value] : phase.set) {
@@ -343,7 +342,7 @@ class Compiler {
         if (joined.low == range.low && joined.high == range.high) {
           continue;
         }
-        if (last) {
+        if (to_the_limits) {
           joined = bounds(-kLargestNumber, kLargestNumber);
         }
         range = {joined.low, joined.high, false};

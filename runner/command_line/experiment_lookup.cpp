@@ -19,7 +19,9 @@ bool isFile(const fs::path& path) {
   return fs::exists(path, error) && !fs::is_directory(path, error);
 }
 
-std::vector<std::string> namesIn(const fs::path& folder) {
+}  // namespace
+
+std::vector<std::string> tomlNamesIn(const fs::path& folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
@@ -29,15 +31,13 @@ std::vector<std::string> namesIn(const fs::path& folder) {
   return names;
 }
 
-}  // namespace
-
 fs::path findExperiment(const fs::path& named, const fs::path& shipped) {
   // A path with a folder is returned as it is: the reader of experiment files reports its errors.
   if (named.empty() || named.has_parent_path() || isFile(named)) return named;
   fs::path file = shipped / named;
   if (named.extension() != ".toml") file += ".toml";
   if (isFile(file)) return file;
-  const std::vector<std::string> names = namesIn(shipped);
+  const std::vector<std::string> names = tomlNamesIn(shipped);
   throw UserError(fmt::format("no experiment {}: looked for the files {} and {}; {}{}",
                               named.string(), fs::absolute(named).string(), file.string(),
                               names.empty() ? "no experiment is shipped there"

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +15,7 @@
 #include "robot/dynamics/machine.hpp"
 #include "robot/language/listing.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/experiment_lookup.hpp"
 #include "runner/command_line/print_line.hpp"
 
 namespace lab::runner {
@@ -26,23 +27,13 @@ constexpr double kCyclesPerMs = 8000;  // the robot's clock has 8 MHz
 
 fs::path shippedPrograms() { return installation().motion_programs; }
 
-std::vector<std::string> namesIn(const fs::path& folder) {
-  std::vector<std::string> names;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
-  }
-  std::ranges::sort(names);
-  return names;
-}
-
 fs::path findProgram(const std::string& named, const fs::path& shipped) {
   const fs::path file = named;
   std::error_code error;
   if (file.has_parent_path() || file.extension() == ".toml" || fs::exists(file, error)) return file;
   const fs::path of_name = shipped / (named + ".toml");
   if (fs::exists(of_name, error)) return of_name;
-  const std::vector<std::string> names = namesIn(shipped);
+  const std::vector<std::string> names = tomlNamesIn(shipped);
   throw UserError(fmt::format("no program {}: looked for the files {} and {}; there are {}{}",
                               named, fs::absolute(file).string(), of_name.string(),
                               fmt::join(names, ", "), didYouMean(named, names)));
@@ -119,10 +110,12 @@ std::string traceProgram(const ProgramFile& program, const TraceOptions& options
   machine.start(compiled.code.data(), static_cast<std::uint8_t>(compiled.code.size()), inputs, rng);
   for (int i = 0; i < options.holds; ++i) {
     const dynamics::PhaseResult hold = machine.next(inputs, rng);
+    const double turning_rate =
+        (hold.right_um_s - hold.left_um_s) * 1e-6 / dynamics::WheelLimits().wheel_base;
     const bool endless = hold.duration_ms == dynamics::kEndless;
     fmt::format_to(out, "{:10.3f} {:>12} {:10.4f} {:10.4f} {:10.4f} {:>10}", inputs.time_ms / 1e3,
                    compiled.phases[machine.phase()].name, hold.left_um_s / 1e4,
-                   hold.right_um_s / 1e4, (hold.right_um_s - hold.left_um_s) / 75000.0,
+                   hold.right_um_s / 1e4, turning_rate,
                    endless ? "forever" : fmt::format("{:.3f}", hold.duration_ms / 1e3));
     for (std::size_t state = 0; state < compiled.states.size(); ++state) {
       fmt::format_to(
@@ -136,8 +129,7 @@ std::string traceProgram(const ProgramFile& program, const TraceOptions& options
         std::abs(static_cast<std::int64_t>(hold.left_um_s) + hold.right_um_s) * hold.duration_ms /
         2000);
     inputs.heading_turns += dynamics::turnsOf(static_cast<dynamics::Fixed>(
-        std::remainder((hold.right_um_s - hold.left_um_s) / 75000.0 * hold.duration_ms / 1e3,
-                       2 * 3.14159265358979323846) *
+        std::remainder(turning_rate * hold.duration_ms / 1e3, 2 * std::numbers::pi) *
         dynamics::kOne));
   }
   if (machine.saturationCount() > 0) {
@@ -148,7 +140,7 @@ std::string traceProgram(const ProgramFile& program, const TraceOptions& options
 
 int listPrograms() {
   const fs::path shipped = shippedPrograms();
-  for (const std::string& name : namesIn(shipped)) {
+  for (const std::string& name : tomlNamesIn(shipped)) {
     const ProgramFile program = loadProgram((shipped / (name + ".toml")).string(), shipped);
     printLine(fmt::format("{:20} {:3} bytes  {}", name, program.compiled.code.size(),
                           program.text.description));

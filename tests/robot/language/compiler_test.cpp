@@ -235,6 +235,9 @@ INSTANTIATE_TEST_SUITE_P(
               "phases.run.hold", "can be -1 s"},
         Wrong{"wheels too fast", [](ProgramText& p) { run(p).forward = "30 cm/s"; }, "phases.run",
               "needs a wheel speed of 31.5 cm/s, the wheels reach 27 cm/s"},
+        Wrong{"too fast after a draw",
+              [](ProgramText& p) { run(p).forward = "if(chance(0.5), 30 cm/s, v)"; }, "phases.run",
+              "the wheels reach 27 cm/s"},
         Wrong{"turn too fast",
               [](ProgramText& p) {
                 run(p).forward = "v";
@@ -338,6 +341,9 @@ INSTANTIATE_TEST_SUITE_P(
         Doubtful{"division by a sensor",
                  [](ProgramText& p) { run(p).forward = "min(v, v*0.1/light)"; },
                  "'light' can be 0"},
+        Doubtful{"fast in bright light only",
+                 [](ProgramText& p) { run(p).forward = "if(light > 0.5, 30 cm/s, v)"; },
+                 "can ask for a wheel speed of"},
         Doubtful{"normal speed", [](ProgramText& p) { run(p).forward = "normal(v, v)"; },
                  "can ask for a wheel speed of"},
         Doubtful{"root of a negative state",
