@@ -240,7 +240,7 @@ void SimService::sampleTruth() {
     pose.y = state.pose.y;
     pose.theta = state.pose.theta;
     pose.program =
-        state.external ? external_robots_.kind(i) : static_cast<std::int8_t>(state.core.kind);
+        state.external ? external_robots_.program(i) : std::int64_t{state.core.program};
     pose.contact_robot = state.contact_robot ? 1 : 0;
     pose.contact_wall = state.contact_wall ? 1 : 0;
     truth.robots.push_back(pose);

@@ -17,7 +17,6 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
-#include "robot/dynamics/program.hpp"
 
 namespace lab {
 namespace {
@@ -49,13 +48,8 @@ std::optional<std::string> impossibleHeader(std::string_view channel, std::int64
   return check.problem();
 }
 
-static void checkValues(ValueChecker& check, const program_t& program) {
-  for (const double value :
-       {program.v, program.va, program.V, program.epsilon, program.eta, program.gamma,
-        program.tau_t, program.wheel_left, program.wheel_right}) {
-    check.number("parameter", value, -kLargest, kLargest);
-  }
-  check.whole("kind", program.kind, 0, dynamics::kProgramKinds - 1);
+static void checkValues(ValueChecker& check, const program_id_t& program) {
+  check.whole("hash", program.hash, 0, std::numeric_limits<std::uint32_t>::max());
 }
 
 static void checkValues(ValueChecker& check, const robot_state_t& state) {
@@ -64,6 +58,7 @@ static void checkValues(ValueChecker& check, const robot_state_t& state) {
   check.time("reversal_start_utime", state.reversal_start_utime);
   check.time("reversal_end_utime", state.reversal_end_utime);
   check.part("program", state.program);
+  check.whole("phase", state.phase, 0, std::numeric_limits<std::int8_t>::max());
   check.whole("program_epoch", state.program_epoch, 0, kMost32);
   check.whole("reversal_count", state.reversal_count, 0, kMost32);
   check.whole("tumble_count", state.tumble_count, 0, kMost32);

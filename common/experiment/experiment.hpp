@@ -10,13 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "common/programs/program.hpp"
 #include "light/field/drive.hpp"
-#include "robot/dynamics/robot_program.hpp"
+#include "robot/dynamics/wheel_limits.hpp"
 
 namespace lab {
-
-using dynamics::ProgramKind;
-using dynamics::RobotProgram;
 
 /// The body of a robot: how it is realised (docs/bodies.md).
 enum class Body : std::int8_t {
@@ -312,6 +310,7 @@ struct Gateway {
   std::string configuration;  ///< path of a Cyclone DDS XML file that replaces the built-in one
   std::string security;       ///< folder of certificates, as in the file; empty: none
   bool commands = false;      ///< whether ROS 2 may drive robots and light
+  bool load_programs = false;       ///< whether it may send texts of programs
   bool unsecured_commands = false;  ///< accept commands from other hosts without DDS Security
   std::vector<std::int32_t> command_robots;  ///< robots that it may drive, empty: all
   double command_timeout = 0.4;  ///< [s] a driven robot stands after this time without a command
@@ -388,7 +387,7 @@ struct Experiment {
   RobotHardware hardware;
   SerialLines serial;
   std::vector<RobotSpec> robots;  ///< sorted by id
-  std::map<std::string, RobotProgram> programs;
+  std::map<std::string, Program> programs;
   LightTable light_table;
   Reversal reversal;
   LightScript light;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "sim_svc/bodies/experiment_setup.hpp"
 
@@ -70,25 +71,27 @@ std::string BusRobots::handle(const robot_command_t& command) {
 void BusRobots::execute(Link& link, const robot_order_t& order, const OrderSettings& settings) {
   link.rejected = !settings.refusal.empty();
   if (link.rejected) return;
+  for (const program_t& program : settings.programs) {
+    world_.addProgram(static_cast<std::uint32_t>(program.id.hash), program.code);
+  }
+  dynamics::CoreSettings core_settings = settings.core;
+  core_settings.robot_id = static_cast<std::uint16_t>(world_.id(link.body));
   switch (order.mode) {
     case robot_order_t::TABLE:
-      link.programs = settings.programs;
+      link.programs.clear();
+      for (const program_t& program : settings.programs) link.programs.push_back(program.id);
       world_.setReversesFromRobots(link.body, order.reverse_on == robot_order_t::REVERSE_ANY);
-      world_.order(link.body, [&settings](dynamics::RobotCore& core, std::uint32_t now_ms) {
-        core.configure(now_ms, settings.core);
+      world_.order(link.body, [&core_settings](dynamics::RobotCore& core, std::uint32_t now_ms) {
+        core.configure(now_ms, core_settings);
         core.runPrograms(now_ms);
       });
       break;
     case robot_order_t::DRIVE: {
-      link.driven = {};
-      link.driven.kind = program_t::WHEELS;
-      link.driven.wheel_left = order.wheel_left;
-      link.driven.wheel_right = order.wheel_right;
       const auto left = static_cast<std::int32_t>(std::lround(order.wheel_left * 1e6));
       const auto right = static_cast<std::int32_t>(std::lround(order.wheel_right * 1e6));
       world_.order(link.body,
-                   [&settings, left, right](dynamics::RobotCore& core, std::uint32_t now_ms) {
-                     core.configure(now_ms, settings.core);
+                   [&core_settings, left, right](dynamics::RobotCore& core, std::uint32_t now_ms) {
+                     core.configure(now_ms, core_settings);
                      core.driveWheels(now_ms, left, right);
                    });
       break;
@@ -153,9 +156,10 @@ robot_state_t BusRobots::stateOf(Link& link, std::int64_t origin_utime) {
   const bool in_table = state.core.slot < link.programs.size();
   if (in_table) {
     message.program = link.programs[state.core.slot];
-  } else if (state.core.kind == dynamics::kWheels) {
-    message.program = link.driven;
+  } else if ((state.core.flags & dynamics::kDriven) != 0) {
+    message.program.name = kDrivenByHost;
   }
+  message.phase = static_cast<std::int8_t>(state.core.phase);
   message.band = static_cast<std::int8_t>(in_table ? state.core.slot : -1);
   message.program_epoch = static_cast<std::int32_t>(state.core.program_epoch);
   message.program_start_utime = utimeOf(state.program_start);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <lab/program_id_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_state_t.hpp>
@@ -49,8 +50,7 @@ class BusRobots {
     std::int32_t messages_to = 0;
     std::int32_t messages_from = 0;
     bool rejected = false;
-    std::vector<program_t> programs;  ///< by slot
-    program_t driven{};               ///< the wheel speeds of the last DRIVE order
+    std::vector<program_id_t> programs;  ///< by slot
     std::int64_t robot_contacts = 0;  ///< already reported
     std::int64_t wall_contacts = 0;
     std::uint32_t saturations = 0;

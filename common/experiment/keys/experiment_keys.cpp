@@ -16,10 +16,6 @@
 namespace lab::keys {
 namespace {
 
-const std::array<Choice, 6> kModels = {
-    {choiceOf("abp", ProgramKind::kAbp), choiceOf("noisy_abp", ProgramKind::kNoisyAbp),
-     choiceOf("bp", ProgramKind::kBp), choiceOf("rtp", ProgramKind::kRtp),
-     choiceOf("stand", ProgramKind::kNone), choiceOf("wheels", ProgramKind::kWheels)}};
 const std::array<Choice, 5> kBodies = {{choiceOf("sim", Body::kSim), choiceOf("wire", Body::kWire),
                                         choiceOf("firmware", Body::kFirmware),
                                         choiceOf("serial", Body::kSerial),
@@ -129,40 +125,6 @@ void visitRobot(KeyVisitor& v, RobotEntry& robot) {
   v.number(body.only({Body::kReplay},
                      {"from_s", "time in that log's script at which the replay begins"}),
            {0, kLongestRun}, robot.from);
-}
-
-void visitProgram(KeyVisitor& v, RobotProgram& program) {
-  const Selector model(v, {"model", "the kind of motion", Need::kRequired}, kModels, program.kind);
-  const auto needed = [](const char* name, const char* meaning) {
-    return Key{name, meaning, Need::kRequired};
-  };
-  v.number(
-      model.only({ProgramKind::kAbp, ProgramKind::kRtp}, needed("v_cm_s", "speed; of a run (rtp)")),
-      kSpeed, program.v);
-  v.number(model.only({ProgramKind::kNoisyAbp}, needed("va_cm_s", "mean speed of each wheel")),
-           kSpeed, program.va);
-  v.number(model.only({ProgramKind::kNoisyAbp, ProgramKind::kBp},
-                      needed("V_cm_s", "half width of the wheels' uniform speed noise")),
-           {0, 500}, program.V);
-  v.number(model.only({ProgramKind::kAbp, ProgramKind::kNoisyAbp, ProgramKind::kBp},
-                      needed("epsilon_s",
-                             "time for which one draw is held; whole milliseconds, at least "
-                             "robot.sensor_period_ms")),
-           kHold, program.epsilon);
-  v.number(model.only({ProgramKind::kAbp},
-                      needed("eta_rad_s", "half width of the uniform rate of turning")),
-           {0, 1000}, program.eta);
-  v.number(
-      model.only({ProgramKind::kRtp}, needed("gamma_per_s", "rate of tumbling: 1 / mean run time")),
-      {0.01, 1000}, program.gamma);
-  v.number(model.only({ProgramKind::kRtp}, needed("tau_t_s",
-                                                  "duration of a tumble; whole milliseconds, "
-                                                  "at least robot.sensor_period_ms")),
-           kHold, program.tau_t);
-  v.number(model.only({ProgramKind::kWheels}, needed("left_cm_s", "speed of the left wheel")),
-           kSpeed, program.wheel_left);
-  v.number(model.only({ProgramKind::kWheels}, needed("right_cm_s", "speed of the right wheel")),
-           kSpeed, program.wheel_right);
 }
 
 void visitLightTable(KeyVisitor& v, LightTable& table) {
@@ -298,8 +260,7 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
   v.namedTables({"programs", "What robots can do; choose NAME freely", Need::kRequired},
                 {.most = 32, .bare = true}, {.fewest = 1, .most = 100}, names,
                 [&](const std::string& name) {
-                  RobotProgram& program = e.programs[name];
-                  visitProgram(v, program);
+                  v.program(name, wheelLimits(e.hardware), e.programs[name]);
                 });
   v.table({"light_table", "Which light selects which program"},
           [&] { visitLightTable(v, e.light_table); });

@@ -53,6 +53,8 @@ void visitGateway(KeyVisitor& v, Gateway& gateway) {
   v.text({"security", "folder of DDS Security certificates (docs/security.md); \"\": none"},
          {.most = kLongestPath}, gateway.security);
   v.flag({"commands", "whether ROS 2 may drive robots and light"}, gateway.commands);
+  v.flag({"load_programs", "with commands: whether ROS 2 may send texts of programs of motion"},
+         gateway.load_programs);
   v.flag({"unsecured_commands",
           "take commands also from other hosts without DDS Security: anybody on that network can "
           "then drive the robots"},
