@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "robot/dynamics/robot_program.hpp"
+#include "robot/dynamics/wheel_limits.hpp"
 #include "robot/language/compiler.hpp"
 #include "robot/language/program_text.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "robot/dynamics/robot_program.hpp"
+#include "robot/dynamics/wheel_limits.hpp"
 #include "robot/language/dimension.hpp"
 #include "robot/language/interval.hpp"
 #include "robot/language/program_text.hpp"
