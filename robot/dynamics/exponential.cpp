@@ -45,11 +45,5 @@ uint32_t negativeLog(uint32_t bits) {
                                32);
 }
 
-uint32_t exponentialMs(Rng& rng, uint32_t mean_us) {
-  const uint64_t product = static_cast<uint64_t>(negativeLog(rng.next())) * mean_us;
-  const uint32_t microseconds = static_cast<uint32_t>((product + 0x8000U) >> 16);
-  return (microseconds + 500U) / 1000U;
-}
-
 }  // namespace dynamics
 }  // namespace lab

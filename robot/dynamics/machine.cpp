@@ -179,6 +179,7 @@ void Machine::start(const uint8_t* code, uint8_t size, const MachineInputs& inpu
   phase_ = 0;
   next_phase_ = 0;
   zero_holds_ = 0;
+  interruptible_ = false;
   for (uint8_t i = 0; i < kStates; ++i) {
     states_[i] = 0;
   }
@@ -197,6 +198,7 @@ PhaseResult Machine::next(const MachineInputs& inputs, Rng& rng) {
   phase_ = next_phase_;
   const uint8_t evaluation = blockPosition(code_, static_cast<uint8_t>(2 * phase_ + 1));
   interruption_ = static_cast<uint8_t>(evaluation + 1U + code_[evaluation]);
+  interruptible_ = code_[interruption_] != 0;
   run(evaluation, inputs, rng);
   next_phase_ = phaseNumber(stack_[3]);
 

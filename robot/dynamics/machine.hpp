@@ -56,7 +56,7 @@ class Machine {
   bool interrupted(const MachineInputs& inputs, Rng& rng);
 
   /// Whether interrupted() can be true in the present phase.
-  bool canBeInterrupted() const { return size_ != 0 && code_[interruption_] != 0; }
+  bool canBeInterrupted() const { return interruptible_; }
 
   uint8_t phase() const { return phase_; }
   Fixed state(uint8_t index) const { return states_[index % kStates]; }
@@ -66,10 +66,20 @@ class Machine {
   /// that were lengthened.
   uint32_t saturationCount() const { return saturations_; }
 
+  /// Whether that number grew since the last call.
+  bool takeSaturated() {
+    const bool grew = grew_;
+    grew_ = false;
+    return grew;
+  }
+
  private:
   void run(uint8_t block, const MachineInputs& inputs, Rng& rng);
   uint8_t phaseNumber(Fixed plain);
-  void count() { saturations_ += saturated_ ? 1U : 0U; }
+  void count() {
+    saturations_ += saturated_ ? 1U : 0U;
+    grew_ = grew_ || saturated_;
+  }
 
   const uint8_t* code_ = nullptr;
   uint8_t size_ = 0;
@@ -77,8 +87,10 @@ class Machine {
   uint8_t next_phase_ = 0;
   uint8_t interruption_ = 0;  ///< Position of the present interruption block.
   uint8_t zero_holds_ = 0;
+  bool interruptible_ = false;
   bool wheel_speeds_ = false;  ///< The speeds on the stack are those of the wheels.
   bool saturated_ = false;     ///< In the present block.
+  bool grew_ = false;          ///< See takeSaturated().
   Fixed states_[kStates] = {};
   Fixed stack_[kLargestStack] = {};
   uint32_t saturations_ = 0;

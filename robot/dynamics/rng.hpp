@@ -66,15 +66,5 @@ class Rng {
   uint32_t state_[4];
 };
 
-/// A uniform integer in [-amplitude, amplitude], both ends included; amplitude in 0..2^30. The
-/// probabilities of the values are equal up to a relative error of 2^-32 (2 amplitude + 1).
-inline int32_t uniformInt(Rng& rng, int32_t amplitude) {
-  const uint32_t count = 2U * static_cast<uint32_t>(amplitude) + 1U;
-  const uint64_t scaled = static_cast<uint64_t>(rng.next()) * count;
-  // Unsigned, so that no amplitude overflows.
-  return static_cast<int32_t>(static_cast<uint32_t>(scaled >> 32) -
-                              static_cast<uint32_t>(amplitude));
-}
-
 }  // namespace dynamics
 }  // namespace lab

@@ -38,19 +38,24 @@ bool operator==(const CoreSettings& a, const CoreSettings& b) {
     }
   }
   return a.light == b.light && equal(a.reversal, b.reversal) &&
-         a.max_wheel_um_s == b.max_wheel_um_s && a.sensor_period_ms == b.sensor_period_ms;
+         a.max_wheel_um_s == b.max_wheel_um_s && a.half_wheel_base_um == b.half_wheel_base_um &&
+         a.sensor_period_ms == b.sensor_period_ms && a.robot_id == b.robot_id;
 }
 
 void RobotCore::configure(uint32_t now_ms, const CoreSettings& settings) {
   advanceTo(now_ms);
-  if (configured_ && settings == settings_) {
+  if (configured_ && settings == settings_ &&
+      !(missing_ && programs_->find(settings_.programs[report_.slot]).size != 0)) {
     return;
   }
   configured_ = true;
   settings_ = settings;
+  inputs_.id = settings.robot_id;
+  inputs_.half_wheel_base_um = settings.half_wheel_base_um;
+  odometry_.setHalfWheelBase(settings.half_wheel_base_um);
   light_.configure(settings.light);
   if (measured_) {
-    light_.update(sensors_.light_front, sensors_.light_back);
+    light_.update(inputs_.sensors.light_front, inputs_.sensors.light_back);
   }
   restart(now_ms);
 }
@@ -107,7 +112,7 @@ void RobotCore::renewLease(uint32_t now_ms, uint32_t lease_ms) {
 
 void RobotCore::sense(uint32_t now_ms, const Sensors& sensors) {
   advanceTo(now_ms);
-  sensors_ = sensors;
+  inputs_.sensors = sensors;
   measured_ = true;
   const uint8_t approaching = approachingSensors();
   const uint8_t old_slot = light_.slot();
@@ -122,15 +127,21 @@ void RobotCore::sense(uint32_t now_ms, const Sensors& sensors) {
     }
     return;
   }
-  if (report_.slot == kNoSlot || !settings_.reversal.enabled ||
-      settings_.reversal.speed_um_s <= 0) {
-    return;  // at no speed a reversal would never end
+  // At no speed a reversal would never end.
+  if (approaching != 0 && report_.slot != kNoSlot && settings_.reversal.enabled &&
+      settings_.reversal.speed_um_s > 0) {
+    const int32_t forward = wrappingSum(report_.held.left, report_.held.right);
+    if (forward > 0 && (approaching & kFrontSensors) != 0) {
+      beginReversal(now_ms, -1);
+      return;
+    }
+    if (forward < 0 && (approaching & kRearSensors) != 0) {
+      beginReversal(now_ms, 1);
+      return;
+    }
   }
-  const int32_t forward = wrappingSum(report_.held.left, report_.held.right);
-  if (forward > 0 && (approaching & kFrontSensors) != 0) {
-    beginReversal(now_ms, -1);
-  } else if (forward < 0 && (approaching & kRearSensors) != 0) {
-    beginReversal(now_ms, 1);
+  if (machine_.canBeInterrupted()) {
+    lookForInterruption(now_ms);
   }
 }
 
@@ -189,21 +200,28 @@ uint16_t RobotCore::flags() const {
   addIf(stopped_, kStopped, flags);
   addIf(!leased_, kLeaseExpired, flags);
   addIf(saturated_, kSaturated, flags);
-  addIf(tumbling_, kTumbling, flags);
+  addIf(report_.phase != 0, kTumbling, flags);
   addIf(mode_ == kDrive, kDriven, flags);
   addIf(light_.slot() == kNoSlot, kNoLightBand, flags);
   addIf(!configured_, kUnconfigured, flags);
+  addIf(missing_, kNoProgram, flags);
   return flags;
 }
 
 uint32_t RobotCore::runTimeMs(uint32_t now_ms) const {
-  return run_time_ms_ + (inRun() ? now_ms - run_since_ms_ : 0);
+  return run_time_ms_ + (inRun() ? now_ms - counted_ms_ : 0);
 }
 
-// Updates the run time; to be called before any change of the state that it depends on.
-void RobotCore::countRunTime(uint32_t now_ms) {
-  run_time_ms_ = runTimeMs(now_ms);
-  run_since_ms_ = now_ms;
+// Updates times and odometry; to be called before any change of the state that they depend on.
+void RobotCore::countTime(uint32_t now_ms) {
+  const uint32_t passed_ms = now_ms - counted_ms_;
+  counted_ms_ = now_ms;
+  if (report_.program == 0 || reversal_direction_ != 0) {
+    return;
+  }
+  run_time_ms_ += report_.phase == 0 ? passed_ms : 0;
+  program_time_ms_ += passed_ms;
+  odometry_.add(report_.held.left, report_.held.right, passed_ms);
 }
 
 // The earliest pending event. At equal times the end of the lease comes first, because stopping
@@ -246,42 +264,72 @@ void RobotCore::switchProgram(uint32_t now_ms) {
 }
 
 void RobotCore::startSelected(uint32_t now_ms) {
-  countRunTime(now_ms);
+  countTime(now_ms);
   report_.slot = kNoSlot;
-  ProgramParams params;
-  if (mayMove() && mode_ == kDrive) {
-    params.kind = kWheels;
-    params.left_um_s = driven_wheels_.left;
-    params.right_um_s = driven_wheels_.right;
-  } else if (mayMove() && mode_ == kTable && light_.slot() < kSlots) {
+  uint32_t hash = 0;
+  if (mayMove() && mode_ == kTable && light_.slot() < kSlots) {
     report_.slot = light_.slot();
-    params = settings_.programs[report_.slot];
+    hash = settings_.programs[report_.slot];
   }
-  program_.start(params);
-  report_.kind = params.kind;
+  const ProgramBytes program = hash == 0 ? ProgramBytes() : programs_->find(hash);
+  missing_ = hash != 0 && program.size == 0;
+  report_.program = missing_ ? 0 : hash;
   ++report_.program_epoch;
   report_.program_start_ms = now_ms;
+  odometry_.reset();
+  program_time_ms_ = 0;
+  phase_begin_ms_ = 0;
+  updateInputs();
+  machine_.start(program.code, program.size, inputs_, rng_);
   beginHold(now_ms);
 }
 
+void RobotCore::updateInputs() {
+  inputs_.time_ms = program_time_ms_;
+  inputs_.phase_time_ms = program_time_ms_ - phase_begin_ms_;
+  inputs_.heading_turns = odometry_.headingTurns();
+  inputs_.distance_um = odometry_.distanceUm();
+}
+
 void RobotCore::beginHold(uint32_t now_ms) {
-  countRunTime(now_ms);
-  const Hold hold = program_.next(rng_);
-  saturated_ = false;
+  countTime(now_ms);
+  phase_begin_ms_ = program_time_ms_;
+  PhaseResult hold;
+  hold.duration_ms = kEndless;
+  if (report_.program != 0) {
+    updateInputs();
+    hold = machine_.next(inputs_, rng_);
+  } else if (mayMove() && mode_ == kDrive) {
+    hold.left_um_s = driven_wheels_.left;
+    hold.right_um_s = driven_wheels_.right;
+  }
+  saturated_ = machine_.takeSaturated();
   report_.held.left = clampWheel(hold.left_um_s, settings_.max_wheel_um_s, saturated_);
   report_.held.right = clampWheel(hold.right_um_s, settings_.max_wheel_um_s, saturated_);
-  tumbling_ = hold.tumble;
-  hold_ends_ = hold.duration_ms != kForever;
+  report_.phase = machine_.phase();
+  hold_ends_ = hold.duration_ms != kEndless;
   hold_start_ms_ = now_ms;
   hold_duration_ms_ = hold.duration_ms;
   hold_end_ms_ = now_ms + hold.duration_ms;
   ++report_.draw_count;
-  report_.tumble_count += hold.tumble ? 1U : 0U;
+  report_.tumble_count += report_.phase != 0 ? 1U : 0U;
   report_.saturation_count += saturated_ ? 1U : 0U;
 }
 
+// Ends the hold if the sensors fulfil the condition of the phase.
+void RobotCore::lookForInterruption(uint32_t now_ms) {
+  countTime(now_ms);
+  updateInputs();
+  if (machine_.interrupted(inputs_, rng_)) {
+    beginHold(now_ms);
+  } else if (machine_.takeSaturated() && !saturated_) {
+    saturated_ = true;
+    ++report_.saturation_count;
+  }
+}
+
 void RobotCore::beginReversal(uint32_t now_ms, int8_t direction) {
-  countRunTime(now_ms);
+  countTime(now_ms);
   hold_remaining_ms_ = hold_end_ms_ - now_ms;
   reversal_direction_ = direction;
   reversal_due_ms_ = now_ms + reversalMs(settings_.reversal);
@@ -291,7 +339,7 @@ void RobotCore::beginReversal(uint32_t now_ms, int8_t direction) {
 }
 
 void RobotCore::endReversal(uint32_t now_ms) {
-  countRunTime(now_ms);
+  countTime(now_ms);
   reversal_direction_ = 0;
   hold_end_ms_ = now_ms + hold_remaining_ms_;
   report_.reversal_end_ms = now_ms;
@@ -300,19 +348,21 @@ void RobotCore::endReversal(uint32_t now_ms) {
 
 void RobotCore::resetBaselines() {
   for (uint8_t i = 0; i < kIrSensors; ++i) {
-    baseline_[i] = sensors_.ir[i];
+    baseline_[i] = inputs_.sensors.ir[i];
   }
 }
 
 // Lowers the baselines to lower readings. Returns a bit mask of the sensors that detect an
 // approach.
 uint8_t RobotCore::approachingSensors() {
+  const uint32_t margin = settings_.reversal.ir_margin;
   uint8_t mask = 0;
   for (uint8_t i = 0; i < kIrSensors; ++i) {
-    if (sensors_.ir[i] < baseline_[i]) {
-      baseline_[i] = sensors_.ir[i];
+    const uint16_t reading = inputs_.sensors.ir[i];
+    if (reading < baseline_[i]) {
+      baseline_[i] = reading;
     }
-    if (sensors_.ir[i] > baseline_[i] + settings_.reversal.ir_margin) {
+    if (reading > baseline_[i] + margin) {
       mask = static_cast<uint8_t>(mask | (1U << i));
     }
   }

@@ -3,8 +3,10 @@
 #include <stdint.h>
 
 #include "robot/dynamics/light_table.hpp"
+#include "robot/dynamics/machine.hpp"
 #include "robot/dynamics/motor.hpp"
-#include "robot/dynamics/program.hpp"
+#include "robot/dynamics/odometry.hpp"
+#include "robot/dynamics/program_source.hpp"
 #include "robot/dynamics/rng.hpp"
 #include "robot/dynamics/sensors.hpp"
 
@@ -23,10 +25,12 @@ struct ReversalSettings {
 /// All settings that the host sends to a robot.
 struct CoreSettings {
   LightSettings light;
-  ProgramParams programs[kSlots];
+  uint32_t programs[kSlots] = {};  ///< The hashes of the programs; 0: stand.
   ReversalSettings reversal;
   int32_t max_wheel_um_s = kMaxWheelUmS;
+  int32_t half_wheel_base_um = 37500L;
   uint16_t sensor_period_ms = 20;  ///< Period of the calls of sense().
+  uint16_t robot_id = 0;           ///< What programs read as `id`.
 };
 
 bool operator==(const CoreSettings& a, const CoreSettings& b);
@@ -39,26 +43,28 @@ struct WheelSpeedsUmS {
 
 /// The robot's flags. The bits 32, 64 and 128 are used by robot_state_t for other purposes.
 enum CoreFlag : uint16_t {
-  kReversing = 1,       ///< Driving straight, away from an obstacle; the program is paused.
-  kStopped = 2,         ///< The stop latch is set.
-  kLeaseExpired = 4,    ///< The lease has ended or was never given.
-  kSaturated = 8,       ///< The drawn wheel speeds were above the maximum and are clamped.
-  kTumbling = 16,       ///< The hold is a tumble (also while paused by a reversal).
-  kDriven = 256,        ///< The host sets the wheel speeds directly.
-  kNoLightBand = 512,   ///< No band contains the light, or there was no scan yet.
-  kUnconfigured = 1024  ///< configure() has not been called since boot.
+  kReversing = 1,        ///< Driving straight, away from an obstacle; the program is paused.
+  kStopped = 2,          ///< The stop latch is set.
+  kLeaseExpired = 4,     ///< The lease has ended or was never given.
+  kSaturated = 8,        ///< The speeds are clamped to the maximum, or a result was limited.
+  kTumbling = 16,        ///< In a phase other than the first (also while paused by a reversal).
+  kDriven = 256,         ///< The host sets the wheel speeds directly.
+  kNoLightBand = 512,    ///< No band contains the light, or there was no scan yet.
+  kUnconfigured = 1024,  ///< configure() has not been called since boot.
+  kNoProgram = 2048      ///< The robot does not know the selected program, and stands.
 };
 
 /// The robot's report of its state.
 struct CoreReport {
   uint8_t slot = kNoSlot;          ///< The slot now running (also while paused); kNoSlot if none.
-  ProgramKind kind = kNone;        ///< kNone: standing; kWheels: also direct driving.
+  uint8_t phase = 0;               ///< The program's phase; 0 without a program.
   uint16_t flags = 0;              ///< CoreFlag bits.
+  uint32_t program = 0;            ///< The running program's hash; 0: standing or direct driving.
   uint32_t program_epoch = 0;      ///< Number of starts (of programs, direct driving, standing).
   uint32_t program_start_ms = 0;   ///< Time of the last start.
   uint32_t draw_count = 0;         ///< Holds begun since boot.
-  uint32_t tumble_count = 0;       ///< Tumbles begun since boot.
-  uint32_t saturation_count = 0;   ///< Holds clamped since boot.
+  uint32_t tumble_count = 0;       ///< Holds begun in phases other than the first, since boot.
+  uint32_t saturation_count = 0;   ///< Holds with kSaturated since boot.
   uint32_t reversal_count = 0;     ///< Reversals begun since boot.
   uint32_t reversal_start_ms = 0;  ///< When the last reversal began.
   uint32_t reversal_end_ms = 0;    ///< When the last finished reversal ended.
@@ -78,6 +84,9 @@ struct CoreReport {
 /// - Otherwise the light selects the program, or the host sets the wheel speeds directly. A robot
 ///   whose wheel speeds are set directly makes no reversals.
 ///
+/// After each scan of the sensors the program may end its hold (`until`), except during a reversal:
+/// then its time, its odometry and its phase are paused.
+///
 /// A change of the light band starts the new program with a fresh draw. During a reversal the new
 /// program is drawn at once, but paused until the end of the reversal.
 ///
@@ -93,6 +102,9 @@ struct CoreReport {
 /// track without the reversals has the statistics of free motion.
 class RobotCore {
  public:
+  /// @param programs outlives the core.
+  explicit RobotCore(ProgramSource& programs) : programs_(&programs) {}
+
   /// Sets all settings. Equal settings change nothing, because commands are repeated. Other
   /// settings end the running program, forget the current light band and start again.
   void configure(uint32_t now_ms, const CoreSettings& settings);
@@ -115,6 +127,11 @@ class RobotCore {
 
   /// Allows motion for the next lease_ms (at most 2^30; 0 ends the lease now).
   void renewLease(uint32_t now_ms, uint32_t lease_ms);
+
+  /// Sets a number that programs read as `sense(index)`, or the supply voltage. Blocks that are due
+  /// before must have been processed, see advanceTo().
+  void setSense(uint8_t index, Fixed value) { inputs_.senses[index % kSenses] = value; }
+  void setBattery(uint16_t mv) { inputs_.battery_mv = mv; }
 
   /// Takes one scan of the sensors.
   void sense(uint32_t now_ms, const Sensors& sensors);
@@ -141,17 +158,20 @@ class RobotCore {
   uint16_t flags() const;
   const CoreReport& record() const { return report_; }
 
-  /// When the present hold began, and its drawn duration without reversals (kForever: it does not
-  /// end by itself).
+  /// When the present hold began, and its duration without reversals (kEndless: it does not end by
+  /// itself).
   uint32_t holdStartMs() const { return hold_start_ms_; }
   uint32_t holdDurationMs() const { return hold_duration_ms_; }
 
-  /// Time in runs of run-and-tumble programs since boot, without reversals. tumble_count / run time
-  /// is the maximum likelihood estimate of gamma with right-censored runs.
+  /// Time in the first phase of programs since boot, without reversals. For run-and-tumble
+  /// programs, tumble_count / run time is the maximum likelihood estimate of gamma with
+  /// right-censored runs.
   uint32_t runTimeMs(uint32_t now_ms) const;
 
   const CoreSettings& settings() const { return settings_; }
-  const Sensors& sensors() const { return sensors_; }
+  const Sensors& sensors() const { return inputs_.sensors; }
+  const Machine& machine() const { return machine_; }
+  const Odometry& odometry() const { return odometry_; }
   const Rng& rng() const { return rng_; }
 
  private:
@@ -160,13 +180,17 @@ class RobotCore {
 
   Event nextEvent(uint32_t now_ms, uint32_t& at_ms) const;
   void setMode(uint32_t now_ms, Mode mode);
-  bool inRun() const { return report_.kind == kRtp && !tumbling_ && reversal_direction_ == 0; }
-  void countRunTime(uint32_t now_ms);
+  bool inRun() const {
+    return report_.program != 0 && report_.phase == 0 && reversal_direction_ == 0;
+  }
+  void countTime(uint32_t now_ms);
   bool mayMove() const { return configured_ && leased_ && !stopped_; }
   void restart(uint32_t now_ms);
   void switchProgram(uint32_t now_ms);
   void startSelected(uint32_t now_ms);
+  void updateInputs();
   void beginHold(uint32_t now_ms);
+  void lookForInterruption(uint32_t now_ms);
   void beginReversal(uint32_t now_ms, int8_t direction);
   void endReversal(uint32_t now_ms);
   void resetBaselines();
@@ -174,9 +198,11 @@ class RobotCore {
 
   CoreSettings settings_;
   LightTable light_;
-  Program program_;
+  ProgramSource* programs_;
+  Machine machine_;
+  MachineInputs inputs_;
+  Odometry odometry_;
   Rng rng_;
-  Sensors sensors_;
   uint16_t baseline_[kIrSensors] = {1023, 1023, 1023, 1023, 1023, 1023};
 
   bool configured_ = false;
@@ -184,7 +210,7 @@ class RobotCore {
   bool leased_ = false;
   Mode mode_ = kTable;
   bool measured_ = false;
-  bool tumbling_ = false;
+  bool missing_ = false;  ///< The selected program is not known.
   bool saturated_ = false;
   bool hold_ends_ = false;
   int8_t reversal_direction_ = 0;  ///< +1 forward, -1 backward, 0 not reversing.
@@ -196,8 +222,10 @@ class RobotCore {
   uint32_t hold_end_ms_ = 0;
   uint32_t hold_remaining_ms_ = 0;  ///< While paused.
   uint32_t reversal_due_ms_ = 0;
-  uint32_t run_time_ms_ = 0;  ///< Up to run_since_ms_.
-  uint32_t run_since_ms_ = 0;
+  uint32_t run_time_ms_ = 0;      ///< Up to counted_ms_, as the odometry and the two times below.
+  uint32_t program_time_ms_ = 0;  ///< Of the program, without reversals.
+  uint32_t phase_begin_ms_ = 0;   ///< In the program's time.
+  uint32_t counted_ms_ = 0;
   CoreReport report_;  ///< Its flags are only set in report().
 };
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "robot/dynamics/robot_core.hpp"
+#include "tests/robot/programs.hpp"
 
 namespace lab::dynamics {
 
@@ -12,16 +13,16 @@ inline CoreSettings twoPrograms() {
   s.light.count = 2;
   s.light.bands[0] = LightBand{0, 512, 0};
   s.light.bands[1] = LightBand{512, 900, 1};
-  s.programs[0].kind = kAbp;
-  s.programs[0].speed_um_s = 30000;
-  s.programs[0].amplitude_um_s = 112500;
-  s.programs[0].hold_ms = 500;
-  s.programs[1].kind = kRtp;
-  s.programs[1].speed_um_s = 50000;
-  s.programs[1].mean_run_us = 1000000;
-  s.programs[1].tumble_ms = 500;
-  s.programs[1].tumble_amplitude_um_s = 235619;
+  s.programs[0] = hashOf(abpText("3 cm/s", "0.5 s", "3 rad/s"));
+  s.programs[1] = hashOf(rtpText("5 cm/s", "1 1/s", "0.5 s"));
   return s;
+}
+
+/// The program of `phases` instead of the first one of twoPrograms().
+inline CoreSettings running(std::vector<language::PhaseText> phases) {
+  CoreSettings settings = twoPrograms();
+  settings.programs[0] = hashOf(programText(std::move(phases)));
+  return settings;
 }
 
 inline Sensors light(uint16_t counts) {
@@ -33,7 +34,7 @@ inline Sensors light(uint16_t counts) {
 
 /// A core that runs the ABP of twoPrograms since t0, seeded with 42.
 inline RobotCore runningCore(uint32_t t0, const CoreSettings& settings = twoPrograms()) {
-  RobotCore core;
+  RobotCore core(testPrograms());
   core.seed(42);
   core.configure(t0, settings);
   core.renewLease(t0, RobotCore::kNoEventMs);

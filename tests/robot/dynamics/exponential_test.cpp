@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "robot/dynamics/machine.hpp"
+
 namespace lab::dynamics {
 namespace {
 
@@ -37,29 +39,53 @@ TEST(NegativeLog, HasMeanAndMeanSquareOfTheExponentialLaw) {
   EXPECT_NEAR(sum2 / n, 2.0, 4e-4);
 }
 
-TEST(ExponentialMs, HasTheGivenMeanWithoutRoundingBias) {
+/// Holds of exponential duration, which the machine rounds to the nearest millisecond.
+class ExponentialHolds {
+ public:
+  ExponentialHolds(Fixed mean, uint64_t seed) : rng_(seed) {
+    const uint32_t bits = static_cast<uint32_t>(mean);
+    code_ = {kByteCodeFormat, 1, 0, 13, kPushByte, 0, kPushByte, 0, kPushLong};
+    for (int shift = 0; shift < 32; shift += 8) {
+      code_.push_back(static_cast<uint8_t>(bits >> shift));
+    }
+    code_.insert(code_.end(), {kExponential, kPushPlain, 0, kDrive, 0});
+    EXPECT_EQ(checkByteCode(code_.data(), static_cast<uint16_t>(code_.size())).fault,
+              kValidByteCode);
+    machine_.start(code_.data(), static_cast<uint8_t>(code_.size()), inputs_, rng_);
+  }
+
+  uint32_t next() { return machine_.next(inputs_, rng_).duration_ms; }
+
+ private:
+  std::vector<uint8_t> code_;
+  MachineInputs inputs_;
+  Rng rng_;
+  Machine machine_;
+};
+
+TEST(ExponentialHolds, HaveTheGivenMeanWithoutRoundingBias) {
   constexpr int kDraws = 10000000;
-  for (const uint32_t mean_us : {1000000U, 333333U, 20000U}) {
-    Rng rng(mean_us);
+  for (const Fixed mean : {kOne, kOne / 3, kOne / 50}) {
+    ExponentialHolds dut(mean, static_cast<uint64_t>(mean));
     double sum = 0;
     for (int i = 0; i < kDraws; ++i) {
-      sum += exponentialMs(rng, mean_us);
+      sum += dut.next();
     }
-    const double mean_ms = mean_us * 1e-3;
+    const double mean_ms = mean * 1e3 / kOne;
     const double z = (sum / kDraws - mean_ms) / (mean_ms / std::sqrt(kDraws));
     // Rounding up would add 0.5 ms, which is z = 79 at the shortest of these means.
-    EXPECT_LT(std::abs(z), 4) << mean_us;
+    EXPECT_LT(std::abs(z), 4) << mean_ms;
   }
 }
 
-TEST(ExponentialMs, HasTheExactDistribution) {
+TEST(ExponentialHolds, HaveTheExactDistribution) {
   constexpr int kDraws = 1000000;
   constexpr int kBins = 60;  // bins of 50 ms; the last one is open
   const double mean_ms = 500;
-  Rng rng(11);
+  ExponentialHolds dut(kOne / 2, 11);
   std::vector<double> count(kBins);
   for (int i = 0; i < kDraws; ++i) {
-    ++count[std::min<size_t>(exponentialMs(rng, 500000) / 50, kBins - 1)];
+    ++count[std::min<size_t>(dut.next() / 50, kBins - 1)];
   }
   double chi2 = 0;
   for (int bin = 0; bin < kBins; ++bin) {
@@ -72,11 +98,11 @@ TEST(ExponentialMs, HasTheExactDistribution) {
   EXPECT_LT(std::abs(chi2 - (kBins - 1)) / std::sqrt(2.0 * (kBins - 1)), 4);
 }
 
-TEST(ExponentialMs, DoesNotOverflowAtTheLongestMean) {
-  Rng rng(5);
+TEST(ExponentialHolds, DoNotOverflowAtALongMean) {
+  ExponentialHolds dut(100 * kOne, 5);
   double sum = 0;
   for (int i = 0; i < 1000000; ++i) {
-    const uint32_t ms = exponentialMs(rng, kLongestMeanUs);
+    const uint32_t ms = dut.next();
     ASSERT_LT(ms, 2300000U);
     sum += ms;
   }

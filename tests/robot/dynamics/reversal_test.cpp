@@ -19,10 +19,7 @@ Sensors seeing(uint8_t sensor, uint16_t counts) {
 
 CoreSettings driving(int32_t left, int32_t right) {
   CoreSettings settings = twoPrograms();
-  settings.programs[0] = ProgramParams();
-  settings.programs[0].kind = kWheels;
-  settings.programs[0].left_um_s = left;
-  settings.programs[0].right_um_s = right;
+  settings.programs[0] = hashOf(wheelsText(left, right));
   return settings;
 }
 
@@ -128,7 +125,7 @@ TEST(Reversal, DoesNotTrapARobotThatLeavesAWall) {
 }
 
 TEST(Reversal, TheFirstReadingAfterBootIsNotAnApproach) {
-  RobotCore dut;
+  RobotCore dut(testPrograms());
   dut.configure(0, driving(30000, 30000));
   dut.renewLease(0, 10000);
   dut.sense(20, seeing(kFront, 700));

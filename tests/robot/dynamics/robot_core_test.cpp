@@ -8,7 +8,7 @@ namespace lab::dynamics {
 namespace {
 
 TEST(RobotCore, BootsStandingWithoutALease) {
-  RobotCore dut;
+  RobotCore dut(testPrograms());
   dut.sense(0, light(100));
   dut.advanceTo(10000);
   expectWheels(dut, 0, 0);
@@ -19,7 +19,7 @@ TEST(RobotCore, BootsStandingWithoutALease) {
 }
 
 TEST(RobotCore, NeedsSettingsLeaseAndLightToMove) {
-  RobotCore dut;
+  RobotCore dut(testPrograms());
   dut.seed(42);
   dut.configure(0, twoPrograms());
   expectWheels(dut, 0, 0);
@@ -29,7 +29,7 @@ TEST(RobotCore, NeedsSettingsLeaseAndLightToMove) {
   dut.sense(20, light(100));
   expectWheels(dut, 4002, 55998);
   EXPECT_EQ(dut.report().slot, 0);
-  EXPECT_EQ(dut.report().kind, kAbp);
+  EXPECT_EQ(dut.report().program, twoPrograms().programs[0]);
   EXPECT_EQ(dut.report().program_start_ms, 20U);
 }
 
@@ -42,8 +42,8 @@ TEST(RobotCore, DrawsAtTheEndOfEachHoldWhateverTheCallTimes) {
   seldom.advanceTo(2100);
   EXPECT_EQ(often.nextEventMs(2100), 2500U);
   EXPECT_EQ(seldom.nextEventMs(2100), 2500U);
-  expectWheels(often, -31774, 91774);
-  expectWheels(seldom, -31774, 91774);
+  expectWheels(often, -31773, 91773);
+  expectWheels(seldom, -31773, 91773);
   EXPECT_EQ(seldom.report().draw_count, often.report().draw_count);
 }
 
@@ -77,7 +77,7 @@ TEST(RobotCore, ALightSwitchStartsTheOtherProgramWithAFreshDraw) {
   expectWheels(dut, 50000, 50000);
   dut.sense(740, light(950));
   EXPECT_EQ(dut.report().slot, kNoSlot);
-  EXPECT_EQ(dut.report().kind, kNone);
+  EXPECT_EQ(dut.report().program, 0U);
   EXPECT_EQ(dut.report().program_epoch, epoch + 2);
   expectWheels(dut, 0, 0);
   EXPECT_TRUE(has(dut, kNoLightBand));
@@ -98,7 +98,7 @@ TEST(RobotCore, TheStopLatchTakesPrecedenceUntilItIsCleared) {
   expectWheels(dut, 0, 0);
   dut.renewLease(110, 500);
   CoreSettings other = twoPrograms();
-  other.programs[0].speed_um_s = 20000;
+  other.programs[0] = hashOf(abpText("2 cm/s", "0.5 s", "3 rad/s"));
   dut.configure(120, other);
   dut.driveWheels(130, 10000, 10000);
   dut.sense(140, light(600));
@@ -136,7 +136,7 @@ TEST(RobotCore, RenewingTheLeaseInTimeChangesNothing) {
   for (uint32_t t = 0; t <= 2100; t += 100) {
     dut.renewLease(t, 300);
   }
-  expectWheels(dut, -31774, 91774);
+  expectWheels(dut, -31773, 91773);
   EXPECT_EQ(dut.report().program_epoch, epoch);
 }
 
@@ -156,7 +156,7 @@ TEST(RobotCore, EqualSettingsChangeNothingAndOthersRestartTheProgram) {
   expectWheels(dut, 4002, 55998);
   EXPECT_EQ(dut.report().program_epoch, epoch);
   CoreSettings other = twoPrograms();
-  other.programs[0].hold_ms = 200;
+  other.programs[0] = hashOf(abpText("3 cm/s", "0.2 s", "3 rad/s"));
   dut.configure(100, other);
   EXPECT_EQ(dut.report().program_epoch, epoch + 1);
   expectWheels(dut, 50181, 9819);
@@ -169,7 +169,7 @@ TEST(RobotCore, DrivesTheWheelsDirectlyAndReturnsToThePrograms) {
   expectWheels(dut, 12345, -270000);
   EXPECT_TRUE(has(dut, kDriven));
   EXPECT_TRUE(has(dut, kSaturated));
-  EXPECT_EQ(dut.report().kind, kWheels);
+  EXPECT_EQ(dut.report().program, 0U);
   EXPECT_EQ(dut.report().slot, kNoSlot);
   const uint32_t epoch = dut.report().program_epoch;
   dut.driveWheels(200, 12345, -300000);
@@ -183,7 +183,7 @@ TEST(RobotCore, DrivesTheWheelsDirectlyAndReturnsToThePrograms) {
 
 TEST(RobotCore, ClampsSpeedsBeyondTheLimitAndReportsIt) {
   CoreSettings settings = twoPrograms();
-  settings.programs[0].amplitude_um_s = 1000000;
+  settings.programs[0] = hashOf(abpText("3 cm/s", "0.5 s", "26 rad/s"));
   RobotCore dut = runningCore(0, settings);
   int clamped = 0;
   for (uint32_t t = 0; t < 100000; t += 500) {
@@ -212,7 +212,7 @@ TEST(RobotCore, StandsOnCommand) {
   RobotCore dut = runningCore(0);
   dut.stand(100);
   expectWheels(dut, 0, 0);
-  EXPECT_EQ(dut.report().kind, kNone);
+  EXPECT_EQ(dut.report().program, 0U);
   dut.sense(120, light(600));
   expectWheels(dut, 0, 0);
   dut.runPrograms(200);
@@ -222,33 +222,35 @@ TEST(RobotCore, StandsOnCommand) {
 TEST(RobotCore, CountsTumblesAndTheTimeInRunsWithoutReversals) {
   RobotCore dut = runningCore(0);
   dut.sense(10, light(600));
-  EXPECT_EQ(dut.runTimeMs(10), 0U);
+  EXPECT_EQ(dut.runTimeMs(10), 10U) << "a program of one phase always runs";
   const uint32_t run_end = dut.nextEventMs(10);
   ASSERT_GT(run_end, 30U);
   Sensors sensors = light(600);
   sensors.ir[0] = 100;
   dut.sense(30, sensors);
-  EXPECT_EQ(dut.runTimeMs(1000), 20U) << "a reversal does not count as a run";
+  EXPECT_EQ(dut.runTimeMs(1000), 30U) << "a reversal does not count as a run";
   dut.advanceTo(4030);
-  EXPECT_EQ(dut.runTimeMs(4035), 25U);
+  EXPECT_EQ(dut.runTimeMs(4035), 35U);
   dut.advanceTo(run_end + 4000);
   EXPECT_EQ(dut.report().tumble_count, 1U);
-  EXPECT_EQ(dut.runTimeMs(run_end + 4300), run_end - 10) << "a tumble does not count as a run";
+  EXPECT_EQ(dut.runTimeMs(run_end + 4300), run_end) << "a tumble does not count as a run";
   dut.advanceTo(run_end + 4500);
-  EXPECT_EQ(dut.runTimeMs(run_end + 4510), run_end);
+  EXPECT_EQ(dut.runTimeMs(run_end + 4510), run_end + 10);
   dut.stop(run_end + 4510);
-  EXPECT_EQ(dut.runTimeMs(run_end + 9999), run_end);
+  EXPECT_EQ(dut.runTimeMs(run_end + 9999), run_end + 10);
 }
 
 TEST(RobotCore, AdvancesByOneEventSoThatEveryDrawCanBeRecorded) {
   RobotCore all = runningCore(0);
   RobotCore one = runningCore(0);
   Rng rng(42);
-  Program program;
-  program.start(twoPrograms().programs[0]);
+  const ProgramBytes program = testPrograms().find(twoPrograms().programs[0]);
+  const MachineInputs inputs;
+  Machine machine;
+  machine.start(program.code, program.size, inputs, rng);
   uint32_t start = 0;
   do {
-    const Hold hold = program.next(rng);
+    const PhaseResult hold = machine.next(inputs, rng);
     expectWheels(one, hold.left_um_s, hold.right_um_s);
     EXPECT_EQ(one.holdStartMs(), start);
     EXPECT_EQ(one.holdDurationMs(), hold.duration_ms);
@@ -268,7 +270,7 @@ TEST(RobotCore, FlagsAndRecordEqualTheReport) {
   dut.stop(1300);
   EXPECT_EQ(dut.report().flags, dut.flags());
   EXPECT_EQ(dut.report().program_epoch, dut.record().program_epoch);
-  EXPECT_EQ(dut.holdDurationMs(), kForever);
+  EXPECT_EQ(dut.holdDurationMs(), kEndless);
 }
 
 }  // namespace
