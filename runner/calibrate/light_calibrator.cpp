@@ -28,7 +28,7 @@ constexpr double kSensorOffset = 0.03;  // [m] distance of the light sensors fro
 /// Straight runs, and turns on the spot to any direction.
 /// @param speed [m/s]
 Program wandering(double speed, const dynamics::WheelLimits& limits) {
-  const std::string text = fmt::format(R"(
+  const std::string text = fmt::format(R"toml(
 [phases.run]
 forward = "{:.9g} cm/s"
 hold = "exponential(1.7 s)"
@@ -37,7 +37,7 @@ next = "turn"
 turn = "uniform(-pi, pi) / 0.6 s"
 hold = "0.6 s"
 next = "run"
-)",
+)toml",
                                        speed * 100);
   return toProgram(readProgram(text, "light calibration", "wandering", limits));
 }
