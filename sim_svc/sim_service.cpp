@@ -99,6 +99,10 @@ void SimService::subscribe() {
     follow(loop_.now());
     bus_robots_.handle(stop);
   });
+  node_.subscribe<robot_senses_t>(channels::kRobotSenses, [this](const robot_senses_t& senses) {
+    follow(loop_.now());
+    bus_robots_.handle(senses, origin_utime_ + world_.timeUs());
+  });
   node_.subscribe<robot_calibration_t>(
       channels::kRobotCalibration, [this](const robot_calibration_t& calibration) {
         follow(loop_.now());

@@ -5,6 +5,7 @@
 
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/fixed_of.hpp"
 #include "sim_svc/bodies/experiment_setup.hpp"
 
 namespace lab::sim {
@@ -113,6 +114,23 @@ void BusRobots::handle(const robot_stop_t& stop) {
   }
 }
 
+void BusRobots::handle(const robot_senses_t& senses, std::int64_t utime) {
+  for (const sense_values_t& robot : senses.robots) {
+    const auto entry = links_.find(robot.robot_id);
+    if (entry == links_.end()) continue;
+    Link& link = entry->second;
+    ++link.messages_to;
+    link.senses_utime = senses.utime;
+    link.senses_since_utime = utime;
+    world_.order(link.body, [&robot](dynamics::RobotCore& core, std::uint32_t now_ms) {
+      core.advanceTo(now_ms);
+      for (std::uint8_t i = 0; i < dynamics::kSenses; ++i) {
+        core.setSense(i, fixedOf(static_cast<double>(robot.values[i])));
+      }
+    });
+  }
+}
+
 std::optional<robot_calibration_t> BusRobots::handle(const robot_calibration_t& calibration) {
   robot_calibration_t held{};
   held.seq = calibration.seq;
@@ -202,6 +220,8 @@ robot_state_t BusRobots::stateOf(Link& link, std::int64_t origin_utime) {
   message.tumble_count = static_cast<std::int32_t>(state.core.tumble_count);
   // In seconds of the host, as in robot_bridge, not of the robot's clock.
   message.run_time = state.run_time / world_.clock(link.body).rate();
+  message.senses_utime = link.senses_utime;
+  message.senses_since_utime = link.senses_since_utime;
   message.battery = static_cast<float>(state.battery);
   message.link_sent = link.messages_to;
   message.link_received = ++link.messages_from;
