@@ -151,6 +151,39 @@ struct LayerSpec {
   bool operator==(const LayerSpec&) const = default;
 };
 
+/// What a virtual sense is (docs/programs.md). The order is that of the names in the file.
+enum class SenseKind : std::int8_t {
+  kNeighbours,       ///< robots within the radius [1]
+  kDensity,          ///< robots within the radius, weighted by 1 - distance / radius [1]
+  kMeanHeading,      ///< mean heading of the robots within the radius, relative to the own [rad]
+  kNearestDistance,  ///< [cm] to the nearest robot within the radius; the radius without one
+  kNearestBearing,   ///< [rad] of the nearest robot within the radius, relative; 0 without one
+  kPlaceDistance,    ///< [cm] to a place
+  kPlaceBearing,     ///< [rad] of a place, relative to the heading
+  kGradient,         ///< of the light at the robot [1/cm]
+  kGradientBearing,  ///< direction in which the light grows, relative to the heading [rad]
+};
+
+/// One number that the host writes for programs.
+struct SenseSpec {
+  std::int64_t index = 0;  ///< i of sense(i)
+  SenseKind kind = SenseKind::kNeighbours;
+  double radius = 0.15;  ///< [m]
+  double x = 0;          ///< [m] of a place
+  double y = 0;          ///< [m]
+
+  bool operator==(const SenseSpec&) const = default;
+};
+
+/// The numbers that the host computes from the tracker's poses and writes for programs.
+struct Senses {
+  double rate = 10;  ///< [1/s]
+  double delay = 0;  ///< [s] from the exposure of the frame to the sending of the values
+  std::vector<SenseSpec> values;
+
+  bool operator==(const Senses&) const = default;
+};
+
 enum class Region : std::int8_t { kNone = 0, kCircle = 1, kRectangle = 2 };
 enum class Who : std::int8_t { kAny = 0, kAll = 1 };
 
@@ -388,6 +421,7 @@ struct Experiment {
   SerialLines serial;
   std::vector<RobotSpec> robots;  ///< sorted by id
   std::map<std::string, Program> programs;
+  Senses senses;
   LightTable light_table;
   Reversal reversal;
   LightScript light;

@@ -29,6 +29,7 @@ struct Program {
   std::vector<std::string> phases;  ///< names, by number
   LawText law;
   double fastest_wheel = 0;         ///< [m/s] the largest wheel speed that it can ask for
+  std::uint8_t senses = 0;          ///< bit i: it reads sense(i)
   bool reads_surroundings = false;  ///< light, infrared sensors or senses: no law in free space
 
   bool operator==(const Program&) const = default;

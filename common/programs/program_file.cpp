@@ -33,23 +33,27 @@ std::string siUnit(const language::Dimension& dimension, const std::string& text
   return unit;
 }
 
-bool readsSurroundings(const std::vector<std::uint8_t>& code) {
-  bool found = false;
-  const auto scan = [&](std::size_t at, std::size_t end) {
-    while (at < end) {
-      const std::uint8_t opcode = code[at];
-      if (opcode == dynamics::kRead) {
-        const std::uint8_t input = code[at + 1];
-        found = found || input <= dynamics::kLightBack ||
-                (input >= dynamics::kIr && input < dynamics::kTime) || input >= dynamics::kSense;
-      }
-      at += dynamics::instructionSize(opcode);
+/// Calls `take` with every input that the program reads.
+template <typename Take>
+void forEachInput(const std::vector<std::uint8_t>& code, const Take& take) {
+  for (std::size_t block = 2; block < code.size(); block += 1U + code[block]) {
+    const std::size_t end = block + 1 + code[block];
+    for (std::size_t at = block + 1; at < end; at += dynamics::instructionSize(code[at])) {
+      if (code[at] == dynamics::kRead) take(code[at + 1]);
     }
-  };
-  for (std::size_t at = 2; at < code.size(); at += 1U + code[at]) {
-    scan(at + 1, at + 1 + code[at]);
   }
-  return found;
+}
+
+void findInputs(Program& program) {
+  forEachInput(program.code, [&](std::uint8_t input) {
+    const bool sense = input >= dynamics::kSense;
+    const bool light = input <= dynamics::kLightBack;
+    const bool infrared = input >= dynamics::kIr && input < dynamics::kTime;
+    if (sense) {
+      program.senses = static_cast<std::uint8_t>(program.senses | 1U << (input - dynamics::kSense));
+    }
+    program.reads_surroundings = program.reads_surroundings || sense || light || infrared;
+  });
 }
 
 std::string inLine(const std::vector<language::NamedText>& texts) {
@@ -104,7 +108,7 @@ Program toProgram(const ProgramFile& file) {
                                           toSi(parameter.value, parameter.dimension));
     }
   }
-  program.reads_surroundings = readsSurroundings(program.code);
+  findInputs(program);
   return program;
 }
 

@@ -6,6 +6,7 @@
 
 #include "common/files/file_values.hpp"
 #include "common/text/nearest_word.hpp"
+#include "robot/dynamics/byte_code.hpp"
 
 namespace lab::keys {
 namespace {
@@ -30,6 +31,29 @@ void checkTwins(const std::map<std::string, Program>& programs, Problems& proble
   }
 }
 
+/// Every sense that a program reads is defined, and once.
+void checkSenses(const Experiment& e, Problems& problems) {
+  unsigned defined = 0;
+  for (std::size_t i = 0; i < e.senses.values.size(); ++i) {
+    const auto bit = 1U << static_cast<unsigned>(e.senses.values[i].index);
+    if ((defined & bit) != 0) {
+      problems.add("senses.values[" + std::to_string(i) + "].sense",
+                   "found " + std::to_string(e.senses.values[i].index) +
+                       ", allowed a number that no entry before it has");
+    }
+    defined |= bit;
+  }
+  for (const auto& [name, program] : e.programs) {
+    for (unsigned i = 0; i < dynamics::kSenses; ++i) {
+      if ((program.senses >> i & 1U) == 0 || (defined >> i & 1U) != 0) continue;
+      problems.add("programs." + name,
+                   "found sense(" + std::to_string(i) +
+                       "), allowed only what [senses] defines: add {sense = " + std::to_string(i) +
+                       ", is = \"neighbours\"} or another kind to senses.values");
+    }
+  }
+}
+
 }  // namespace
 
 bool wheelsAreKnown(const Problems& problems) {
@@ -48,7 +72,9 @@ void checkProgramName(const ExperimentForm& form, const std::string& path, const
 }
 
 void checkPrograms(const ExperimentForm& form, Problems& problems) {
-  if (!problems.concern("programs")) checkTwins(form.common.programs, problems);
+  if (problems.concern("programs")) return;
+  checkTwins(form.common.programs, problems);
+  if (!problems.concern("senses")) checkSenses(form.common, problems);
 }
 
 }  // namespace lab::keys

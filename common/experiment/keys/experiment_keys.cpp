@@ -11,6 +11,7 @@
 #include "common/experiment/keys/key_helpers.hpp"
 #include "common/experiment/keys/light_keys.hpp"
 #include "common/experiment/keys/network_keys.hpp"
+#include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/light_table.hpp"
 
 namespace lab::keys {
@@ -23,6 +24,15 @@ const std::array<Choice, 5> kBodies = {{choiceOf("sim", Body::kSim), choiceOf("w
 const std::array<Choice, 3> kSensors = {{choiceOf("mean", LightSensor::kMean),
                                          choiceOf("front", LightSensor::kFront),
                                          choiceOf("back", LightSensor::kBack)}};
+const std::array<Choice, 9> kSenseKinds = {{choiceOf("neighbours", SenseKind::kNeighbours),
+                                        choiceOf("density", SenseKind::kDensity),
+                                        choiceOf("mean_heading", SenseKind::kMeanHeading),
+                                        choiceOf("nearest_distance", SenseKind::kNearestDistance),
+                                        choiceOf("nearest_bearing", SenseKind::kNearestBearing),
+                                        choiceOf("place_distance", SenseKind::kPlaceDistance),
+                                        choiceOf("place_bearing", SenseKind::kPlaceBearing),
+                                        choiceOf("gradient", SenseKind::kGradient),
+                                        choiceOf("gradient_bearing", SenseKind::kGradientBearing)}};
 const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
                                            choiceOf("walls", ReverseOn::kWalls),
                                            choiceOf("any", ReverseOn::kAny)}};
@@ -125,6 +135,29 @@ void visitRobot(KeyVisitor& v, RobotEntry& robot) {
   v.number(body.only({Body::kReplay},
                      {"from_s", "time in that log's script at which the replay begins"}),
            {0, kLongestRun}, robot.from);
+}
+
+void visitSense(KeyVisitor& v, SenseSpec& sense) {
+  v.integer({"sense", "i of sense(i)", Need::kRequired}, 0, dynamics::kSenses - 1, sense.index);
+  const Selector is(v, {"is", "what the robot senses (programs.md)", Need::kRequired}, kSenseKinds,
+                    sense.kind);
+  v.number(is.only({SenseKind::kNeighbours, SenseKind::kDensity, SenseKind::kMeanHeading,
+                    SenseKind::kNearestDistance, SenseKind::kNearestBearing},
+                   {"radius_cm", "robots within this distance count, centre to centre"}),
+           kLength, sense.radius);
+  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"x_cm", "the place"}),
+           kPlace, sense.x);
+  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"y_cm", "see x_cm"}),
+           kPlace, sense.y);
+}
+
+void visitSenses(KeyVisitor& v, Senses& senses) {
+  v.number({"rate_hz", "values per second"}, {0.1, 50}, senses.rate);
+  v.number({"delay_ms", "from the exposure of the tracker's frame to the sending of the values"},
+           {0, 60000}, senses.delay);
+  visitList(v, {"values", "what the host computes from the tracker's poses"},
+            {.fewest = 0, .most = dynamics::kSenses, .in_line = true}, senses.values,
+            [&](SenseSpec& sense) { visitSense(v, sense); });
 }
 
 void visitLightTable(KeyVisitor& v, LightTable& table) {
@@ -262,6 +295,9 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
                 [&](const std::string& name) {
                   v.program(name, wheelLimits(e.hardware), e.programs[name]);
                 });
+  v.table({"senses", "Numbers that the host writes for programs, which read them as sense(0) to "
+                     "sense(7)"},
+          [&] { visitSenses(v, e.senses); });
   v.table({"light_table", "Which light selects which program"},
           [&] { visitLightTable(v, e.light_table); });
   v.table({"reversal", "Turning back from obstacles (appendix B of the paper)"},
