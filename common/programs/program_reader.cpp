@@ -31,6 +31,9 @@ class ProgramReader {
     program.text.name = name;
     if (model_of && table_.contains("model")) {
       readModel(model_of, program.text);
+    } else if (model_of && !table_.contains("phases")) {
+      problem("", "found neither model nor phases, allowed a model (" + models() +
+                      ") or the phases of a program (docs/programs.md)");
     } else {
       std::vector<std::string> allowed = kKeys;
       if (model_of) allowed.emplace_back("model");
@@ -107,6 +110,12 @@ class ProgramReader {
     }
   }
 
+  static std::string models() {
+    std::string all;
+    for (const std::string& name : shippedProgramNames()) all += (all.empty() ? "" : ", ") + name;
+    return "a file (\"my_motion.toml\") or the name of a shipped program: " + all;
+  }
+
   /// Another program with other values of its parameters.
   void readModel(const ModelLookup& model_of, language::ProgramText& program) {
     const toml::node& node = *table_.get("model");
@@ -115,18 +124,12 @@ class ProgramReader {
     if (failed_) return;
     std::optional<language::ProgramText> found = model_of(model);
     if (!found) {
-      const std::vector<std::string> names = shippedProgramNames();
-      std::string all;
-      for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-      problem("model",
-              "found " + displayText(std::string_view(model)) +
-                  ", allowed a file (\"my_motion.toml\") or the name of a shipped program: " + all +
-                  didYouMean(model, names, keys::tomlString));
+      const std::string missing = model.ends_with(".toml") ? " (no such file)" : "";
+      problem("model", "found " + displayText(std::string_view(model)) + missing + ", allowed " +
+                           models() + didYouMean(model, shippedProgramNames(), keys::tomlString));
       return;
     }
     program = std::move(*found);
-    std::vector<std::string> allowed{"model", "description", "parameters"};
-    for (const auto& [name, text] : program.parameters) allowed.push_back(name + "_UNIT");
     readTable(table_, "", {}, [&](const std::string& key, const toml::node& value) {
       if (key == "model") return;
       if (key == "description") {
