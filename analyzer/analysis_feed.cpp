@@ -42,15 +42,8 @@ constexpr dynamics::WheelLimits kWidestLimits{5.0, 0.01};
 
 }  // namespace
 
-ProgramLaw toLaw(const RobotProgram& program, double wheel_base) {
-  ProgramLaw law{program, wheel_base};
-  law.wheel_left = 0;
-  law.wheel_right = 0;
-  return law;
-}
-
-ProgramLaw toLaw(const program_t& program, double wheel_base) {
-  return toLaw(toProgram(program), wheel_base);
+ProgramLaw lawOf(const program_t& program, double wheel_base) {
+  return lawOf(toProgram(program), wheel_base);
 }
 
 AnalysisConfig analysisConfig(const Experiment& experiment) {
@@ -99,7 +92,7 @@ void AnalysisFeed::take(const robot_status_t& status) {
     anchor(state.utime);
     const program_t program = lawful(state);
     const std::int64_t boot = bootOf(status, state, program);
-    analysis_.addTelemetry(state.robot_id, toLaw(program, wheel_base_), telemetry(state, boot));
+    analysis_.addTelemetry(state.robot_id, lawOf(program, wheel_base_), telemetry(state, boot));
   }
 }
 
@@ -172,7 +165,7 @@ void AnalysisFeed::onPiece(PieceSink sink) {
 
 program_t AnalysisFeed::programOf(const ProgramLaw& law) const {
   for (const program_t& program : program_keys_.programs()) {
-    if (toLaw(program, wheel_base_) == law) return program;
+    if (lawOf(program, wheel_base_) == law) return program;
   }
   return {};
 }

@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "analyzer/laws/law_of.hpp"
 #include "analyzer/service/analysis.hpp"
 #include "analyzer/service/program_keys.hpp"
 #include "common/experiment/experiment.hpp"
@@ -24,10 +25,9 @@ struct FeedResult {
   ProgramResult result;
 };
 
-/// The law of a program.
+/// The law of a program in a message.
 /// @param wheel_base [m] distance between the robot's wheels
-[[nodiscard]] ProgramLaw toLaw(const RobotProgram& program, double wheel_base);
-[[nodiscard]] ProgramLaw toLaw(const program_t& program, double wheel_base);
+[[nodiscard]] ProgramLaw lawOf(const program_t& program, double wheel_base);
 
 /// The settings of the analysis that follow from an experiment file.
 [[nodiscard]] AnalysisConfig analysisConfig(const Experiment& experiment);

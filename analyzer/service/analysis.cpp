@@ -33,7 +33,7 @@ int Analysis::programOf(const ProgramLaw& law) {
   if (found != programs_.end()) {
     return static_cast<int>(found - programs_.begin());
   }
-  const bool free = config_.without_law && law.kind == ProgramKind::kNone;
+  const bool free = config_.without_law && !law.known();
   if (!free && !ExactLaw(law).exists()) {
     return -1;
   }

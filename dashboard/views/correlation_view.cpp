@@ -20,14 +20,13 @@ constexpr std::size_t kMinBlocks = 6;  // for a standard error
 constexpr double kMinPairs = 10;
 
 bool isPersistent(const analysis::ProgramLaw& law) {
-  return law.kind == analysis::ProgramKind::kAbp && law.v > 0 &&
-         analysis::rotationalDiffusivity(law) > 0;
+  return law->constantSpeed().value_or(0) > 0 && law->rotationalDiffusivity() > 0;
 }
 
 /// A multiple of the frame period, so that the lags are exact.
 double stepOf(const analysis::ProgramLaw& law) {
   const double step =
-      HeadingCorrelation::kReach / analysis::rotationalDiffusivity(law) / HeadingCorrelation::kLags;
+      HeadingCorrelation::kReach / law->rotationalDiffusivity() / HeadingCorrelation::kLags;
   return std::max(kMinStep, std::round(step / kFrame) * kFrame);
 }
 
@@ -96,7 +95,7 @@ LengthCurve HeadingCorrelation::curve(double speed) const {
     }
   }
   LengthCurve curve;
-  const double programmed = law_.program().v;
+  const double programmed = law_.program()->meanSpeed();
   for (std::size_t k = 0; k < kLags; ++k) {
     if (all.pairs[k] < kMinPairs) continue;
     const double value = all.cosines[k] / all.pairs[k];
@@ -127,7 +126,7 @@ analysis::AnalysisFeed* CorrelationView::feed() {
   const double wheel_base = experiment.hardware.diameter;
   std::vector<std::pair<analysis::ProgramLaw, std::string>> laws;
   for (const auto& [name, program] : experiment.programs) {
-    const analysis::ProgramLaw law = analysis::toLaw(program, wheel_base);
+    const analysis::ProgramLaw law = analysis::lawOf(program, wheel_base);
     if (isPersistent(law)) laws.emplace_back(law, name);
   }
   wanted_ = !laws.empty();

@@ -29,7 +29,7 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
   checkScenes(experiment, file.parent_path());
   const auto length = [&](const RobotProgram& program) {
-    const analysis::ProgramLaw law = analysis::toLaw(program, experiment.hardware.diameter);
+    const analysis::ProgramLaw law = analysis::lawOf(program, experiment.hardware.diameter);
     return analysis::ExactLaw(law).persistenceLength();
   };
   fmt::print("{}", printableLines(describeExperiment(experiment, length)));

@@ -92,8 +92,8 @@ bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::strin
 
 /// The speed of a program with constant speed [cm/s]; else negative.
 double programmedSpeed(const program_t& program) {
-  const bool constant = program.kind == program_t::ABP || program.kind == program_t::RTP;
-  return constant ? program.v * kCm : -1;
+  const auto speed = analysis::lawOf(program, analysis::kPaperWheelBase)->constantSpeed();
+  return speed ? *speed * kCm : -1;
 }
 
 }  // namespace

@@ -31,8 +31,6 @@ using units::kNan;
 
 constexpr double kTouching = 0.001;  // [m] smallest gap that can be distinguished from contact
 
-constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"};
-
 /// Reports the problems of a program by the names that the user typed, not by those of the
 /// generated experiment file.
 [[noreturn]] void refuse(const ExperimentError& error, const std::string& model) {
@@ -50,14 +48,15 @@ constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"}
 Experiment experimentOf(const std::string& name, const PoseProgram& program) {
   // An experiment file needs a program; without a given one it is removed again below.
   const bool given = !program.model.empty();
-  if (given && std::find(kLaws.begin(), kLaws.end(), program.model) == kLaws.end()) {
-    throw ExperimentError({fmt::format("--program: found \"{}\", expected one of {}", program.model,
-                                       fmt::join(kLaws, ", "))});
+  if (given && analysis::findClosedForm(program.model) == nullptr) {
+    throw ExperimentError(
+        {fmt::format("--program: found \"{}\", expected one of {}", program.model,
+                     analysis::closedFormsWith([](const analysis::Law&) { return true; }))});
   }
   const std::string text = fmt::format(
       "fileversion = 1\nname = \"poses\"\nduration_s = 1\nprogram = \"{0}\"\n[[robots]]\nid = 1\n"
-      "[programs.{0}]\nmodel = \"{0}\"\n{1}",
-      given ? program.model : "bp", given ? "" : "V_cm_s = 1\nepsilon_s = 1\n");
+      "[programs.{0}]\nmodel = \"{0}\"\n",
+      given ? program.model : "stand");
   std::vector<std::string> set;
   for (const std::string& one : program.set) {
     const bool plain = one.substr(0, one.find('=')).find('.') == std::string::npos;
@@ -113,8 +112,8 @@ class PoseFeed {
         speed_is_known_(speed_is_known),
         epoch_start_(poses.frames.front().time),
         analysis_(configOf(poses, experiment)) {
-    const bool runs = law.kind == analysis::ProgramKind::kRtp && law.gamma > 0;
-    run_share_ = runs ? 1 / (1 + law.gamma * law.tau_t) : 1;
+    const auto runs = law->runs();
+    run_share_ = runs && runs->rate > 0 ? 1 / (1 + runs->rate * runs->turn_time) : 1;
     analysis_.onSample([this](int robot, const analysis::ProgramLaw&,
                               const analysis::Sample& sample) { judge(robot, sample); });
   }
@@ -264,7 +263,7 @@ void adoptExtent(const PoseFile& poses, Experiment& experiment) {
 
 /// Replaces estimates that need telemetry of tumbles by those from poses.
 void adoptRuns(analysis::ProgramResult& result) {
-  if (result.law.kind != analysis::ProgramKind::kRtp) return;
+  if (!result.law->runs()) return;
   const std::string problem = result.runs ? result.runs->problem : std::string();
   constexpr std::array<std::string_view, 5> kOfTumbles{"gamma", "tau_r", "v", "D", "L_s"};
   for (analysis::Estimate& estimate : result.estimates) {
@@ -336,7 +335,7 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   const bool speed_is_known =
       std::any_of(program.set.begin(), program.set.end(),
                   [](const std::string& set) { return set.starts_with("reversal.speed_cm_s="); });
-  PoseFeed(poses, experiment, analysis::toLaw(robots_run.program, experiment.hardware.diameter),
+  PoseFeed(poses, experiment, analysis::lawOf(robots_run.program, experiment.hardware.diameter),
            speed_is_known)
       .run(record, options.depth, options.stitch);
   for (analysis::FeedResult& result : record.results) adoptRuns(result.result);

@@ -23,34 +23,6 @@ using units::kPercents;
 
 constexpr std::int64_t kMuchOneIn = 10;  // a larger share of omitted poses biases the estimates
 
-/// The formula of the paper for a model.
-std::string paperFormula(analysis::ProgramKind kind) {
-  switch (kind) {
-    case analysis::ProgramKind::kAbp:
-      return "eq. 4";
-    case analysis::ProgramKind::kNoisyAbp:
-    case analysis::ProgramKind::kBp:
-      return "eq. 5";
-    case analysis::ProgramKind::kRtp:
-      return "eq. 6";
-    default:
-      return "";
-  }
-}
-
-std::string_view characteristicName(analysis::ProgramKind kind) {
-  switch (kind) {
-    case analysis::ProgramKind::kBp:
-      return "D_t";
-    case analysis::ProgramKind::kRtp:
-      return "gamma";
-    case analysis::ProgramKind::kNone:
-      return "v";
-    default:
-      return "D_r";
-  }
-}
-
 std::string uniqueFile(const std::vector<Finding>& before, const std::string& name) {
   const std::string word = sanitizedFileName(name);
   std::string file = word;
@@ -114,8 +86,8 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
       if (finding.key >= 0) {
         finding.colour = record.programs[static_cast<std::size_t>(finding.key)].colour;
       }
-      const bool none = result.result.law.kind == analysis::ProgramKind::kNone;
-      finding.model = none ? "program not given" : modelName(result.program.kind);
+      const analysis::ProgramLaw& law = result.result.law;
+      finding.model = law.known() ? law->title() : "program not given";
       finding.file = uniqueFile(findings, finding.name);
       finding.pool = &result;
       findings.push_back(std::move(finding));
@@ -127,7 +99,7 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
 }
 
 std::string verdictText(const ProgramResult& result) {
-  if (result.law.kind == analysis::ProgramKind::kNone) return "no law to compare with";
+  if (!result.law.known()) return "no law to compare with";
   switch (result.verdict.kind) {
     case VerdictKind::kAgrees:
       return "agrees with the exact law";
@@ -140,14 +112,14 @@ std::string verdictText(const ProgramResult& result) {
 
 std::string verdictReason(const ProgramResult& result) {
   const analysis::Verdict& verdict = result.verdict;
-  if (result.law.kind == analysis::ProgramKind::kNone) {
+  if (!result.law.known()) {
     return "No program was given, so there are curves without theory. Name the program with "
            "--program and --set.";
   }
   if (verdict.kind == VerdictKind::kUndecided) {
     return fmt::format(
         "Not enough data: {} can be judged. A verdict needs five, and at least a hundred draws of "
-        "wheel speeds (run and tumble: a hundred tumbles).",
+        "wheel speeds (or a hundred tumbles).",
         countText(verdict.judged, "lag"));
   }
   return fmt::format(
@@ -178,7 +150,7 @@ std::vector<std::string> caveats(const ProgramResult& result) {
         fmt::format("{:.1f} % of the frames were cut because of contact with a robot or a wall. "
                     "The motion between contacts is a biased sample: it lies in free space{}.",
                     result.contact_share * kPercents,
-                    result.law.kind == analysis::ProgramKind::kRtp
+                    result.law->runs()
                         ? ", and its runs are short, because contacts end runs. In a crowd gamma "
                           "is therefore overestimated, and the motion may deviate from the law "
                           "although the robots work correctly"
@@ -200,15 +172,15 @@ std::vector<std::string> caveats(const ProgramResult& result) {
 }
 
 const Estimate* characteristicEstimate(const ProgramResult& result) {
-  const auto found =
-      std::find_if(result.estimates.begin(), result.estimates.end(), [&](const Estimate& one) {
-        return one.name == characteristicName(result.law.kind) && std::isfinite(one.value);
-      });
+  const std::string name = result.law.known() ? result.law->characteristicEstimate() : "v";
+  const auto found = std::find_if(
+      result.estimates.begin(), result.estimates.end(),
+      [&](const Estimate& one) { return one.name == name && std::isfinite(one.value); });
   return found == result.estimates.end() ? nullptr : &*found;
 }
 
 std::string paperComparison(const ProgramResult& result) {
-  const std::string formula = paperFormula(result.law.kind);
+  const std::string formula = result.law->paperFormula();
   const CurvePoint* furthest = nullptr;
   double most = 0;
   double most_z = 0;
@@ -239,32 +211,15 @@ std::string parametersText(const program_t& program) {
   const auto add = [&parts](const char* symbol, double value, double factor, const char* unit) {
     parts.push_back(fmt::format("{} = {} {}", symbol, shortText(value * factor), unit));
   };
-  switch (program.kind) {
-    case program_t::ABP:
-      add("v", program.v, kCm, "cm/s");
-      add("ε", program.epsilon, 1, "s");
-      add("η", program.eta, 1, "rad/s");
-      break;
-    case program_t::NOISY_ABP:
-      add("va", program.va, kCm, "cm/s");
-      add("V", program.V, kCm, "cm/s");
-      add("ε", program.epsilon, 1, "s");
-      break;
-    case program_t::BP:
-      add("V", program.V, kCm, "cm/s");
-      add("ε", program.epsilon, 1, "s");
-      break;
-    case program_t::RTP:
-      add("v", program.v, kCm, "cm/s");
-      add("γ", program.gamma, 1, "/s");
-      add("τt", program.tau_t, 1, "s");
-      break;
-    case program_t::WHEELS:
-      add("left", program.wheel_left, kCm, "cm/s");
-      add("right", program.wheel_right, kCm, "cm/s");
-      break;
-    default:
-      break;
+  for (const analysis::LawParameter& parameter :
+       analysis::lawOf(program, analysis::kPaperWheelBase)->parameters()) {
+    const DisplayUnit unit = displayUnit(parameter.unit);
+    add(parameter.symbol.c_str(), parameter.value, unit.factor,
+        unit.text == "1/s" ? "/s" : unit.text.c_str());
+  }
+  if (program.kind == program_t::WHEELS) {
+    add("left", program.wheel_left, kCm, "cm/s");
+    add("right", program.wheel_right, kCm, "cm/s");
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

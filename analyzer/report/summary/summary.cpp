@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "analyzer/report/record/step_delays.hpp"
-#include "analyzer/report/sections/brownian_section.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
+#include "analyzer/report/sections/kurtosis_section.hpp"
 #include "analyzer/report/sections/light_bands.hpp"
 #include "analyzer/report/sections/run_section.hpp"
 #include "analyzer/report/sections/segments.hpp"
@@ -84,7 +84,7 @@ Json result(const analysis::ProgramResult& result, bool whole) {
   if (result.fit) json["fit"] = fitJson(*result.fit);
   if (result.runs) json["runs"] = runsJson(*result.runs, whole);
   if (whole) json["joins"] = joinsJson(result);
-  if (result.brownian) json["brownian"] = brownianJson(*result.brownian);
+  if (result.kurtosis) json["brownian"] = kurtosisJson(*result.kurtosis);
   json["msd"] = curve(result.curves.msd, "m^2", whole);
   json["angular_msd"] = curve(result.curves.angular_msd, "rad^2", whole);
   return json;
