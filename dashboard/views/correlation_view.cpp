@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "analyzer/laws/law_of.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::dashboard {
@@ -163,7 +164,7 @@ std::optional<LengthCurve> CorrelationView::curve(const std::string& program, do
   const auto& programs = run_info_.experiment().programs;
   const auto spec = programs.find(program);
   if (spec == programs.end()) return std::nullopt;  // it belongs to the previous experiment
-  LengthCurve curve = found->second.curve(speed > 0 ? speed : spec->second.v);
+  LengthCurve curve = found->second.curve(speed > 0 ? speed : found->second.programmedSpeed());
   if (curve.length.empty()) return std::nullopt;
   return curve;
 }
