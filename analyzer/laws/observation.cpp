@@ -39,8 +39,9 @@ double variationRate(const ProgramLaw& law) {
 }
 
 /// Limits of the integration intervals, ascending: every w at which M(tau + w), M(|tau - w|) or
-/// M(w) may have a kink, and further points so that no interval is too long for the Gauss rule.
-/// @param law must exist: then kinkSpacing() > 0
+/// M(w) may have a kink (M is the MSD or the angular MSD), and further points so that no interval
+/// is too long for the Gauss rule.
+/// @param law must exist, so that kinkSpacing() > 0
 std::vector<double> integrationLimits(const ProgramLaw& law, double tau, double exposure) {
   const double kink = kinkSpacing(law);
   const double remainder = std::fmod(tau, kink);
@@ -60,7 +61,7 @@ std::vector<double> integrationLimits(const ProgramLaw& law, double tau, double 
   return ends;
 }
 
-/// The integral of observedMsd(): the MSD of means over the exposure.
+/// The integral in the comment of observedMsd(): the MSD of poses that are means over the exposure.
 template <typename Msd>
 double blurred(const ExactLaw& law, double tau, double exposure, const Msd& msd) {
   if (!law.exists()) return units::kNan;
