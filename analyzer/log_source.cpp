@@ -160,6 +160,12 @@ class Reading {
     if (packet.channel == channels::kRobotStatus) {
       return deliver<robot_status_t>(packet, sinks_.robots);
     }
+    if (packet.channel == channels::kRobotCommand && sinks_.command) {
+      robot_command_t command{};
+      if (!decode(packet.data, command)) return false;
+      sinks_.command(command);
+      return true;
+    }
     if (packet.channel == channels::kLightStatus) {
       return deliver<light_status_t>(packet, sinks_.light);
     }

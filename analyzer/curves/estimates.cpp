@@ -213,6 +213,7 @@ class Report {
     }
     if (const auto runs = law_->runs()) tumbling(*runs);
     derived();
+    if (std::isnan(law_->persistenceTime())) return std::move(list_);
     direct(kSlopeDiffusivity, "D_slope", "m^2/s", ExactLaw(law_).diffusivity(),
            "slope of the MSD from 5 to 10 persistence times, intercept free");
     return std::move(list_);

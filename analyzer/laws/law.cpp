@@ -50,7 +50,9 @@ ProgramLaw ProgramLaw::with(std::string_view parameter, double value) const {
     throw std::invalid_argument("the law \"" + law_->name() + "\" has no parameter " +
                                 std::string(parameter));
   }
-  return closedForm(law_->name(), values, law_->wheelBase());
+  ProgramLaw changed = closedForm(law_->name(), values, law_->wheelBase());
+  changed.program_ = program_;
+  return changed;
 }
 
 ProgramLaw ProgramLaw::withSpeed(double speed) const {

@@ -3,6 +3,7 @@
 /// can do.
 #pragma once
 
+#include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
@@ -124,6 +125,9 @@ class Law {
   /// @param turning the angles of turns; laws without turns ignore it
   [[nodiscard]] virtual std::shared_ptr<const LawCurves> curves(const Turning& turning) const;
 
+  /// Why the motion cannot be judged, a sentence; empty: it can, if the law exists.
+  [[nodiscard]] virtual std::string whyNoVerdict() const { return {}; }
+
   // Nominal coefficients, exact functions of the parameters; nan: there is none such.
   [[nodiscard]] virtual double rotationalDiffusivity() const { return units::kNan; }
   [[nodiscard]] virtual double translationalDiffusivity() const { return units::kNan; }
@@ -191,27 +195,33 @@ class Law {
   double wheel_base_;
 };
 
-/// The law of a program, as a value; by default none. Programs with equal laws are one program.
+/// The law of a program, as a value; by default none.
 class ProgramLaw {
  public:
   ProgramLaw();
-  explicit ProgramLaw(std::shared_ptr<const Law> law) : law_(std::move(law)) {}
+  /// @param program the hash of its byte code; 0: of no particular program
+  explicit ProgramLaw(std::shared_ptr<const Law> law, std::uint32_t program = 0)
+      : law_(std::move(law)), program_(program) {}
+  ProgramLaw(ProgramLaw law, std::uint32_t program)
+      : law_(std::move(law.law_)), program_(program) {}
 
   const Law* operator->() const { return law_.get(); }
   const Law& operator*() const { return *law_; }
   /// False: nothing is known of the motion (standing, moved by hand).
   [[nodiscard]] bool known() const { return !law_->name().empty(); }
+  [[nodiscard]] std::uint32_t program() const { return program_; }
   /// The same closed form with another value of a parameter.
   [[nodiscard]] ProgramLaw with(std::string_view parameter, double value) const;
   /// The same with another mean speed, if it has one.
   [[nodiscard]] ProgramLaw withSpeed(double speed) const;
 
   bool operator==(const ProgramLaw& other) const {
-    return law_ == other.law_ || law_->equals(*other.law_);
+    return program_ == other.program_ && (law_ == other.law_ || law_->equals(*other.law_));
   }
 
  private:
   std::shared_ptr<const Law> law_;
+  std::uint32_t program_ = 0;
 };
 
 }  // namespace lab::analysis

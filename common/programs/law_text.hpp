@@ -17,6 +17,8 @@ struct LawText {
   std::string angular_msd;
   std::string diffusivity;
   std::string rotational_diffusivity;
+
+  bool operator==(const LawText&) const = default;
 };
 
 }  // namespace lab

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include "analyzer/laws/law_of.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::dashboard {
@@ -97,6 +96,7 @@ LengthCurve HeadingCorrelation::curve(double speed) const {
   }
   LengthCurve curve;
   const double programmed = law_.program()->meanSpeed();
+  if (!(speed > 0)) speed = programmed;
   for (std::size_t k = 0; k < kLags; ++k) {
     if (all.pairs[k] < kMinPairs) continue;
     const double value = all.cosines[k] / all.pairs[k];
@@ -164,7 +164,7 @@ std::optional<LengthCurve> CorrelationView::curve(const std::string& program, do
   const auto& programs = run_info_.experiment().programs;
   const auto spec = programs.find(program);
   if (spec == programs.end()) return std::nullopt;  // it belongs to the previous experiment
-  LengthCurve curve = found->second.curve(speed > 0 ? speed : found->second.programmedSpeed());
+  LengthCurve curve = found->second.curve(speed);
   if (curve.length.empty()) return std::nullopt;
   return curve;
 }

@@ -312,7 +312,7 @@ std::string poseSource(const RunRecord& record) {
         countText(poses.clock_steps, "place"));
   }
   html +=
-      record.programs.front().program.kind == program_t::NONE
+      record.programs.front().program.hash == 0
           ? "<li>Without a program, reversals cannot be distinguished from the other motion: they "
             "are part of the curves.</li>\n"
           : fmt::format(

@@ -82,7 +82,7 @@ std::string card(const Finding& finding) {
       "<p class=\"verdict {}\">{}{}</p>\n<p>{} <span class=\"soft\">({}{} of free motion in {}.)"
       "</span></p>\n",
       escapeHtml(finding.name), escapeHtml(finding.model),
-      escapeHtml(parametersText(finding.pool->program)), verdictClass(result.verdict.kind),
+      escapeHtml(parametersText(*finding.pool)), verdictClass(result.verdict.kind),
       static_cast<char>(std::toupper(static_cast<unsigned char>(verdictText(result).front()))),
       verdictText(result).substr(1), escapeHtml(verdictReason(result)), pooled,
       durationText(result.observed), countText(result.segments, "segment"));
@@ -107,7 +107,7 @@ std::vector<std::string> verdictCells(const Finding& finding) {
       fmt::format("<span class=\"dot\" style=\"background:{}\"></span><b>{}</b>", finding.colour,
                   escapeHtml(finding.name)),
       fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
-                  escapeHtml(parametersText(finding.pool->program))),
+                  escapeHtml(parametersText(*finding.pool))),
       fmt::format("<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
                   result.law.known() ? verdictClass(verdict.kind) : "no law"),
       decided ? fmt::format("{:.1f}", std::abs(verdict.max_z)) : "–",

@@ -12,7 +12,7 @@ namespace lab::report {
 
 /// The program of all robots, for the whole recording.
 struct PoseProgram {
-  std::string model;             ///< name of a closed form; empty: unknown
+  std::string model;             ///< name of a shipped program; empty: unknown
   std::vector<std::string> set;  ///< key=value: of the program (v_cm_s=5), or of an experiment file
                                  ///< (robot.diameter_cm=8)
 };

@@ -85,8 +85,8 @@ struct Tracks {
 
 /// A program of the run.
 struct RunProgram {
-  program_t program{};
-  std::string name;                ///< name in the experiment file, else that of the model
+  program_id_t program{};
+  std::string name;                ///< name in the experiment file, else that of its definition
   std::string colour = "#9A9A9A";  ///< as in the dashboard
 };
 

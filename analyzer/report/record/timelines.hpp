@@ -70,7 +70,7 @@ struct RobotRecord {
 /// Collects ROBOT_STATUS.
 class RobotTimelines {
  public:
-  using KeyOf = std::function<int(const program_t&)>;
+  using KeyOf = std::function<int(const program_id_t&)>;
 
   explicit RobotTimelines(KeyOf key_of) : key_of_(std::move(key_of)) {}
 

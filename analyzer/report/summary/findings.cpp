@@ -34,10 +34,10 @@ std::string uniqueFile(const std::vector<Finding>& before, const std::string& na
   return file;
 }
 
-int keyOf(const RunRecord& record, const program_t& program) {
+int keyOf(const RunRecord& record, const program_id_t& program) {
   const auto known =
       std::find_if(record.programs.begin(), record.programs.end(),
-                   [&](const RunProgram& one) { return sameProgram(one.program, program); });
+                   [&](const RunProgram& one) { return one.program.hash == program.hash; });
   return known == record.programs.end() ? -1 : static_cast<int>(known - record.programs.begin());
 }
 
@@ -81,8 +81,7 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
     if (result.result.robot == analysis::kPool) {
       Finding finding;
       finding.key = keyOf(record, result.program);
-      finding.name = finding.key < 0 ? std::string(modelName(result.program.kind))
-                                     : record.programNameOf(finding.key);
+      finding.name = finding.key < 0 ? result.program.name : record.programNameOf(finding.key);
       if (finding.key >= 0) {
         finding.colour = record.programs[static_cast<std::size_t>(finding.key)].colour;
       }
@@ -206,20 +205,17 @@ std::string paperComparison(const ProgramResult& result) {
       most_z < 10 ? fmt::format("{:.1f}", most_z) : fmt::format("{:.0f}", most_z));
 }
 
-std::string parametersText(const program_t& program) {
+std::string parametersText(const analysis::FeedResult& result) {
   std::vector<std::string> parts;
   const auto add = [&parts](const char* symbol, double value, double factor, const char* unit) {
     parts.push_back(fmt::format("{} = {} {}", symbol, shortText(value * factor), unit));
   };
-  for (const analysis::LawParameter& parameter :
-       analysis::lawOf(program, analysis::kPaperWheelBase)->parameters()) {
+  const std::vector<analysis::LawParameter>& known = result.result.law->parameters();
+  for (const ProgramParameter& parameter : result.definition.parameters) {
+    const auto same = std::ranges::find(known, parameter.name, &analysis::LawParameter::name);
     const DisplayUnit unit = displayUnit(parameter.unit);
-    add(parameter.symbol.c_str(), parameter.value, unit.factor,
-        unit.text == "1/s" ? "/s" : unit.text.c_str());
-  }
-  if (program.kind == program_t::WHEELS) {
-    add("left", program.wheel_left, kCm, "cm/s");
-    add("right", program.wheel_right, kCm, "cm/s");
+    add(same == known.end() ? parameter.name.c_str() : same->symbol.c_str(), parameter.value,
+        unit.factor, unit.text == "1/s" ? "/s" : unit.text.c_str());
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

@@ -45,7 +45,7 @@ struct Finding {
 [[nodiscard]] std::string paperComparison(const analysis::ProgramResult& result);
 
 /// "v = 3 cm/s, ε = 0.5 s, η = 3 rad/s"
-[[nodiscard]] std::string parametersText(const program_t& program);
+[[nodiscard]] std::string parametersText(const analysis::FeedResult& result);
 
 /// "244 of 12 609 messages (1.9 %) missing in the log". Begins with "at least" if a sender ended
 /// without its last count. Empty if none is missing.

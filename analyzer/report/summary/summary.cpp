@@ -96,7 +96,7 @@ Json programs(const RunRecord& record) {
     Json json;
     json["name"] = finding.name;
     json["model"] = finding.model;
-    json["parameters"] = parametersText(finding.pool->program);
+    json["parameters"] = parametersText(*finding.pool);
     json["pool"] = result(finding.pool->result, true);
     Json robots = Json::array();
     for (const analysis::FeedResult* robot : finding.robots) {
