@@ -41,9 +41,6 @@ class HeadingCorrelation {
   /// @param speed [m/s] measured
   [[nodiscard]] LengthCurve curve(double speed) const;
 
-  /// The constant speed of the law [m/s].
-  [[nodiscard]] double programmedSpeed() const { return law_.program()->meanSpeed(); }
-
  private:
   struct Heading {
     double time = 0;   ///< [s] free time
