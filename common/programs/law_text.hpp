@@ -1,4 +1,3 @@
-/// What a program of motion says about its law.
 #pragma once
 
 #include <string>
@@ -7,16 +6,17 @@
 
 namespace lab {
 
-/// Either the closed form that the program follows or formulas of its own. Empty: the reference of
-/// its curves is simulated.
+/// What the file of a program says of its law (docs/programs.md).
 struct LawText {
-  std::string name;  ///< closed form (analyzer/laws/), empty: none
-  /// Of the closed form, in SI units.
+  /// Name of a closed form ("abp"); empty: none is named.
+  std::string name;
+  /// Parameters of the closed form with their values, SI units.
   std::vector<std::pair<std::string, double>> parameters;
-  std::string msd;                     ///< formula [cm^2], empty: none
-  std::string angular_msd;             ///< formula [rad^2]
-  std::string diffusivity;             ///< formula [cm^2/s]
-  std::string rotational_diffusivity;  ///< formula [1/s]
+  /// Own formulas of the program's parameters and the lag `tau`; empty: none.
+  std::string msd;
+  std::string angular_msd;
+  std::string diffusivity;
+  std::string rotational_diffusivity;
 
   bool operator==(const LawText&) const = default;
 };
