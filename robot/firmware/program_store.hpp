@@ -79,5 +79,8 @@ class ProgramStore final : public dynamics::ProgramSource {
   uint8_t collection_[dynamics::kLargestProgram] = {};
 };
 
+/// Writes a program into a place of an EEPROM image (kStoreSize bytes).
+void encodeProgram(const uint8_t* code, uint8_t size, uint8_t place, uint8_t* image);
+
 }  // namespace firmware
 }  // namespace lab
