@@ -365,19 +365,16 @@ bool Device::isUsed(uint32_t hash) const {
   return false;
 }
 
-/// A place for a new program: an empty one, or one whose program is in no slot. Otherwise kNoPlace.
+/// A place for a new program: the next one whose program is in no slot. kNoPlace: there is none.
 uint8_t Device::freePlace() const {
-  uint8_t found = ProgramStore::kNoPlace;
-  for (uint8_t place = 0; place < ProgramStore::kPlaces; ++place) {
-    const uint32_t hash = programs_.hash(place);
-    if (hash == 0) {
+  uint8_t place = programs_.lastWritten();
+  for (uint8_t i = 0; i < ProgramStore::kPlaces; ++i) {
+    place = place + 1 < ProgramStore::kPlaces ? static_cast<uint8_t>(place + 1) : 0;
+    if (programs_.hash(place) == 0 || !isUsed(programs_.hash(place))) {
       return place;
     }
-    if (!isUsed(hash)) {
-      found = place;
-    }
   }
-  return found;
+  return ProgramStore::kNoPlace;
 }
 
 Device::Answer Device::executeLoadBegin(const wire::Frame& frame) {

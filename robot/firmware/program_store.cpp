@@ -105,6 +105,7 @@ dynamics::ByteCodeFault ProgramStore::fault() const {
 
 void ProgramStore::write(uint8_t place) {
   hashes_[place] = 0;
+  last_written_ = place;
   target_ = place;
   next_ = 0;
 }
