@@ -30,13 +30,10 @@ RobotOnChip& running(RobotOnChip& robot, const dynamics::CoreSettings& settings,
 
 TEST(ChipPrograms, TheLightBandSelectsTheProgram) {
   dynamics::CoreSettings settings = fourPrograms();
-  settings.programs[0] = {};
-  settings.programs[0].kind = dynamics::kWheels;
   constexpr std::int32_t kSpeeds[][2] = {{100000, -50000}, {-270000, 270000}, {529, 530},
                                          {0, 81234},       {-1060, -530},     {0, 0}};
   for (const auto& speeds : kSpeeds) {
-    settings.programs[0].left_um_s = speeds[0];
-    settings.programs[0].right_um_s = speeds[1];
+    settings.programs[0] = hashOf(wheelsText(speeds[0], speeds[1]));
     RobotOnChip robot;
     running(robot, settings, lightOfSlot(0));
     robot.run(50);
@@ -164,9 +161,7 @@ TEST(ChipPrograms, AWallAheadStartsAReversal) {
   dynamics::CoreSettings settings = fourPrograms();
   settings.reversal.enabled = true;
   settings.reversal.distance_um = 100000;
-  settings.programs[0] = {};
-  settings.programs[0].kind = dynamics::kWheels;
-  settings.programs[0].left_um_s = settings.programs[0].right_um_s = 50000;
+  settings.programs[0] = hashOf(wheelsText(50000, 50000));
   RobotOnChip robot;
   running(robot, settings, lightOfSlot(0));
   robot.run(500);
