@@ -5,6 +5,7 @@
 
 #include "common/experiment/light_messages.hpp"
 #include "common/experiment/program_messages.hpp"
+#include "common/files/experiment_error.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {
@@ -35,24 +36,6 @@ FramePose toPose(const tracked_pose_t& pose) {
 
 }  // namespace
 
-namespace {
-
-/// The widest limits of any robot: keys robot.max_wheel_speed_cm_s and robot.diameter_cm.
-constexpr dynamics::WheelLimits kWidestLimits{5.0, 0.01};
-
-}  // namespace
-
-ProgramLaw toLaw(const RobotProgram& program, double wheel_base) {
-  ProgramLaw law{program, wheel_base};
-  law.wheel_left = 0;
-  law.wheel_right = 0;
-  return law;
-}
-
-ProgramLaw toLaw(const program_t& program, double wheel_base) {
-  return toLaw(toProgram(program), wheel_base);
-}
-
 AnalysisConfig analysisConfig(const Experiment& experiment) {
   AnalysisConfig config;
   config.max_lag = experiment.analysis.max_lag;
@@ -63,6 +46,7 @@ AnalysisConfig analysisConfig(const Experiment& experiment) {
 
 AnalysisFeed::AnalysisFeed(const Experiment& experiment)
     : wheel_base_(experiment.hardware.diameter), analysis_(analysisConfig(experiment)) {
+  for (const auto& [name, program] : experiment.programs) define(program);
   for (const RobotSpec& robot : experiment.robots) {
     if (robot.body == Body::kReplay) replayed_robots_.insert(robot.id);
   }
@@ -97,9 +81,8 @@ void AnalysisFeed::take(const robot_status_t& status) {
     }
     if (boots_.size() >= Analysis::kMostRobots && !boots_.contains(state.robot_id)) continue;
     anchor(state.utime);
-    const program_t program = lawful(state);
-    const std::int64_t boot = bootOf(status, state, program);
-    analysis_.addTelemetry(state.robot_id, toLaw(program, wheel_base_), telemetry(state, boot));
+    const std::int64_t boot = bootOf(status, state);
+    analysis_.addTelemetry(state.robot_id, lawOfProgram(state.program), telemetry(state, boot));
   }
 }
 
@@ -107,20 +90,39 @@ void AnalysisFeed::take(const light_status_t& status) {
   analysis_.setSpatialLight(!light::isUniform(toField(status)));
 }
 
-program_t AnalysisFeed::lawful(const robot_state_t& state) {
-  const bool by_hand = state.band < 0 && state.program.kind == program_t::WHEELS;
-  if (by_hand) return {};
-  if (!sameProgram(state.program, last_program_)) {
-    last_program_ = state.program;
-    last_reason_ = dynamics::outOfRange(toProgram(state.program), kWidestLimits);
+void AnalysisFeed::take(const robot_command_t& command) {
+  for (const robot_order_t& order : command.orders) {
+    for (const light_band_t& band : order.bands) {
+      if (definitions_.contains(band.program.id.hash)) continue;
+      try {
+        define(toProgram(band.program));
+      } catch (const ExperimentError&) {
+        // The robot refuses it too: it does not run.
+      }
+    }
   }
-  if (last_reason_.empty()) return state.program;
-  if (refused_++ == 0) refusal_ = "program of a robot: " + last_reason_;
-  return {};
 }
 
-std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_state_t& state,
-                                  const program_t& program) {
+void AnalysisFeed::define(const Program& program) {
+  if (program.hash == 0 || definitions_.size() >= ProgramKeys::kMost) return;
+  if (definitions_.try_emplace(program.hash, program).second) laws_.erase(program.hash);
+}
+
+const ProgramLaw& AnalysisFeed::lawOfProgram(const program_id_t& program) {
+  static const ProgramLaw none;
+  // The host sets the wheel speeds: that has no law, and each speed would count as a program.
+  if (program.hash == 0) return none;
+  const auto known = laws_.find(program.hash);
+  if (known != laws_.end()) return known->second;
+  if (laws_.size() >= Analysis::kMostPrograms) return none;
+  const auto definition = definitions_.find(program.hash);
+  return laws_[program.hash] = definition != definitions_.end()
+                                   ? lawOf(definition->second, wheel_base_)
+                                   : lawOfUnknown(static_cast<std::uint32_t>(program.hash),
+                                                  program.name, wheel_base_);
+}
+
+std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_state_t& state) {
   Boots& boots = boots_[state.robot_id];
   const bool other_sender = boots.instance != status.instance || boots.sender != status.sender;
   // A delayed message also has a smaller count, but it is older than the last one.
@@ -134,7 +136,7 @@ std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_stat
   }
   boots.last_utime = std::max(boots.last_utime, state.utime);
   boots.last_epoch = std::max(boots.last_epoch, state.program_epoch);
-  program_keys_.key(program);
+  program_keys_.key(state.program);
   return boots.number;
 }
 
@@ -166,13 +168,13 @@ void AnalysisFeed::onSample(SampleSink sink) {
 void AnalysisFeed::onPiece(PieceSink sink) {
   analysis_.onPiece(
       [this, sink = std::move(sink)](int robot, const ProgramLaw& law, const Piece& piece) {
-        sink(robot, programOf(law), piece);
+        sink(robot, idOf(law), piece);
       });
 }
 
-program_t AnalysisFeed::programOf(const ProgramLaw& law) const {
-  for (const program_t& program : program_keys_.programs()) {
-    if (toLaw(program, wheel_base_) == law) return program;
+program_id_t AnalysisFeed::idOf(const ProgramLaw& law) const {
+  for (const program_id_t& program : program_keys_.programs()) {
+    if (program.hash == law.program()) return program;
   }
   return {};
 }
@@ -182,7 +184,9 @@ std::vector<FeedResult> AnalysisFeed::results(Depth depth,
   std::vector<FeedResult> results;
   for (ProgramResult& result : analysis_.results(depth, meanwhile)) {
     FeedResult one;
-    one.program = programOf(result.law);
+    one.program = idOf(result.law);
+    const auto known = definitions_.find(one.program.hash);
+    if (known != definitions_.end()) one.definition = known->second;
     one.result = std::move(result);
     results.push_back(std::move(one));
   }

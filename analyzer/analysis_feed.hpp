@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <lab/light_status_t.hpp>
+#include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <map>
@@ -12,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "analyzer/laws/law_of.hpp"
 #include "analyzer/service/analysis.hpp"
 #include "analyzer/service/program_keys.hpp"
 #include "common/experiment/experiment.hpp"
@@ -20,19 +22,16 @@ namespace lab::analysis {
 
 /// A result, with the program as it is in the messages.
 struct FeedResult {
-  program_t program{};
+  program_id_t program{};
+  Program definition;  ///< of the program; default: not known
   ProgramResult result;
 };
-
-/// The law of a program.
-/// @param wheel_base [m] distance between the robot's wheels
-[[nodiscard]] ProgramLaw toLaw(const RobotProgram& program, double wheel_base);
-[[nodiscard]] ProgramLaw toLaw(const program_t& program, double wheel_base);
 
 /// The settings of the analysis that follow from an experiment file.
 [[nodiscard]] AnalysisConfig analysisConfig(const Experiment& experiment);
 
-/// Takes messages in the order in which they arrive. It uses status messages only, never commands.
+/// Takes messages in the order in which they arrive. It uses status messages, and of commands only
+/// the definitions of programs.
 /// The same messages in the same order give the same bits. Times count from the first message that
 /// has one.
 ///
@@ -44,13 +43,17 @@ class AnalysisFeed {
   using SampleSink = std::function<void(int robot, const Sample& sample)>;
 
   /// One piece of free motion, once it has ended.
-  using PieceSink = std::function<void(int robot, const program_t& program, const Piece& piece)>;
+  using PieceSink = std::function<void(int robot, const program_id_t& program, const Piece& piece)>;
 
   explicit AnalysisFeed(const Experiment& experiment);
 
   void take(const tracked_frame_t& frame);
   void take(const robot_status_t& status);
   void take(const light_status_t& status);
+
+  /// Takes the definitions of programs that the experiment does not have. The orders themselves are
+  /// not used.
+  void take(const robot_command_t& command);
 
   /// End of data: processes the frames that still wait for telemetry.
   void flush() { analysis_.flush(); }
@@ -85,8 +88,8 @@ class AnalysisFeed {
   /// Time of the last frame taken [us since 1970]; 0: none yet.
   [[nodiscard]] std::int64_t lastFrameUtime() const { return last_frame_utime_; }
 
-  /// States of robots whose program no robot can run, which count as standing, or which are later
-  /// than the message they are in, which are not used; and the reason for the first one.
+  /// States of robots that are later than the message they are in, which are not used; and the
+  /// reason for the first one.
   [[nodiscard]] std::int64_t refused() const { return refused_; }
   [[nodiscard]] const std::string& refusal() const { return refusal_; }
 
@@ -107,23 +110,21 @@ class AnalysisFeed {
   };
 
   void anchor(std::int64_t utime);
-  [[nodiscard]] program_t programOf(const ProgramLaw& law) const;
+  void define(const Program& program);
+  [[nodiscard]] const ProgramLaw& lawOfProgram(const program_id_t& program);
+  [[nodiscard]] program_id_t idOf(const ProgramLaw& law) const;
   [[nodiscard]] RobotTelemetry telemetry(const robot_state_t& state, std::int64_t boot) const;
-  std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state,
-                      const program_t& program);
-  /// The program, or none for one that no robot can run, and for motion under manual control
-  /// (cmd_vel, the handshake): that has no law, and each speed would count as a program.
-  program_t lawful(const robot_state_t& state);
+  std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state);
 
   double wheel_base_;
   std::set<std::int32_t> replayed_robots_;  ///< excluded, because their motion was analyzed in the
                                             ///< run that is replayed
   Analysis analysis_;
   ProgramKeys program_keys_;
+  std::map<std::int64_t, Program> definitions_;  ///< by hash
+  std::map<std::int64_t, ProgramLaw> laws_;      ///< by hash, of the programs that ran
   std::map<std::int32_t, Boots> boots_;
   Frame frame_;  ///< kept to reuse its memory
-  program_t last_program_{};
-  std::string last_reason_;  ///< why no robot can run it; empty: one can
   std::int64_t refused_ = 0;
   std::string refusal_;
   std::int64_t origin_utime_ = 0;

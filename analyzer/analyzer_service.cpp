@@ -35,6 +35,8 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
       node_.noteError(feed_.refusal());
     }
   });
+  node_.subscribe<robot_command_t>(channels::kRobotCommand,
+                                   [this](const robot_command_t& command) { feed_.take(command); });
   node_.subscribe<light_status_t>(channels::kLightStatus,
                                   [this](const light_status_t& status) { feed_.take(status); });
   loop_.every(units::kSecond_us / kSlots, loop_.now(), [this] { publishDue(); });

@@ -7,6 +7,7 @@
 #include <lab/experiment_event_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/link_status_t.hpp>
+#include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
@@ -23,6 +24,7 @@ namespace lab::report {
 struct MessageSinks {
   std::function<void(const tracked_frame_t&)> frame;
   std::function<void(const robot_status_t&)> robots;
+  std::function<void(const robot_command_t&)> command;  ///< unchecked; empty: not read
   std::function<void(const light_status_t&)> light;
   std::function<void(const experiment_event_t&)> event;
   std::function<void(const service_status_t&)> service;

@@ -2,7 +2,6 @@
 
 #include <memory>
 
-#include "analyzer/laws/bp_kurtosis.hpp"
 #include "analyzer/laws/observation.hpp"
 #include "analyzer/laws/phased_noise.hpp"
 
@@ -11,15 +10,12 @@ namespace {
 
 /// Windows that begin at fixed phases of the hold.
 TheoryColumns phasedColumns(const ProgramLaw& law, const TheoryConditions& conditions) {
-  const double va = law.kind == ProgramKind::kBp ? 0 : law.va;
-  const HeldNoise noise = law.kind == ProgramKind::kAbp
-                              ? HeldNoise::uniformTurning(law.v, law.eta, law.epsilon)
-                              : HeldNoise::uniformWheels(va, law.V, law.wheel_base, law.epsilon);
-  const auto phased = std::make_shared<const PhasedNoise>(noise);
+  const double hold = law->drawTime();
+  const auto phased = std::make_shared<const PhasedNoise>(*law->heldNoise());
   const auto mean = [=, phases = conditions.phases.value_or(1),
-                     first = conditions.phase.value_or(law.epsilon)](auto member) {
+                     first = conditions.phase.value_or(hold)](auto member) {
     return [=](double tau) {
-      return commensurateMean(law.epsilon, phases, first,
+      return commensurateMean(hold, phases, first,
                               [&](double phase) { return ((*phased).*member)(tau, phase); });
     };
   };
@@ -32,7 +28,7 @@ TheoryColumns phasedColumns(const ProgramLaw& law, const TheoryConditions& condi
 TheoryColumns theoryColumns(const ProgramLaw& law, const TheoryConditions& conditions) {
   const ExactLaw exact(law, conditions.turning);
   TheoryColumns columns;
-  if (isHeldNoise(law.kind) && (conditions.phase || conditions.phases)) {
+  if (law->held() && (conditions.phase || conditions.phases)) {
     columns = phasedColumns(law, conditions);
   } else {
     const MeasurementModel blurred{conditions.exposure, 0, 0};
@@ -46,8 +42,7 @@ TheoryColumns theoryColumns(const ProgramLaw& law, const TheoryConditions& condi
   columns.angular_msd = [=, msd = columns.angular_msd](double tau) {
     return msd(tau) + angular_offset;
   };
-  if (law.kind == ProgramKind::kBp) {
-    const auto kurtosis = std::make_shared<const BpKurtosis>(law.V, law.wheel_base, law.epsilon);
+  if (const auto kurtosis = law->kurtosis()) {
     columns.kurtosis = [=](double tau) { return kurtosis->observed(tau, offset); };
   }
   return columns;

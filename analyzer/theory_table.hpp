@@ -13,7 +13,7 @@ struct TheoryConditions {
   double exposure = 0;     ///< [s] a pose is the mean over it; 0: an instant
   double sigma = 0;        ///< [m] tracker noise per axis
   double sigma_theta = 0;  ///< [rad] tracker noise of the heading
-  /// The turning angles of an RTP; other programs ignore them.
+  /// The angles of turns on the spot; laws without them ignore it.
   Turning turning{};
   /// Of held noise, for camera and robot with locked clocks: windows begin at `phases` equally
   /// spaced phases of the hold, the first one `phase` [s] before an update. Without either, the
@@ -27,7 +27,7 @@ struct TheoryColumns {
   std::function<double(double)> msd;          ///< [m^2]
   std::function<double(double)> angular_msd;  ///< [rad^2]
   std::function<double(double)> correlation;  ///< [m^2/s^2] of the velocity, without noise
-  std::function<double(double)> kurtosis;     ///< <r^4> / <r^2>^2; empty unless the program is BP
+  std::function<double(double)> kurtosis;     ///< <r^4> / <r^2>^2; empty: not known
 };
 
 /// Every function returns nan for a program without a law.

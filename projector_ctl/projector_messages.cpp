@@ -15,7 +15,7 @@ SceneContext sceneContextOf(const Experiment& experiment, light::ImageStore imag
   for (const RobotSpec& robot : experiment.robots) scene_context.robots.push_back(robot.id);
   for (const auto& [name, program] : experiment.programs) scene_context.programs.push_back(name);
   // Robots that stand report this program, and a gate may select them.
-  scene_context.programs.push_back(modelName(program_t::NONE));
+  scene_context.programs.push_back(kStanding);
   scene_context.images = std::move(images);
   return scene_context;
 }
@@ -41,7 +41,7 @@ LightCommand toCommand(const light_command_t& message, const Experiment& experim
   for (light::DrivenLayer& layer : command.layers) {
     const auto program = experiment.programs.find(layer.drive.gate_program);
     if (program != experiment.programs.end()) {
-      layer.drive.gate_program = programName(experiment, toMessage(program->second));
+      layer.drive.gate_program = programName(experiment, toId(program->second));
     }
   }
   return command;

@@ -99,6 +99,10 @@ void SimService::subscribe() {
     follow(loop_.now());
     bus_robots_.handle(stop);
   });
+  node_.subscribe<robot_senses_t>(channels::kRobotSenses, [this](const robot_senses_t& senses) {
+    follow(loop_.now());
+    bus_robots_.handle(senses, origin_utime_ + world_.timeUs());
+  });
   node_.subscribe<robot_calibration_t>(
       channels::kRobotCalibration, [this](const robot_calibration_t& calibration) {
         follow(loop_.now());
@@ -240,7 +244,7 @@ void SimService::sampleTruth() {
     pose.y = state.pose.y;
     pose.theta = state.pose.theta;
     pose.program =
-        state.external ? external_robots_.kind(i) : static_cast<std::int8_t>(state.core.kind);
+        state.external ? external_robots_.program(i) : std::int64_t{state.core.program};
     pose.contact_robot = state.contact_robot ? 1 : 0;
     pose.contact_wall = state.contact_wall ? 1 : 0;
     truth.robots.push_back(pose);

@@ -57,7 +57,7 @@ void World::addRobot(const RobotSetup& setup) {
   };
   Random clock(stream("clock"));
   Random wheels(stream("wheels"));
-  Electronics robot;
+  Electronics robot(*programs_);
   robot.id = setup.id;
   robot.external = setup.external;
   const auto max_um_s = static_cast<std::int32_t>(std::lround(settings_.max_wheel_speed * 1e6));
@@ -172,6 +172,8 @@ void World::scan(std::size_t i) {
   robot.next_scan_ms += std::max<std::int64_t>(1, robot.core.settings().sensor_period_ms);
   const SensorScan readings = sensors_.scan(disks_, i, robot.light_gains, robot.light_noise);
   robot.sensors = readings.all;
+  const double battery = robot.battery_full - kBatteryFall * time();
+  robot.core.setBattery(static_cast<std::uint16_t>(std::lround(std::max(0.0, battery) * 1e3)));
   robot.core.sense(static_cast<std::uint32_t>(robot.local_ms),
                    robot.reverses_from_robots ? readings.all : readings.walls_only);
 }

@@ -3,10 +3,12 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <vector>
 
 #include "common/math/random.hpp"
+#include "common/programs/program_library.hpp"
 #include "robot/dynamics/kinematics.hpp"
 #include "robot/dynamics/robot_core.hpp"
 #include "sim_svc/world/arena.hpp"
@@ -68,7 +70,7 @@ struct RobotState {
   double program_start = 0;         ///< When the running program (or standing) began.
   double reversal_start = 0;        ///< When the last reversal began; valid if reversal_count > 0.
   double reversal_end = 0;          ///< When the last finished reversal ended.
-  double run_time = 0;              ///< Time in runs of run-and-tumble [s of the robot's clock].
+  double run_time = 0;              ///< Time in first phases [s of the robot's clock].
   dynamics::Sensors sensors;        ///< Includes other robots even if the core ignores them.
   double battery = 0;               ///< Voltage [V].
   bool contact_robot = false;       ///< Touched another robot in the last step.
@@ -102,6 +104,12 @@ class World {
 
   /// Sets the light on the arena; nullptr is dark. It must outlive the world or the next call.
   void setLight(const LightSampler* light) { sensors_.setLight(light); }
+
+  /// Makes a program known to all robots, which find it by its hash.
+  /// @param code that dynamics::checkByteCode() accepts
+  void addProgram(std::uint32_t hash, const std::vector<std::uint8_t>& code) {
+    programs_->add(hash, code);
+  }
 
   /// Gives an order to the core of robot i (not an external one): `give` is called with the core
   /// and the robot's time. world.order(i, [](auto& core, auto now_ms) { core.stop(now_ms); });
@@ -188,6 +196,8 @@ class World {
 
  private:
   struct Electronics {
+    explicit Electronics(dynamics::ProgramSource& programs) : core(programs) {}
+
     std::int32_t id = 0;
     bool external = false;
     bool reverses_from_robots = true;
@@ -225,6 +235,8 @@ class World {
   void turnWheels(std::size_t i, double left, double right);
 
   WorldSettings settings_;
+  /// Shared, because the cores refer to it also when the world is moved.
+  std::shared_ptr<ProgramLibrary> programs_ = std::make_shared<ProgramLibrary>();
   std::int64_t time_us_ = 0;
   DiskArena disks_;
   SensorModel sensors_;

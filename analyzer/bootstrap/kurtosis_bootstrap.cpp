@@ -48,7 +48,7 @@ KurtosisBootstrap simulate(const ProgramLaw& law, KurtosisHypothesis hypothesis,
   RecordingPlan plan;
   plan.law = law;
   plan.duration = duration;
-  plan.period = law.epsilon / kFramesPerHold;
+  plan.period = law->drawTime() / kFramesPerHold;
   for (int recording = 0; recording < kRecordings; ++recording) {
     const std::uint64_t seed = kSeed + static_cast<std::uint64_t>(recording);
     if (hypothesis == KurtosisHypothesis::kProgram) {

@@ -19,7 +19,7 @@ struct KurtosisBootstrap {
 
 enum class KurtosisHypothesis { kProgram, kIsotropic };
 
-/// Simulates 300 recordings without noise, of the BP `law` as executed or of Brownian motion in the
+/// Simulates 300 recordings without noise, of `law` as executed or of Brownian motion in the
 /// plane. The same arguments give the same bits. The last few results are cached.
 /// @param lags in frames of the recording, ascending, positive and shorter than the
 /// recording

@@ -36,9 +36,9 @@ struct BlockSums {
   double lost2 = 0;      ///< Sum over the gaps of the squared numbers of missing frames.
   double unseen = 0;     ///< Part of these gaps that is not in the observed time, s.
   double segments = 0;   ///< Segments that began in it. No window crosses segments.
-  double run_time = 0;   ///< Time in runs (RTP), s.
+  double run_time = 0;   ///< Time in runs, s.
   double run_span = 0;   ///< Time in which run time was counted, s.
-  double tumbles = 0;    ///< Tumbles that began in it (RTP).
+  double tumbles = 0;    ///< Tumbles that began in it.
 
   BlockSums& operator+=(const BlockSums& other);
   BlockSums& operator-=(const BlockSums& other);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <map>
+#include <optional>
 
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
@@ -121,43 +122,19 @@ class LagErrors {
 
 /// The law at the measured speed, if the difference may be a calibration error.
 ExactLaw calibrated(const ProgramLaw& law, double speed, double tolerance) {
-  ProgramLaw result = law;
-  const bool has_speed = law.kind == ProgramKind::kAbp || law.kind == ProgramKind::kRtp;
-  if (has_speed && std::abs(speed / law.v - 1) <= tolerance) {
-    result.v = speed;
-  }
-  return ExactLaw(result);
-}
-
-/// The ballistic part of the ABP has a much smaller error than the diffusive formula.
-bool predictsItsMsdError(const ProgramLaw& law) { return law.kind != ProgramKind::kAbp; }
-
-double drawsSeen(const ProgramLaw& law, double observed) {
-  return isHeldNoise(law.kind) ? observed / law.epsilon : observed / (1 / law.gamma + law.tau_t);
+  const std::optional<double> constant = law->constantSpeed();
+  const bool close = constant && std::abs(speed / *constant - 1) <= tolerance;
+  return ExactLaw(close ? law.withSpeed(speed) : law);
 }
 
 }  // namespace
 
 double modelMsdError(const ExactLaw& law, double tau, double observed) {
-  const ProgramLaw& p = law.program();
-  if (p.kind == ProgramKind::kRtp) {
-    // The share of run time in the recording also scatters.
-    const double cycle = 1 / p.gamma + p.tau_t;
-    return std::sqrt((2 * tau / 3 + p.tau_t * p.tau_t / cycle) / observed);
-  }
-  const double noise_share =
-      p.kind == ProgramKind::kAbp
-          ? 0
-          : std::min(1.0, 4 * translationalDiffusivity(p) * tau / law.msd(tau));
-  return std::sqrt((2 * tau / 3 * (1 + noise_share) + 1.5 * noise_share * p.epsilon) / observed);
+  return law.program()->relativeMsdError(tau, law.msd(tau), observed);
 }
 
 double modelAngularError(const ExactLaw& law, double tau, double observed) {
-  const ProgramLaw& p = law.program();
-  const double draws = p.kind == ProgramKind::kRtp   ? 1.8 * (1 / p.gamma + p.tau_t)
-                       : p.kind == ProgramKind::kAbp ? 0.8 * p.epsilon
-                                                     : 1.4 * p.epsilon;
-  return std::sqrt((4 * tau / 3 + draws) / observed);
+  return law.program()->relativeAngularError(tau, observed);
 }
 
 Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& options) {
@@ -178,7 +155,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   const bool noise_known = !by_fit || std::isfinite(options.offset);
   const std::vector<double> means = functions(total);
   LagErrors errors(data, functions);
-  const bool enough_draws = drawsSeen(law, observed) >= kMinDraws;
+  const bool enough_draws = observed / law->drawTime() >= kMinDraws;
   const auto tracks = static_cast<double>(data.tracks.size());
   const double segments = std::max(tracks, total.segments);
   const RecordingGaps gaps = gapsOf(data, total);
@@ -200,7 +177,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
           mean(angular ? sums.a4 : sums.r4, angular ? sums.angular_windows : sums.windows);
       p.kurtosis = fourth / (p.value * p.value);
       p.exact = angular ? exact.angularMsd(tau) : exact.msd(tau);
-      p.paper = angular ? paperAngularMsd(law, tau) : paperMsd(law, tau);
+      p.paper = angular ? paperAngularMsd(law, tau) : law->paperMsd(tau);
       const double expected = angular ? reference.angularMsd(tau) : reference.msd(tau);
       const std::size_t column = angular ? n + i : i;
       LagErrors::Error error = errors.at(tau, column, 2 * n + column);
@@ -218,7 +195,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
       } else if (!error.enough || gaps.cut) {
         error.raw = std::fmax(error.raw, model);
       }
-      const bool own = !error.enough || angular || predictsItsMsdError(law);
+      const bool own = !error.enough || angular || law->predictsMsdError();
       if (!std::isfinite(simulated) && !(error.corrected > model) && own) {
         error.corrected = model;
         error.freedom = kManyBlocks;

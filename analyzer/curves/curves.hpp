@@ -58,9 +58,9 @@ struct CurveOptions {
 /// than twelve blocks, the error is the larger one of the block error and the prediction of the
 /// law. z compares with the exact law, at the measured speed if that is within speed_tolerance of
 /// the programmed one, with the tracker noise removed and the systematic floor added to the error.
-/// The error in z is not below the prediction of the law (which exists except for the MSD of the
-/// ABP), because blocks of a recording that fluctuates low also scatter little. With few blocks, z
-/// is converted to the normal deviate of equal probability.
+/// The error in z is not below the prediction of the law (if it has one:
+/// Law::predictsMsdError), because blocks of a recording that fluctuates low also scatter little.
+/// With few blocks, z is converted to the normal deviate of equal probability.
 [[nodiscard]] Curves curves(const ProgramLaw& law, const BlockData& data,
                             const CurveOptions& options);
 

@@ -19,42 +19,26 @@ constexpr double kRecordingsPerSlope = 20;  // minimal length of a recording, in
 constexpr double kManyBlocks = 1e9;
 constexpr double kCorrectionShare = 0.1;  // share of a correction that counts as its uncertainty
 
-double persistenceTime(const ProgramLaw& law) {
-  switch (law.kind) {
-    case ProgramKind::kAbp:
-    case ProgramKind::kNoisyAbp:
-      return 1 / rotationalDiffusivity(law);
-    case ProgramKind::kBp:
-      return law.epsilon;
-    case ProgramKind::kRtp:
-      return 1 / law.gamma;
-    case ProgramKind::kNone:
-    case ProgramKind::kWheels:
-      break;
-  }
-  return kNan;
-}
-
 /// The relative error of a quantity in a recording of length T that the law predicts, for
 /// recordings that are too short for block errors: draws are independent from hold to hold, and the
 /// difference of two lags has twice the error of the mean square of the draws (kurtosis of the
 /// uniform distribution 9/5, of the sum of two 2.4).
 double modelError(const ProgramLaw& law, Quantity quantity, double observed) {
-  const double draws = law.epsilon > 0 ? observed / law.epsilon : kNan;
+  const HeldDraws held = law->held().value_or(HeldDraws{});
+  const DrawnWheels wheels = law->drawnWheels().value_or(DrawnWheels{});
+  const double draws = held.hold > 0 ? observed / held.hold : kNan;
   switch (quantity) {
     case kRotationalDiffusivity:
-      return 2 * std::sqrt((law.kind == ProgramKind::kAbp ? 0.8 : 1.4) / draws);
+      return 2 * std::sqrt(held.spread / draws);
     case kTranslationalDiffusivity:
       return 2 * std::sqrt(1.4 / draws);
     case kAmplitude:
       return 0.5 * std::sqrt(1.4 / draws);
     case kSpeed:
-      return law.kind == ProgramKind::kNoisyAbp && law.va != 0
-                 ? law.V / std::abs(law.va) / std::sqrt(6 * draws)
-                 : 0;
+      return wheels.mean != 0 ? wheels.half_width / std::abs(wheels.mean) / std::sqrt(6 * draws)
+                              : 0;
     case kSlopeDiffusivity:
-      return (law.kind == ProgramKind::kBp ? 1.15 : 0.8) *
-             std::sqrt(20 * persistenceTime(law) / observed);
+      return (law->isDiffusive() ? 1.15 : 0.8) * std::sqrt(20 * law->persistenceTime() / observed);
     case kPositionOffset:
     case kHeadingOffset:
     case kTumbleRate:
@@ -87,30 +71,26 @@ void setInterval(Estimate& estimate, double degrees_of_freedom, bool known_error
 Estimator::Estimator(const ProgramLaw& law, const BlockData& data) : law_(law) {
   const BlockSums total = data.total();
   const ExactLaw exact(law);
-  ProgramLaw unit = law;
-  unit.va = 1;
-  ProgramLaw noise = law;
-  noise.va = 0;
-  const bool wheels = law.kind == ProgramKind::kNoisyAbp || law.kind == ProgramKind::kBp;
-  unit.kind = noise.kind = wheels ? ProgramKind::kNoisyAbp : ProgramKind::kNone;
-  const ExactLaw unit_law(unit);
-  const ExactLaw noise_law(noise);
-  const bool held = isHeldNoise(law.kind);
-  const double turning2 = held ? 2 * rotationalDiffusivity(law) / law.epsilon : 1;
+  const auto unit_law = law->curvesAtMean(1);
+  const auto noise_law = law->curvesAtMean(0);
+  held_ = law->held();
+  wheels_ = law->drawnWheels();
+  runs_ = law->runs();
+  const double turning2 = held_ ? 2 * law->rotationalDiffusivity() / held_->hold : 1;
   for (std::size_t i = 0; i < data.lags.size(); ++i) {
     const double tau = data.lagTime(i, total);
     lag_times_.push_back(tau);
     shape_.push_back(exact.angularMsd(tau) / turning2);
-    noise_part_.push_back(noise_law.msd(tau));
-    mean_part_.push_back(unit_law.msd(tau) - noise_part_.back());
+    noise_part_.push_back(noise_law ? noise_law->msd(tau) : kNan);
+    mean_part_.push_back(unit_law ? unit_law->msd(tau) - noise_part_.back() : kNan);
   }
   first_lag_ = lag_times_.front();
   const bool dense = data.lags.size() > 2 && data.lags[0] == 1 && data.lags[2] == 3;
   third_lag_ = dense ? 2 : 0;
-  const double turn = held ? law.epsilon : law.tau_t;
+  const double turn = held_ ? held_->hold : runs_.value_or(RunsAndTurns{}).turn_time;
   hold_ = nearestLag(data.lags, turn / data.frame_period);
   two_holds_ = nearestLag(data.lags, 2 * turn / data.frame_period);
-  const double persistence = persistenceTime(law);
+  const double persistence = law->persistenceTime();
   slope_begin_ = nearestLag(data.lags, 5 * persistence / data.frame_period);
   slope_end_ = nearestLag(data.lags, 10 * persistence / data.frame_period);
   const bool reached = lag_times_[slope_end_] > 8 * persistence && slope_end_ > slope_begin_;
@@ -130,9 +110,7 @@ double Estimator::reach(Quantity quantity) const {
   if (quantity == kSlopeDiffusivity) {
     return lag_times_[slope_end_];
   }
-  if (law_.kind == ProgramKind::kRtp) {
-    return 1 / law_.gamma + law_.tau_t;
-  }
+  if (runs_) return 1 / runs_->rate + runs_->turn_time;
   return lag_times_[two_holds_];
 }
 
@@ -141,9 +119,7 @@ void Estimator::measureTurning(const BlockSums& sums, Quantities& q) const {
     return to > from ? (angular(sums, to) - angular(sums, from)) / (shape_[to] - shape_[from])
                      : kNan;
   };
-  if (isHeldNoise(law_.kind)) {
-    q[kRotationalDiffusivity] = 0.5 * law_.epsilon * scale(hold_, two_holds_);
-  }
+  if (held_) q[kRotationalDiffusivity] = 0.5 * held_->hold * scale(hold_, two_holds_);
   const double short_scale = hold_ > 0 ? scale(0, hold_) : scale(hold_, two_holds_);
   q[kHeadingOffset] = angular(sums, 0) - short_scale * shape_[0];
 }
@@ -154,10 +130,10 @@ void Estimator::measureNoise(const BlockSums& sums, Quantities& q) const {
   // Noise of the heading turns part of the forward step sideways.
   q[kPositionOffset] = 2 * (across - 0.5 * heading_noise * (msd(sums, 0) - 2 * across));
   double correction = heading_noise / 4;
-  if (law_.kind == ProgramKind::kNone) {
+  if (!held_ && !runs_) {
     correction = chordOfUnknownTurning(sums);
-  } else if (law_.kind != ProgramKind::kRtp) {
-    // The chord of an arc is shorter than the arc (an RTP does not move while it turns).
+  } else if (held_) {
+    // The chord of an arc is shorter than the arc; between runs, a robot turns on the spot.
     correction += (angular(sums, 0) - 2 * heading_noise) / 24;
   }
   q[kSpeed] = sums.forward_time > 0 ? sums.forward / sums.forward_time * (1 + correction) : kNan;
@@ -180,16 +156,17 @@ Quantities Estimator::operator()(const BlockSums& sums) const {
   q.fill(kNan);
   measureTurning(sums, q);
   measureNoise(sums, q);
-  if (law_.kind == ProgramKind::kRtp) {
+  if (runs_) {
     q[kTumbleRate] = sums.run_time > 0 ? sums.tumbles / sums.run_time : kNan;
     // In frames in which a tumble begins or ends, part of a run is projected on a heading that has
     // turned: to lowest order a loss of <omega^2> dt^3 / 48 per tumble.
-    const double omega2 = std::numbers::pi * std::numbers::pi / (3 * law_.tau_t * law_.tau_t);
+    const double omega2 =
+        std::numbers::pi * std::numbers::pi / (3 * runs_->turn_time * runs_->turn_time);
     const double smeared = q[kTumbleRate] * omega2 * std::pow(first_lag_, 3) / 48;
     q[kSpeed] *= sums.run_time > 0 ? sums.run_span / sums.run_time * (1 + smeared) : kNan;
   }
-  if (law_.kind == ProgramKind::kNoisyAbp || law_.kind == ProgramKind::kBp) {
-    const double va = law_.kind == ProgramKind::kBp ? 0 : q[kSpeed];
+  if (wheels_) {
+    const double va = law_->isDiffusive() ? 0 : q[kSpeed];
     // (V / V programmed)^2 from the difference of two lags.
     const auto ratio = [&](std::size_t from, std::size_t to) {
       const double mean_part = va * va * (mean_part_[to] - mean_part_[from]);
@@ -197,8 +174,9 @@ Quantities Estimator::operator()(const BlockSums& sums) const {
                              (noise_part_[to] - noise_part_[from])
                        : kNan;
     };
-    q[kTranslationalDiffusivity] = translationalDiffusivity(law_) * ratio(hold_, two_holds_);
-    q[kAmplitude] = law_.V * std::sqrt(hold_ > 0 ? ratio(0, hold_) : ratio(hold_, two_holds_));
+    q[kTranslationalDiffusivity] = law_->translationalDiffusivity() * ratio(hold_, two_holds_);
+    q[kAmplitude] =
+        wheels_->half_width * std::sqrt(hold_ > 0 ? ratio(0, hold_) : ratio(hold_, two_holds_));
   }
   if (slope_time_ > 0) {
     q[kSlopeDiffusivity] = (msd(sums, slope_end_) - msd(sums, slope_begin_)) / (4 * slope_time_);
@@ -217,26 +195,25 @@ class Report {
   }
 
   std::vector<Estimate> all() {
-    if (law_.kind == ProgramKind::kNone) {
+    if (!law_.known()) {
       direct(kSpeed, "v", "m/s", kNan, "forward displacement over time");
       return std::move(list_);
     }
-    if (isHeldNoise(law_.kind)) {
-      direct(kRotationalDiffusivity, "D_r", "rad^2/s", rotationalDiffusivity(law_),
+    if (law_->held()) {
+      direct(kRotationalDiffusivity, "D_r", "rad^2/s", law_->rotationalDiffusivity(),
              "[A(2 epsilon) - A(epsilon)] / (2 epsilon) of the angular MSD");
     }
-    direct(kSpeed, law_.kind == ProgramKind::kNoisyAbp ? "v_a" : "v", "m/s", meanSpeed(law_),
-           law_.kind == ProgramKind::kRtp ? "forward displacement over run time"
-                                          : "forward displacement over time");
-    if (law_.kind == ProgramKind::kNoisyAbp || law_.kind == ProgramKind::kBp) {
-      direct(kAmplitude, "V", "m/s", law_.V, "MSD(epsilon) - MSD(one frame) over the exact law's");
-      direct(kTranslationalDiffusivity, "D_t", "m^2/s", translationalDiffusivity(law_),
+    direct(kSpeed, law_->speedName(), "m/s", law_->meanSpeed(),
+           law_->runs() ? "forward displacement over run time" : "forward displacement over time");
+    if (const auto wheels = law_->drawnWheels()) {
+      direct(kAmplitude, "V", "m/s", wheels->half_width,
+             "MSD(epsilon) - MSD(one frame) over the exact law's");
+      direct(kTranslationalDiffusivity, "D_t", "m^2/s", law_->translationalDiffusivity(),
              "[MSD(2 epsilon) - MSD(epsilon)] / (4 epsilon), mean speed's part removed");
     }
-    if (law_.kind == ProgramKind::kRtp) {
-      tumbling();
-    }
+    if (const auto runs = law_->runs()) tumbling(*runs);
     derived();
+    if (std::isnan(law_->persistenceTime())) return std::move(list_);
     direct(kSlopeDiffusivity, "D_slope", "m^2/s", ExactLaw(law_).diffusivity(),
            "slope of the MSD from 5 to 10 persistence times, intercept free");
     return std::move(list_);
@@ -251,7 +228,7 @@ class Report {
                      });
   }
 
-  void direct(Quantity quantity, const char* name, const char* unit, double theory,
+  void direct(Quantity quantity, const std::string& name, const char* unit, double theory,
               const char* note) {
     const bool own = estimator_.reach(quantity) != estimator_.reach(kRotationalDiffusivity);
     const Replicates replicates = own ? replicate(quantity) : main_;
@@ -292,7 +269,7 @@ class Report {
     const BlockSums total = data_.total();
     const Quantities q = estimator_(total);
     const double time = total.forward_time;
-    const double scale = law_.kind == ProgramKind::kRtp ? total.run_span / total.run_time : 1;
+    const double scale = law_->runs() ? total.run_span / total.run_time : 1;
     const double sigma2 = finiteOrZero(std::max(0.0, q[kPositionOffset] / 4)) * scale * scale;
     const double heading2 = finiteOrZero(std::max(0.0, q[kHeadingOffset] / 2));
     const LagSums& first = total.lags.front();
@@ -312,7 +289,7 @@ class Report {
     return {std::hypot(std::sqrt(variance), kCorrectionShare * correction), excess <= resolution};
   }
 
-  void tumbling() {
+  void tumbling(const RunsAndTurns& runs) {
     const BlockSums total = data_.total();
     const double run_time = total.run_time;
     const Interval count = poissonInterval(total.tumbles);
@@ -322,13 +299,13 @@ class Report {
                    std::sqrt(total.tumbles) / run_time,
                    count.low / run_time,
                    count.high / run_time,
-                   law_.gamma,
+                   runs.rate,
                    total.tumbles,
                    "tumbles over run time (right-censored maximum likelihood)"};
     Estimate tau{"tau_r",          "s",
                  1 / gamma.value,  gamma.sigma / (gamma.value * gamma.value),
                  1 / gamma.high95, 1 / gamma.low95,
-                 1 / law_.gamma,   total.tumbles,
+                 1 / runs.rate,    total.tumbles,
                  "1 / gamma"};
     if (!(total.tumbles > 0)) {
       gamma.value = run_time > 0 ? 0 : kNan;
@@ -341,26 +318,16 @@ class Report {
   }
 
   /// The program with the measured parameters.
-  ProgramLaw measured(const std::vector<double>& q) const {
-    ProgramLaw law = law_;
-    if (law.kind == ProgramKind::kAbp) {
-      law.v = q[kSpeed];
-      law.eta = std::sqrt(6 * q[kRotationalDiffusivity] / law.epsilon);
-    } else if (law.kind == ProgramKind::kRtp) {
-      law.v = q[kSpeed];
-      law.gamma = q[kTumbleRate];
-    } else {
-      law.va = law.kind == ProgramKind::kNoisyAbp ? q[kSpeed] : 0;
-      law.V = q[kAmplitude];
-    }
-    return law;
+  std::optional<ProgramLaw> measured(const std::vector<double>& q) const {
+    return law_->measured({q[kRotationalDiffusivity], q[kSpeed], q[kAmplitude], q[kTumbleRate]});
   }
 
   /// D and L_s: the exact law at the measured parameters, errors by linear propagation.
   void derived() {
+    if (!measured(main_.values)) return;
     propagate("D", "m^2/s", "exact law at the measured parameters",
               [](const ExactLaw& law) { return law.diffusivity(); });
-    if (law_.kind == ProgramKind::kAbp || law_.kind == ProgramKind::kRtp) {
+    if (law_->constantSpeed()) {
       propagate("L_s", "m", "integral of C(l), exact law at the measured parameters",
                 [](const ExactLaw& law) { return law.persistenceLength(); });
     }
@@ -368,7 +335,7 @@ class Report {
 
   template <typename Function>
   void propagate(const char* name, const char* unit, const char* note, Function function) {
-    const auto at = [&](const std::vector<double>& q) { return function(ExactLaw(measured(q))); };
+    const auto at = [&](const std::vector<double>& q) { return function(ExactLaw(*measured(q))); };
     const double value = at(main_.values);
     std::vector<double> without(main_.without.size(), value);
     double model2 = 0;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ struct Estimate {
 /// do not define them.
 enum Quantity : std::size_t {
   kRotationalDiffusivity,     ///< D_r, rad^2/s.
-  kSpeed,                     ///< Mean forward speed, for RTP inside runs, m/s.
+  kSpeed,                     ///< Mean forward speed, in runs if there are runs, m/s.
   kPositionOffset,            ///< 4 sigma^2, contribution of tracker noise to the MSD, m^2.
   kHeadingOffset,             ///< 2 sigma_theta^2, rad^2.
   kAmplitude,                 ///< V, m/s.
@@ -45,8 +46,8 @@ using Quantities = std::array<double, kQuantities>;
 ///   lags nearest to epsilon and 2 epsilon and F the exact shape of the angular MSD A. The
 ///   difference removes the offset epsilon/3 of the law and the heading noise.
 /// - v: mean displacement along the heading between consecutive frames over their time. Position
-///   noise averages out; the chord of an arc and the heading noise are corrected. RTP: divided by
-///   the share of run time that the telemetry counted.
+///   noise averages out; the chord of an arc and the heading noise are corrected. Runs and turns:
+///   divided by the share of run time that the telemetry counted.
 /// - 4 sigma^2: a robot does not move sideways, so displacement across the heading is noise.
 /// - 2 sigma_theta^2: A at one frame, less the exact shape through A(one frame) and A(t1).
 /// - V from MSD(t1) - MSD(one frame), D_t from MSD(t2) - MSD(t1), each over the exact law's
@@ -70,6 +71,9 @@ class Estimator {
   [[nodiscard]] double chordOfUnknownTurning(const BlockSums& sums) const;
 
   ProgramLaw law_;
+  std::optional<HeldDraws> held_;
+  std::optional<DrawnWheels> wheels_;
+  std::optional<RunsAndTurns> runs_;
   double first_lag_ = 0;       ///< s.
   std::size_t third_lag_ = 0;  ///< Index of the lag of three frames; 0: none.
   std::size_t hold_ = 0;       ///< Index of the lag nearest to epsilon.

@@ -22,8 +22,9 @@ std::vector<int> makeLagGrid(double frame_period, double max_lag, const ProgramL
       break;
     }
   }
-  if (isHeldNoise(law.kind) && law.epsilon > 0) {
-    for (const double time : {law.epsilon, 2 * law.epsilon}) {
+  const double hold = law->held().value_or(HeldDraws{}).hold;
+  if (hold > 0) {
+    for (const double time : {hold, 2 * hold}) {
       const int frames = static_cast<int>(std::lround(time / frame_period));
       if (frames >= 1 && frames <= longest) {
         lags.push_back(frames);

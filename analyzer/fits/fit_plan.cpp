@@ -13,21 +13,13 @@ constexpr double kLagsPerTrack = 5;    // length of a track, in longest lags
 
 }  // namespace
 
-double changeTime(const ProgramLaw& law) {
-  return isHeldNoise(law.kind) ? law.epsilon : std::min(1 / law.gamma, law.tau_t);
-}
-
-double longestChange(const ProgramLaw& law) {
-  return isHeldNoise(law.kind) ? 8 * law.epsilon : 4 * std::max(1 / law.gamma, law.tau_t);
-}
-
 FitPlan planFit(const ProgramLaw& law, const MeasuredCurves& curves, const FitOptions& options) {
   FitPlan plan;
   if (!ExactLaw(law).exists() || curves.lags.empty() || !(curves.frame_period > 0)) return plan;
   const double dt = curves.frame_period;
   const double track = curves.observed / curves.tracks;
-  const double base = std::max(changeTime(law), dt);
-  double longest = std::min(std::max(longestChange(law), 8 * dt), track / kLagsPerTrack);
+  const double base = std::max(law->changeTime(), dt);
+  double longest = std::min(std::max(law->longestChange(), 8 * dt), track / kLagsPerTrack);
   if (options.longest_lag > 0) longest = std::min(longest, options.longest_lag);
   while (curves.gaps.covered(longest / dt) < kLeastCovered) longest *= 0.9;
   std::vector<double> wanted;

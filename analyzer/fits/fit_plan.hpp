@@ -11,12 +11,6 @@
 
 namespace lab::analysis {
 
-/// The shortest time between changes of the program, s: the scale of short lags.
-[[nodiscard]] double changeTime(const ProgramLaw& law);
-
-/// The longest lag that contributes to a fit, s.
-[[nodiscard]] double longestChange(const ProgramLaw& law);
-
 /// Factor on the frame period of simulated recordings, so that the phase of the holds sweeps.
 inline constexpr double kDrift = 1.0037;
 
@@ -25,8 +19,8 @@ struct FitOptions {
   double systematic_floor = 0.002;
   int recordings = 500;    ///< Number of recordings that are simulated for the covariance.
   std::uint64_t seed = 1;  ///< Seed of the first of them.
-  /// RTP: also fit the tumble time. Only the bend of the angular MSD at tau_t determines it, so the
-  /// programmed value, kept by a clock, is more accurate.
+  /// Also fit the duration of turns between runs. Only the bend of the angular MSD at tau_t
+  /// determines it, so the programmed value, kept by a clock, is more accurate.
   bool free_tumble_time = false;
   double longest_lag = 0;  ///< Longer lags are selected by their outcome, s; 0: none.
 };

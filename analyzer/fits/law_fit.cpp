@@ -23,35 +23,6 @@ constexpr double kConverged = 1e-9;
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
 
-/// A parameter whose logarithm is fitted.
-struct Free {
-  double ProgramLaw::*member;
-  const char* name;
-  const char* unit;
-};
-
-std::vector<Free> freeParameters(const ProgramLaw& law, bool tumble_time) {
-  switch (law.kind) {
-    case ProgramKind::kAbp:
-      return {{&ProgramLaw::v, "v", "m/s"}, {&ProgramLaw::eta, "eta", "rad/s"}};
-    case ProgramKind::kNoisyAbp:
-      return {{&ProgramLaw::va, "v_a", "m/s"}, {&ProgramLaw::V, "V", "m/s"}};
-    case ProgramKind::kBp:
-      return {{&ProgramLaw::V, "V", "m/s"}};
-    case ProgramKind::kRtp:
-      if (tumble_time) {
-        return {{&ProgramLaw::v, "v", "m/s"},
-                {&ProgramLaw::gamma, "gamma", "1/s"},
-                {&ProgramLaw::tau_t, "tau_t", "s"}};
-      }
-      return {{&ProgramLaw::v, "v", "m/s"}, {&ProgramLaw::gamma, "gamma", "1/s"}};
-    case ProgramKind::kNone:
-    case ProgramKind::kWheels:
-      break;
-  }
-  return {};
-}
-
 /// One lag of one curve.
 struct Column {
   double tau = 0;
@@ -68,7 +39,7 @@ class Fit {
       : law_(law),
         curves_(curves),
         options_(options),
-        free_(freeParameters(law, options.free_tumble_time)) {
+        free_(law->fitParameters(options.free_tumble_time)) {
     const std::size_t n = plan.lags.size();
     for (const bool angular : {false, true}) {
       for (std::size_t i = 0; i < n; ++i) {
@@ -168,7 +139,7 @@ class Fit {
   [[nodiscard]] ProgramLaw lawAt(const Vector& theta) const {
     ProgramLaw law = law_;
     for (std::size_t p = 0; p < free_.size(); ++p) {
-      law.*free_[p].member *= std::exp(theta(index(p)));
+      law = law.with(free_[p].name, law->parameter(free_[p].name) * std::exp(theta(index(p))));
     }
     return law;
   }
@@ -264,7 +235,7 @@ class Fit {
   ProgramLaw law_;
   const MeasuredCurves& curves_;
   const FitOptions& options_;
-  std::vector<Free> free_;
+  std::vector<FitParameter> free_;
   std::vector<Column> columns_;
   std::size_t offset_ = 0;  ///< Index of the first tracker offset in theta.
   std::size_t parameters_ = 0;
@@ -289,15 +260,17 @@ struct Derived {
 
 std::vector<Derived> derivedOf(const ProgramLaw& law) {
   std::vector<Derived> list;
-  if (isHeldNoise(law.kind)) {
-    list.push_back({"D_r", "rad^2/s", "of the fitted noise", rotationalDiffusivity});
+  if (law->held()) {
+    list.push_back({"D_r", "rad^2/s", "of the fitted noise",
+                    [](const ProgramLaw& p) { return p->rotationalDiffusivity(); }});
   }
-  if (law.kind == ProgramKind::kNoisyAbp || law.kind == ProgramKind::kBp) {
-    list.push_back({"D_t", "m^2/s", "of the fitted noise", translationalDiffusivity});
+  if (law->drawnWheels()) {
+    list.push_back({"D_t", "m^2/s", "of the fitted noise",
+                    [](const ProgramLaw& p) { return p->translationalDiffusivity(); }});
   }
   list.push_back({"D", "m^2/s", "long-time limit of the fitted exact law",
                   [](const ProgramLaw& p) { return ExactLaw(p).diffusivity(); }});
-  if (law.kind == ProgramKind::kAbp || law.kind == ProgramKind::kRtp) {
+  if (law->constantSpeed()) {
     list.push_back({"L_s", "m", "integral of C(l) of the fitted exact law",
                     [](const ProgramLaw& p) { return ExactLaw(p).persistenceLength(); }});
   }
@@ -305,8 +278,8 @@ std::vector<Derived> derivedOf(const ProgramLaw& law) {
 }
 
 /// A positive number from the standard error of its logarithm.
-Estimate positiveEstimate(const char* name, const char* unit, double value, double relative,
-                          double quantile, double theory, std::string note) {
+Estimate positiveEstimate(const std::string& name, const std::string& unit, double value,
+                          double relative, double quantile, double theory, std::string note) {
   const double factor = std::exp(quantile * relative);
   return {name,           unit,   value, value * relative, value / factor,
           value * factor, theory, kNan,  std::move(note)};
@@ -330,8 +303,8 @@ void Fit::report(LawFit& fit, int recordings) const {
                                     : "GLS fit of the exact law to the MSD alone: no headings";
   for (std::size_t p = 0; p < free_.size(); ++p) {
     fit.parameters.push_back(positiveEstimate(
-        free_[p].name, free_[p].unit, fit.law.*free_[p].member,
-        std::sqrt(errors(index(p), index(p))), quantile, law_.*free_[p].member, note));
+        free_[p].label, free_[p].unit, fit.law->parameter(free_[p].name),
+        std::sqrt(errors(index(p), index(p))), quantile, law_->parameter(free_[p].name), note));
   }
   for (std::size_t p = offset_; p < parameters_; ++p) {
     const bool angular = p > offset_;
@@ -377,24 +350,22 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
                      const FitOptions& options) {
   if (!ExactLaw(law).exists()) return "the program has no law";
   if (!(curves.observed > 0)) return "no free motion was seen";
-  const double change = isHeldNoise(law.kind) ? law.epsilon : 1 / law.gamma + law.tau_t;
-  const double draws = curves.observed / change;
+  const double draws = curves.observed / law->drawTime();
   if (draws < kFewestDraws) {
-    return "only " + std::to_string(static_cast<int>(draws)) + " " +
-           (isHeldNoise(law.kind) ? "draws of the noise" : "tumbles") +
+    return "only " + std::to_string(static_cast<int>(draws)) + " " + law->drawsName() +
            " in the time observed; a fit needs 100: record for longer";
   }
-  const std::vector<Free> free = freeParameters(law, options.free_tumble_time);
-  for (const Free& parameter : free) {
-    if (!(law.*parameter.member > 0)) {
-      return std::string("the programmed ") + parameter.name + " is not positive";
+  const std::vector<FitParameter> free = law->fitParameters(options.free_tumble_time);
+  for (const FitParameter& parameter : free) {
+    if (!(law->parameter(parameter.name) > 0)) {
+      return "the programmed " + parameter.label + " is not positive";
     }
   }
   std::size_t seen = 0;
   for (const std::size_t lag : plan.lags) seen += std::isfinite(curves.msd[lag]) ? 1U : 0U;
   if (seen < free.size() + 2) {
     return "only " + std::to_string(seen) + " lags between a frame and " +
-           std::to_string(static_cast<int>(std::ceil(longestChange(law)))) +
+           std::to_string(static_cast<int>(std::ceil(law->longestChange()))) +
            " s were observed; a fit needs " + std::to_string(free.size() + 2) +
            ": record longer pieces or at a higher rate";
   }

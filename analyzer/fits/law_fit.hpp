@@ -14,13 +14,13 @@ namespace lab::analysis {
 
 /// The iterated generalised least squares fit of the exact law to MSD and angular MSD together.
 ///
-/// Free parameters are the logarithms of the speed (v or va; none for the BP) and of the noise
-/// (eta, V, gamma and optionally tau_t), and the tracker offsets 4 sigma^2 and 2 sigma_theta^2.
-/// Fixed at the programmed values are epsilon, the wheel base and, by default, tau_t; errors of the
-/// robot's clock are not in the intervals. About ten lags are used, from max(one frame, epsilon/5)
-/// to 8 epsilon (RTP: by the shorter and the longer one of 1/gamma and tau_t). The covariance is
-/// that of recordings simulated at the fitted parameters: of the ordinary least-squares fit, then
-/// of the first generalised one. The systematic floor is added to the diagonal of the MSD.
+/// Free parameters are the logarithms of the speed and of the noise (Law::fitParameters), and the
+/// tracker offsets 4 sigma^2 and 2 sigma_theta^2. Fixed at the programmed values are epsilon, the
+/// wheel base and, by default, tau_t; errors of the robot's clock are not in the intervals. About
+/// ten lags are used, from max(one frame, epsilon/5) to 8 epsilon (runs and turns: by the shorter
+/// and the longer one of their times). The covariance is that of recordings simulated at the fitted
+/// parameters: of the ordinary least-squares fit, then of the first generalised one. The systematic
+/// floor is added to the diagonal of the MSD.
 ///
 /// Intervals are those of Student's t for the logarithm. Errors are cross-validated: the scatter of
 /// recordings under weights from the other recordings. So they include the error of a covariance

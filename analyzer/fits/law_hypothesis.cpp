@@ -28,19 +28,12 @@ constexpr double kMatch = 0.1;  // largest relative difference between measured 
 constexpr int kFewestLags = 4;
 
 bool hasSpeed(const ProgramLaw& law) {
-  return (law.kind == ProgramKind::kNoisyAbp && law.va != 0) ||
-         ((law.kind == ProgramKind::kAbp || law.kind == ProgramKind::kRtp) && law.v != 0);
-}
-
-ProgramLaw withSpeed(ProgramLaw law, double factor) {
-  law.v *= factor;
-  law.va *= factor;
-  return law;
+  return !law->speedParameter().empty() && law->meanSpeed() != 0;
 }
 
 /// The law of a test at one lag, without noise.
 double expected(TestedLaw tested, const ProgramLaw& law, bool angular, double tau) {
-  if (tested == TestedLaw::kPaper) return paperMsd(law, tau);
+  if (tested == TestedLaw::kPaper) return law->paperMsd(tau);
   const ExactLaw exact(law);
   return angular ? exact.angularMsd(tau) : exact.msd(tau);
 }
@@ -106,7 +99,7 @@ MeasuredCurves measuredCurves(const ProgramLaw& law, const BlockData& data) {
 
 SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& curves, int recordings,
                                 std::uint64_t seed) {
-  const double hold = changeTime(law);
+  const double hold = law->changeTime();
   const double track = curves.observed / curves.tracks;
   double longest = std::min(curves.lags.back(), track / kRecordingsPerTrack);
   const auto covered = [&] { return curves.gaps.covered(longest / curves.frame_period); };
@@ -114,7 +107,7 @@ SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& cur
   const auto duration = [&] {
     return std::min(track, std::max(kSimulatedLags * longest / covered(), kLeastEvents * hold));
   };
-  const double event = isHeldNoise(law.kind) ? law.epsilon : 0.5 * (1 / law.gamma + law.tau_t);
+  const double event = law->drawTime() / law->changesPerDraw();
   while (recordings * duration() / event > kMostEvents && longest > 8 * hold) longest /= 2;
   BootstrapPlan plan;
   plan.law = law;
@@ -151,6 +144,7 @@ LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& c
   if (n < kFewestLags || simulated.recordings < 4 * n) return result;
 
   const ExactLaw exact(law);
+  const ProgramLaw faster = law.withSpeed(law->meanSpeed() * 1.0005);
   Eigen::VectorXd deviation(n);
   Eigen::VectorXd speed_share(n);
   Eigen::VectorXd offset_share(n);
@@ -165,8 +159,7 @@ LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& c
     const double reference = expected(tested, law, c.angular, tau);
     deviation(j) = normalised((value - offset) / reference);
     offset_share(j) = kOffsetError * offset / reference;
-    speed_share(j) =
-        1e3 * (expected(tested, withSpeed(law, 1.0005), c.angular, tau) / reference - 1);
+    speed_share(j) = 1e3 * (expected(tested, faster, c.angular, tau) / reference - 1);
     const std::size_t column = (c.angular ? width : 0) + c.simulated;
     const double lag = simulated.lags[c.simulated];
     const double truth = c.angular ? exact.angularMsd(lag) : exact.msd(lag);

@@ -45,7 +45,7 @@ enum class TestedLaw {
 };
 
 /// Simulates recordings at the programmed parameters, as long as the lags need, at octave lags from
-/// about epsilon/2 (RTP: half of the shorter of 1/gamma and tau_t) to at most a 36th of the
+/// half of Law::changeTime to at most a 36th of the
 /// recording.
 [[nodiscard]] SimulatedCurves simulateForTest(const ProgramLaw& law, const MeasuredCurves& curves,
                                               int recordings, std::uint64_t seed);

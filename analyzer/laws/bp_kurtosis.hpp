@@ -1,6 +1,7 @@
 #pragma once
 
 #include "analyzer/laws/held_noise.hpp"
+#include "analyzer/laws/law.hpp"
 
 namespace lab::analysis {
 
@@ -15,7 +16,7 @@ namespace lab::analysis {
 /// For short holds: 2 + 2 (x - 1 + exp(-x)) / x^2 with x = 4 D_r tau. The robot diffuses along its
 /// own axis, whose direction decorrelates after 1/D_r: the kurtosis is 3 (one dimension) at shorter
 /// lags and 2 at longer ones.
-class BpKurtosis {
+class BpKurtosis : public DisplacementKurtosis {
  public:
   /// V (m/s), wheel base d (m), epsilon (s), all positive.
   BpKurtosis(double amplitude, double wheel_base, double epsilon);
@@ -23,11 +24,7 @@ class BpKurtosis {
   /// <r^4> in m^4.
   [[nodiscard]] double fourthMoment(double tau) const;
 
-  /// <r^4> / <r^2>^2; tau > 0.
-  [[nodiscard]] double kurtosis(double tau) const { return observed(tau, 0); }
-
-  /// The same, observed with noise that adds `offset` (4 sigma^2, m^2) to the MSD.
-  [[nodiscard]] double observed(double tau, double offset) const;
+  [[nodiscard]] double observed(double tau, double offset) const override;
 
  private:
   /// The fourth moment of a window with these parts, m^4.

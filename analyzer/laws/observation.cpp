@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <vector>
 
 #include "analyzer/laws/chebyshev.hpp"
@@ -11,62 +10,40 @@
 namespace lab::analysis {
 namespace {
 
-// Largest product of an integration step and variationRate(), [1]. Over such a step the 20-point
-// Gauss rule is exact up to rounding.
+// Largest product of an integration step and Law::variationRate(), [1]. Over such a step the
+// 20-point Gauss rule is exact up to rounding.
 constexpr double kStepVariation = 6;
 
-/// The laws are smooth between multiples of this time [s].
-double kinkSpacing(const ProgramLaw& law) {
-  return law.kind == ProgramKind::kRtp ? law.tau_t : law.epsilon;
-}
-
-/// Bound on the rate at which the law varies [1/s]. Held noise: the largest turning rate. RTP: the
-/// decay rate gamma of the runs, plus twice the largest turning rate pi / tau_t of a tumble.
-double variationRate(const ProgramLaw& law) {
-  switch (law.kind) {
-    case ProgramKind::kAbp:
-      return law.eta;
-    case ProgramKind::kNoisyAbp:
-    case ProgramKind::kBp:
-      return 2 * law.V / law.wheel_base;
-    case ProgramKind::kRtp:
-      return law.gamma + 2 * std::numbers::pi / law.tau_t;
-    case ProgramKind::kNone:
-    case ProgramKind::kWheels:
-      break;
-  }
-  return 0;
-}
-
 /// Limits of the integration intervals, ascending: every w at which M(tau + w), M(|tau - w|) or
-/// M(w) may have a kink, and further points so that no interval is too long for the Gauss rule.
-/// @param law must exist: then kinkSpacing() > 0
-std::vector<double> integrationLimits(const ProgramLaw& law, double tau, double exposure) {
-  const double kink = kinkSpacing(law);
+/// M(w) may have a kink (M is the MSD or the angular MSD), and further points so that no interval
+/// is too long for the Gauss rule.
+/// @param law must exist, so that kinkSpacing() > 0
+std::vector<double> integrationLimits(const Law& law, double tau, double exposure) {
+  const double kink = law.kinkSpacing();
   const double remainder = std::fmod(tau, kink);
   std::vector<double> ends{0, exposure};
   const auto add = [&](double w) {
     if (w > 0 && w < exposure) ends.push_back(w);
   };
   add(tau);
-  for (double k = 0; k * kink <= exposure + kink; ++k) {
+  for (double k = 0; kink > 0 && k * kink <= exposure + kink; ++k) {
     add(k * kink);
     add(k * kink + remainder);
     add((k + 1) * kink - remainder);
   }
-  const double step = kStepVariation / std::max(variationRate(law), kStepVariation / exposure);
+  const double step = kStepVariation / std::max(law.variationRate(), kStepVariation / exposure);
   for (double w = step; w < exposure; w += step) add(w);
   std::sort(ends.begin(), ends.end());
   return ends;
 }
 
-/// The integral of observedMsd(): the MSD of means over the exposure.
+/// The integral in the comment of observedMsd(): the MSD of poses that are means over the exposure.
 template <typename Msd>
 double blurred(const ExactLaw& law, double tau, double exposure, const Msd& msd) {
   if (!law.exists()) return units::kNan;
   if (!(exposure > 0)) return msd(tau);
   static const GaussRule rule = gaussLegendre(20);
-  const std::vector<double> ends = integrationLimits(law.program(), tau, exposure);
+  const std::vector<double> ends = integrationLimits(*law.program(), tau, exposure);
   double sum = 0;
   for (std::size_t p = 1; p < ends.size(); ++p) {
     const double length = ends[p] - ends[p - 1];

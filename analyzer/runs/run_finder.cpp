@@ -37,14 +37,16 @@ double roughNoise(std::span<const TrackBin> bins) {
 }  // namespace
 
 RunFinder::RunFinder(const ProgramLaw& law, double frame_period)
-    : law_(law), period_(frame_period) {
-  frames_per_bin_ =
-      std::max(1, static_cast<int>(std::floor(law.tau_t / kBinsPerTumble / frame_period + 1e-9)));
+    : programmed_(law->runs().value_or(RunsAndTurns{})), period_(frame_period) {
+  frames_per_bin_ = std::max(
+      1,
+      static_cast<int>(std::floor(programmed_.turn_time / kBinsPerTumble / frame_period + 1e-9)));
 }
 
 void RunFinder::add(const Sample& sample) {
-  const bool gap = !tracks_.empty() && sample.free_time - tracks_.back().last >
-                                           std::max(kLargestGap * law_.tau_t, 1.5 * period_);
+  const bool gap =
+      !tracks_.empty() && sample.free_time - tracks_.back().last >
+                              std::max(kLargestGap * programmed_.turn_time, 1.5 * period_);
   if (tracks_.empty() || sample.segment != segment_ || gap) {
     segment_ = sample.segment;
     tracks_.push_back({bins_.size(), sample.free_time, sample.free_time});
@@ -71,13 +73,14 @@ void RunFinder::add(const Sample& sample) {
 
 FoundRuns RunFinder::find() const {
   FoundRuns found;
-  found.frames_per_tumble = law_.tau_t / period_;
-  found.resolved = found.frames_per_tumble >= kFewestFrames && law_.v > 0;
+  found.frames_per_tumble = programmed_.turn_time / period_;
+  found.resolved = found.frames_per_tumble >= kFewestFrames && programmed_.speed > 0;
   if (!found.resolved) {
     return found;
   }
   segmentation::Scales scales{
-      law_.v, law_.tau_t, roughNoise(bins_), frames_per_bin_ * period_, 0, frames_per_bin_ > 1};
+      programmed_.speed,  programmed_.turn_time, roughNoise(bins_), frames_per_bin_ * period_, 0,
+      frames_per_bin_ > 1};
   std::vector<segmentation::SegmentedTrack> cuts;
   for (int pass = 0; pass < kMostPasses; ++pass) {
     scales.setShortest(period_);

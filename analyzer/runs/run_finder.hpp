@@ -68,7 +68,7 @@ class RunFinder {
     double last = 0;        ///< Free time of its last frame, s.
   };
 
-  ProgramLaw law_;
+  RunsAndTurns programmed_;
   double period_ = 0;  ///< Frame period, s.
   int frames_per_bin_ = 1;
   std::vector<TrackBin> bins_;

@@ -16,7 +16,7 @@ struct TrackBin {
   int piece = 0;      ///< Sample::piece of the last frame.
 };
 
-/// The scales of a run-and-tumble motion, used to segment it.
+/// The scales of runs and tumbles, used to segment it.
 struct MotionScales {
   double speed = 0;   ///< Speed of runs, m/s.
   double tumble = 0;  ///< Duration of a tumble, s.

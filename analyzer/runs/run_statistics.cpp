@@ -162,24 +162,27 @@ std::vector<DensityBar> turnBars(const std::vector<double>& turns) {
 void addDerived(const ProgramLaw& law, const Measured& speed, const Measured& tumble, double rate,
                 double rate_sigma, double run_time, RunStatistics& out) {
   const auto add = [&](const char* name, const char* unit, const char* note, auto function) {
-    ProgramLaw measured = law;
-    measured.v = speed.value;
-    measured.gamma = rate;
-    measured.tau_t = tumble.value;
-    const double value = function(ExactLaw(measured));
+    MeasuredMotion measured;
+    measured.speed = speed.value;
+    measured.run_end_rate = rate;
+    measured.turn_time = tumble.value;
+    const auto of = [&](const MeasuredMotion& motion) {
+      return function(ExactLaw(law->measured(motion).value_or(law)));
+    };
+    const double value = of(measured);
     double variance = 0;
-    const auto shift = [&](double ProgramLaw::*parameter, double sigma) {
+    const auto shift = [&](double MeasuredMotion::*quantity, double sigma) {
       if (!(sigma > 0)) {
         return;
       }
-      ProgramLaw other = measured;
-      other.*parameter += sigma;
-      const double change = function(ExactLaw(other)) - value;
+      MeasuredMotion other = measured;
+      other.*quantity += sigma;
+      const double change = of(other) - value;
       variance += change * change;
     };
-    shift(&ProgramLaw::v, speed.sigma);
-    shift(&ProgramLaw::gamma, rate_sigma);
-    shift(&ProgramLaw::tau_t, tumble.sigma);
+    shift(&MeasuredMotion::speed, speed.sigma);
+    shift(&MeasuredMotion::run_end_rate, rate_sigma);
+    shift(&MeasuredMotion::turn_time, tumble.sigma);
     out.estimates.push_back(normal(name, unit, value, std::sqrt(variance), function(ExactLaw(law)),
                                    static_cast<double>(out.tumbles), note));
   };
@@ -189,7 +192,8 @@ void addDerived(const ProgramLaw& law, const Measured& speed, const Measured& tu
       [](const ExactLaw& exact) { return exact.persistenceLength(); });
   // The number of tumbles in a given time follows a renewal process.
   const double share = 1 - run_time / out.observed;
-  const double product = law.gamma * law.tau_t;
+  const RunsAndTurns programmed = law->runs().value_or(RunsAndTurns{});
+  const double product = programmed.rate * programmed.turn_time;
   const double cycles = out.observed * rate / std::pow(1 + rate * tumble.value, 3);
   out.estimates.push_back(normal("tumble_share", "", share,
                                  tumble.value * std::sqrt(cycles) / out.observed,
@@ -236,7 +240,7 @@ void testTurns(const ProgramLaw& law, const std::vector<const FoundRuns*>& robot
   out.uniform = kuiperTest(turns);
   out.preferred = rayleighTest(turns);
   out.turns = turnBars(turns);
-  out.needed_wheel_speed = std::numbers::pi / law.tau_t * law.wheel_base / 2;
+  out.needed_wheel_speed = std::numbers::pi / law->runs()->turn_time * law->wheelBase() / 2;
   out.wheel_speed = kNan;
   if (turns.empty()) {
     return;
@@ -248,7 +252,7 @@ void testTurns(const ProgramLaw& law, const std::vector<const FoundRuns*>& robot
   constexpr double kAlmostAll = 0.99;
   const auto rank = static_cast<std::ptrdiff_t>(kAlmostAll * static_cast<double>(turns.size()));
   std::nth_element(turns.begin(), turns.begin() + rank, turns.end());
-  out.wheel_speed = turns[static_cast<std::size_t>(rank)] / tumble * law.wheel_base / 2;
+  out.wheel_speed = turns[static_cast<std::size_t>(rank)] / tumble * law->wheelBase() / 2;
 }
 
 }  // namespace
@@ -260,13 +264,14 @@ const Estimate* RunStatistics::find(const std::string& name) const {
 }
 
 RunStatistics runStatistics(const ProgramLaw& law, const std::vector<const FoundRuns*>& all) {
+  const RunsAndTurns programmed = law->runs().value_or(RunsAndTurns{});
   RunStatistics out;
   std::vector<const FoundRuns*> robots;
   Pool pool;
   for (const FoundRuns* robot : all) {
     if (!robot->resolved) {
-      out.problem = law.v > 0 ? "fewer than three frames in a tumble"
-                              : "a program whose runs stand still has none";
+      out.problem = programmed.speed > 0 ? "fewer than three frames in a tumble"
+                                         : "a program whose runs stand still has none";
       continue;
     }
     robots.push_back(robot);
@@ -299,18 +304,19 @@ RunStatistics runStatistics(const ProgramLaw& law, const std::vector<const Found
   const double relative = speed.sigma / speed.value;
   const double count = pool.ended + pool.hidden_count;
   const Estimate gamma =
-      rateEstimate("gamma", rate, count, relative, law.gamma,
+      rateEstimate("gamma", rate, count, relative, programmed.rate,
                    "maximum likelihood of runs from poses: whole, cut off, and too short to see");
   out.estimates.push_back(gamma);
   out.estimates.push_back({"tau_r", "s", 1 / rate, gamma.sigma / (rate * rate), 1 / gamma.high95,
-                           1 / gamma.low95, 1 / law.gamma, count, "1 / gamma"});
+                           1 / gamma.low95, 1 / programmed.rate, count, "1 / gamma"});
   out.estimates.push_back(rateEstimate("gamma_truncated", pool.ended / pool.beyond, pool.ended,
-                                       relative, law.gamma,
+                                       relative, programmed.rate,
                                        "the same without those too short to see (left-truncated)"));
-  out.estimates.push_back(normal("tau_t", "s", tumble.value, tumble.sigma, law.tau_t, tumble.count,
+  out.estimates.push_back(normal("tau_t", "s", tumble.value, tumble.sigma, programmed.turn_time,
+                                 tumble.count,
                                  "mean time between the ends of the runs around single tumbles"));
-  out.estimates.push_back(normal("v", "m/s", speed.value, speed.sigma, law.v, speed.count,
-                                 "slope of the way along runs"));
+  out.estimates.push_back(normal("v", "m/s", speed.value, speed.sigma, programmed.speed,
+                                 speed.count, "slope of the way along runs"));
   double run_time = pool.run_time;
   for (const Pool::Hidden& one : pool.hidden) {
     run_time += one.count * one.shortest / 2;
@@ -324,7 +330,7 @@ RunStatistics runStatistics(const ProgramLaw& law, const std::vector<const Found
       below += run.duration < out.shortest && run.ended ? 1 : 0;
     }
   }
-  out.run_times = runTimeBars(robots, out.shortest, rate, below / count, law.gamma);
+  out.run_times = runTimeBars(robots, out.shortest, rate, below / count, programmed.rate);
   testRuns(robots, out);
   testTurns(law, robots, tumble.value, out);
   return out;

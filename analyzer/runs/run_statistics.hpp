@@ -46,7 +46,7 @@ struct RunStatistics {
   [[nodiscard]] const Estimate* find(const std::string& name) const;
 };
 
-/// The statistics of an RTP of one robot or many.
+/// The statistics of runs and turns of one robot or many.
 ///
 /// gamma maximises the likelihood of all observations: whole runs of at least `shortest`
 /// (exponential), runs that the end of a track cut off (right-censored) or that a track began with

@@ -1,4 +1,4 @@
-/// One gap-free track of a run-and-tumble robot, segmented into runs and stops. Internal to
+/// One gap-free track of a robot, segmented into runs and stops. Internal to
 /// RunFinder.
 #pragma once
 

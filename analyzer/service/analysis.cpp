@@ -33,7 +33,7 @@ int Analysis::programOf(const ProgramLaw& law) {
   if (found != programs_.end()) {
     return static_cast<int>(found - programs_.begin());
   }
-  const bool free = config_.without_law && law.kind == ProgramKind::kNone;
+  const bool free = !law.known() ? config_.without_law : !law->whyNoVerdict().empty();
   if (!free && !ExactLaw(law).exists()) {
     return -1;
   }

@@ -35,8 +35,8 @@ struct AnalysisConfig {
   StitcherConfig stitcher;
   CurveOptions curves;
   bool compare_joins = false;  ///< Fills ProgramResult::joins; doubles the work of a frame.
-  /// Fills ProgramResult::runs. Keeps up to 20 positions per second of every RTP (3 MB per hour),
-  /// so it is for closed recordings, not for live displays.
+  /// Fills ProgramResult::runs. Keeps up to 20 positions per second of programs with runs (3 MB per
+  /// hour), so it is for closed recordings, not for live displays.
   bool find_runs = false;
   bool samples_only = false;  ///< Tracks are stitched and output as samples; there are no results.
   bool without_law =

@@ -86,7 +86,7 @@ analysis_t toMessage(const FeedResult& feed_result, const std::string& program_n
   analysis_t message{};
   message.robot_id = result.robot;
   message.program = feed_result.program;
-  message.program_name = program_name;
+  message.program.name = program_name;
   message.observed = result.observed;
   message.segments = static_cast<std::int32_t>(result.segments);
   message.reversals = static_cast<std::int32_t>(result.reversals);

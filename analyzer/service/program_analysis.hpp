@@ -8,7 +8,7 @@
 #include "analyzer/curves/estimates.hpp"
 #include "analyzer/curves/join_comparison.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
-#include "analyzer/fits/brownian_hypothesis.hpp"
+#include "analyzer/fits/kurtosis_hypothesis.hpp"
 #include "analyzer/fits/law_fit.hpp"
 #include "analyzer/laws.hpp"
 #include "analyzer/runs/run_statistics.hpp"
@@ -40,10 +40,10 @@ struct ProgramResult {
   Curves curves;
   std::vector<Estimate> estimates;
   Verdict verdict;
-  std::optional<LawFit> fit;             ///< At Depth::kFull, for programs with a law.
-  std::optional<JoinComparison> joins;   ///< If AnalysisConfig::compare_joins is set.
-  std::optional<RunStatistics> runs;     ///< For an RTP, if AnalysisConfig::find_runs is set.
-  std::optional<BrownianTest> brownian;  ///< For a BP, at Depth::kFull.
+  std::optional<LawFit> fit;            ///< At Depth::kFull, for programs with a law.
+  std::optional<JoinComparison> joins;  ///< If AnalysisConfig::compare_joins is set.
+  std::optional<RunStatistics> runs;    ///< Of runs and turns, if AnalysisConfig::find_runs is set.
+  std::optional<KurtosisTest> kurtosis;  ///< If the law gives one, at Depth::kFull.
 };
 
 /// Accumulates the samples of one program of one robot.
@@ -56,9 +56,9 @@ class ProgramAnalysis {
   /// sample.
   void collectJoins(double frame_period, double max_lag) { joins_.emplace(frame_period, max_lag); }
 
-  /// Enables the search for runs of an RTP. Call it before the first sample.
+  /// Enables the search for runs, if the program has any. Call it before the first sample.
   void collectRuns(double frame_period) {
-    if (law_.kind == ProgramKind::kRtp) runs_.emplace(law_, frame_period);
+    if (law_->runs()) runs_.emplace(law_, frame_period);
   }
 
   void add(const Sample& sample) {

@@ -3,10 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <lab/program_t.hpp>
+#include <lab/program_id_t.hpp>
 #include <vector>
-
-#include "common/experiment/program_messages.hpp"
 
 namespace lab::analysis {
 
@@ -16,14 +14,14 @@ class ProgramKeys {
   /// Programs of one run, as in an experiment file. Each one costs simulated recordings.
   static constexpr std::size_t kMost = 100;
 
-  int key(const program_t& program) {
-    if (program.kind == program_t::NONE) return -1;
+  int key(const program_id_t& program) {
+    if (program.hash == 0) return -1;
     // Robots keep their program for long, so the last key is tried first.
-    if (last_ < programs_.size() && sameProgram(programs_[last_], program)) {
+    if (last_ < programs_.size() && programs_[last_].hash == program.hash) {
       return static_cast<int>(last_);
     }
     for (last_ = 0; last_ < programs_.size(); ++last_) {
-      if (sameProgram(programs_[last_], program)) return static_cast<int>(last_);
+      if (programs_[last_].hash == program.hash) return static_cast<int>(last_);
     }
     if (programs_.size() >= kMost) {
       ++left_out_;
@@ -33,13 +31,13 @@ class ProgramKeys {
     return static_cast<int>(last_);
   }
 
-  [[nodiscard]] const std::vector<program_t>& programs() const { return programs_; }
+  [[nodiscard]] const std::vector<program_id_t>& programs() const { return programs_; }
 
   /// Calls with a program beyond the limit, which counts as standing.
   [[nodiscard]] std::int64_t leftOut() const { return left_out_; }
 
  private:
-  std::vector<program_t> programs_;
+  std::vector<program_id_t> programs_;
   std::size_t last_ = 0;
   std::int64_t left_out_ = 0;
 };

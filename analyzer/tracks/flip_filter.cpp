@@ -18,19 +18,14 @@ constexpr double kLeastDistance = 0.005;  // m: far beyond the noise of any trac
 }  // namespace
 
 double senseDistance(const ProgramLaw& law) {
-  switch (law.kind) {
-    case ProgramKind::kAbp:
-    case ProgramKind::kRtp:
-      return law.v == 0 ? 0 : std::copysign(kLeastDistance, law.v);
-    case ProgramKind::kNoisyAbp: {
-      const double rate = law.epsilon * law.V * law.V / 6;
-      if (!(std::abs(law.va) > 0)) return 0;
-      return std::copysign(std::max(kLeastDistance, kLogOdds * rate / (2 * std::abs(law.va))),
-                           law.va);
-    }
-    default:
-      return 0;
+  if (const auto speed = law->constantSpeed()) {
+    return *speed == 0 ? 0 : std::copysign(kLeastDistance, *speed);
   }
+  const auto wheels = law->drawnWheels();
+  if (!wheels || !(std::abs(wheels->mean) > 0)) return 0;
+  const double rate = law->drawTime() * wheels->half_width * wheels->half_width / 6;
+  return std::copysign(std::max(kLeastDistance, kLogOdds * rate / (2 * std::abs(wheels->mean))),
+                       wheels->mean);
 }
 
 double FlipFilter::reach(const Reference& from, const Reference& to) const {

@@ -69,7 +69,7 @@ class FlipFilter {
 
 /// The net forward displacement, m, that a robot whose head and tail are confused reaches with
 /// probability 1e-9. Its sign is that of the programmed speed. 0: the program drives forward and
-/// backward alike (BP), or is unknown.
+/// backward alike, or is unknown.
 ///
 /// For a mean speed va and noise with the variance rate B = epsilon V^2 / 6, the log likelihood
 /// ratio of head and tail is 2 va S / B after a net displacement S.

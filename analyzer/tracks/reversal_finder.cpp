@@ -348,17 +348,17 @@ ReversalSearch reversalSearch(const ProgramLaw& law, double speed, double distan
   search.speed = speed;
   search.max_distance = distance;
   search.sense_distance = senseDistance(law);
-  if (law.kind == ProgramKind::kNoisyAbp || law.kind == ProgramKind::kBp) {
+  if (const auto wheels = law->drawnWheels()) {
     // The rate of reaching a wall is proportional to the speed: <v^2> / <v> over speeds toward it.
-    search.free_speed = law.V / 2;
-    search.edge_time = std::min(law.epsilon / 2, kHeldEdge);
-    search.hold = law.epsilon;
-    search.drawn_mean = law.kind == ProgramKind::kNoisyAbp ? law.va : 0;
-    search.drawn_width = law.V;
+    search.free_speed = wheels->half_width / 2;
+    search.edge_time = std::min(law->drawTime() / 2, kHeldEdge);
+    search.hold = law->drawTime();
+    search.drawn_mean = wheels->mean;
+    search.drawn_width = wheels->half_width;
   } else {
-    search.free_speed = std::abs(law.v);
+    search.free_speed = std::abs(law->constantSpeed().value_or(0));
     search.one_way = search.sense_distance != 0;
-    if (law.kind == ProgramKind::kRtp) search.edge_time = kHeldEdge;
+    if (law->runs()) search.edge_time = kHeldEdge;
   }
   return search;
 }

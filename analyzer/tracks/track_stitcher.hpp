@@ -42,8 +42,8 @@ struct RobotTelemetry {
   double v_r = 0;                 ///< reversing, m/s.
   bool contact = false;           ///< Touches another robot.
   bool stopped = false;           ///< Stopped by a command.
-  std::int64_t tumble_count = 0;  ///< Tumbles begun (RTP).
-  double run_time = 0;            ///< Time spent in runs, reversals excluded (RTP), s.
+  std::int64_t tumble_count = 0;  ///< Tumbles begun.
+  double run_time = 0;            ///< Time spent in runs, reversals excluded, s.
   double sense_distance = 0;      ///< See senseDistance(), m.
 };
 

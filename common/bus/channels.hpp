@@ -8,6 +8,7 @@ namespace lab::channels {
 
 inline constexpr std::string_view kRobotCommand = "ROBOT_COMMAND";
 inline constexpr std::string_view kRobotStop = "ROBOT_STOP";
+inline constexpr std::string_view kRobotSenses = "ROBOT_SENSES";
 inline constexpr std::string_view kRobotStatus = "ROBOT_STATUS";
 inline constexpr std::string_view kRobotSteps = "ROBOT_STEPS";
 inline constexpr std::string_view kRobotCalibration = "ROBOT_CALIBRATION";
@@ -33,7 +34,7 @@ inline constexpr std::array kAll{
     kCalibrationStatus, kTrackedFrame,    kTrackedDetails,    kTrackerStatus,    kLightCommand,
     kLightStatus,       kLightSeen,       kLightDelivery,     kLinkStatus,       kAnalysis,
     kServiceStatus,     kExperimentEvent, kExperimentCommand, kExperimentStatus, kClock,
-    kSimTruth};
+    kSimTruth,          kRobotSenses};
 
 /// LCM's own probe, which every starting subscriber sends to itself. It is ignored.
 inline constexpr std::string_view kLcmSelfTest = "LCM_SELF_TEST";

@@ -14,6 +14,7 @@
 #include <lab/link_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
+#include <lab/robot_senses_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
 #include <lab/robot_stop_t.hpp>
@@ -40,7 +41,7 @@ const auto& allTypes() {
   static const auto all =
       types<analysis_t, clock_t, experiment_command_t, experiment_event_t, experiment_status_t,
             light_command_t, light_delivery_t, light_seen_t, light_status_t, link_status_t,
-            robot_calibration_t, robot_command_t, robot_status_t, robot_steps_t, robot_stop_t,
+            robot_calibration_t, robot_command_t, robot_senses_t, robot_status_t, robot_steps_t, robot_stop_t,
             service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t, tracker_status_t>();
   return all;
 }

@@ -6,6 +6,7 @@
 #include <lab/light_status_t.hpp>
 #include <lab/link_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
+#include <lab/robot_senses_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
 #include <lab/service_status_t.hpp>
@@ -17,7 +18,6 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
-#include "robot/dynamics/program.hpp"
 
 namespace lab {
 namespace {
@@ -49,13 +49,8 @@ std::optional<std::string> impossibleHeader(std::string_view channel, std::int64
   return check.problem();
 }
 
-static void checkValues(ValueChecker& check, const program_t& program) {
-  for (const double value :
-       {program.v, program.va, program.V, program.epsilon, program.eta, program.gamma,
-        program.tau_t, program.wheel_left, program.wheel_right}) {
-    check.number("parameter", value, -kLargest, kLargest);
-  }
-  check.whole("kind", program.kind, 0, dynamics::kProgramKinds - 1);
+static void checkValues(ValueChecker& check, const program_id_t& program) {
+  check.whole("hash", program.hash, 0, std::numeric_limits<std::uint32_t>::max());
 }
 
 static void checkValues(ValueChecker& check, const robot_state_t& state) {
@@ -64,6 +59,9 @@ static void checkValues(ValueChecker& check, const robot_state_t& state) {
   check.time("reversal_start_utime", state.reversal_start_utime);
   check.time("reversal_end_utime", state.reversal_end_utime);
   check.part("program", state.program);
+  check.time("senses_utime", state.senses_utime);
+  check.time("senses_since_utime", state.senses_since_utime);
+  check.whole("phase", state.phase, 0, std::numeric_limits<std::int8_t>::max());
   check.whole("program_epoch", state.program_epoch, 0, kMost32);
   check.whole("reversal_count", state.reversal_count, 0, kMost32);
   check.whole("tumble_count", state.tumble_count, 0, kMost32);
@@ -75,6 +73,16 @@ static void checkValues(ValueChecker& check, const robot_state_t& state) {
   check.number("light_front", state.light_front, -kLargest, kLargest);
   check.number("light_back", state.light_back, -kLargest, kLargest);
   check.number("run_time", state.run_time, 0, kLongestTime);
+}
+
+static void checkValues(ValueChecker& check, const sense_values_t& senses) {
+  for (const float value : senses.values) {
+    check.number("values", static_cast<double>(value), -kLargest, kLargest);
+  }
+}
+
+void checkValues(ValueChecker& check, const robot_senses_t& senses) {
+  check.list("robots", senses.robots);
 }
 
 void checkValues(ValueChecker& check, const robot_status_t& status) {

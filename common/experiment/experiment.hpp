@@ -10,13 +10,11 @@
 #include <string>
 #include <vector>
 
+#include "common/programs/program.hpp"
 #include "light/field/drive.hpp"
-#include "robot/dynamics/robot_program.hpp"
+#include "robot/dynamics/wheel_limits.hpp"
 
 namespace lab {
-
-using dynamics::ProgramKind;
-using dynamics::RobotProgram;
 
 /// The body of a robot: how it is realised (docs/bodies.md).
 enum class Body : std::int8_t {
@@ -151,6 +149,39 @@ struct LayerSpec {
   light::Drive drive;  ///< its images are paths as written in the file
 
   bool operator==(const LayerSpec&) const = default;
+};
+
+/// What a virtual sense is (docs/programs.md). The order is that of the names in the file.
+enum class SenseKind : std::int8_t {
+  kNeighbours,       ///< robots within the radius [1]
+  kDensity,          ///< robots within the radius, weighted by 1 - distance / radius [1]
+  kMeanHeading,      ///< mean heading of the robots within the radius, relative to the own [rad]
+  kNearestDistance,  ///< [cm] to the nearest robot within the radius; the radius without one
+  kNearestBearing,   ///< [rad] of the nearest robot within the radius, relative; 0 without one
+  kPlaceDistance,    ///< [cm] to a place
+  kPlaceBearing,     ///< [rad] of a place, relative to the heading
+  kGradient,         ///< of the light at the robot [1/cm]
+  kGradientBearing,  ///< direction in which the light grows, relative to the heading [rad]
+};
+
+/// One number that the host writes for programs.
+struct SenseSpec {
+  std::int64_t index = 0;  ///< i of sense(i)
+  SenseKind kind = SenseKind::kNeighbours;
+  double radius = 0.15;  ///< [m]
+  double x = 0;          ///< [m] of a place
+  double y = 0;          ///< [m]
+
+  bool operator==(const SenseSpec&) const = default;
+};
+
+/// The numbers that the host computes from the tracker's poses and writes for programs.
+struct Senses {
+  double rate = 10;  ///< [1/s]
+  double delay = 0;  ///< [s] from the exposure of the frame to the sending of the values
+  std::vector<SenseSpec> values;
+
+  bool operator==(const Senses&) const = default;
 };
 
 enum class Region : std::int8_t { kNone = 0, kCircle = 1, kRectangle = 2 };
@@ -312,6 +343,7 @@ struct Gateway {
   std::string configuration;  ///< path of a Cyclone DDS XML file that replaces the built-in one
   std::string security;       ///< folder of certificates, as in the file; empty: none
   bool commands = false;      ///< whether ROS 2 may drive robots and light
+  bool load_programs = false;       ///< whether it may send texts of programs
   bool unsecured_commands = false;  ///< accept commands from other hosts without DDS Security
   std::vector<std::int32_t> command_robots;  ///< robots that it may drive, empty: all
   double command_timeout = 0.4;  ///< [s] a driven robot stands after this time without a command
@@ -388,7 +420,8 @@ struct Experiment {
   RobotHardware hardware;
   SerialLines serial;
   std::vector<RobotSpec> robots;  ///< sorted by id
-  std::map<std::string, RobotProgram> programs;
+  std::map<std::string, Program> programs;
+  Senses senses;
   LightTable light_table;
   Reversal reversal;
   LightScript light;

@@ -38,112 +38,38 @@ std::string rounded(double value) {
   return text;
 }
 
-struct Quantity {
-  const char* name = nullptr;
-  std::string value;
-};
-
-std::string list(std::initializer_list<Quantity> quantities) {
-  std::string text;
-  for (const Quantity& quantity : quantities) {
-    text += (text.empty() ? "" : ", ") + std::string(quantity.name) + " = " + quantity.value;
+std::string parameters(const Program& program) {
+  std::string text = program.description;
+  for (const ProgramParameter& parameter : program.parameters) {
+    const bool length = parameter.unit.starts_with("m");
+    text += ", " + parameter.name + " = " +
+            (length ? centimetreText(parameter.value) + " c" : numberText(parameter.value) + " ") +
+            (parameter.unit == "1" ? "" : parameter.unit);
   }
   return text;
 }
 
-std::string parameters(const RobotProgram& p) {
-  const std::string epsilon = numberText(p.epsilon) + " s";
-  switch (p.kind) {
-    case ProgramKind::kAbp:
-      return "active Brownian, " + list({{"v", centimetreText(p.v) + " cm/s"},
-                                         {"epsilon", epsilon},
-                                         {"eta", numberText(p.eta) + " rad/s"}});
-    case ProgramKind::kNoisyAbp:
-      return "noisy active Brownian, " + list({{"va", centimetreText(p.va) + " cm/s"},
-                                               {"V", centimetreText(p.V) + " cm/s"},
-                                               {"epsilon", epsilon}});
-    case ProgramKind::kBp:
-      return "Brownian, " + list({{"V", centimetreText(p.V) + " cm/s"}, {"epsilon", epsilon}});
-    case ProgramKind::kRtp:
-      return "run and tumble, " + list({{"v", centimetreText(p.v) + " cm/s"},
-                                        {"gamma", numberText(p.gamma) + " /s"},
-                                        {"tau_t", numberText(p.tau_t) + " s"}});
-    case ProgramKind::kWheels:
-      return "constant wheel speeds, " + list({{"left", centimetreText(p.wheel_left) + " cm/s"},
-                                               {"right", centimetreText(p.wheel_right) + " cm/s"}});
-    default:
-      return "stands still";
+/// A warning if a parameter is a time of more than a third of the run. Its value was probably meant
+/// in ms.
+std::string slowness(const Program& program, double duration) {
+  for (const ProgramParameter& parameter : program.parameters) {
+    const bool rate = parameter.unit == "1/s" && parameter.value > 0;
+    if (!rate && parameter.unit != "s") continue;
+    const double time = rate ? 1 / parameter.value : parameter.value;
+    if (time <= duration / 3) continue;
+    return (rate ? "1/" : "") + parameter.name + " = " + rounded(time) +
+           " s is more than a third of the run: too few draws for any law (it is in s)";
   }
+  return {};
 }
 
-/// The paper's long-time coefficients (below eqs. 4, 5 and 6), and L_s of the exact law, whose
-/// limit for small epsilon is the paper's v / D_r.
-std::string derived(const RobotProgram& p, double d, const PersistenceLength& length) {
-  const std::string diffusion = " cm^2/s";
-  const std::string rotation = " rad^2/s";
-  const double wheel_rotation = p.epsilon * p.V * p.V / (3 * d * d);
-  const double wheel_diffusion = p.epsilon * p.V * p.V / 24;
-  switch (p.kind) {
-    case ProgramKind::kAbp: {
-      const double dr = p.epsilon * p.eta * p.eta / 6;
-      if (dr == 0) return "drives straight";
-      return list({{"D_r", rounded(dr) + rotation}}) +
-             (length ? ", " + list({{"L_s", rounded(length(p) * 100) + " cm"}}) : "");
-    }
-    case ProgramKind::kNoisyAbp:
-      return list({{"D_r", rounded(wheel_rotation) + rotation},
-                   {"D_t", rounded(wheel_diffusion * 1e4) + diffusion}});
-    case ProgramKind::kBp:
-      return list({{"D_r", rounded(wheel_rotation) + rotation},
-                   {"D", rounded(wheel_diffusion * 1e4) + diffusion}});
-    case ProgramKind::kRtp:
-      return list(
-          {{"mean run", rounded(p.v / p.gamma * 100) + " cm"},
-           {"D", rounded(p.v * p.v / (2 * p.gamma * (1 + p.gamma * p.tau_t)) * 1e4) + diffusion}});
-    default:
-      return "";
-  }
-}
-
-/// The highest wheel speed of a program [m/s].
-double fastestWheel(const RobotProgram& program, const RobotHardware& hardware) {
-  const auto result = dynamics::toProgramParams(program, wheelLimits(hardware));
-  const dynamics::ProgramParams& params = result.params;
-  const auto size = [](std::int32_t speed) { return std::abs(static_cast<double>(speed)); };
-  return 1e-6 * std::max({size(params.speed_um_s) + params.amplitude_um_s,
-                          size(params.tumble_amplitude_um_s), size(params.left_um_s),
-                          size(params.right_um_s)});
-}
-
-/// A warning if the longest time between draws is more than a third of the run. Its value was
-/// probably meant in ms.
-std::string slowness(const RobotProgram& p, double duration) {
-  Quantity longest{};
-  double time = duration / 3;
-  const auto consider = [&](const char* name, double seconds) {
-    if (seconds <= time) return;
-    time = seconds;
-    longest = {name, rounded(seconds) + " s"};
-  };
-  const bool turns = p.kind == ProgramKind::kAbp && p.eta > 0;
-  if (turns || p.kind == ProgramKind::kNoisyAbp || p.kind == ProgramKind::kBp) {
-    consider("epsilon", p.epsilon);
-  } else if (p.kind == ProgramKind::kRtp) {
-    if (p.gamma > 0) consider("1/gamma", 1 / p.gamma);
-    consider("tau_t", p.tau_t);
-  }
-  if (longest.name == nullptr) return {};
-  return list({longest}) +
-         " is more than a third of the run: too few draws for any law (it is in s)";
-}
-
-std::string describePrograms(const Experiment& e, const PersistenceLength& length) {
+std::string describePrograms(const Experiment& e, const ProgramCoefficients& coefficients) {
   std::string text;
   for (const auto& [name, program] : e.programs) {
     text += line("program", name + ": " + parameters(program));
-    std::string more = derived(program, e.hardware.diameter, length);
+    std::string more = coefficients ? coefficients(program) : "";
     more += (more.empty() ? "" : "; ") + std::string("fastest wheel ") +
-            rounded(fastestWheel(program, e.hardware) * 100) + " of " +
+            rounded(program.fastest_wheel * 100) + " of " +
             centimetreText(e.hardware.max_wheel_speed) + " cm/s";
     text += line("", "  " + more);
     if (const std::string slow = slowness(program, e.duration); !slow.empty()) {
@@ -382,7 +308,8 @@ std::string describeHosts(const Experiment& e) {
 
 }  // namespace
 
-std::string describeExperiment(const Experiment& e, const PersistenceLength& length) {
+std::string describeExperiment(const Experiment& e,
+                               const ProgramCoefficients& coefficients) {
   std::string text =
       line("experiment", e.name + (e.description.empty() ? "" : ": ") + e.description);
   const std::string at_most = mayEndEarly(e) ? "at most " : "";
@@ -391,7 +318,7 @@ std::string describeExperiment(const Experiment& e, const PersistenceLength& len
   text += line("arena",
                centimetreText(e.arena_width) + " cm x " + centimetreText(e.arena_height) + " cm");
   text += describeRobots(e);
-  text += describePrograms(e, length);
+  text += describePrograms(e, coefficients);
   text += describeTable(e.light_table);
   text += describeLight(e);
   text += describeReversal(e.reversal);

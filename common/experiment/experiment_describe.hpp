@@ -8,15 +8,15 @@
 
 namespace lab {
 
-/// The persistence length of a program [m]. Only the exact laws know it (analyzer/laws.hpp), which
-/// common/ does not link.
-using PersistenceLength = std::function<double(const RobotProgram&)>;
+/// What follows from a program's parameters: "D_r = 0.6 rad^2/s, L_s = 7 cm". Only its law knows it
+/// (analyzer/laws/), which common/ does not link.
+using ProgramCoefficients = std::function<std::string(const Program&)>;
 
 /// What a run of this experiment would start, in about twenty lines: the run, its robots, programs
 /// with the quantities that follow from them, the light script with the programs that it selects,
 /// and the expected size of the log.
-/// @param length empty: persistence lengths are left out
+/// @param coefficients empty: they are left out
 [[nodiscard]] std::string describeExperiment(const Experiment& experiment,
-                                             const PersistenceLength& length = {});
+                                             const ProgramCoefficients& coefficients = {});
 
 }  // namespace lab

@@ -15,6 +15,7 @@
 #include "common/files/file_problems.hpp"
 #include "common/files/file_text.hpp"
 #include "common/files/toml_document.hpp"
+#include "common/programs/shipped_programs.hpp"
 
 namespace lab {
 namespace {
@@ -57,6 +58,20 @@ void refuseOtherVersion(const keys::TomlDocument& document) {
                                          " (another version of the lab wrote this file)");
 }
 
+/// A shipped program, or a file beside the experiment file.
+ModelLookup modelsBeside(const std::optional<std::filesystem::path>& directory) {
+  return [directory](const std::string& model) -> std::optional<language::ProgramText> {
+    if (!model.ends_with(".toml")) return shippedProgramText(model);
+    if (!directory) return std::nullopt;
+    const std::filesystem::path file = *directory / model;
+    std::error_code error;
+    if (!std::filesystem::is_regular_file(file, error)) return std::nullopt;
+    return readProgram(readFileText(file, file_kinds::kProgram), file.string(),
+                       file.stem().string(), kWidestWheels)
+        .text;
+  };
+}
+
 }  // namespace
 
 Experiment loadExperiment(const std::filesystem::path& file,
@@ -78,7 +93,7 @@ Experiment parseExperiment(std::string_view text, const std::string& name,
   const keys::TomlDocument document(text, name, overrides);
   refuseOtherVersion(document);
   keys::Problems problems([&](const std::string& path) { return document.place(path); });
-  keys::ExperimentForm form = keys::readForm(document, problems);
+  keys::ExperimentForm form = keys::readForm(document, modelsBeside(directory), problems);
   keys::checkShorthand(form, problems);
   keys::expandShorthand(form);
   keys::checkRobots(form, problems);

@@ -16,6 +16,7 @@
 
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/programs/hold_rate.hpp"
 #include "light/field/image.hpp"
 
 namespace lab {
@@ -114,15 +115,12 @@ bool isDriven(const LightStep& step) {
                              [](const LayerSpec& layer) { return !light::isStill(layer.drive); });
 }
 
-/// An upper bound of the draws per second that robots on the wire report: all run the program that
+/// About the largest number of draws per second that robots on the wire report: all run the program that
 /// draws most often.
 double stepsPerSecond(const Experiment& experiment) {
   double busiest = 0;
   for (const auto& [name, program] : experiment.programs) {
-    if (program.epsilon > 0) busiest = std::max(busiest, 1 / program.epsilon);
-    if (program.gamma > 0) {
-      busiest = std::max(busiest, 2 * program.gamma / (1 + program.gamma * program.tau_t));
-    }
+    busiest = std::max(busiest, holdsPerSecond(program));
   }
   const auto on_wire = std::ranges::count_if(
       experiment.robots, [](const RobotSpec& robot) { return isOnWire(robot.body); });

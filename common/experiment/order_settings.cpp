@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "common/experiment/program_messages.hpp"
+#include "robot/dynamics/byte_code.hpp"
 
 namespace lab {
 namespace {
@@ -38,12 +38,30 @@ std::string numbersRefusal(const robot_order_t& order, const dynamics::WheelLimi
   return finite ? "" : "a light band or the hysteresis is not a number";
 }
 
+/// Why no robot can run the program; empty if one can.
+std::string programRefusal(const program_t& program) {
+  if (program.id.hash == 0 && program.code.empty()) return "";
+  const std::string who = "program \"" + program.id.name + "\": ";
+  const auto size = static_cast<std::uint16_t>(std::min<std::size_t>(program.code.size(), 0xFFFF));
+  const dynamics::ByteCodeCheck check = dynamics::checkByteCode(program.code.data(), size);
+  if (check.fault != dynamics::kValidByteCode) {
+    return who + "its byte code has fault " + std::to_string(check.fault) + " at byte " +
+           std::to_string(check.position) +
+           " (robot/dynamics/byte_code.hpp); send what this version's compiler writes";
+  }
+  const std::uint32_t hash =
+      dynamics::programHash(program.code.data(), static_cast<std::uint8_t>(size));
+  return hash == program.id.hash ? "" : who + "its hash is not that of its byte code";
+}
+
 }  // namespace
 
 OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimits& limits,
                            double sensor_period) {
   OrderSettings result;
   result.core.max_wheel_um_s = static_cast<std::int32_t>(std::lround(limits.v_max * 1e6));
+  result.core.half_wheel_base_um =
+      static_cast<std::int32_t>(std::lround(limits.wheel_base / 2 * 1e6));
   result.core.sensor_period_ms = static_cast<std::uint16_t>(std::lround(sensor_period * 1e3));
   result.refusal = numbersRefusal(order, limits);
   if (!result.refusal.empty() || order.mode != robot_order_t::TABLE) return result;
@@ -59,18 +77,10 @@ OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimi
   light.reading = static_cast<dynamics::LightReading>(order.light_sensor);
   for (std::uint8_t slot = 0; slot < light.count; ++slot) {
     const light_band_t& band = order.bands[slot];
-    if (band.program.kind < 0 || band.program.kind >= dynamics::kProgramKinds) {
-      result.refusal = "no program has the number " + std::to_string(band.program.kind);
-      return result;
-    }
+    result.refusal = programRefusal(band.program);
+    if (!result.refusal.empty()) return result;
     light.bands[slot] = {counts(band.low), counts(band.high), slot};
-    const dynamics::ParamsResult params =
-        dynamics::toProgramParams(toProgram(band.program), limits);
-    if (!params.ok) {
-      result.refusal = params.reason;
-      return result;
-    }
-    result.core.programs[slot] = params.params;
+    result.core.programs[slot] = static_cast<std::uint32_t>(band.program.id.hash);
     result.programs.push_back(band.program);
   }
   if (!dynamics::isValid(light)) {

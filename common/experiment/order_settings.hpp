@@ -7,14 +7,14 @@
 #include <vector>
 
 #include "robot/dynamics/robot_core.hpp"
-#include "robot/dynamics/robot_program.hpp"
+#include "robot/dynamics/wheel_limits.hpp"
 
 namespace lab {
 
 /// The settings that a robot needs for an order.
 struct OrderSettings {
-  dynamics::CoreSettings core;
-  std::vector<program_t> programs;  ///< by slot, as in the order
+  dynamics::CoreSettings core;      ///< without the robot's id
+  std::vector<program_t> programs;  ///< by slot, as in the order; their byte code is valid
   std::string refusal;              ///< why the robot cannot execute the order; empty if it can
 };
 

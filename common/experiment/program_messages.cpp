@@ -1,78 +1,57 @@
 #include "common/experiment/program_messages.hpp"
 
-#include <tuple>
+#include <cstdint>
+
+#include "common/files/experiment_error.hpp"
+#include "common/programs/program_file.hpp"
 
 namespace lab {
-namespace {
 
-static_assert(program_t::NONE == dynamics::kNone && program_t::ABP == dynamics::kAbp &&
-              program_t::NOISY_ABP == dynamics::kNoisyAbp && program_t::BP == dynamics::kBp &&
-              program_t::RTP == dynamics::kRtp && program_t::WHEELS == dynamics::kWheels);
-
-auto parameters(const program_t& program) {
-  return std::tie(program.kind, program.v, program.va, program.V, program.epsilon, program.eta,
-                  program.gamma, program.tau_t, program.wheel_left, program.wheel_right);
+program_id_t toId(const Program& program) {
+  program_id_t id{};
+  id.hash = program.hash;
+  id.name = program.name;
+  return id;
 }
 
-}  // namespace
-
-program_t toMessage(const dynamics::RobotProgram& program) {
+program_t toMessage(const Program& program) {
   program_t message{};
-  message.kind = static_cast<std::int8_t>(program.kind);
-  message.v = program.v;
-  message.va = program.va;
-  message.V = program.V;
-  message.epsilon = program.epsilon;
-  message.eta = program.eta;
-  message.gamma = program.gamma;
-  message.tau_t = program.tau_t;
-  message.wheel_left = program.wheel_left;
-  message.wheel_right = program.wheel_right;
+  message.id = toId(program);
+  message.text = program.text;
+  message.code = program.code;
+  message.size = static_cast<std::int16_t>(program.code.size());
+  for (const ProgramParameter& parameter : program.parameters) {
+    parameter_t one{};
+    one.name = parameter.name;
+    one.value = parameter.value;
+    one.unit = parameter.unit;
+    message.parameters.push_back(one);
+  }
+  message.num_parameters = static_cast<std::int16_t>(message.parameters.size());
   return message;
 }
 
-dynamics::RobotProgram toProgram(const program_t& message) {
-  dynamics::RobotProgram program;
-  const bool defined = message.kind >= 0 && message.kind < dynamics::kProgramKinds;
-  program.kind = defined ? static_cast<dynamics::ProgramKind>(message.kind) : dynamics::kNone;
-  program.v = message.v;
-  program.va = message.va;
-  program.V = message.V;
-  program.epsilon = message.epsilon;
-  program.eta = message.eta;
-  program.gamma = message.gamma;
-  program.tau_t = message.tau_t;
-  program.wheel_left = message.wheel_left;
-  program.wheel_right = message.wheel_right;
+Program toProgram(const program_t& message) {
+  if (message.id.hash == 0) return {};
+  const std::string name = "program " + message.id.name;
+  Program program = toProgram(readProgram(message.text, name, message.id.name, kWidestWheels));
+  if (program.hash != message.id.hash) {
+    throw ExperimentError({name + ": found a text that does not compile to its byte code, allowed "
+                                  "programs of this version of the lab"});
+  }
   return program;
 }
 
-std::string programName(const Experiment& experiment, const program_t& program) {
-  for (const auto& [name, spec] : experiment.programs) {
-    if (sameProgram(toMessage(spec), program)) return name;
+const Program* findProgram(const Experiment& experiment, const program_id_t& id) {
+  for (const auto& [name, program] : experiment.programs) {
+    if (program.hash == id.hash) return &program;
   }
-  return modelName(program.kind);
+  return nullptr;
 }
 
-std::string modelName(std::int8_t kind) {
-  switch (kind) {
-    case program_t::ABP:
-      return "ABP";
-    case program_t::NOISY_ABP:
-      return "noisy ABP";
-    case program_t::BP:
-      return "BP";
-    case program_t::RTP:
-      return "RTP";
-    case program_t::WHEELS:
-      return "wheels";
-    default:
-      return "standing";
-  }
+std::string programName(const Experiment& experiment, const program_id_t& id) {
+  if (const Program* program = findProgram(experiment, id)) return program->name;
+  return id.hash == 0 && id.name.empty() ? kStanding : id.name;
 }
-
-bool sameProgram(const program_t& a, const program_t& b) { return parameters(a) == parameters(b); }
-
-bool orderedBefore(const program_t& a, const program_t& b) { return parameters(a) < parameters(b); }
 
 }  // namespace lab

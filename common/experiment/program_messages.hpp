@@ -1,32 +1,37 @@
-/// Robot programs as messages and back, and their names. The only place that converts between
-/// program_t and dynamics::RobotProgram.
+/// Programs of motion as messages and back.
 #pragma once
 
 #include <cstdint>
+#include <lab/program_id_t.hpp>
 #include <lab/program_t.hpp>
 #include <string>
 
 #include "common/experiment/experiment.hpp"
-#include "robot/dynamics/robot_program.hpp"
+#include "common/programs/program.hpp"
 
 namespace lab {
 
-[[nodiscard]] program_t toMessage(const dynamics::RobotProgram& program);
+/// What a message calls a robot without a program.
+inline constexpr const char* kStanding = "standing";
 
-/// A `kind` that program_t does not define becomes ProgramKind::kNone.
-[[nodiscard]] dynamics::RobotProgram toProgram(const program_t& message);
+/// The name of no program that a robot reports while the host sets its wheel speeds.
+inline constexpr const char* kDrivenByHost = "driven";
 
-/// The name that the experiment gives to this program, or its model's where it has none.
-[[nodiscard]] std::string programName(const Experiment& experiment, const program_t& program);
+/// The hash of a program in an old log that cannot be compiled; message_values.hpp refuses it.
+inline constexpr std::int64_t kImpossibleHash = -1;
 
-/// "ABP", "noisy ABP", "BP", "RTP", "wheels", "standing".
-/// @param kind as in program_t
-[[nodiscard]] std::string modelName(std::int8_t kind);
+[[nodiscard]] program_id_t toId(const Program& program);
+[[nodiscard]] program_t toMessage(const Program& program);
 
-/// Whether two programs are the same model with the same parameters.
-[[nodiscard]] bool sameProgram(const program_t& a, const program_t& b);
+/// The program of a definition.
+/// @throws ExperimentError if its text is none, or is not the text of its byte code
+[[nodiscard]] Program toProgram(const program_t& message);
 
-/// Orders programs as keys of a map: by model, then parameter by parameter.
-[[nodiscard]] bool orderedBefore(const program_t& a, const program_t& b);
+/// The experiment's program with this byte code; null if it has none.
+[[nodiscard]] const Program* findProgram(const Experiment& experiment, const program_id_t& id);
+
+/// The name that the experiment gives to this program, or the one in the message, or
+/// "standing".
+[[nodiscard]] std::string programName(const Experiment& experiment, const program_id_t& id);
 
 }  // namespace lab

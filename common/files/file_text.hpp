@@ -21,6 +21,7 @@ struct FileKind {
 namespace file_kinds {
 inline constexpr std::uintmax_t kMega = 1'000'000;
 inline constexpr FileKind kExperiment{"an experiment file", kMega};
+inline constexpr FileKind kProgram{"a program of motion", 100'000};
 inline constexpr FileKind kCalibration{"a calibration", 16 * kMega};
 inline constexpr FileKind kMapping{"a topic mapping", kMega};
 inline constexpr FileKind kDdsConfiguration{"a Cyclone DDS configuration", kMega};

@@ -8,7 +8,7 @@ inline constexpr const char* kVersion = "0.1.0";
 
 /// Version of the message contract (lcmtypes/, CHANGELOG.md). It increases with any change of a
 /// message type.
-inline constexpr int kContractVersion = 4;
+inline constexpr int kContractVersion = 5;
 
 /// The oldest contract version whose logs can be read. Versions 2 and 3 only added types; what
 /// version 4 changed is converted (contract_upgrade.hpp).

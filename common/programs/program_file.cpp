@@ -1,178 +1,146 @@
 #include "common/programs/program_file.hpp"
 
 #include <algorithm>
-#include <map>
-#include <vector>
+#include <cmath>
+#include <string>
 
 #include "common/files/experiment_error.hpp"
-#include "common/files/file_problems.hpp"
+#include "common/files/file_values.hpp"
 #include "common/files/toml_document.hpp"
-#include "common/text/nearest_word.hpp"
+#include "common/programs/program_reader.hpp"
+#include "robot/dynamics/byte_code.hpp"
 
 namespace lab {
 namespace {
 
-using keys::displayText;
-
 constexpr std::size_t kMostProblems = 20;
+constexpr double kCmPerMetre = 100;
 
-/// Reads the texts of a program and remembers where each was written.
-class ProgramReader {
- public:
-  ProgramReader(std::string_view text, const std::string& file)
-      : file_(file),
-        document_(text, file, {}),
-        problems_([this](const std::string& path) { return place(path, 0); }) {}
+double toSi(double value, const language::Dimension& dimension) {
+  return value * std::pow(kCmPerMetre, -dimension.length);
+}
 
-  ProgramFile read(const std::string& name, const dynamics::WheelLimits& limits) {
-    ProgramFile program;
-    program.text.name = name;
-    readTable(document_.root(), "", {"description", "parameters", "state", "phases"},
-              [&](const std::string& key, const toml::node& node) {
-                if (key == "description") {
-                  program.text.description = textOf(node, key);
-                } else if (key == "phases") {
-                  readPhases(node, program.text);
-                } else {
-                  readNamed(node, key,
-                            key == "state" ? program.text.state : program.text.parameters);
-                }
-              });
-    stopAtProblems();
-    program.compiled = language::compile(program.text, limits);
-    for (const language::Problem& problem : program.compiled.errors) {
-      const std::string path = problem.key.empty() ? name : problem.key;
-      problems_.addAt(place(problem.key, problem.offset), path, problem.message);
-    }
-    stopAtProblems();
-    return program;
+/// "m/s"; "rad/s" where the program's text says so, because angles have no dimension.
+std::string siUnit(const language::Dimension& dimension, const std::string& text) {
+  const bool angle =
+      text.find("rad") != std::string::npos || text.find("deg") != std::string::npos;
+  if (angle && dimension == language::kRate) return "rad/s";
+  if (angle && dimension == language::kPure) return "rad";
+  std::string unit = language::unitText(dimension);
+  for (std::size_t at = unit.find("cm"); at != std::string::npos; at = unit.find("cm", at + 1)) {
+    unit.erase(at, 1);
   }
+  return unit;
+}
 
- private:
-  struct Place {
-    std::size_t line = 1;
-    std::size_t column = 1;
-  };
-
-  void stopAtProblems() const {
-    if (!problems_.empty()) throw ExperimentError(problems_.lines(kMostProblems));
-  }
-
-  /// The place of a character in the text of a key, or of what contains the key.
-  [[nodiscard]] keys::FileLocation place(std::string path, std::size_t offset) const {
-    while (!path.empty() && places_.find(path) == places_.end()) {
-      const std::size_t dot = path.rfind('.');
-      path.erase(dot == std::string::npos ? 0 : dot);
-      offset = 0;
-    }
-    const auto found = places_.find(path);
-    const Place at = found == places_.end() ? Place() : found->second;
-    const std::size_t column = at.column + offset;
-    return {file_ + ":" + std::to_string(at.line) + ":" + std::to_string(column), at.line};
-  }
-
-  void remember(const std::string& path, const toml::node& node) {
-    const toml::source_position begin = node.source().begin;
-    // The text begins after its quote.
-    places_[path] = {begin.line, begin.column + (node.is_string() ? 1U : 0U)};
-  }
-
-  template <typename Take>
-  void readTable(const toml::table& table, const std::string& path,
-                 const std::vector<std::string>& allowed, const Take& take) {
-    std::vector<std::pair<std::string, const toml::node*>> entries;
-    for (const auto& [key, node] : table) {
-      entries.emplace_back(key.str(), &node);
-    }
-    // TOML tables have no order, but draws and phases do: that of the file.
-    std::ranges::stable_sort(entries, {}, [](const auto& entry) {
-      const toml::source_position begin = entry.second->source().begin;
-      return std::pair(begin.line, begin.column);
-    });
-    for (const auto& [key, node] : entries) {
-      const std::string key_path = path.empty() ? key : path + "." + key;
-      remember(key_path, *node);
-      if (!allowed.empty() && std::ranges::find(allowed, key) == allowed.end()) {
-        std::string all;
-        for (const std::string& one : allowed) all += (all.empty() ? "" : ", ") + one;
-        problems_.add(key_path,
-                      "found an unknown key, allowed here: " + all + didYouMean(key, allowed));
-        continue;
-      }
-      take(key, *node);
+/// Calls `take` with every input that the program reads.
+template <typename Take>
+void forEachInput(const std::vector<std::uint8_t>& code, const Take& take) {
+  for (std::size_t block = 2; block < code.size(); block += 1U + code[block]) {
+    const std::size_t end = block + 1 + code[block];
+    for (std::size_t at = block + 1; at < end; at += dynamics::instructionSize(code[at])) {
+      if (code[at] == dynamics::kRead) take(code[at + 1]);
     }
   }
+}
 
-  std::string textOf(const toml::node& node, const std::string& path) {
-    if (const auto text = node.value_exact<std::string>()) return *text;
-    const bool number = node.is_number();
-    problems_.add(path, "found " + displayText(node) + ", allowed a text" +
-                            (number ? ": \"" + displayText(node) + "\", with its unit if it has one"
-                                    : " in quotes"));
-    return "";
-  }
-
-  const toml::table* tableOf(const toml::node& node, const std::string& path) {
-    if (!node.is_table()) {
-      problems_.add(path, "found " + displayText(node) + ", allowed a table: " + path + " = {...}");
+void findInputs(Program& program) {
+  forEachInput(program.code, [&](std::uint8_t input) {
+    const bool sense = input >= dynamics::kSense;
+    const bool light = input <= dynamics::kLightBack;
+    const bool infrared = input >= dynamics::kIr && input < dynamics::kTime;
+    if (sense) {
+      program.senses = static_cast<std::uint8_t>(program.senses | 1U << (input - dynamics::kSense));
     }
-    return node.as_table();
-  }
+    program.reads_surroundings = program.reads_surroundings || sense || light || infrared;
+  });
+}
 
-  void readNamed(const toml::node& node, const std::string& path,
-                 std::vector<language::NamedText>& texts) {
-    const toml::table* table = tableOf(node, path);
-    if (table == nullptr) return;
-    readTable(*table, path, {}, [&](const std::string& key, const toml::node& value) {
-      texts.emplace_back(key, textOf(value, path + "." + key));
-    });
+std::string inLine(const std::vector<language::NamedText>& texts) {
+  std::string line;
+  for (const auto& [name, text] : texts) {
+    line += (line.empty() ? "{" : ", ") + name + " = " + keys::tomlString(text);
   }
-
-  void readPhases(const toml::node& node, language::ProgramText& program) {
-    const toml::table* phases = tableOf(node, "phases");
-    if (phases == nullptr) return;
-    readTable(*phases, "phases", {}, [&](const std::string& name, const toml::node& phase) {
-      const std::string path = "phases." + name;
-      program.phases.emplace_back();
-      program.phases.back().name = name;
-      if (const toml::table* table = tableOf(phase, path)) {
-        readPhase(*table, path, program.phases.back());
-      }
-    });
-  }
-
-  void readPhase(const toml::table& table, const std::string& path, language::PhaseText& phase) {
-    const std::map<std::string, std::string language::PhaseText::*> texts{
-        {"forward", &language::PhaseText::forward}, {"turn", &language::PhaseText::turn},
-        {"left", &language::PhaseText::left},       {"right", &language::PhaseText::right},
-        {"hold", &language::PhaseText::hold},       {"next", &language::PhaseText::next},
-        {"until", &language::PhaseText::until},     {"then", &language::PhaseText::then}};
-    readTable(table, path,
-              {"set", "forward", "turn", "left", "right", "hold", "next", "until", "then"},
-              [&](const std::string& key, const toml::node& node) {
-                const std::string key_path = path + "." + key;
-                if (key == "set") {
-                  readNamed(node, key_path, phase.set);
-                  return;
-                }
-                std::string& text = phase.*texts.at(key);
-                text = textOf(node, key_path);
-                if (text.empty())
-                  problems_.add(key_path, "found an empty text, allowed an expression");
-              });
-  }
-
-  const std::string& file_;
-  keys::TomlDocument document_;
-  std::map<std::string, Place> places_;
-  keys::Problems problems_;
-};
+  return line + "}\n";
+}
 
 }  // namespace
 
 ProgramFile readProgram(std::string_view text, const std::string& file, const std::string& name,
                         const dynamics::WheelLimits& limits) {
-  return ProgramReader(text, file).read(name, limits);
+  const keys::TomlDocument document(text, file, {});
+  keys::Problems problems([&](const std::string& path) { return document.place(path); });
+  ProgramFile program =
+      readProgramTable(document, document.root(), "", name, limits, {}, problems);
+  if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
+  return program;
+}
+
+Program toProgram(const ProgramFile& file) {
+  const language::CompiledProgram& compiled = file.compiled;
+  Program program;
+  program.name = file.text.name;
+  program.description = file.text.description;
+  program.text = programToml(file.text);
+  program.code = compiled.code;
+  program.hash = compiled.hash;
+  for (std::size_t i = 0; i < compiled.parameters.size(); ++i) {
+    const language::Parameter& parameter = compiled.parameters[i];
+    program.parameters.push_back({parameter.name, toSi(parameter.value, parameter.dimension),
+                                  siUnit(parameter.dimension, file.text.parameters[i].second)});
+  }
+  for (const language::PhaseFacts& phase : compiled.phases) {
+    program.phases.push_back(phase.name);
+    program.fastest_wheel =
+        std::max({program.fastest_wheel, phase.left.magnitude() / kCmPerMetre,
+                  phase.right.magnitude() / kCmPerMetre});
+  }
+  for (const auto& [key, text] : file.text.law) {
+    if (key == "name") program.law.name = text;
+    if (key == "msd") program.law.msd = text;
+    if (key == "angular_msd") program.law.angular_msd = text;
+    if (key == "D") program.law.diffusivity = text;
+    if (key == "D_r") program.law.rotational_diffusivity = text;
+  }
+  if (!program.law.name.empty()) {
+    for (const language::Parameter& parameter : compiled.law) {
+      program.law.parameters.emplace_back(parameter.name,
+                                          toSi(parameter.value, parameter.dimension));
+    }
+  }
+  findInputs(program);
+  return program;
+}
+
+std::string programToml(const language::ProgramText& program, const std::string& path) {
+  using keys::tomlString;
+  std::string text;
+  if (!program.description.empty()) {
+    text += "description = " + tomlString(program.description) + "\n";
+  }
+  if (program.law.size() == 1 && program.law.front().first == "name") {
+    text += "law = " + tomlString(program.law.front().second) + "\n";
+  } else if (!program.law.empty()) {
+    text += "law = " + inLine(program.law);
+  }
+  if (!program.parameters.empty()) text += "parameters = " + inLine(program.parameters);
+  if (!program.state.empty()) text += "state = " + inLine(program.state);
+  for (const language::PhaseText& phase : program.phases) {
+    text += "\n[" + path + "phases." + phase.name + "]\n";
+    if (!phase.set.empty()) text += "set = " + inLine(phase.set);
+    const auto line = [&](const char* key, const std::string& value) {
+      if (!value.empty()) text += std::string(key) + " = " + tomlString(value) + "\n";
+    };
+    line("forward", phase.forward);
+    line("turn", phase.turn);
+    line("left", phase.left);
+    line("right", phase.right);
+    line("hold", phase.hold);
+    line("next", phase.next);
+    line("until", phase.until);
+    line("then", phase.then);
+  }
+  return text;
 }
 
 }  // namespace lab

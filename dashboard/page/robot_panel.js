@@ -17,15 +17,11 @@ export const flagWords = (flags) =>
     FLAGS.filter((_, bit) => flags & (1 << bit)).join(", ") || "none";
 export const originWord = (origin) => ORIGINS[origin] ?? String(origin);
 
-/** "abp: v 5.00 cm/s, ..."; parameters that a program does not have are 0 and are omitted. */
-function programWords({program, program_running: running}) {
-  const {model, ...values} = running ?? {};
-  const parts = Object.entries(values).filter(([, value]) => value).map(([key, value]) => {
-    const [, name, measure] = /^(.*?)(?: \((.*)\))?$/.exec(heading(key));
-    return `${name} ${number(value)} ${unit(measure)}`.trim();
-  });
-  const name = typeof program === "string" ? program : model;
-  return `${name ?? "none"}${parts.length ? `: ${parts.join(", ")}` : ""}`;
+/** "slow: v 5 cm/s, ... (phase tumble)" */
+function programWords({program, phase}) {
+  const known = programNamed(program);
+  return `${program ?? "none"}${known.text ? `: ${known.text}` : ""}${
+      phase ? ` (phase ${phase})` : ""}`;
 }
 
 const pair = (first, second, measure = "") =>
@@ -45,7 +41,7 @@ const FACTS = [
   ],
   ["confidence", ["confidence"], (r) => number(r.confidence, 2)],
   ["state", ["flags"], (r) => (r.flags ? flagWords(r.flags) : "follows its program")],
-  ["program", ["program", "program_running"], programWords],
+  ["program", ["program", "phase"], programWords],
   ["program started", ["program_age_s"], (r) => ago(r.program_age_s)],
   [
     "wheels", ["wheel_left_cm_s", "wheel_right_cm_s"],

@@ -20,14 +20,13 @@ constexpr std::size_t kMinBlocks = 6;  // for a standard error
 constexpr double kMinPairs = 10;
 
 bool isPersistent(const analysis::ProgramLaw& law) {
-  return law.kind == analysis::ProgramKind::kAbp && law.v > 0 &&
-         analysis::rotationalDiffusivity(law) > 0;
+  return law->constantSpeed().value_or(0) > 0 && law->rotationalDiffusivity() > 0;
 }
 
 /// A multiple of the frame period, so that the lags are exact.
 double stepOf(const analysis::ProgramLaw& law) {
   const double step =
-      HeadingCorrelation::kReach / analysis::rotationalDiffusivity(law) / HeadingCorrelation::kLags;
+      HeadingCorrelation::kReach / law->rotationalDiffusivity() / HeadingCorrelation::kLags;
   return std::max(kMinStep, std::round(step / kFrame) * kFrame);
 }
 
@@ -96,7 +95,8 @@ LengthCurve HeadingCorrelation::curve(double speed) const {
     }
   }
   LengthCurve curve;
-  const double programmed = law_.program().v;
+  const double programmed = law_.program()->meanSpeed();
+  if (!(speed > 0)) speed = programmed;
   for (std::size_t k = 0; k < kLags; ++k) {
     if (all.pairs[k] < kMinPairs) continue;
     const double value = all.cosines[k] / all.pairs[k];
@@ -127,7 +127,7 @@ analysis::AnalysisFeed* CorrelationView::feed() {
   const double wheel_base = experiment.hardware.diameter;
   std::vector<std::pair<analysis::ProgramLaw, std::string>> laws;
   for (const auto& [name, program] : experiment.programs) {
-    const analysis::ProgramLaw law = analysis::toLaw(program, wheel_base);
+    const analysis::ProgramLaw law = analysis::lawOf(program, wheel_base);
     if (isPersistent(law)) laws.emplace_back(law, name);
   }
   wanted_ = !laws.empty();
@@ -164,7 +164,7 @@ std::optional<LengthCurve> CorrelationView::curve(const std::string& program, do
   const auto& programs = run_info_.experiment().programs;
   const auto spec = programs.find(program);
   if (spec == programs.end()) return std::nullopt;  // it belongs to the previous experiment
-  LengthCurve curve = found->second.curve(speed > 0 ? speed : spec->second.v);
+  LengthCurve curve = found->second.curve(speed);
   if (curve.length.empty()) return std::nullopt;
   return curve;
 }

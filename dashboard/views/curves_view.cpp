@@ -71,8 +71,7 @@ Json analysisJson(const analysis_t& analysis) {
   for (const estimate_t& estimate : analysis.estimates) {
     estimates.push_back(estimateJson(estimate));
   }
-  return {{"program", analysis.program_name},
-          {"model", modelName(analysis.program.kind)},
+  return {{"program", analysis.program.name},
           {"observed_s", number(analysis.observed)},
           {"segments", analysis.segments},
           {"reversals", analysis.reversals},
@@ -85,14 +84,14 @@ Json analysisJson(const analysis_t& analysis) {
 
 void CurvesView::take(const analysis_t& analysis) {
   if (analysis.robot_id == analysis_t::POOL) {
-    if (pools_.size() >= kMaxPools && !pools_.contains(analysis.program_name)) {
+    if (pools_.size() >= kMaxPools && !pools_.contains(analysis.program.name)) {
       ++left_out_;
       return;
     }
-    pools_[analysis.program_name] = {analysis, true};
+    pools_[analysis.program.name] = {analysis, true};
     return;
   }
-  const std::pair key{analysis.robot_id, analysis.program_name};
+  const std::pair key{analysis.robot_id, analysis.program.name};
   if (robots_.size() >= kMaxOfRobots && !robots_.contains(key)) {
     ++left_out_;
     return;

@@ -23,8 +23,8 @@ void halve(std::vector<Value>& values) {
 }  // namespace
 
 bool HistoryView::take(const analysis_t& analysis, std::int64_t start) {
-  if (pools_.size() >= kMaxPools && !pools_.contains(analysis.program_name)) return false;
-  Pool& pool = pools_[analysis.program_name];
+  if (pools_.size() >= kMaxPools && !pools_.contains(analysis.program.name)) return false;
+  Pool& pool = pools_[analysis.program.name];
   if (pool.times.empty()) pool.begin_utime = start != 0 ? start : analysis.utime;
   if (analysis.utime < pool.next_utime) return false;
   pool.next_utime = analysis.utime + pool.step_us;

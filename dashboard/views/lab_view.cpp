@@ -83,7 +83,7 @@ void LabView::subscribe() {
     curves_.take(analysis);
     if (analysis.robot_id != analysis_t::POOL) return;
     if (history_.take(analysis, timeline_.startUtime())) {
-      publishNamedTopic(kHistory, analysis.program_name, history_.json(analysis.program_name));
+      publishNamedTopic(kHistory, analysis.program.name, history_.json(analysis.program.name));
     }
   });
   on<service_status_t>(channels::kServiceStatus,

@@ -43,24 +43,6 @@ Json tenths(double value) {
   return std::isfinite(value) ? Json(std::round(value / kTenth) / 10 + 0.0) : Json();
 }
 
-/// Parameters that the model does not have are 0 and are omitted.
-Json programJson(const program_t& p) {
-  Json json = {{"model", modelName(p.kind)}};
-  const auto add = [&json](const char* key, double value) {
-    if (value != 0) json[key] = readable(value);
-  };
-  add("v_cm_s", cm(p.v));
-  add("va_cm_s", cm(p.va));
-  add("V_cm_s", cm(p.V));
-  add("epsilon_s", p.epsilon);
-  add("eta_rad_s", p.eta);
-  add("gamma_per_s", p.gamma);
-  add("tau_t_s", p.tau_t);
-  add("wheel_left_cm_s", cm(p.wheel_left));
-  add("wheel_right_cm_s", cm(p.wheel_right));
-  return json;
-}
-
 }  // namespace
 
 bool RobotRow::batteryIsLow() const {
@@ -71,8 +53,14 @@ bool RobotRow::batteryIsLow() const {
 }
 
 std::string RobotsView::nameOf(const RobotRow& row) const {
-  return row.program < 0 ? modelName(row.state.program.kind)
+  return row.program < 0 ? programName(run_info_.experiment(), row.state.program)
                          : run_info_.programs()[static_cast<std::size_t>(row.program)];
+}
+
+std::string RobotsView::phaseOf(const RobotRow& row) const {
+  const Program* program = findProgram(run_info_.experiment(), row.state.program);
+  const auto phase = static_cast<std::size_t>(row.state.phase);
+  return program != nullptr && phase < program->phases.size() ? program->phases[phase] : "";
 }
 
 RobotRow* RobotsView::rowOf(std::int32_t id) {
@@ -89,7 +77,7 @@ void RobotsView::take(const robot_status_t& status, std::int64_t now) {
   for (const robot_state_t& state : status.robots) {
     RobotRow* row = rowOf(state.robot_id);
     if (row == nullptr) continue;
-    if (row->sender.empty() || !sameProgram(row->state.program, state.program)) {
+    if (row->sender.empty() || row->state.program.hash != state.program.hash) {
       row->program = run_info_.indexOf(state.program);
     }
     if (row->sender != status.sender) {
@@ -221,7 +209,7 @@ std::optional<std::string> RobotsView::robotJson(std::int32_t id, std::int64_t n
                {"owner", row.sender},
                {"uid", s.uid},
                {"flags", s.flags},
-               {"program_running", heard ? programJson(s.program) : Json()},
+               {"phase", heard ? Json(phaseOf(row)) : Json()},
                {"band", s.band},
                {"program_age_s", since(s.program_start_utime)},
                {"wheel_left_cm_s", readable(cm(s.wheel_left))},

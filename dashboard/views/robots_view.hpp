@@ -73,6 +73,8 @@ class RobotsView {
  private:
   RobotRow* rowOf(std::int32_t id);
   [[nodiscard]] std::string nameOf(const RobotRow& row) const;
+  /// The name of the program's phase; empty if the program is not known.
+  [[nodiscard]] std::string phaseOf(const RobotRow& row) const;
 
   const RunInfo& run_info_;
   std::map<std::int32_t, RobotRow> rows_;

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
+#include <string_view>
 #include <utility>
 
 #include "common/experiment/experiment_file.hpp"
@@ -32,29 +35,32 @@ const char* bodyName(Body body) {
   return "";
 }
 
-std::string parameters(const RobotProgram& p) {
-  switch (p.kind) {
-    case ProgramKind::kAbp:
-      return fmt::format("v {:.4g} cm/s, ε {:.4g} s, η {:.4g} rad/s", cm(p.v), p.epsilon, p.eta);
-    case ProgramKind::kNoisyAbp:
-      return fmt::format("va {:.4g} cm/s, V {:.4g} cm/s, ε {:.4g} s", cm(p.va), cm(p.V), p.epsilon);
-    case ProgramKind::kBp:
-      return fmt::format("V {:.4g} cm/s, ε {:.4g} s", cm(p.V), p.epsilon);
-    case ProgramKind::kRtp:
-      return fmt::format("v {:.4g} cm/s, γ {:.4g} /s, τt {:.4g} s", cm(p.v), p.gamma, p.tau_t);
-    case ProgramKind::kWheels:
-      return fmt::format("left {:.4g} cm/s, right {:.4g} cm/s", cm(p.wheel_left),
-                         cm(p.wheel_right));
-    default:
-      return "";
+/// "epsilon" as "ε".
+std::string greek(std::string name) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kLetters{
+      {{"epsilon", "ε"}, {"omega", "ω"}, {"gamma", "γ"}, {"eta", "η"}, {"tau_", "τ"}, {"tau", "τ"}}};
+  for (const auto& [word, letter] : kLetters) {
+    if (name.starts_with(word)) return name.replace(0, word.size(), letter);
   }
+  return name;
+}
+
+std::string parameters(const Program& program) {
+  std::string text;
+  for (const ProgramParameter& parameter : program.parameters) {
+    const bool length = parameter.unit.starts_with("m");
+    text += fmt::format("{}{} {:.4g} {}{}", text.empty() ? "" : ", ", greek(parameter.name),
+                        length ? cm(parameter.value) : parameter.value, length ? "c" : "",
+                        parameter.unit == "1" ? "" : parameter.unit);
+  }
+  return text;
 }
 
 Json programsJson(const Experiment& experiment) {
   Json programs = Json::array();
   for (const auto& [name, program] : experiment.programs) {
     programs.push_back({{"name", name},
-                        {"model", modelName(toMessage(program).kind)},
+                        {"description", program.description},
                         {"text", parameters(program)},
                         {"color", programPlace(experiment, name)},
                         {"rgb", hexText(programColour(experiment, name))}});
@@ -83,10 +89,10 @@ void RunInfo::set(const Experiment& experiment, const std::string& run) {
 
 void RunInfo::use(Experiment experiment, std::string text) {
   names_.clear();
-  messages_.clear();
+  hashes_.clear();
   for (const auto& [name, program] : experiment.programs) {
     names_.push_back(name);
-    messages_.push_back(toMessage(program));
+    hashes_.push_back(program.hash);
   }
   experiment_ = std::move(experiment);
   text_ = std::move(text);
@@ -106,7 +112,7 @@ RunInfo::RunChange RunInfo::take(const experiment_event_t& start) {
     } catch (const ExperimentError& error) {
       experiment_.reset();
       names_.clear();
-      messages_.clear();
+      hashes_.clear();
       text_ = start.text;
       trouble_ = error.what();
     }
@@ -124,11 +130,9 @@ const Experiment& RunInfo::experiment() const {
   return experiment_ ? *experiment_ : kDefault;
 }
 
-int RunInfo::indexOf(const program_t& program) const {
-  for (std::size_t i = 0; i < messages_.size(); ++i) {
-    if (sameProgram(messages_[i], program)) return static_cast<int>(i);
-  }
-  return -1;
+int RunInfo::indexOf(const program_id_t& program) const {
+  const auto found = std::ranges::find(hashes_, program.hash);
+  return found == hashes_.end() ? -1 : static_cast<int>(found - hashes_.begin());
 }
 
 std::string RunInfo::json() const {

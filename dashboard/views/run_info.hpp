@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <lab/experiment_event_t.hpp>
-#include <lab/program_t.hpp>
+#include <lab/program_id_t.hpp>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -47,7 +47,7 @@ class RunInfo {
   [[nodiscard]] const std::string& trouble() const { return trouble_; }
 
   /// The index of a program in programs(), -1 if it is not one of them.
-  [[nodiscard]] int indexOf(const program_t& program) const;
+  [[nodiscard]] int indexOf(const program_id_t& program) const;
   /// Names of the experiment's programs, sorted.
   [[nodiscard]] const std::vector<std::string>& programs() const { return names_; }
 
@@ -59,7 +59,7 @@ class RunInfo {
 
   std::optional<Experiment> experiment_;
   std::vector<std::string> names_;
-  std::vector<program_t> messages_;  ///< the same programs as messages
+  std::vector<std::int64_t> hashes_;  ///< of the same programs
   std::string text_;                 ///< the experiment file as TOML
   std::string run_;
   std::string version_;

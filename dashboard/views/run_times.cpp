@@ -13,7 +13,7 @@ constexpr std::size_t kMaxRobots = 500;
 
 void RunTimes::take(const robot_status_t& status) {
   for (const robot_state_t& state : status.robots) {
-    if (state.program.kind == program_t::RTP) {
+    if (runRate(run_info_.indexOf(state.program)) > 0) {
       take(state);
     } else {
       robots_.erase(state.robot_id);
@@ -45,15 +45,25 @@ void RunTimes::take(const robot_state_t& state) {
   robot.whole = next;
 }
 
-void RunTimes::add(const program_t& program, double run) {
+double RunTimes::runRate(int program) const {
+  if (program < 0) return 0;
+  const std::string& name = run_info_.programs()[static_cast<std::size_t>(program)];
+  for (const auto& [parameter, value] : run_info_.experiment().programs.at(name).law.parameters) {
+    if (parameter == "gamma") return value;
+  }
+  return 0;
+}
+
+void RunTimes::add(const program_id_t& program, double run) {
   const int index = run_info_.indexOf(program);
-  if (index < 0 || !(program.gamma > 0) || !(run >= 0)) return;
+  const double rate = runRate(index);
+  if (!(rate > 0) || !(run >= 0)) return;
   Histogram& histogram = programs_[run_info_.programs()[static_cast<std::size_t>(index)]];
-  histogram.gamma = program.gamma;
+  histogram.gamma = rate;
   histogram.changed = true;
   ++histogram.runs;
   histogram.sum += run;
-  const double bin = run * program.gamma * kBinsPerMeanRun;
+  const double bin = run * rate * kBinsPerMeanRun;
   if (bin < kBins) ++histogram.counts[static_cast<std::size_t>(bin)];
 }
 

@@ -1,4 +1,4 @@
-/// Histograms of the run times of run-and-tumble robots.
+/// Histograms of the run times of robots that run and tumble.
 #pragma once
 
 #include <array>
@@ -50,7 +50,9 @@ class RunTimes {
   };
 
   void take(const robot_state_t& state);
-  void add(const program_t& program, double run);
+  /// The rate at which runs end by the program's law [1/s]; 0: it has no such law.
+  [[nodiscard]] double runRate(int program) const;
+  void add(const program_id_t& program, double run);
 
   const RunInfo& run_info_;
   std::map<std::int32_t, Robot> robots_;

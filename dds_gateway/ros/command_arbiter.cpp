@@ -45,6 +45,10 @@ std::string textOf(Answer answer) {
       return "no robot that may be driven from ROS 2 (gateway.command_robots)";
     case Answer::kNoProgram:
       return "no program of the experiment";
+    case Answer::kNoLoading:
+      return "texts of programs are not allowed (gateway.load_programs)";
+    case Answer::kBadProgram:
+      return "the text is no program (the reason is in the log)";
     case Answer::kOwned:
       return "owned by another publisher";
     case Answer::kStopped:

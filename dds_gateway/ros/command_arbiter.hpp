@@ -25,12 +25,14 @@ enum class Answer {
   kOutOfRange,  ///< a number is outside its range
   kNoRobot,     ///< the experiment has no such robot, or does not allow driving it
   kNoProgram,   ///< the experiment has no such program
+  kNoLoading,   ///< the experiment does not allow texts of programs
+  kBadProgram,  ///< a text that is no program
   kOwned,       ///< another publisher owns it
   kStopped,     ///< ROBOT_STOP is in force
   kLabHolds,    ///< the lab itself stops or drives the robot
   kFlood,       ///< more messages per second than are processed
 };
-inline constexpr int kAnswers = 10;
+inline constexpr int kAnswers = 12;
 
 /// "owned by another publisher"
 [[nodiscard]] std::string textOf(Answer answer);

@@ -209,7 +209,7 @@ void RosBridge::take(const light_status_t& status) {
 }
 
 void RosBridge::take(const analysis_t& analysis) {
-  const std::string part = namePart(analysis.program_name);
+  const std::string part = namePart(analysis.program.name);
   RosPublishers::Handle* publisher = nullptr;
   std::string topic;
   if (analysis.robot_id == analysis_t::POOL) {
@@ -222,7 +222,8 @@ void RosBridge::take(const analysis_t& analysis) {
   if (publisher == nullptr) return;
   if (!*publisher) *publisher = publishers_.openLatched<ros::Analysis>(topic);
   if (!*publisher || !(*publisher)->admit(analysis.utime)) return;
-  (*publisher)->write(&analysis_.make(analysis));
+  const Program* program = findProgram(experiment_, analysis.program);
+  (*publisher)->write(&analysis_.make(analysis, program != nullptr ? program->text : ""));
 }
 
 /// Opens /clock only if the lab's time is not the wall clock: use_sim_time needs it then.

@@ -10,7 +10,10 @@
 
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
+#include "common/files/experiment_error.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/program_file.hpp"
 
 namespace lab::gateway {
 namespace {
@@ -169,15 +172,31 @@ void RosCommands::openLab(TopicMapping& mapping) {
 
 Answer RosCommands::program(std::int32_t robot, dds::WriterId writer, const std::string& name) {
   if (name.empty() || name == kRelease) return arbiter_.release({robot}, writer, loop_.now());
+  if (name.find('\n') != std::string::npos) return load(robot, writer, name);
   const auto known = experiment_.programs.find(name);
   if (known == experiment_.programs.end() && name == kStand) {
     return arbiter_.command({robot}, writer, standing(), loop_.now());
   }
   if (known == experiment_.programs.end()) return Answer::kNoProgram;
+  return run(robot, writer, known->second);
+}
+
+Answer RosCommands::load(std::int32_t robot, dds::WriterId writer, const std::string& text) {
+  if (!experiment_.gateway.load_programs) return Answer::kNoLoading;
+  try {
+    const auto limits = wheelLimits(experiment_.hardware);
+    return run(robot, writer, toProgram(readProgram(text, "ROS 2", "ros", limits)));
+  } catch (const ExperimentError& error) {
+    node_.noteError(std::string("program of ROS 2 refused: ") + error.what());
+    return Answer::kBadProgram;
+  }
+}
+
+Answer RosCommands::run(std::int32_t robot, dds::WriterId writer, const Program& program) {
   robot_order_t order = table_;
   light_band_t everywhere{};
   everywhere.high = 1;
-  everywhere.program = toMessage(known->second);
+  everywhere.program = toMessage(program);
   order.bands = {everywhere};
   order.num_bands = 1;
   return arbiter_.command({robot}, writer, order, loop_.now());

@@ -47,7 +47,10 @@ class RosCommands {
   void watch();
   void look();
   void send();
+  /// @param name of a program, or the text of one (docs/programs.md), which has several lines
   Answer program(std::int32_t robot, dds::WriterId writer, const std::string& name);
+  Answer load(std::int32_t robot, dds::WriterId writer, const std::string& text);
+  Answer run(std::int32_t robot, dds::WriterId writer, const Program& program);
 
   Node& node_;
   Loop& loop_;

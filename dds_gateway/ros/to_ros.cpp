@@ -140,8 +140,10 @@ const ros::OccupancyGrid& LightGrid::paint(const light::CompiledField& field, st
   return message_;
 }
 
-const ros::Analysis& AnalysisMessage::make(const analysis_t& analysis) {
+const ros::Analysis& AnalysisMessage::make(const analysis_t& analysis,
+                                         const std::string& program_text) {
   source_ = analysis;
+  text_ = program_text;
   curves_.clear();
   estimates_.clear();
   biased_.clear();
@@ -168,21 +170,11 @@ const ros::Analysis& AnalysisMessage::make(const analysis_t& analysis) {
                           estimate.value, estimate.sigma, estimate.low, estimate.high,
                           estimate.theory, sanitizedText(estimate.note)});
   }
-  const program_t& program = source_.program;
   message_ = {};
   message_.header = headerOf(source_.utime, frame_);
   message_.robot_id = source_.robot_id;
-  message_.program_name = sanitizedText(source_.program_name);
-  message_.program = {static_cast<std::uint8_t>(program.kind),
-                      program.v,
-                      program.va,
-                      program.V,
-                      program.epsilon,
-                      program.eta,
-                      program.gamma,
-                      program.tau_t,
-                      program.wheel_left,
-                      program.wheel_right};
+  message_.program_name = sanitizedText(source_.program.name);
+  message_.program = {static_cast<std::uint32_t>(source_.program.hash), sanitizedText(text_)};
   message_.observed = source_.observed;
   message_.segments = source_.segments;
   message_.reversals = source_.reversals;

@@ -92,11 +92,14 @@ class LightGrid {
 class AnalysisMessage {
  public:
   explicit AnalysisMessage(std::string frame) : frame_(std::move(frame)) {}
-  [[nodiscard]] const ros::Analysis& make(const analysis_t& analysis);
+  /// @param program_text of the experiment's program; empty if it has none
+  [[nodiscard]] const ros::Analysis& make(const analysis_t& analysis,
+                                          const std::string& program_text);
 
  private:
   std::string frame_;
   analysis_t source_;
+  std::string text_;
   std::vector<ros::Curve> curves_;
   std::vector<std::vector<std::uint8_t>> biased_;
   std::vector<ros::Estimate> estimates_;

@@ -19,6 +19,8 @@ namespace lab::language {
 namespace {
 
 constexpr double kCmPerMetre = 100;
+constexpr double kMsPerSecond = 1000;
+constexpr double kWholeMs = 1e-6;  // [ms] tolerance of whole milliseconds
 constexpr double kShortestHold = 0.0005;                          // rounds to 1 ms
 constexpr double kLongestHold = dynamics::kLongestHoldMs * 1e-3;  // s
 constexpr double kRoundingSlack = 1e-9;  // so that a limit met exactly is not refused
@@ -213,7 +215,32 @@ class Compiler {
       scope_.parameters[name].any_dimension = false;
       result_.parameters.push_back({name, value->range.low, value->dimension});
     }
+    checkLaw();
     std::swap(waiting_phases_, scope_.phases);
+  }
+
+  /// The parameters of the closed form. Without any, they are the program's own.
+  void checkLaw() {
+    bool mapped = false;
+    for (const auto& [name, text] : text_.law) {
+      if (name == "name" || isFormula(name)) {
+        continue;
+      }
+      mapped = true;
+      const std::string key = "law." + name;
+      const std::optional<CheckedExpression> value = read(key, text);
+      if (!value) {
+        continue;
+      }
+      if (value->type != Type::kNumber || !value->constant || value->endless) {
+        error(key, 0, "expected a number, or an expression of the program's parameters");
+        continue;
+      }
+      result_.law.push_back({name, value->range.low, value->dimension});
+    }
+    if (!mapped) {
+      result_.law = result_.parameters;
+    }
   }
 
   void checkStates() {
@@ -513,6 +540,10 @@ class Compiler {
 };
 
 }  // namespace
+
+bool isFormula(const std::string& law_key) {
+  return law_key == "msd" || law_key == "angular_msd" || law_key == "D" || law_key == "D_r";
+}
 
 CompiledProgram compile(const ProgramText& text, const dynamics::WheelLimits& limits) {
   return Compiler(text, limits).compile();

@@ -35,12 +35,16 @@ struct PhaseFacts {
   unsigned interruption_cost = 0;  ///< Of its interruption block [cycles].
 };
 
+/// Whether a key of ProgramText::law is a formula; the others belong to a closed form.
+[[nodiscard]] bool isFormula(const std::string& law_key);
+
 /// A compiled program. Without errors, `code` is accepted by dynamics::checkByteCode().
 struct CompiledProgram {
   std::string name;
   std::vector<std::uint8_t> code;
   std::uint32_t hash = 0;
   std::vector<Parameter> parameters;
+  std::vector<Parameter> law;       ///< Parameters of the closed form that the text names.
   std::vector<std::string> states;  ///< Names, by number.
   std::vector<PhaseFacts> phases;
   std::vector<Problem> errors;

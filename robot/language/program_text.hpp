@@ -29,6 +29,9 @@ struct PhaseText {
 struct ProgramText {
   std::string name;
   std::string description;
+  /// "name" and the closed form's parameters as expressions of the program's, or "msd",
+  /// "angular_msd", "D", "D_r" as formulas. Empty: no law is known.
+  std::vector<NamedText> law;
   std::vector<NamedText> parameters;
   std::vector<NamedText> state;
   std::vector<PhaseText> phases;  ///< The program starts with the first one.

@@ -12,6 +12,7 @@
 
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/laws.hpp"
+#include "analyzer/laws/law_of.hpp"
 #include "analyzer/theory_table.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
@@ -20,6 +21,7 @@
 namespace lab::runner {
 namespace {
 
+using analysis::Law;
 using analysis::ProgramLaw;
 using analysis::Turning;
 
@@ -27,7 +29,6 @@ constexpr double kCm2 = units::kCentimetre * units::kCentimetre;
 constexpr double kShortestLag = 0.01;  // s, without --lags
 constexpr double kLongestLag = 1000;
 constexpr int kLagsPerDecade = 20;
-constexpr std::array<std::string_view, 4> kModels = {"abp", "noisy_abp", "bp", "rtp"};
 
 std::string without(std::string text, const std::string& part) {
   for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part)) {
@@ -41,9 +42,9 @@ std::string without(std::string text, const std::string& part) {
 /// robots cannot execute.
 Experiment experimentOf(const TheoryOptions& options) {
   const std::string& model = options.program;
-  if (std::ranges::find(kModels, model) == kModels.end()) {
-    throw UserError(
-        fmt::format("theory: found program {}, allowed abp, noisy_abp, bp, rtp", model));
+  if (analysis::findClosedForm(model) == nullptr) {
+    throw UserError(fmt::format("theory: found program {}, allowed {}", model,
+                                analysis::closedFormsWith([](const Law&) { return true; })));
   }
   std::string text = fmt::format(
       "fileversion = 1\nname = \"theory\"\nduration_s = 1\nprogram = \"{0}\"\n"
@@ -126,16 +127,22 @@ std::pair<double, double> turningOf(const TheoryOptions& options) {
 
 void checkFlags(const TheoryOptions& options, const ProgramLaw& law) {
   const bool locked = options.phase_s.has_value() || options.phases.has_value();
-  const auto refuse = [&options](const char* flag, const char* allowed) {
+  const auto refuse = [&options](const char* flag, const std::string& allowed) {
     throw UserError(
         fmt::format("theory: {}: found with {}, allowed {}", flag, options.program, allowed));
   };
-  if (!options.turning_deg.empty() && law.kind != analysis::ProgramKind::kRtp) {
-    refuse("--turning-deg", "with rtp");
+  if (!options.turning_deg.empty() && !law->runs()) {
+    refuse("--turning-deg", "with " + analysis::closedFormsWith(
+                                          [](const Law& one) { return one.runs().has_value(); }));
   }
-  if (options.kurtosis && law.kind != analysis::ProgramKind::kBp) refuse("--kurtosis", "with bp");
-  if (locked && !analysis::isHeldNoise(law.kind)) {
-    refuse("--phase-s, --phases", "with programs that hold their draws: abp, noisy_abp, bp");
+  if (options.kurtosis && !law->kurtosis()) {
+    refuse("--kurtosis", "with " + analysis::closedFormsWith(
+                                       [](const Law& one) { return one.kurtosis() != nullptr; }));
+  }
+  if (locked && !law->held()) {
+    refuse("--phase-s, --phases",
+           "with programs that hold their draws: " +
+               analysis::closedFormsWith([](const Law& one) { return one.held().has_value(); }));
   }
   if (options.kurtosis && options.exposure_ms > 0) {
     throw UserError(
@@ -147,15 +154,15 @@ void checkFlags(const TheoryOptions& options, const ProgramLaw& law) {
         "these "
         "are of a random phase");
   }
-  if (options.phase_s && (*options.phase_s < 0 || *options.phase_s > law.epsilon)) {
+  if (options.phase_s && (*options.phase_s < 0 || *options.phase_s > law->drawTime())) {
     throw UserError(fmt::format("theory: --phase-s: found {:g}, allowed 0 to epsilon_s = {:g}",
-                                *options.phase_s, law.epsilon));
+                                *options.phase_s, law->drawTime()));
   }
 }
 
 void noteSaturation(const ProgramLaw& law, double largest_turn) {
   const double wheels = RobotHardware{}.max_wheel_speed;
-  const double needed = analysis::neededWheelSpeed(law, largest_turn);
+  const double needed = law->neededWheelSpeed(largest_turn);
   if (needed <= wheels) return;
   fmt::print(stderr,
              "note: this needs wheels of {:.3g} cm/s; wheels of {:.3g} cm/s (the default of "
@@ -168,7 +175,7 @@ void noteSaturation(const ProgramLaw& law, double largest_turn) {
 ExitCode theory(const TheoryOptions& options) {
   const Experiment experiment = experimentOf(options);
   const ProgramLaw law =
-      analysis::toLaw(experiment.programs.begin()->second, experiment.hardware.diameter);
+      analysis::lawOf(experiment.programs.begin()->second, experiment.hardware.diameter);
   checkFlags(options, law);
   const std::vector<double> lags = lagsOf(options.lags);
   const auto [low, high] = turningOf(options);
@@ -187,7 +194,7 @@ ExitCode theory(const TheoryOptions& options) {
   for (const double tau : lags) {
     table += fmt::format("{:.15g},{:.15g},{:.15g},{:.15g},{:.15g}", tau, columns.msd(tau) / kCm2,
                          columns.angular_msd(tau), columns.correlation(tau) / kCm2,
-                         analysis::paperMsd(law, tau) / kCm2);
+                         law->paperMsd(tau) / kCm2);
     if (options.kurtosis) table += fmt::format(",{:.15g}", columns.kurtosis(tau));
     table += "\n";
   }

@@ -1,12 +1,17 @@
 #include "runner/calibrate/light_calibrator.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/program_file.hpp"
 
 namespace lab::runner {
 namespace {
@@ -20,22 +25,38 @@ constexpr double kRead = 0.5;           // [s]
 constexpr double kLightTimeout = 3;     // [s] for a light to be shown
 constexpr double kSensorOffset = 0.03;  // [m] distance of the light sensors from the axle
 
+/// Straight runs, and turns on the spot to any direction.
+/// @param speed [m/s]
+Program wandering(double speed, const dynamics::WheelLimits& limits) {
+  const std::string text = fmt::format(R"toml(
+[phases.run]
+forward = "{:.9g} cm/s"
+hold = "exponential(1.7 s)"
+next = "turn"
+[phases.turn]
+turn = "uniform(-pi, pi) / 0.6 s"
+hold = "0.6 s"
+next = "run"
+)toml",
+                                       speed * 100);
+  return toProgram(readProgram(text, "light calibration", "wandering", limits));
+}
+
 /// Command that makes all robots wander and turn away from obstacles.
 robot_command_t wander(const Experiment& experiment) {
+  const double speed = std::min(0.12, 0.45 * experiment.hardware.max_wheel_speed);
+  const Program program = wandering(speed, wheelLimits(experiment.hardware));
   robot_command_t command = lightTableCommand(experiment);
   for (robot_order_t& order : command.orders) {
     light_band_t band{};
     band.low = 0;
     band.high = 1;
-    band.program.kind = program_t::RTP;
-    band.program.v = std::min(0.12, 0.45 * experiment.hardware.max_wheel_speed);
-    band.program.gamma = 0.6;
-    band.program.tau_t = 0.6;
+    band.program = toMessage(program);
     order.bands = {band};
     order.num_bands = 1;
     order.reverse_on = static_cast<std::int8_t>(ReverseOn::kAny);
     order.reverse_distance = 0.1;
-    order.reverse_speed = band.program.v;
+    order.reverse_speed = speed;
   }
   return command;
 }

@@ -28,11 +28,10 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   checkProjectorFile(experiment, file.parent_path());
   static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
   checkScenes(experiment, file.parent_path());
-  const auto length = [&](const RobotProgram& program) {
-    const analysis::ProgramLaw law = analysis::toLaw(program, experiment.hardware.diameter);
-    return analysis::ExactLaw(law).persistenceLength();
+  const auto coefficients = [&](const Program& program) {
+    return analysis::coefficientsText(program, experiment.hardware.diameter);
   };
-  fmt::print("{}", printableLines(describeExperiment(experiment, length)));
+  fmt::print("{}", printableLines(describeExperiment(experiment, coefficients)));
   const std::string problem = loadProblem(experiment, std::thread::hardware_concurrency());
   if (!problem.empty()) fmt::print("warning       {}\n", printable(problem));
   return kDone;

@@ -63,6 +63,7 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
                   },
               .end = [this](const ScriptTransition& transition) { endScript(transition); }}),
       stop_rules_(context.experiment),
+      senses_(context),
       stops_(context.node, context.loop, context.experiment, record_),
       admission_(context.experiment, kMostOtherRobots),
       requests_(kMostRequests, kLimitPeriod_us),

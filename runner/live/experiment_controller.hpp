@@ -27,6 +27,7 @@
 #include "runner/live/stop_repeater.hpp"
 #include "runner/script/light_controller.hpp"
 #include "runner/script/stop_rules.hpp"
+#include "runner/senses/sense_sender.hpp"
 #include "runner/yielded_robots.hpp"
 
 namespace lab::runner {
@@ -127,6 +128,7 @@ class ExperimentController final : public Service {
   Handshake handshake_;
   LightController light_;
   StopRules stop_rules_;
+  SenseSender senses_;
   bool stop_reached_ = false;
   YieldedRobots yielded_;
   StopRepeater stops_;

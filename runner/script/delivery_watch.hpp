@@ -21,7 +21,7 @@ class DeliveryWatch {
   ///   is uniform; otherwise nothing, and no robot is expected to act
   /// @param robots number of robots; each must report after the presentation
   DeliveryWatch(const experiment_event_t& step, std::int64_t command_instance,
-                std::int64_t command_seq, const std::optional<program_t>& expected,
+                std::int64_t command_seq, const std::optional<program_id_t>& expected,
                 std::size_t robots)
       : step_(step),
         instance_(command_instance),
@@ -54,7 +54,7 @@ class DeliveryWatch {
   experiment_event_t step_;
   std::int64_t instance_;
   std::int64_t seq_;
-  std::optional<program_t> expected_;
+  std::optional<program_id_t> expected_;
   std::size_t robots_expected_;
   std::int64_t presented_utime_ = 0;
   bool must_be_seen_ = false;

@@ -14,12 +14,12 @@ namespace lab::runner {
 EstimatePrecision::EstimatePrecision(const Experiment& experiment, const EndCondition& until)
     : until_(until) {
   const auto program = experiment.programs.find(until.program);
-  if (program != experiment.programs.end()) program_ = toMessage(program->second);
+  if (program != experiment.programs.end()) program_ = toId(program->second);
 }
 
 bool EstimatePrecision::take(const analysis_t& analysis) {
   const std::int32_t robot = until_.robot == 0 ? analysis_t::POOL : until_.robot;
-  if (analysis.robot_id != robot || !sameProgram(analysis.program, program_)) return false;
+  if (analysis.robot_id != robot || analysis.program.hash != program_.hash) return false;
   const auto estimate = std::ranges::find(analysis.estimates, until_.estimate, &estimate_t::name);
   if (estimate == analysis.estimates.end()) return false;
   // NaN or a standard error of 0 means that the estimate is not determined.

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <lab/analysis_t.hpp>
-#include <lab/program_t.hpp>
+#include <lab/program_id_t.hpp>
 #include <limits>
 #include <string>
 
@@ -35,7 +35,7 @@ class EstimatePrecision {
 
  private:
   EndCondition until_;
-  program_t program_{};
+  program_id_t program_{};
   double error_ = std::numeric_limits<double>::quiet_NaN();
 };
 

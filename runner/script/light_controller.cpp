@@ -132,18 +132,18 @@ void LightController::show(const ScriptTransition& transition) {
   hooks_.began();
 }
 
-std::optional<program_t> LightController::expectedProgram() const {
+std::optional<program_id_t> LightController::expectedProgram() const {
   const light::Field field = toField(command_.layers, images_.store);
   const bool steady = command_.ramp == 0 && command_.drives.empty();
   if (!steady || !light::isUniform(field) || !hooks_.chosen_by_light()) return std::nullopt;
   const double intensity = light::evaluate(field, 0, 0);
   const LightTable& table = experiment_.light_table;
-  std::optional<program_t> expected = program_t{};
+  std::optional<program_id_t> expected = program_id_t{};
   for (const LightBand& band : table.bands) {
     // Within the hysteresis of a band edge a robot may keep its program, so none is expected.
     if (!contains(band, intensity, table.hysteresis)) continue;
-    if (!contains(band, intensity) || expected->kind != program_t::NONE) return std::nullopt;
-    expected = toMessage(experiment_.programs.at(band.program));
+    if (!contains(band, intensity) || expected->hash != 0) return std::nullopt;
+    expected = toId(experiment_.programs.at(band.program));
   }
   return expected;
 }

@@ -71,7 +71,7 @@ class LightController {
   void send();
   void finishWatch();
   void closeWatch();
-  [[nodiscard]] std::optional<program_t> expectedProgram() const;
+  [[nodiscard]] std::optional<program_id_t> expectedProgram() const;
 
   Node& node_;
   Loop& loop_;

@@ -32,9 +32,9 @@ class BodyDriver {
   /// The bytes that robot k has sent to the host in the last advance().
   [[nodiscard]] virtual std::span<const std::uint8_t> sent(std::size_t k) const = 0;
 
-  /// The kind of program that robot k runs (as in program_t), or kUnknown.
-  [[nodiscard]] virtual std::int8_t kind(std::size_t k) const = 0;
-  static constexpr std::int8_t kUnknown = -1;
+  /// The hash of the program that robot k runs, 0 if it stands, or kUnknown.
+  [[nodiscard]] virtual std::int64_t program(std::size_t k) const = 0;
+  static constexpr std::int64_t kUnknown = -1;
 };
 
 }  // namespace lab::sim

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/fixed_of.hpp"
 #include "sim_svc/bodies/experiment_setup.hpp"
 
 namespace lab::sim {
@@ -70,25 +72,27 @@ std::string BusRobots::handle(const robot_command_t& command) {
 void BusRobots::execute(Link& link, const robot_order_t& order, const OrderSettings& settings) {
   link.rejected = !settings.refusal.empty();
   if (link.rejected) return;
+  for (const program_t& program : settings.programs) {
+    world_.addProgram(static_cast<std::uint32_t>(program.id.hash), program.code);
+  }
+  dynamics::CoreSettings core_settings = settings.core;
+  core_settings.robot_id = static_cast<std::uint16_t>(world_.id(link.body));
   switch (order.mode) {
     case robot_order_t::TABLE:
-      link.programs = settings.programs;
+      link.programs.clear();
+      for (const program_t& program : settings.programs) link.programs.push_back(program.id);
       world_.setReversesFromRobots(link.body, order.reverse_on == robot_order_t::REVERSE_ANY);
-      world_.order(link.body, [&settings](dynamics::RobotCore& core, std::uint32_t now_ms) {
-        core.configure(now_ms, settings.core);
+      world_.order(link.body, [&core_settings](dynamics::RobotCore& core, std::uint32_t now_ms) {
+        core.configure(now_ms, core_settings);
         core.runPrograms(now_ms);
       });
       break;
     case robot_order_t::DRIVE: {
-      link.driven = {};
-      link.driven.kind = program_t::WHEELS;
-      link.driven.wheel_left = order.wheel_left;
-      link.driven.wheel_right = order.wheel_right;
       const auto left = static_cast<std::int32_t>(std::lround(order.wheel_left * 1e6));
       const auto right = static_cast<std::int32_t>(std::lround(order.wheel_right * 1e6));
       world_.order(link.body,
-                   [&settings, left, right](dynamics::RobotCore& core, std::uint32_t now_ms) {
-                     core.configure(now_ms, settings.core);
+                   [&core_settings, left, right](dynamics::RobotCore& core, std::uint32_t now_ms) {
+                     core.configure(now_ms, core_settings);
                      core.driveWheels(now_ms, left, right);
                    });
       break;
@@ -106,6 +110,23 @@ void BusRobots::handle(const robot_stop_t& stop) {
     link.stop_seq = stop.seq;
     world_.order(link.body, [&stop](dynamics::RobotCore& core, std::uint32_t now_ms) {
       stop.clear != 0 ? core.clearStop(now_ms) : core.stop(now_ms);
+    });
+  }
+}
+
+void BusRobots::handle(const robot_senses_t& senses, std::int64_t utime) {
+  for (const sense_values_t& robot : senses.robots) {
+    const auto entry = links_.find(robot.robot_id);
+    if (entry == links_.end()) continue;
+    Link& link = entry->second;
+    ++link.messages_to;
+    link.senses_utime = senses.utime;
+    link.senses_since_utime = utime;
+    world_.order(link.body, [&robot](dynamics::RobotCore& core, std::uint32_t now_ms) {
+      core.advanceTo(now_ms);
+      for (std::uint8_t i = 0; i < dynamics::kSenses; ++i) {
+        core.setSense(i, fixedOf(static_cast<double>(robot.values[i])));
+      }
     });
   }
 }
@@ -153,9 +174,10 @@ robot_state_t BusRobots::stateOf(Link& link, std::int64_t origin_utime) {
   const bool in_table = state.core.slot < link.programs.size();
   if (in_table) {
     message.program = link.programs[state.core.slot];
-  } else if (state.core.kind == dynamics::kWheels) {
-    message.program = link.driven;
+  } else if ((state.core.flags & dynamics::kDriven) != 0) {
+    message.program.name = kDrivenByHost;
   }
+  message.phase = static_cast<std::int8_t>(state.core.phase);
   message.band = static_cast<std::int8_t>(in_table ? state.core.slot : -1);
   message.program_epoch = static_cast<std::int32_t>(state.core.program_epoch);
   message.program_start_utime = utimeOf(state.program_start);
@@ -198,6 +220,8 @@ robot_state_t BusRobots::stateOf(Link& link, std::int64_t origin_utime) {
   message.tumble_count = static_cast<std::int32_t>(state.core.tumble_count);
   // In seconds of the host, as in robot_bridge, not of the robot's clock.
   message.run_time = state.run_time / world_.clock(link.body).rate();
+  message.senses_utime = link.senses_utime;
+  message.senses_since_utime = link.senses_since_utime;
   message.battery = static_cast<float>(state.battery);
   message.link_sent = link.messages_to;
   message.link_received = ++link.messages_from;

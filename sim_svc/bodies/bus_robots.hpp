@@ -3,8 +3,10 @@
 #pragma once
 
 #include <cstdint>
+#include <lab/program_id_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
+#include <lab/robot_senses_t.hpp>
 #include <lab/robot_state_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <map>
@@ -31,6 +33,10 @@ class BusRobots {
 
   void handle(const robot_stop_t& stop);
 
+  /// Writes the virtual senses of these robots.
+  /// @param utime when they are received
+  void handle(const robot_senses_t& senses, std::int64_t utime);
+
   /// Stores the calibrations for these robots. @return the calibrations that they hold now; empty
   /// if the message is for none of them
   std::optional<robot_calibration_t> handle(const robot_calibration_t& calibration);
@@ -49,8 +55,9 @@ class BusRobots {
     std::int32_t messages_to = 0;
     std::int32_t messages_from = 0;
     bool rejected = false;
-    std::vector<program_t> programs;  ///< by slot
-    program_t driven{};               ///< the wheel speeds of the last DRIVE order
+    std::vector<program_id_t> programs;  ///< by slot
+    std::int64_t senses_utime = 0;
+    std::int64_t senses_since_utime = 0;
     std::int64_t robot_contacts = 0;  ///< already reported
     std::int64_t wall_contacts = 0;
     std::uint32_t saturations = 0;

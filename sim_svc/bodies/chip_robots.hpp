@@ -50,7 +50,7 @@ class ChipRobots final : public BodyDriver {
   [[nodiscard]] std::span<const std::uint8_t> sent(std::size_t k) const override {
     return chips_[k].sent;
   }
-  [[nodiscard]] std::int8_t kind(std::size_t) const override { return kUnknown; }
+  [[nodiscard]] std::int64_t program(std::size_t) const override { return kUnknown; }
 
   [[nodiscard]] const EmulatorProcess* emulator() const { return emulator_.get(); }
 

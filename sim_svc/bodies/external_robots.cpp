@@ -51,10 +51,10 @@ void ExternalRobots::advanceTo(std::int64_t time_us) {
   }
 }
 
-std::int8_t ExternalRobots::kind(std::size_t i) const {
+std::int64_t ExternalRobots::program(std::size_t i) const {
   const auto robot = robots_.find(i);
   return robot == robots_.end() ? BodyDriver::kUnknown
-                                : robot->second.driver->kind(robot->second.k);
+                                : robot->second.driver->program(robot->second.k);
 }
 
 }  // namespace lab::sim

@@ -36,7 +36,7 @@ class ExternalRobots {
   void advanceTo(std::int64_t time_us);
 
   /// The kind of program that the world's robot i runs, or BodyDriver::kUnknown.
-  [[nodiscard]] std::int8_t kind(std::size_t i) const;
+  [[nodiscard]] std::int64_t program(std::size_t i) const;
 
  private:
   struct Robot {

@@ -98,7 +98,7 @@ void KinematicRobots::addTruth(std::int64_t utime, std::vector<true_pose_t>& rob
     truth.y = pose->y;
     truth.theta = pose->theta;
     const auto state = replayed.robot.state(utime);
-    truth.program = state ? state->program.kind : std::int8_t{-1};
+    truth.program = state ? state->program.hash : std::int64_t{-1};
     robots.push_back(truth);
   }
 }

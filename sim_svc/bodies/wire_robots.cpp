@@ -155,8 +155,8 @@ void WireRobots::advance(World& world, std::int64_t until_us) {
   time_us_ = until_us;
 }
 
-std::int8_t WireRobots::kind(std::size_t k) const {
-  return static_cast<std::int8_t>(robots_[k]->device().core().report().kind);
+std::int64_t WireRobots::program(std::size_t k) const {
+  return robots_[k]->device().core().record().program;
 }
 
 }  // namespace lab::sim

@@ -95,7 +95,7 @@ class WireRobots final : public BodyDriver {
   [[nodiscard]] std::span<const std::uint8_t> sent(std::size_t k) const override {
     return robots_[k]->sent();
   }
-  [[nodiscard]] std::int8_t kind(std::size_t k) const override;
+  [[nodiscard]] std::int64_t program(std::size_t k) const override;
   [[nodiscard]] WireRobot& robot(std::size_t k) { return *robots_[k]; }
 
  private:

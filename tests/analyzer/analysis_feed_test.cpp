@@ -81,7 +81,7 @@ TEST(AnalysisFeed, MapsMessagesToTheAnalysis) {
   robot.run(500);
 
   const ProgramResult result = poolOf(dut);
-  EXPECT_EQ(result.law, toLaw(abp(), 0.075));
+  EXPECT_EQ(result.law, lawOf(abp(), 0.075));
   EXPECT_NEAR(result.observed, 10, 0.05);
   EXPECT_EQ(result.segments, 1);
   ASSERT_FALSE(result.curves.msd.empty());

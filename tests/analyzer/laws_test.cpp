@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analyzer/laws/phased_noise.hpp"
+#include "tests/analyzer/paper_programs.hpp"
 #include "tests/support/reference_table.hpp"
 
 namespace lab::analysis::laws_test {
@@ -16,32 +17,16 @@ namespace {
 
 constexpr double kCm = 0.01;
 
-ProgramLaw abp(double v_cm, double eta, double epsilon) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kAbp;
-  law.v = v_cm * kCm;
-  law.eta = eta;
-  law.epsilon = epsilon;
-  return law;
+ProgramLaw abp(double v_cm, double eta, double epsilon, double wheel_base = kPaperWheelBase) {
+  return abpLaw(eta, epsilon, v_cm * kCm, wheel_base);
 }
 
-ProgramLaw noisy(double va_cm, double amplitude_cm, double epsilon) {
-  ProgramLaw law;
-  law.kind = va_cm == 0 ? ProgramKind::kBp : ProgramKind::kNoisyAbp;
-  law.va = va_cm * kCm;
-  law.V = amplitude_cm * kCm;
-  law.epsilon = epsilon;
-  return law;
+ProgramLaw noisy(double va_cm, double amplitude_cm, double epsilon,
+                 double wheel_base = kPaperWheelBase) {
+  return noisyLaw(va_cm * kCm, amplitude_cm * kCm, epsilon, wheel_base);
 }
 
-ProgramLaw rtp(double v_cm, double gamma, double tau_t) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kRtp;
-  law.v = v_cm * kCm;
-  law.gamma = gamma;
-  law.tau_t = tau_t;
-  return law;
-}
+ProgramLaw rtp(double v_cm, double gamma, double tau_t) { return rtpLaw(gamma, tau_t, v_cm * kCm); }
 
 double tolerance(double expected) { return std::max(1e-10 * std::abs(expected), 1e-12); }
 
@@ -50,9 +35,10 @@ TEST(ExactLaw, AgreesWithTheHighPrecisionTable) {
   ASSERT_EQ(rows.size(), 88U);
   for (const auto& row : rows) {
     const double epsilon = std::stod(row[2]);
-    ProgramLaw law = row[0] == "ABP" ? abp(std::stod(row[1]), std::stod(row[3]), epsilon)
-                                     : noisy(std::stod(row[1]), std::stod(row[3]), epsilon);
-    law.wheel_base = std::stod(row[4]) * kCm;
+    const double wheel_base = std::stod(row[4]) * kCm;
+    const ProgramLaw law = row[0] == "ABP"
+                               ? abp(std::stod(row[1]), std::stod(row[3]), epsilon, wheel_base)
+                               : noisy(std::stod(row[1]), std::stod(row[3]), epsilon, wheel_base);
     const double tau = std::stod(row[5]);
     const ExactLaw dut(law);
 
@@ -63,10 +49,7 @@ TEST(ExactLaw, AgreesWithTheHighPrecisionTable) {
         << row[0] << " epsilon " << epsilon << " tau " << tau;
 
     // Windows that begin with a draw, and in the middle of a hold.
-    const HeldNoise noise = row[0] == "ABP"
-                                ? HeldNoise::uniformTurning(law.v, law.eta, epsilon)
-                                : HeldNoise::uniformWheels(law.va, law.V, law.wheel_base, epsilon);
-    const PhasedNoise phased(noise);
+    const PhasedNoise phased(*law->heldNoise());
     ASSERT_EQ(row.size(), 11U);
     EXPECT_NEAR(phased.msd(tau, epsilon) * 1e4, std::stod(row[9]), tolerance(std::stod(row[9])))
         << row[0] << " epsilon " << epsilon << " tau " << tau;
@@ -156,10 +139,10 @@ TEST(ExactLaw, AgreesWithEveryPanelOfTheFigures) {
       // The panels hold eight digits of the value and, from 1 s on, of the lag.
       const double tau = std::stod(row[0]);
       EXPECT_NEAR(dut.msd(tau) * 1e4 / std::stod(row[1]), 1, 1e-7) << panel.file << " " << tau;
-      EXPECT_NEAR(paperMsd(panel.law, tau) * 1e4 / std::stod(row[2]), 1, 1e-7) << panel.file;
+      EXPECT_NEAR(panel.law->paperMsd(tau) * 1e4 / std::stod(row[2]), 1, 1e-7) << panel.file;
       EXPECT_NEAR(dut.angularMsd(tau) / std::stod(row[4]), 1, 1e-7) << panel.file;
-      EXPECT_NEAR(paperMsd(panel.law, tau) / dut.msd(tau) / std::stod(row[3]), 1, 1e-7);
-      if (isHeldNoise(panel.law.kind)) {
+      EXPECT_NEAR(panel.law->paperMsd(tau) / dut.msd(tau) / std::stod(row[3]), 1, 1e-7);
+      if (panel.law->held()) {
         EXPECT_NEAR(paperAngularMsd(panel.law, tau) / std::stod(row[5]), 1, 1e-7) << panel.file;
       } else {
         // Turning angles from 0 to 360 degrees: the unwrapped heading drifts. This column was
@@ -199,19 +182,19 @@ TEST(ExactLaw, GivesTheDiffusivityOfEveryParameterSet) {
     }
     const ExactLaw dut(law);
     EXPECT_NEAR(dut.diffusivity() * 1e4 / std::stod(row[7]), 1, 1e-9) << row[0];
-    if (law.kind == ProgramKind::kRtp) continue;
-    EXPECT_NEAR(rotationalDiffusivity(law), std::stod(row[5]), 1e-9) << row[0];
-    if (law.kind != ProgramKind::kAbp) {
-      EXPECT_NEAR(translationalDiffusivity(law) * 1e4, std::stod(row[6]), 1e-9) << row[0];
+    if (law->runs()) continue;
+    EXPECT_NEAR(law->rotationalDiffusivity(), std::stod(row[5]), 1e-9) << row[0];
+    if (law->drawnWheels()) {
+      EXPECT_NEAR(law->translationalDiffusivity() * 1e4, std::stod(row[6]), 1e-9) << row[0];
     }
     // Far beyond all correlations the MSD is a straight line; its intercept is a difference of
     // large numbers.
-    const double far = 60 / rotationalDiffusivity(law);
+    const double far = 60 / law->rotationalDiffusivity();
     const double intercept = dut.msd(far) * 1e4 - 4 * dut.diffusivity() * 1e4 * far;
     EXPECT_NEAR(intercept, std::stod(row[10]),
                 1e-9 * std::abs(std::stod(row[10])) + 1e-12 * dut.msd(far) * 1e4 + 1e-9)
         << row[0];
-    const double angular = dut.angularMsd(far) - 2 * rotationalDiffusivity(law) * far;
+    const double angular = dut.angularMsd(far) - 2 * law->rotationalDiffusivity() * far;
     EXPECT_NEAR(angular, std::stod(row[13]), 1e-9) << row[0];
   }
 }
@@ -233,8 +216,8 @@ TEST(ExactLaw, StaysExactForVanishingNoise) {
 
   // A turn of x per hold so small that eq. 4 holds to x^2 / 45.
   const ProgramLaw slow = abp(3, 0.01, 0.1);
-  EXPECT_NEAR(ExactLaw(slow).msd(50) / paperMsd(slow, 50), 1, 1e-4);
-  EXPECT_NEAR(ExactLaw(slow).msd(5e6) / paperMsd(slow, 5e6), 1, 1e-6);
+  EXPECT_NEAR(ExactLaw(slow).msd(50) / slow->paperMsd(50), 1, 1e-4);
+  EXPECT_NEAR(ExactLaw(slow).msd(5e6) / slow->paperMsd(5e6), 1, 1e-6);
 }
 
 TEST(ExactLaw, PersistenceLengthApproachesThePaperForShortHolds) {
@@ -244,10 +227,8 @@ TEST(ExactLaw, PersistenceLengthApproachesThePaperForShortHolds) {
 }
 
 TEST(ExactLaw, IsNanWithoutALaw) {
-  ProgramLaw wheels;
-  wheels.kind = ProgramKind::kWheels;
-  EXPECT_FALSE(ExactLaw(wheels).exists());
-  EXPECT_TRUE(std::isnan(ExactLaw(wheels).msd(1)));
+  EXPECT_FALSE(ExactLaw(ProgramLaw()).exists());
+  EXPECT_TRUE(std::isnan(ExactLaw(ProgramLaw()).msd(1)));
   EXPECT_TRUE(std::isnan(ExactLaw(abp(3, 3, 0)).angularMsd(1)));
   EXPECT_TRUE(std::isnan(paperAngularMsd(rtp(5, 1, 0.5), 1)));
 }

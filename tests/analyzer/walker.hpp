@@ -33,7 +33,7 @@ struct WalkerRecording {
 class Walker {
  public:
   explicit Walker(const WalkerRecording& recording)
-      : recording_(recording), random_(recording.seed) {}
+      : recording_(recording), parameters_(recording.law), random_(recording.seed) {}
 
   std::function<void(const TrackPoint&)> on_frame;
   std::function<void(const RobotTelemetry&)> on_telemetry;
@@ -67,14 +67,32 @@ class Walker {
   }
 
  private:
+  /// Of the program.
+  struct Parameters {
+    explicit Parameters(const ProgramLaw& law)
+        : runs(law->name() == "rtp"),
+          wheels(law->name() == "bp" || law->name() == "noisy_abp"),
+          v(law->parameter("v")),
+          va(law->name() == "bp" ? 0 : law->parameter("va")),
+          V(law->parameter("V")),
+          epsilon(law->parameter("epsilon")),
+          eta(law->parameter("eta")),
+          gamma(law->parameter("gamma")),
+          tau_t(law->parameter("tau_t")),
+          wheel_base(law->wheelBase()) {}
+
+    bool runs, wheels;
+    double v, va, V, epsilon, eta, gamma, tau_t, wheel_base;
+  };
+
   double uniform(double low, double high) {
     return std::uniform_real_distribution<double>(low, high)(random_);
   }
 
   /// Begins in the stationary state: at a random time within a hold, a run or a tumble.
   void begin() {
-    const ProgramLaw& p = recording_.law;
-    if (p.kind == ProgramKind::kRtp) {
+    const Parameters& p = parameters_;
+    if (p.runs) {
       tumbling_ = uniform(0, 1) > p.gamma * p.tau_t / (1 + p.gamma * p.tau_t);
       draw();
       tumble_count_ = 0;
@@ -86,8 +104,8 @@ class Walker {
   }
 
   void draw() {
-    const ProgramLaw& p = recording_.law;
-    if (p.kind == ProgramKind::kRtp) {
+    const Parameters& p = parameters_;
+    if (p.runs) {
       tumbling_ = !tumbling_;
       speed_ = tumbling_ ? 0 : p.v;
       turning_ = tumbling_ ? uniform(-std::numbers::pi, std::numbers::pi) / p.tau_t : 0;
@@ -96,13 +114,12 @@ class Walker {
       return;
     }
     hold_left_ = p.epsilon;
-    if (p.kind == ProgramKind::kAbp) {
+    if (!p.wheels) {
       speed_ = p.v;
       turning_ = uniform(-p.eta, p.eta);
     } else {
-      const double va = p.kind == ProgramKind::kBp ? 0 : p.va;
-      const double left = uniform(va - p.V, va + p.V);
-      const double right = uniform(va - p.V, va + p.V);
+      const double left = uniform(p.va - p.V, p.va + p.V);
+      const double right = uniform(p.va - p.V, p.va + p.V);
       speed_ = 0.5 * (left + right);
       turning_ = (right - left) / p.wheel_base;
     }
@@ -178,8 +195,8 @@ class Walker {
     t.reversal_start = reversal_start_;
     t.reversal_end = reversal_end_;
     t.reversing = reversing_;
-    t.v_l = speed_ - 0.5 * turning_ * recording_.law.wheel_base;
-    t.v_r = speed_ + 0.5 * turning_ * recording_.law.wheel_base;
+    t.v_l = speed_ - 0.5 * turning_ * parameters_.wheel_base;
+    t.v_r = speed_ + 0.5 * turning_ * parameters_.wheel_base;
     t.tumble_count = tumble_count_;
     t.run_time = run_time_;
     on_telemetry(t);
@@ -188,6 +205,7 @@ class Walker {
   static constexpr double kMargin = 0.0875;  // m: radius of the robot plus 5 cm
 
   WalkerRecording recording_;
+  Parameters parameters_;
   std::mt19937_64 random_;
   double time_ = 0;
   double x_ = 0;

@@ -6,54 +6,40 @@
 #include <optional>
 #include <vector>
 
-#include "robot/dynamics/robot_program.hpp"
 #include "sim_svc/world.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::sim {
 
 inline constexpr std::int64_t kSecond = 1000000;  // [us]
 
-inline dynamics::ProgramParams abpProgram(double v = 0.03, double epsilon = 0.5, double eta = 3) {
-  dynamics::RobotProgram p;
-  p.kind = dynamics::kAbp;
-  p.v = v;
-  p.epsilon = epsilon;
-  p.eta = eta;
-  return dynamics::toProgramParams(p).params;
+inline Program abpProgram(double v = 0.03, double epsilon = 0.5, double eta = 3) {
+  return test::abp(v, epsilon, eta);
 }
 
-inline dynamics::ProgramParams rtpProgram(double v, double gamma, double tau_t) {
-  dynamics::RobotProgram p;
-  p.kind = dynamics::kRtp;
-  p.v = v;
-  p.gamma = gamma;
-  p.tau_t = tau_t;
-  return dynamics::toProgramParams(p).params;
+inline Program rtpProgram(double v, double gamma, double tau_t) {
+  return test::rtp(v, gamma, tau_t);
 }
 
-inline dynamics::ProgramParams bpProgram(double va, double V, double epsilon) {
-  dynamics::RobotProgram p;
-  p.kind = dynamics::kNoisyAbp;
-  p.va = va;
-  p.V = V;
-  p.epsilon = epsilon;
-  return dynamics::toProgramParams(p).params;
+inline Program bpProgram(double va, double V, double epsilon) {
+  return test::noisyAbp(va, V, epsilon);
 }
 
-inline dynamics::ProgramParams wheelsProgram(double left, double right) {
-  dynamics::RobotProgram p;
-  p.kind = dynamics::kWheels;
-  p.wheel_left = left;
-  p.wheel_right = right;
-  return dynamics::toProgramParams(p).params;
+inline Program wheelsProgram(double left, double right) { return test::wheels(left, right); }
+
+/// The programs of always(), which startAll() makes known to the world.
+inline std::vector<Program>& programsInUse() {
+  static std::vector<Program> programs;
+  return programs;
 }
 
 /// Settings that run one program for any light.
-inline dynamics::CoreSettings always(const dynamics::ProgramParams& program) {
+inline dynamics::CoreSettings always(const Program& program) {
+  programsInUse().push_back(program);
   dynamics::CoreSettings settings;
   settings.light.count = 1;
   settings.light.bands[0] = {0, 1024, 0};
-  settings.programs[0] = program;
+  settings.programs[0] = program.hash;
   return settings;
 }
 
@@ -77,6 +63,7 @@ inline std::vector<RobotSetup> robotAt(double x, double y, double theta) {
 }
 
 inline void startAll(World& world, const dynamics::CoreSettings& settings) {
+  for (const Program& program : programsInUse()) world.addProgram(program.hash, program.code);
   for (std::size_t i = 0; i < world.size(); ++i) {
     world.order(i, [&](dynamics::RobotCore& core, std::uint32_t now_ms) {
       core.configure(now_ms, settings);

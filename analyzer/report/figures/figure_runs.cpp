@@ -50,7 +50,7 @@ FigureScript runTimesFigure(const Finding& finding) {
   const std::vector<DensityBar>& bars = runs.run_times;
   FigureScript script = start(finding, "run_times", "Run times", bars);
   if (!script.figure.sentence.empty()) return script;
-  const double programmed = finding.pool->result.law.gamma;
+  const double programmed = finding.pool->result.law->runs()->rate;
   const double measured = runs.find("gamma")->value;
   // A point is drawn where the exponential law equals its mean over the bar.
   const auto middle = [&](const DensityBar& bar) {

@@ -10,6 +10,7 @@
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
@@ -91,9 +92,11 @@ bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::strin
 }
 
 /// The speed of a program with constant speed [cm/s]; else negative.
-double programmedSpeed(const program_t& program) {
-  const bool constant = program.kind == program_t::ABP || program.kind == program_t::RTP;
-  return constant ? program.v * kCm : -1;
+double programmedSpeed(const RunRecord& record, const program_id_t& program) {
+  const Program* known = findProgram(record.experimentOrDefault(), program);
+  if (known == nullptr) return -1;
+  const auto speed = analysis::lawOf(*known, analysis::kPaperWheelBase)->constantSpeed();
+  return speed ? *speed * kCm : -1;
 }
 
 }  // namespace
@@ -142,7 +145,7 @@ FigureScript speedTraces(const RunRecord& record) {
   for (std::size_t i = 0; i < panels.size(); ++i) {
     const auto& [key, stretch] = panels[i];
     const int top = height - 32 - kPanelHeight * static_cast<int>(i);
-    const double speed = programmedSpeed(record.programs[key].program);
+    const double speed = programmedSpeed(record, record.programs[key].program);
     const std::string_view colour = record.programs[key].colour;
     script.script += fmt::format(
         "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"

@@ -8,8 +8,8 @@
 
 #include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/html/html_sections.hpp"
-#include "analyzer/report/sections/brownian_section.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
+#include "analyzer/report/sections/kurtosis_section.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report::html {
@@ -82,7 +82,7 @@ std::string card(const Finding& finding) {
       "<p class=\"verdict {}\">{}{}</p>\n<p>{} <span class=\"soft\">({}{} of free motion in {}.)"
       "</span></p>\n",
       escapeHtml(finding.name), escapeHtml(finding.model),
-      escapeHtml(parametersText(finding.pool->program)), verdictClass(result.verdict.kind),
+      escapeHtml(parametersText(*finding.pool)), verdictClass(result.verdict.kind),
       static_cast<char>(std::toupper(static_cast<unsigned char>(verdictText(result).front()))),
       verdictText(result).substr(1), escapeHtml(verdictReason(result)), pooled,
       durationText(result.observed), countText(result.segments, "segment"));
@@ -94,7 +94,7 @@ std::string card(const Finding& finding) {
   }
   html += "</ul>\n" + estimateTable(result.estimates);
   if (result.fit) html += fitHtml(*result.fit);
-  if (result.brownian) html += brownianHtml(*result.brownian);
+  if (result.kurtosis) html += kurtosisHtml(*result.kurtosis);
   if (!finding.robots.empty()) html += robotTable(finding);
   return html + "</section>\n";
 }
@@ -107,10 +107,9 @@ std::vector<std::string> verdictCells(const Finding& finding) {
       fmt::format("<span class=\"dot\" style=\"background:{}\"></span><b>{}</b>", finding.colour,
                   escapeHtml(finding.name)),
       fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
-                  escapeHtml(parametersText(finding.pool->program))),
-      fmt::format(
-          "<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
-          result.law.kind == analysis::ProgramKind::kNone ? "no law" : verdictClass(verdict.kind)),
+                  escapeHtml(parametersText(*finding.pool))),
+      fmt::format("<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
+                  result.law.known() ? verdictClass(verdict.kind) : "no law"),
       decided ? fmt::format("{:.1f}", std::abs(verdict.max_z)) : "–",
       groupedText(verdict.judged),
       durationText(result.observed)};
@@ -156,8 +155,8 @@ std::string verdictTable(const std::vector<Finding>& findings) {
   std::string html = "<h2>Is it the motion that was programmed?</h2>\n";
   if (findings.empty()) {
     return html +
-           "<p>No robot was tracked while it ran a program that has a law (ABP, noisy ABP, BP, "
-           "RTP), so there is nothing to compare.</p>\n";
+           "<p>No robot was tracked while it ran a program that has a law, "
+           "so there is nothing to compare.</p>\n";
   }
   Table table({"program", "model", "verdict", ">largest deviation (standard errors)",
                ">judged lags", ">free motion", ">measured", ">95 % interval", ">programmed"});

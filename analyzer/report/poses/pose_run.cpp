@@ -21,6 +21,7 @@
 #include "common/experiment/program_colours.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/shipped_programs.hpp"
 
 namespace lab::report {
 namespace {
@@ -30,8 +31,6 @@ using analysis::FramePose;
 using units::kNan;
 
 constexpr double kTouching = 0.001;  // [m] smallest gap that can be distinguished from contact
-
-constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"};
 
 /// Reports the problems of a program by the names that the user typed, not by those of the
 /// generated experiment file.
@@ -50,14 +49,16 @@ constexpr std::array<std::string_view, 4> kLaws{"abp", "noisy_abp", "bp", "rtp"}
 Experiment experimentOf(const std::string& name, const PoseProgram& program) {
   // An experiment file needs a program; without a given one it is removed again below.
   const bool given = !program.model.empty();
-  if (given && std::find(kLaws.begin(), kLaws.end(), program.model) == kLaws.end()) {
+  const std::vector<std::string> known = shippedProgramNames();
+  if (given && std::ranges::find(known, program.model) == known.end()) {
     throw ExperimentError({fmt::format("--program: found \"{}\", expected one of {}", program.model,
-                                       fmt::join(kLaws, ", "))});
+                                       fmt::join(known, ", "))});
   }
   const std::string text = fmt::format(
       "fileversion = 1\nname = \"poses\"\nduration_s = 1\nprogram = \"{0}\"\n[[robots]]\nid = 1\n"
-      "[programs.{0}]\nmodel = \"{0}\"\n{1}",
-      given ? program.model : "bp", given ? "" : "V_cm_s = 1\nepsilon_s = 1\n");
+      "[programs.{0}]\n{1}\n",
+      given ? program.model : "still",
+      given ? fmt::format("model = \"{}\"", program.model) : "phases.still = {hold = \"forever\"}");
   std::vector<std::string> set;
   for (const std::string& one : program.set) {
     const bool plain = one.substr(0, one.find('=')).find('.') == std::string::npos;
@@ -113,8 +114,8 @@ class PoseFeed {
         speed_is_known_(speed_is_known),
         epoch_start_(poses.frames.front().time),
         analysis_(configOf(poses, experiment)) {
-    const bool runs = law.kind == analysis::ProgramKind::kRtp && law.gamma > 0;
-    run_share_ = runs ? 1 / (1 + law.gamma * law.tau_t) : 1;
+    const auto runs = law->runs();
+    run_share_ = runs && runs->rate > 0 ? 1 / (1 + runs->rate * runs->turn_time) : 1;
     analysis_.onSample([this](int robot, const analysis::ProgramLaw&,
                               const analysis::Sample& sample) { judge(robot, sample); });
   }
@@ -139,7 +140,10 @@ class PoseFeed {
     analysis_.flush();
     record.tracks = std::move(tracks_);
     for (analysis::ProgramResult& result : analysis_.results(depth)) {
-      record.results.push_back({record.programs.front().program, std::move(result)});
+      const bool given = !experiment_.programs.empty();
+      record.results.push_back({record.programs.front().program,
+                                given ? experiment_.programs.begin()->second : Program(),
+                                std::move(result)});
     }
   }
 
@@ -264,7 +268,7 @@ void adoptExtent(const PoseFile& poses, Experiment& experiment) {
 
 /// Replaces estimates that need telemetry of tumbles by those from poses.
 void adoptRuns(analysis::ProgramResult& result) {
-  if (result.law.kind != analysis::ProgramKind::kRtp) return;
+  if (!result.law->runs()) return;
   const std::string problem = result.runs ? result.runs->problem : std::string();
   constexpr std::array<std::string_view, 5> kOfTumbles{"gamma", "tau_r", "v", "D", "L_s"};
   for (analysis::Estimate& estimate : result.estimates) {
@@ -310,12 +314,17 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   record.stitched = options.stitch;
   record.experiment = experimentOf(name, program);
   const Experiment& experiment = *record.experiment;
-  RunProgram robots_run{{}, "motion", hexText(kProgramColours.front())};
+  analysis::ProgramLaw law;
+  RunProgram& robots_run = record.programs.emplace_back();
+  robots_run.name = "motion";
+  robots_run.colour = hexText(kProgramColours.front());
   if (!experiment.programs.empty()) {
     const auto& [name_in_file, first] = *experiment.programs.begin();
-    robots_run = {toMessage(first), name_in_file, hexText(programColour(experiment, name_in_file))};
+    law = analysis::lawOf(first, experiment.hardware.diameter);
+    robots_run.program = toId(first);
+    robots_run.name = name_in_file;
+    robots_run.colour = hexText(programColour(experiment, name_in_file));
   }
-  record.programs.push_back(robots_run);
   if (!poses.in_arena) adoptExtent(poses, *record.experiment);
   record.poses = PoseSource{.headings = poses.headings,
                             .rows = poses.rows,
@@ -336,9 +345,7 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   const bool speed_is_known =
       std::any_of(program.set.begin(), program.set.end(),
                   [](const std::string& set) { return set.starts_with("reversal.speed_cm_s="); });
-  PoseFeed(poses, experiment, analysis::toLaw(robots_run.program, experiment.hardware.diameter),
-           speed_is_known)
-      .run(record, options.depth, options.stitch);
+  PoseFeed(poses, experiment, law, speed_is_known).run(record, options.depth, options.stitch);
   for (analysis::FeedResult& result : record.results) adoptRuns(result.result);
   fillRobots(record);
   return record;

@@ -12,7 +12,7 @@ namespace lab::report {
 
 /// The program of all robots, for the whole recording.
 struct PoseProgram {
-  std::string model;  ///< "abp", "noisy_abp", "bp", "rtp" as in experiment files; empty: unknown
+  std::string model;             ///< name of a shipped program; empty: unknown
   std::vector<std::string> set;  ///< key=value: of the program (v_cm_s=5), or of an experiment file
                                  ///< (robot.diameter_cm=8)
 };
@@ -24,7 +24,7 @@ struct PoseProgram {
 /// motion and removed (docs/stitching.md); without a program they cannot be distinguished and
 /// remain part of the motion;
 /// - a step of the clock cuts;
-/// - tumbles of RTP are found in the poses (docs/runs.md); if that fails, the speed uses the
+/// - tumbles between runs are found in the poses (docs/runs.md); if that fails, the speed uses the
 /// programmed share of run time, and the tumble rate is not estimated. Without a program, there are
 /// curves and a speed, without a comparison.
 /// @param name of the run, for its title

@@ -15,6 +15,7 @@
 #include <lab/link_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
+#include <lab/robot_senses_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
 #include <lab/robot_stop_t.hpp>
@@ -42,6 +43,7 @@ const auto& channelTypes() {
   static const std::array types{
       ChannelType{channels::kRobotCommand, robot_command_t::getHash()},
       ChannelType{channels::kRobotStop, robot_stop_t::getHash()},
+      ChannelType{channels::kRobotSenses, robot_senses_t::getHash()},
       ChannelType{channels::kRobotStatus, robot_status_t::getHash()},
       ChannelType{channels::kRobotSteps, robot_steps_t::getHash()},
       ChannelType{channels::kRobotCalibration, robot_calibration_t::getHash()},

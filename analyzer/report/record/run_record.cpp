@@ -127,16 +127,6 @@ void adoptStart(const std::optional<experiment_event_t>& start, RunRecord& recor
   }
 }
 
-std::string nameOf(const RunRecord& record, const program_t& program, std::size_t key,
-                   const std::vector<program_t>& all) {
-  const std::string name = programName(record.experimentOrDefault(), program);
-  if (name != modelName(program.kind)) return name;
-  // The experiment has no name for the program: number the programs of one model.
-  const auto same_model = std::count_if(
-      all.begin(), all.end(), [&](const program_t& other) { return other.kind == program.kind; });
-  return same_model < 2 ? name : name + " " + std::to_string(key + 1);
-}
-
 }  // namespace
 
 double RunRecord::seconds(std::int64_t utime) const { return units::seconds(utime - start_utime); }
@@ -162,12 +152,12 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   feed.stitch(options.stitch, depth == analysis::Depth::kFull);
   analysis::ProgramKeys keys;
   record.stitched = options.stitch;
-  feed.onPiece([&](int robot, const program_t& program, const analysis::Piece& piece) {
+  feed.onPiece([&](int robot, const program_id_t& program, const analysis::Piece& piece) {
     record.pieces.push_back({robot, keys.key(program), piece});
   });
   TrackRecord tracks(feed);
   LightTimeline light(experiment.arena_width, experiment.arena_height);
-  RobotTimelines robots([&keys](const program_t& program) { return keys.key(program); });
+  RobotTimelines robots([&keys](const program_id_t& program) { return keys.key(program); });
   EventRecord events;
   ServiceRecords services;
   LinkRecords links;
@@ -185,6 +175,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
     light.take(status);
     feed.take(status);
   };
+  sinks.command = [&](const robot_command_t& command) { feed.take(command); };
   sinks.event = [&](const experiment_event_t& event) { events.take(event); };
   sinks.service = [&](const service_status_t& status) { services.take(status); };
   sinks.link = [&](const link_status_t& status) { links.take(status); };
@@ -197,8 +188,11 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   record.robots = robots.records();
   std::size_t unnamed = 0;  // programs of the log that the experiment does not name
   for (std::size_t key = 0; key < keys.programs().size(); ++key) {
-    const program_t& program = keys.programs()[key];
-    const std::string name = nameOf(record, program, key, keys.programs());
+    const program_id_t& program = keys.programs()[key];
+    std::string name = programName(experiment, program);
+    const bool taken = std::ranges::any_of(
+        record.programs, [&](const RunProgram& other) { return other.name == name; });
+    if (taken) name += " " + std::to_string(key + 1);
     if (!experiment.programs.contains(name)) ++unnamed;
     record.programs.push_back(
         {program, name, hexText(programColour(experiment, name, unnamed - 1))});
@@ -216,6 +210,14 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   services.finish(record);
   record.links = links.records();
   return record;
+}
+
+Percentiles senseDelays(const RunRecord& record) {
+  std::vector<double> delays;
+  for (const auto& [id, robot] : record.robots) {
+    delays.insert(delays.end(), robot.sense_delays_ms.begin(), robot.sense_delays_ms.end());
+  }
+  return percentilesOf(std::move(delays));
 }
 
 }  // namespace lab::report

@@ -14,6 +14,7 @@
 #include "analyzer/report/record/timelines.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/experiment/experiment.hpp"
+#include "common/math/percentiles.hpp"
 
 namespace lab::report {
 
@@ -85,8 +86,8 @@ struct Tracks {
 
 /// A program of the run.
 struct RunProgram {
-  program_t program{};
-  std::string name;                ///< name in the experiment file, else that of the model
+  program_id_t program{};
+  std::string name;                ///< name in the experiment file, else that of its definition
   std::string colour = "#9A9A9A";  ///< as in the dashboard
 };
 
@@ -172,5 +173,9 @@ struct ReadOptions {
 /// @throws ReportError if it was written under another contract version.
 [[nodiscard]] RunRecord readRun(const std::vector<std::filesystem::path>& files,
                                 const ReadOptions& options = {});
+
+/// Delays of the virtual senses of all robots, from the exposure of the frame to the reception by
+/// the robot [ms].
+[[nodiscard]] Percentiles senseDelays(const RunRecord& record);
 
 }  // namespace lab::report

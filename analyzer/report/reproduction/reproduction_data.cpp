@@ -113,13 +113,13 @@ struct CorrelationSums {
   std::vector<double> counts = std::vector<double>(kLengths);
 };
 
-/// C(l) along the stitched track. The speed of an ABP is constant, so l is speed times time: a path
+/// C(l) along the stitched track. The speed is constant, so l is speed times time: a path
 /// length summed from frames would be dominated by tracker noise.
 void takeCorrelation(const std::vector<Sample>& samples, double speed, RecordingData& recording) {
   const analysis::ProgramLaw& law = recording.result.law;
   const double period = (samples.back().free_time - samples.front().free_time) /
                         static_cast<double>(samples.size() - 1);
-  const double persistence = 1 / analysis::rotationalDiffusivity(law);  // [s]
+  const double persistence = 1 / law->rotationalDiffusivity();  // [s]
   std::vector<std::size_t> offsets;
   for (int k = 0; k < kLengths; ++k) {
     offsets.push_back(
@@ -180,7 +180,7 @@ double measuredSpeed(const analysis::ProgramResult& result) {
   for (const analysis::Estimate& estimate : result.estimates) {
     if (estimate.name == "v" && std::isfinite(estimate.value)) return estimate.value;
   }
-  return result.law.v;
+  return result.law->meanSpeed();
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/report/reproduction/reproduction_plan.hpp"
+#include "analyzer/laws/paper_figures.hpp"
 #include "analyzer/service/program_analysis.hpp"
 
 namespace lab::report {

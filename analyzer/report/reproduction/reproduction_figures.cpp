@@ -104,9 +104,9 @@ std::string pointsInset(const PaperPanel& panel, const Reproduction& reproductio
     if (diffusion && !estimate) estimate = estimateOf(set, "D_t");
     if (!estimate || !std::isfinite(estimate->value)) continue;
     const double factor = diffusion ? kSqCm : 1;
-    const double x = diffusion ? analysis::translationalDiffusivity(law) * kSqCm
-                     : panel.inset == Inset::kDrOverEpsilon ? law.epsilon
-                                                            : law.eta;
+    const double x = diffusion ? law->translationalDiffusivity() * kSqCm
+                     : panel.inset == Inset::kDrOverEpsilon ? law->parameter("epsilon")
+                                                            : law->parameter("eta");
     const double line = lineThroughOrigin(set, !diffusion) * factor;
     points.row(x, estimate->value * factor, estimate->sigma * factor);
     origin.row(x, line);
@@ -272,25 +272,26 @@ FigureScript persistence(const PaperPanel& panel, const Reproduction& reproducti
     const auto length = estimateOf(found->second, "L_s");
     if (!length || !std::isfinite(length->value)) continue;
     any = &program;
-    const double paper = program.v / analysis::rotationalDiffusivity(program) * kCm;
-    integral.row(program.eta, length->value * kCm, length->sigma * kCm);
+    const double eta = program->parameter("eta");
+    const double paper = program->meanSpeed() / program->rotationalDiffusivity() * kCm;
+    integral.row(eta, length->value * kCm, length->sigma * kCm);
     const double z = (length->value - length->theory) / length->sigma;
-    off.row(program.eta, z);
+    off.row(eta, z);
     largest = std::max(largest, std::abs(z));
-    off_paper.row(program.eta, (paper / kCm - length->theory) / length->sigma);
-    csv.row("L_s_integral_cm_at_eta_rad_s", id, program.eta, length->value * kCm,
-            length->sigma * kCm, length->theory * kCm, paper);
+    off_paper.row(eta, (paper / kCm - length->theory) / length->sigma);
+    csv.row("L_s_integral_cm_at_eta_rad_s", id, eta, length->value * kCm, length->sigma * kCm,
+            length->theory * kCm, paper);
     if (recording.correlation.empty()) continue;
-    fitted.row(program.eta, recording.fitted_length, recording.fitted_length_sigma);
-    csv.row("L_s_exponential_fit_cm_at_eta_rad_s", id, program.eta, recording.fitted_length,
+    fitted.row(eta, recording.fitted_length, recording.fitted_length_sigma);
+    csv.row("L_s_exponential_fit_cm_at_eta_rad_s", id, eta, recording.fitted_length,
             recording.fitted_length_sigma, "", paper);
     DataBlock block(fmt::format("c{}", number));
     const analysis::ExactLaw exact(program);
-    const double square = program.v * program.v;
+    const double square = program->meanSpeed() * program->meanSpeed();
     for (const CorrelationPoint& p : recording.correlation) {
       block.row(p.length, p.value);
       csv.row("C_of_l_at_l_cm", id, p.length, p.value, p.sigma,
-              exact.velocityCorrelation(p.length / kCm / program.v) / square,
+              exact.velocityCorrelation(p.length / kCm / program->meanSpeed()) / square,
               std::exp(-p.length / paper));
     }
     data += block.text();
@@ -304,10 +305,10 @@ FigureScript persistence(const PaperPanel& panel, const Reproduction& reproducti
     return script;
   }
   for (int i = 0; i <= 60; ++i) {
-    analysis::ProgramLaw program = *any;
-    program.eta = 0.8 * std::pow(8.0, i / 60.0);
-    law.row(program.eta, analysis::ExactLaw(program).persistenceLength() * kCm,
-            program.v / analysis::rotationalDiffusivity(program) * kCm);
+    const double eta = 0.8 * std::pow(8.0, i / 60.0);
+    const analysis::ProgramLaw program = any->with("eta", eta);
+    law.row(eta, analysis::ExactLaw(program).persistenceLength() * kCm,
+            program->meanSpeed() / program->rotationalDiffusivity() * kCm);
   }
   for (const DataBlock* block : {&integral, &fitted, &off, &off_paper, &law}) data += block->text();
   std::string drawing = fmt::format(

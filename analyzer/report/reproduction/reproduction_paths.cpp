@@ -146,7 +146,7 @@ FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set) {
     script.figure.sentence = "Too short a recording for speeds and run times.";
     return script;
   }
-  const analysis::ProgramLaw& law = recording.result.law;
+  const auto law = recording.result.law->runs().value_or(analysis::RunsAndTurns{});
   constexpr double kTrace = 20;       // [s]
   constexpr double kSpeedBin = 0.25;  // [cm/s]
   CsvText csv("what,x,value,standard_error,exact");
@@ -169,7 +169,7 @@ FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set) {
     csv.row("density_s_cm_at_speed_cm_s", (static_cast<double>(i) + 0.5) * kSpeedBin, density, "",
             "");
   }
-  const double run_bin = 0.5 / law.gamma;
+  const double run_bin = 0.5 / law.rate;
   std::vector<double> counts(12);
   for (const double run : recording.run_times) {
     const auto bin = static_cast<std::size_t>(std::max(0.0, run) / run_bin);
@@ -180,7 +180,7 @@ FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set) {
   for (std::size_t i = 0; i < counts.size(); ++i) {
     const double from = static_cast<double>(i) * run_bin;
     const double exact =
-        (std::exp(-law.gamma * from) - std::exp(-law.gamma * (from + run_bin))) / run_bin;
+        (std::exp(-law.rate * from) - std::exp(-law.rate * (from + run_bin))) / run_bin;
     const double error = std::sqrt(counts[i]) * unit;
     csv.row("density_per_s_at_run_time_s", from + run_bin / 2, counts[i] * unit, error, exact);
     if (counts[i] == 0) continue;
@@ -204,7 +204,7 @@ FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set) {
       "2.5\n"
       "set boxwidth 0.25\n"
       "plot $speeds using 1:2 with boxes lc rgb '{}' fs solid 0.5\n",
-      kTrace, law.v * 100, style::kBlue, style::kBlue);
+      kTrace, law.speed * 100, style::kBlue, style::kBlue);
   script.script += fmt::format(
       "set lmargin at screen 0.68 + 0.03 * on_paper\nset rmargin at screen 0.965\nset xlabel 'run "
       "time (s)'\n"
@@ -213,8 +213,8 @@ FigureScript runsAndTumbles(const PaperPanel& panel, const SetData& set) {
       "plot {:.6g}*exp(-{:.6g}*x) with lines lw 1.6 lc rgb 'black', "
       "$runs using 1:3:(0):($4-$3) with vectors nohead lw 1.2 lc rgb '{}', "
       "$runs using 1:2 with points pt 7 ps 0.5 lc rgb '{}'\nunset multiplot\n",
-      law.gamma * 2e-3, law.gamma * 2, 6 / law.gamma, law.gamma > 1.5 ? 1.0 : 2.0, law.gamma,
-      law.gamma, style::kBlue, style::kBlue);
+      law.rate * 2e-3, law.rate * 2, 6 / law.rate, law.rate > 1.5 ? 1.0 : 2.0, law.rate, law.rate,
+      style::kBlue, style::kBlue);
   script.figure.csv = csv.text();
   script.figure.caption = fmt::format(
       "Above: speed over 0.1 s, dashed the programmed one. Below: all speeds of the recording, and "

@@ -1,9 +1,9 @@
 /// Panels that show a single recording (its path, its speed), and what all panels share.
 #pragma once
 
+#include "analyzer/laws/paper_figures.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
 #include "analyzer/report/reproduction/reproduction_data.hpp"
-#include "analyzer/report/reproduction/reproduction_plan.hpp"
 
 namespace lab::report::panels {
 

@@ -15,7 +15,6 @@ namespace {
 
 using analysis::CurvePoint;
 using analysis::Estimate;
-using analysis::ProgramKind;
 using analysis::ProgramResult;
 using analysis::VerdictKind;
 using units::kCm;
@@ -43,11 +42,10 @@ const Estimate* find(const std::vector<Estimate>& estimates, const std::string& 
 /// The square of the measured over the programmed speed, by which the MSD of a program with one
 /// speed scales.
 double speedScale(const ProgramResult& result) {
-  const bool one_speed =
-      result.law.kind == ProgramKind::kAbp || result.law.kind == ProgramKind::kRtp;
+  const auto one_speed = result.law->constantSpeed();
   const Estimate* speed = find(result.estimates, "v");
   if (!one_speed || speed == nullptr || !std::isfinite(speed->value)) return 1;
-  const double ratio = speed->value / result.law.v;
+  const double ratio = speed->value / *one_speed;
   return std::abs(ratio - 1) <= analysis::CurveOptions{}.speed_tolerance ? ratio * ratio : 1;
 }
 
@@ -142,8 +140,9 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
     Deviations own;
     const analysis::ProgramLaw& law = resultOf(*set).law;
     // By the paper itself, its straight lines hold above epsilon.
-    const bool straight = angular || law.kind == ProgramKind::kBp;
-    addDeviations(*set, angular, straight ? 2 * law.epsilon : 0, own);
+    const bool straight = angular || law->isDiffusive();
+    const double hold = law->held().value_or(analysis::HeldDraws{}).hold;
+    addDeviations(*set, angular, straight ? 2 * hold : 0, own);
     if (own.max_z > all.max_z) {
       all.max_z = own.max_z;
       all.tau = own.tau;
@@ -197,10 +196,10 @@ PanelVerdict judgeCurves(const PaperPanel& panel, const std::vector<const SetDat
     verdict.paper = !tested    ? PaperVerdict::kUndecided
                     : rejected ? PaperVerdict::kRejected
                                : PaperVerdict::kNotRejected;
-    verdict.paper_text = fmt::format(
-        "The paper’s {}{}: {}", panel.formula,
-        angular || resultOf(*sets.front()).law.kind == ProgramKind::kBp ? " from 2 ε on" : "",
-        fmt::join(paper, "; "));
+    verdict.paper_text =
+        fmt::format("The paper’s {}{}: {}", panel.formula,
+                    angular || resultOf(*sets.front()).law->isDiffusive() ? " from 2 ε on" : "",
+                    fmt::join(paper, "; "));
   }
   return verdict;
 }
@@ -215,7 +214,7 @@ PanelVerdict judgePersistence(const PaperPanel& panel, const std::vector<const S
     if (!length || !std::isfinite(length->value) || !(length->sigma > 0)) continue;
     ++judged;
     const analysis::ProgramLaw& law = resultOf(*set).law;
-    const double formula = law.v / analysis::rotationalDiffusivity(law);
+    const double formula = law->meanSpeed() / law->rotationalDiffusivity();
     verdict.max_z =
         std::max(verdict.max_z, std::abs(length->value - length->theory) / length->sigma);
     paper = std::max(paper, std::abs(length->value - formula) / length->sigma);
@@ -327,22 +326,8 @@ std::optional<Estimate> estimateOf(const SetData& set, const std::string& name) 
 }
 
 std::vector<Estimate> estimatesOf(const SetData& set) {
-  std::vector<std::string> names;
-  switch (resultOf(set).law.kind) {
-    case ProgramKind::kAbp:
-      names = {"v", "D_r", "L_s"};
-      break;
-    case ProgramKind::kNoisyAbp:
-      names = {"v_a", "D_r", "D_t", "D"};
-      break;
-    case ProgramKind::kBp:
-      names = {"V", "D"};
-      break;
-    default:
-      names = {"v", "gamma", "D"};
-  }
   std::vector<Estimate> all;
-  for (const std::string& name : names) {
+  for (const std::string& name : set.set.estimates) {
     const auto best = estimateOf(set, name);
     if (!best) continue;
     all.push_back(*best);
@@ -356,7 +341,7 @@ std::vector<Estimate> estimatesOf(const SetData& set) {
 }
 
 double lineThroughOrigin(const SetData& set, bool angular) {
-  const double epsilon = resultOf(set).law.epsilon;
+  const double epsilon = resultOf(set).law->held().value_or(analysis::HeldDraws{}).hold;
   double upper = 0;
   double lower = 0;
   for (const CurvePoint& point : curveOf(set, angular)) {
@@ -368,19 +353,15 @@ double lineThroughOrigin(const SetData& set, bool angular) {
 }
 
 std::string curveLabel(const PaperPanel& panel, const PaperSet& set) {
-  const RobotProgram& p = set.program;
   if (panel.curves.size() < 2) return "measured";
-  switch (p.kind) {
-    case ProgramKind::kAbp:
-      return panel.inset == Inset::kDrOverEpsilon ? fmt::format("ε = {:g} s", p.epsilon)
-                                                  : fmt::format("η = {:g} rad/s", p.eta);
-    case ProgramKind::kBp:
-    case ProgramKind::kNoisyAbp:
-      return fmt::format("V = {:g} cm/s", p.V * kCm);
-    default:
-      return panel.id == "4e" ? fmt::format("τ_t = {:g} s", p.tau_t)
-                              : fmt::format("γ = {:g} /s", p.gamma);
+  for (const analysis::LawParameter& one : set.law->parameters()) {
+    if (one.name != panel.varied) continue;
+    const DisplayUnit unit = displayUnit(one.unit);
+    // As the paper writes them.
+    return fmt::format("{} = {:g} {}", one.symbol == "τt" ? "τ_t" : one.symbol,
+                       one.value * unit.factor, unit.text == "1/s" ? "/s" : unit.text);
   }
+  return set.id;
 }
 
 PanelVerdict judgePanel(const PaperPanel& panel, const Reproduction& reproduction) {

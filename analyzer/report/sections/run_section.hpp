@@ -15,7 +15,7 @@ namespace lab::report {
 
 namespace html {
 
-/// The section of report.html; empty if no run-and-tumble program ran.
+/// The section of report.html; empty if no program with runs ran.
 /// @param max_wheel_speed of the robots [m/s]
 [[nodiscard]] std::string runs(const std::vector<Finding>& findings, double max_wheel_speed);
 

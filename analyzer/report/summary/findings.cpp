@@ -23,34 +23,6 @@ using units::kPercents;
 
 constexpr std::int64_t kMuchOneIn = 10;  // a larger share of omitted poses biases the estimates
 
-/// The formula of the paper for a model.
-std::string paperFormula(analysis::ProgramKind kind) {
-  switch (kind) {
-    case analysis::ProgramKind::kAbp:
-      return "eq. 4";
-    case analysis::ProgramKind::kNoisyAbp:
-    case analysis::ProgramKind::kBp:
-      return "eq. 5";
-    case analysis::ProgramKind::kRtp:
-      return "eq. 6";
-    default:
-      return "";
-  }
-}
-
-std::string_view characteristicName(analysis::ProgramKind kind) {
-  switch (kind) {
-    case analysis::ProgramKind::kBp:
-      return "D_t";
-    case analysis::ProgramKind::kRtp:
-      return "gamma";
-    case analysis::ProgramKind::kNone:
-      return "v";
-    default:
-      return "D_r";
-  }
-}
-
 std::string uniqueFile(const std::vector<Finding>& before, const std::string& name) {
   const std::string word = sanitizedFileName(name);
   std::string file = word;
@@ -62,10 +34,10 @@ std::string uniqueFile(const std::vector<Finding>& before, const std::string& na
   return file;
 }
 
-int keyOf(const RunRecord& record, const program_t& program) {
+int keyOf(const RunRecord& record, const program_id_t& program) {
   const auto known =
       std::find_if(record.programs.begin(), record.programs.end(),
-                   [&](const RunProgram& one) { return sameProgram(one.program, program); });
+                   [&](const RunProgram& one) { return one.program.hash == program.hash; });
   return known == record.programs.end() ? -1 : static_cast<int>(known - record.programs.begin());
 }
 
@@ -109,13 +81,12 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
     if (result.result.robot == analysis::kPool) {
       Finding finding;
       finding.key = keyOf(record, result.program);
-      finding.name = finding.key < 0 ? std::string(modelName(result.program.kind))
-                                     : record.programNameOf(finding.key);
+      finding.name = finding.key < 0 ? result.program.name : record.programNameOf(finding.key);
       if (finding.key >= 0) {
         finding.colour = record.programs[static_cast<std::size_t>(finding.key)].colour;
       }
-      const bool none = result.result.law.kind == analysis::ProgramKind::kNone;
-      finding.model = none ? "program not given" : modelName(result.program.kind);
+      const analysis::ProgramLaw& law = result.result.law;
+      finding.model = law.known() ? law->title() : "program not given";
       finding.file = uniqueFile(findings, finding.name);
       finding.pool = &result;
       findings.push_back(std::move(finding));
@@ -127,7 +98,7 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
 }
 
 std::string verdictText(const ProgramResult& result) {
-  if (result.law.kind == analysis::ProgramKind::kNone) return "no law to compare with";
+  if (!result.law.known()) return "no law to compare with";
   switch (result.verdict.kind) {
     case VerdictKind::kAgrees:
       return "agrees with the exact law";
@@ -140,14 +111,14 @@ std::string verdictText(const ProgramResult& result) {
 
 std::string verdictReason(const ProgramResult& result) {
   const analysis::Verdict& verdict = result.verdict;
-  if (result.law.kind == analysis::ProgramKind::kNone) {
+  if (!result.law.known()) {
     return "No program was given, so there are curves without theory. Name the program with "
            "--program and --set.";
   }
   if (verdict.kind == VerdictKind::kUndecided) {
     return fmt::format(
         "Not enough data: {} can be judged. A verdict needs five, and at least a hundred draws of "
-        "wheel speeds (run and tumble: a hundred tumbles).",
+        "wheel speeds (or a hundred tumbles).",
         countText(verdict.judged, "lag"));
   }
   return fmt::format(
@@ -178,7 +149,7 @@ std::vector<std::string> caveats(const ProgramResult& result) {
         fmt::format("{:.1f} % of the frames were cut because of contact with a robot or a wall. "
                     "The motion between contacts is a biased sample: it lies in free space{}.",
                     result.contact_share * kPercents,
-                    result.law.kind == analysis::ProgramKind::kRtp
+                    result.law->runs()
                         ? ", and its runs are short, because contacts end runs. In a crowd gamma "
                           "is therefore overestimated, and the motion may deviate from the law "
                           "although the robots work correctly"
@@ -200,15 +171,15 @@ std::vector<std::string> caveats(const ProgramResult& result) {
 }
 
 const Estimate* characteristicEstimate(const ProgramResult& result) {
-  const auto found =
-      std::find_if(result.estimates.begin(), result.estimates.end(), [&](const Estimate& one) {
-        return one.name == characteristicName(result.law.kind) && std::isfinite(one.value);
-      });
+  const std::string name = result.law.known() ? result.law->characteristicEstimate() : "v";
+  const auto found = std::find_if(
+      result.estimates.begin(), result.estimates.end(),
+      [&](const Estimate& one) { return one.name == name && std::isfinite(one.value); });
   return found == result.estimates.end() ? nullptr : &*found;
 }
 
 std::string paperComparison(const ProgramResult& result) {
-  const std::string formula = paperFormula(result.law.kind);
+  const std::string formula = result.law->paperFormula();
   const CurvePoint* furthest = nullptr;
   double most = 0;
   double most_z = 0;
@@ -234,37 +205,17 @@ std::string paperComparison(const ProgramResult& result) {
       most_z < 10 ? fmt::format("{:.1f}", most_z) : fmt::format("{:.0f}", most_z));
 }
 
-std::string parametersText(const program_t& program) {
+std::string parametersText(const analysis::FeedResult& result) {
   std::vector<std::string> parts;
   const auto add = [&parts](const char* symbol, double value, double factor, const char* unit) {
     parts.push_back(fmt::format("{} = {} {}", symbol, shortText(value * factor), unit));
   };
-  switch (program.kind) {
-    case program_t::ABP:
-      add("v", program.v, kCm, "cm/s");
-      add("ε", program.epsilon, 1, "s");
-      add("η", program.eta, 1, "rad/s");
-      break;
-    case program_t::NOISY_ABP:
-      add("va", program.va, kCm, "cm/s");
-      add("V", program.V, kCm, "cm/s");
-      add("ε", program.epsilon, 1, "s");
-      break;
-    case program_t::BP:
-      add("V", program.V, kCm, "cm/s");
-      add("ε", program.epsilon, 1, "s");
-      break;
-    case program_t::RTP:
-      add("v", program.v, kCm, "cm/s");
-      add("γ", program.gamma, 1, "/s");
-      add("τt", program.tau_t, 1, "s");
-      break;
-    case program_t::WHEELS:
-      add("left", program.wheel_left, kCm, "cm/s");
-      add("right", program.wheel_right, kCm, "cm/s");
-      break;
-    default:
-      break;
+  const std::vector<analysis::LawParameter>& known = result.result.law->parameters();
+  for (const ProgramParameter& parameter : result.definition.parameters) {
+    const auto same = std::ranges::find(known, parameter.name, &analysis::LawParameter::name);
+    const DisplayUnit unit = displayUnit(parameter.unit);
+    add(same == known.end() ? parameter.name.c_str() : same->symbol.c_str(), parameter.value,
+        unit.factor, unit.text == "1/s" ? "/s" : unit.text.c_str());
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

@@ -14,7 +14,7 @@ struct Finding {
   int key = -1;      ///< index in RunRecord::programs; -1: the program is not in that list
   std::string name;  ///< name of the program in the experiment file
   std::string colour = "#9A9A9A";  ///< of the program
-  std::string model;               ///< "ABP"
+  std::string model;               ///< title of its law
   std::string file;                ///< the name as part of file names, different for each program
   const analysis::FeedResult* pool = nullptr;  ///< result of all robots with this program together
   /// Result of each robot with this program; empty if there is only one.
@@ -35,7 +35,7 @@ struct Finding {
 /// are a biased selection, frames that were not used, noise.
 [[nodiscard]] std::vector<std::string> caveats(const analysis::ProgramResult& result);
 
-/// The estimate that characterises the model: D_t (BP), gamma (RTP), v (no model), else D_r.
+/// The estimate that characterises the law (Law::characteristicEstimate); v without a law.
 /// nullptr if it was not estimated.
 [[nodiscard]] const analysis::Estimate* characteristicEstimate(
     const analysis::ProgramResult& result);
@@ -45,7 +45,7 @@ struct Finding {
 [[nodiscard]] std::string paperComparison(const analysis::ProgramResult& result);
 
 /// "v = 3 cm/s, ε = 0.5 s, η = 3 rad/s"
-[[nodiscard]] std::string parametersText(const program_t& program);
+[[nodiscard]] std::string parametersText(const analysis::FeedResult& result);
 
 /// "244 of 12 609 messages (1.9 %) missing in the log". Begins with "at least" if a sender ended
 /// without its last count. Empty if none is missing.

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "analyzer/report/record/step_delays.hpp"
-#include "analyzer/report/sections/brownian_section.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
+#include "analyzer/report/sections/kurtosis_section.hpp"
 #include "analyzer/report/sections/light_bands.hpp"
 #include "analyzer/report/sections/run_section.hpp"
 #include "analyzer/report/sections/segments.hpp"
@@ -84,7 +84,7 @@ Json result(const analysis::ProgramResult& result, bool whole) {
   if (result.fit) json["fit"] = fitJson(*result.fit);
   if (result.runs) json["runs"] = runsJson(*result.runs, whole);
   if (whole) json["joins"] = joinsJson(result);
-  if (result.brownian) json["brownian"] = brownianJson(*result.brownian);
+  if (result.kurtosis) json["brownian"] = kurtosisJson(*result.kurtosis);
   json["msd"] = curve(result.curves.msd, "m^2", whole);
   json["angular_msd"] = curve(result.curves.angular_msd, "rad^2", whole);
   return json;
@@ -96,7 +96,7 @@ Json programs(const RunRecord& record) {
     Json json;
     json["name"] = finding.name;
     json["model"] = finding.model;
-    json["parameters"] = parametersText(finding.pool->program);
+    json["parameters"] = parametersText(*finding.pool);
     json["pool"] = result(finding.pool->result, true);
     Json robots = Json::array();
     for (const analysis::FeedResult* robot : finding.robots) {
@@ -186,8 +186,8 @@ Json steps(const RunRecord& record) {
   return all;
 }
 
-Json latency(const Percentiles& percentiles) {
-  return {{"steps", percentiles.count},
+Json latency(const Percentiles& percentiles, const char* count = "steps") {
+  return {{count, percentiles.count},
           {"p50_ms", number(percentiles.p50)},
           {"p95_ms", number(percentiles.p95)},
           {"p99_ms", number(percentiles.p99)},
@@ -258,6 +258,9 @@ std::string summaryJson(const RunRecord& record) {
                      {"first_acted", latency(firstActedDelays(record.steps))},
                      {"last_acted", latency(lastActedDelays(record.steps))}};
   json["steps"] = steps(record);
+  if (const Percentiles delays = senseDelays(record); delays.count > 0) {
+    json["virtual_senses"] = latency(delays, "values");
+  }
   json["light_bands"] = lightBandsJson(record);
   json["losses"] = losses(record);
   if (!record.links.empty()) json["links"] = links(record);

@@ -8,7 +8,7 @@
 
 namespace lab::keys {
 
-/// Checks that the wheels can do what the programs ask, and that no two programs are the same.
+/// Checks that no two programs are the same.
 void checkPrograms(const ExperimentForm& form, Problems& problems);
 
 /// Checks that `name` is the name of a program of this file.

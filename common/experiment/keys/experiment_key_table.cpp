@@ -98,6 +98,26 @@ class TableCollector final : public KeyVisitor {
             [&] { keys("NAME"); });
   }
 
+  void program(const std::string&, const dynamics::WheelLimits&, Program&) override {
+    const auto row = [&](const char* key, const char* type, const char* default_text,
+                         const char* allowed, const char* meaning) {
+      current().rows.push_back({key, type, default_text, allowed, meaning});
+    };
+    row("model", "text", "-", "a shipped program, or a file: \"my_motion.toml\"",
+        "the program of another file, with the parameters below; without it the keys of "
+        "[programs](programs.md) define the program here");
+    row("parameters", "table of texts", "those of the program", "numbers with their units",
+        "{v = \"5 cm/s\"}; with model those that differ");
+    row("PARAMETER_UNIT", "number", "-", "-",
+        "with model: one parameter, as v_cm_s = 5, eta_rad_s, gamma_per_s, epsilon_s");
+    row("description", "text", "that of the model", "-", "free text");
+    row("law", "text or table", "none", "-", "the law that the motion follows (programs.md)");
+    row("state", "table of texts", "{}", "at most 8", "state variables with their first values");
+    row("phases", "tables", "required without model", "1 to 8 tables",
+        "[programs.NAME.phases.PHASE]: forward and turn or left and right, hold, next ... "
+        "(programs.md)");
+  }
+
   [[nodiscard]] const std::vector<Section>& sections() const { return sections_; }
 
  private:

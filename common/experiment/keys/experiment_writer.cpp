@@ -12,6 +12,7 @@
 #include "common/experiment/keys/experiment_form.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
+#include "common/programs/program_file.hpp"
 
 namespace lab {
 namespace keys {
@@ -81,6 +82,11 @@ class TomlWriter final : public KeyVisitor {
       const std::string path = path_ + key.name + "." + name;
       block("[" + path + "]", path + ".", [&] { keys(name); });
     }
+  }
+
+  void program(const std::string& name, const dynamics::WheelLimits&, Program& program) override {
+    const auto document = readProgram(program.text, "programs." + name, name, kWidestWheels);
+    text_ += programToml(document.text, path_);
   }
 
   [[nodiscard]] const std::string& result() const { return text_; }

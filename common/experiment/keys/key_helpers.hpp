@@ -23,7 +23,6 @@ inline const Range kPlace{-1000, 1000};
 inline const Range kLength{0.1, 1000};
 inline const Range kAngle{-3600, 3600};
 inline const Range kSpeed{-500, 500};
-inline const Range kHold{0.001, 3600};
 inline constexpr double kLongestFreeRun = 86400;  ///< [s]
 
 template <typename Enum>

@@ -9,6 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "common/programs/program.hpp"
+#include "robot/dynamics/wheel_limits.hpp"
+
 namespace lab::keys {
 
 enum class Need {
@@ -105,6 +108,10 @@ class KeyVisitor {
   virtual void namedTables(const Key& key, const TextRule& name_rule, const ListRule& rule,
                            const std::vector<std::string>& names,
                            const std::function<void(const std::string& name)>& keys) = 0;
+
+  /// All keys of a program of motion (docs/programs.md).
+  virtual void program(const std::string& name, const dynamics::WheelLimits& limits,
+                       Program& program) = 0;
 };
 
 /// The choices that this version accepts: "sim", "serial", "replay".

@@ -11,6 +11,7 @@
 #include "common/experiment/keys/experiment_key_table.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
+#include "common/programs/program_reader.hpp"
 #include "common/text/nearest_word.hpp"
 
 namespace lab::keys {
@@ -18,8 +19,11 @@ namespace {
 
 class TomlReader final : public KeyVisitor {
  public:
-  TomlReader(const TomlDocument& document, Problems& problems)
-      : document_(document), problems_(problems), scopes_{{&document.root(), "", {}, {}}} {}
+  TomlReader(const TomlDocument& document, const ModelLookup& model_of, Problems& problems)
+      : document_(document),
+        model_of_(model_of),
+        problems_(problems),
+        scopes_{{&document.root(), "", {}, {}}} {}
 
   void number(const Key& key, const Range& range, double& si) override {
     if (const auto value = takeNumber(key, range)) si = toSi(*value, unitOf(key.name));
@@ -202,6 +206,14 @@ class TomlReader final : public KeyVisitor {
     }
   }
 
+  void program(const std::string& name, const dynamics::WheelLimits& limits,
+               Program& program) override {
+    Scope& scope = scopes_.back();
+    for (const auto& [key, node] : *scope.table) scope.known.emplace_back(key.str());
+    program = toProgram(readProgramTable(document_, *scope.table, scope.path, name, limits,
+                                         model_of_, problems_));
+  }
+
   /// Call this after all keys have been visited.
   void finish() { refuseUnknownKeys(); }
 
@@ -328,15 +340,17 @@ class TomlReader final : public KeyVisitor {
   }
 
   const TomlDocument& document_;
+  const ModelLookup& model_of_;
   Problems& problems_;
   std::vector<Scope> scopes_;
 };
 
 }  // namespace
 
-ExperimentForm readForm(const TomlDocument& document, Problems& problems) {
+ExperimentForm readForm(const TomlDocument& document, const ModelLookup& model_of,
+                        Problems& problems) {
   ExperimentForm form;
-  TomlReader reader(document, problems);
+  TomlReader reader(document, model_of, problems);
   visitKeys(reader, form);
   reader.finish();
   return form;

@@ -4,10 +4,13 @@
 #include "common/experiment/keys/experiment_form.hpp"
 #include "common/files/file_problems.hpp"
 #include "common/files/toml_document.hpp"
+#include "common/programs/program_file.hpp"
 
 namespace lab::keys {
 
 /// Reads the form. Wrong values are reported to `problems`, and their fields keep the defaults.
-[[nodiscard]] ExperimentForm readForm(const TomlDocument& document, Problems& problems);
+/// @param model_of finds the program that `model` names
+[[nodiscard]] ExperimentForm readForm(const TomlDocument& document, const ModelLookup& model_of,
+                                      Problems& problems);
 
 }  // namespace lab::keys

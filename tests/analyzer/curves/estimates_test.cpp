@@ -141,7 +141,7 @@ TEST(Verdict, AcceptsASmallSpeedErrorAsCalibration) {
   WalkerRecording recording = shortRecording(abpLaw(3, 0.5, 0.0297));
   recording.duration = 600;
   const StitchedRecording stitched = stitch(recording);
-  recording.law.v = 0.03;
+  recording.law = abpLaw(3, 0.5, 0.03);
   const ProgramResult dut = analyseRecording(recording, stitched);
   EXPECT_EQ(dut.verdict.kind, VerdictKind::kAgrees);
   for (const Estimate& estimate : dut.estimates) {

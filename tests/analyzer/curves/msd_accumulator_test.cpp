@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analyzer/curves/lags.hpp"
+#include "tests/analyzer/paper_programs.hpp"
 
 namespace lab::analysis::msd_accumulator_test {
 namespace {
@@ -437,11 +438,7 @@ TEST(MsdAccumulator, LosesNoWindowOfLongLagsIfReversalsLastWholeFrames) {
 }
 
 TEST(MsdAccumulator, KeepsAnHourAtHundredFramesASecondInLessThan50kB) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kAbp;
-  law.v = 0.03;
-  law.eta = 3;
-  law.epsilon = 0.5;
+  const ProgramLaw law = abpLaw(3, 0.5);
   MsdAccumulator dut(makeLagGrid(0.01, 100, law), 0.01);
   Sample sample;
   for (int i = 0; i < 360000; ++i) {

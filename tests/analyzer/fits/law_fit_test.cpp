@@ -153,8 +153,7 @@ TEST(LawFit, GivesAReasonIfDataAreInsufficient) {
   for (std::size_t i = 1; i < one.lags.size(); ++i) one.msd[i] = one.angular_msd[i] = std::nan("");
   EXPECT_NE(fitLaw(law, one, {}).refusal.find("lags"), std::string::npos);
 
-  ProgramLaw other = law;
-  other.v = 0.3;  // ten times what was recorded
+  const ProgramLaw other = law.withSpeed(0.3);  // ten times what was recorded
   EXPECT_NE(
       fitLaw(other, curvesOfRecording(recording, 10), {}).refusal.find("not like the program's"),
       std::string::npos);

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <optional>
 
+#include "tests/analyzer/paper_programs.hpp"
 #include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis::optional_stopping_test {
@@ -14,14 +15,7 @@ namespace {
 
 constexpr int kRecordings = 300;
 
-ProgramLaw figure2b() {
-  ProgramLaw law;
-  law.kind = ProgramKind::kAbp;
-  law.v = 0.03;
-  law.eta = 3;
-  law.epsilon = 0.5;
-  return law;
-}
+ProgramLaw figure2b() { return abpLaw(3, 0.5); }
 
 Estimate rotational(const ProgramAnalysis& analysis) {
   for (const Estimate& estimate : estimate(analysis.law(), analysis.data())) {

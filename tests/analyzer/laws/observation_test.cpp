@@ -56,8 +56,9 @@ TEST(Observation, IsTheDoubleIntegralOverBothExposures) {
 TEST(Observation, HasAClosedFormForAnExponentialCorrelation) {
   const ProgramLaw program = rtpLaw(3, 0.5, 0.05);
   const ExactLaw law(program);
-  const double rate = program.gamma;
-  const double c = program.v * program.v / (1 + program.gamma * program.tau_t);
+  const RunsAndTurns runs = *program->runs();
+  const double rate = runs.rate;
+  const double c = runs.speed * runs.speed / (1 + runs.rate * runs.turn_time);
   for (const double e : {0.02, 0.1, 0.6}) {
     for (const double tau : {0.6, 1.0, 5.0}) {
       const double kept = 2 * (std::cosh(rate * e) - 1) / (rate * rate * e * e);
@@ -88,8 +89,11 @@ TEST(Observation, AgreesWithSimulatedExposures) {
   constexpr int kInstants = 40;
   const double span = exposure * (kInstants - 1) / kInstants;
   std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> wheel(program.va - program.V, program.va + program.V);
-  std::uniform_real_distribution<double> phase(0, program.epsilon);
+  const DrawnWheels wheels = *program->drawnWheels();
+  const double hold = program->held()->hold;
+  std::uniform_real_distribution<double> wheel(wheels.mean - wheels.half_width,
+                                               wheels.mean + wheels.half_width);
+  std::uniform_real_distribution<double> phase(0, hold);
   WindowMoments moments;
   for (int robot = 0; robot < 40'000; ++robot) {
     double left = phase(random);
@@ -103,7 +107,7 @@ TEST(Observation, AgreesWithSimulatedExposures) {
     const auto drive = [&](double until) {
       while (time < until) {
         const double dt = std::min(left, until - time);
-        const double half = 0.5 * (r - l) / program.wheel_base * dt;
+        const double half = 0.5 * (r - l) / program->wheelBase() * dt;
         const double chord = 0.5 * (l + r) * dt * (half == 0 ? 1 : std::sin(half) / half);
         x += chord * std::cos(theta + half);
         y += chord * std::sin(theta + half);
@@ -111,7 +115,7 @@ TEST(Observation, AgreesWithSimulatedExposures) {
         time += dt;
         left -= dt;
         if (left <= 0) {
-          left = program.epsilon;
+          left = hold;
           l = wheel(random);
           r = wheel(random);
         }

@@ -11,6 +11,7 @@
 
 #include "analyzer/laws.hpp"
 #include "tests/analyzer/laws/window_moments.hpp"
+#include "tests/analyzer/paper_programs.hpp"
 
 namespace lab::analysis::rtp_law_test {
 namespace {
@@ -119,14 +120,10 @@ TEST(RtpLaw, AgreesWithSimulatedRobotsForAnyTurning) {
 }
 
 TEST(RtpLaw, IsEquation6OnTheFullCircle) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kRtp;
-  law.v = 0.05;
-  law.gamma = 3;
-  law.tau_t = 0.5;
-  const RtpLaw dut(law.v, law.gamma, law.tau_t);
+  const ProgramLaw law = rtpLaw(3, 0.5);
+  const RtpLaw dut(0.05, 3, 0.5);
   for (const double tau : {1e-6, 1e-3, 0.1, 0.33, 0.34, 1.0, 10.0, 1e4}) {
-    EXPECT_NEAR(dut.msd(tau) / paperMsd(law, tau), 1, 1e-13) << tau;
+    EXPECT_NEAR(dut.msd(tau) / law->paperMsd(tau), 1, 1e-13) << tau;
   }
   EXPECT_EQ(dut.msd(0), 0);
   EXPECT_EQ(dut.angularMsd(0), 0);

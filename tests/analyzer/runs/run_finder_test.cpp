@@ -41,8 +41,9 @@ TEST_P(FrameRates, EveryTumbleIsCountedAndAllRunTimeIsFound) {
     EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()),
                 1 + 0.001 * static_cast<double>(truth.turns.size()));
     EXPECT_NEAR(totalOf(dut) / truth.run_time, 1, 0.003);
-    EXPECT_NEAR(dut.speed.value, plan.law.v, 4 * dut.speed.sigma + 0.0003 * plan.law.v);
-    EXPECT_NEAR(dut.tumble.value, plan.law.tau_t, 4 * dut.tumble.sigma);
+    EXPECT_NEAR(dut.speed.value, plan.law->meanSpeed(),
+                4 * dut.speed.sigma + 0.0003 * plan.law->meanSpeed());
+    EXPECT_NEAR(dut.tumble.value, plan.law->runs()->turn_time, 4 * dut.tumble.sigma);
     EXPECT_NEAR(dut.sigma, plan.sigma, 0.05 * plan.sigma);
   }
 }
@@ -121,8 +122,8 @@ TEST(RunFinder, MeasuresScalesThatDifferFromTheProgram) {
   TrueRuns truth;
   const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
 
-  EXPECT_NEAR(dut.speed.value, 0.9 * plan.law.v, 4 * dut.speed.sigma + 1e-5);
-  EXPECT_NEAR(dut.tumble.value, 1.15 * plan.law.tau_t, 4 * dut.tumble.sigma);
+  EXPECT_NEAR(dut.speed.value, 0.9 * plan.law->meanSpeed(), 4 * dut.speed.sigma + 1e-5);
+  EXPECT_NEAR(dut.tumble.value, 1.15 * plan.law->runs()->turn_time, 4 * dut.tumble.sigma);
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 3);
 }
 

@@ -41,11 +41,12 @@ inline std::vector<Sample> recordRuns(const RunRecording& recording, TrueRuns* t
   std::mt19937_64 random(recording.seed);
   std::normal_distribution<double> normal;
   std::uniform_real_distribution<double> uniform(0, 1);
-  const double v = recording.law.v * recording.speed_factor;
-  const double tau = recording.law.tau_t * recording.tumble_factor;
+  const RunsAndTurns programmed = *recording.law->runs();
+  const double v = programmed.speed * recording.speed_factor;
+  const double tau = programmed.turn_time * recording.tumble_factor;
   const auto draw_run = [&] {
     return recording.run ? recording.run(random)
-                         : std::exponential_distribution<double>(recording.law.gamma)(random);
+                         : std::exponential_distribution<double>(programmed.rate)(random);
   };
   const auto draw_turn = [&] {
     return recording.turn ? recording.turn(random) : (2 * uniform(random) - 1) * std::numbers::pi;
@@ -54,7 +55,7 @@ inline std::vector<Sample> recordRuns(const RunRecording& recording, TrueRuns* t
   double y = 0;
   double theta = 0;
   // Begins long before the recording, in order to be in the stationary state.
-  double time = -20 * (1 / recording.law.gamma + tau) * uniform(random);
+  double time = -20 * (1 / programmed.rate + tau) * uniform(random);
   bool run = true;
   double left = draw_run();
   double turning = 0;

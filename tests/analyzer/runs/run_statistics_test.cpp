@@ -152,7 +152,7 @@ TEST(WrongPrograms, AnotherRateIsDetected) {
 
 TEST(Wheels, FullTurnsAndFastTumblesAreReported) {
   RunRecording recording = twoMinutes(9);
-  recording.law.tau_t = 0.4;
+  recording.law = recording.law.with("tau_t", 0.4);
   recording.turn = [](std::mt19937_64& random) {
     return std::uniform_real_distribution<double>(0, 2 * std::numbers::pi)(random);
   };

@@ -150,10 +150,8 @@ TEST(Analysis, DropsARobotSeenTwiceInAFrame) {
 }
 
 TEST(Analysis, IgnoresProgramsWithoutALaw) {
-  ProgramLaw wheels;
-  wheels.kind = ProgramKind::kWheels;
   Analysis dut(config());
-  feed(dut, record(abpLaw(3, 0.5), 20, 7), 1, wheels);
+  feed(dut, record(abpLaw(3, 0.5), 20, 7), 1, ProgramLaw());
   dut.flush();
   EXPECT_TRUE(dut.results().empty());
   EXPECT_GT(dut.robotCounters(1).standing, 900);

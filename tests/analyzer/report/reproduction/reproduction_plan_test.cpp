@@ -1,11 +1,11 @@
-#include "analyzer/report/reproduction/reproduction_plan.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
+#include "analyzer/laws/law_of.hpp"
+#include "analyzer/laws/paper_figures.hpp"
 #include "analyzer/report_error.hpp"
 #include "common/experiment/experiment_file.hpp"
 
@@ -28,9 +28,9 @@ const PaperPanel& panel(const std::string& id) {
   throw std::out_of_range(id);
 }
 
-std::set<double> values(const std::vector<std::string>& ids, double RobotProgram::*key) {
+std::set<double> values(const std::vector<std::string>& ids, const std::string& key) {
   std::set<double> all;
-  for (const std::string& id : ids) all.insert(paperSet(id).program.*key);
+  for (const std::string& id : ids) all.insert(paperSet(id).law->parameter(key));
   return all;
 }
 
@@ -40,45 +40,44 @@ TEST(ReproductionPlan, HasEveryPanelOfTheFigures) {
 }
 
 TEST(ReproductionPlan, HasTheParametersOfThePaper) {
-  const RobotProgram& b2 = paperSet(panel("2b").curves.at(0)).program;
-  EXPECT_DOUBLE_EQ(b2.v, 0.03);
-  EXPECT_DOUBLE_EQ(b2.epsilon, 0.5);
-  EXPECT_DOUBLE_EQ(b2.eta, 3);
+  const analysis::ProgramLaw& b2 = paperSet(panel("2b").curves.at(0)).law;
+  EXPECT_DOUBLE_EQ(b2->parameter("v"), 0.03);
+  EXPECT_DOUBLE_EQ(b2->parameter("epsilon"), 0.5);
+  EXPECT_DOUBLE_EQ(b2->parameter("eta"), 3);
   EXPECT_EQ(panel("2a").curves, panel("2b").curves);
-  EXPECT_EQ(values(panel("2c").points, &RobotProgram::eta), (std::set<double>{3}));
-  EXPECT_EQ(values(panel("2d").points, &RobotProgram::epsilon), (std::set<double>{0.25}));
-  EXPECT_EQ(values(panel("2e").curves, &RobotProgram::epsilon), (std::set<double>{0.25}));
+  EXPECT_EQ(values(panel("2c").points, "eta"), (std::set<double>{3}));
+  EXPECT_EQ(values(panel("2d").points, "epsilon"), (std::set<double>{0.25}));
+  EXPECT_EQ(values(panel("2e").curves, "epsilon"), (std::set<double>{0.25}));
 
-  const RobotProgram& b3 = paperSet(panel("3b").curves.at(0)).program;
-  EXPECT_EQ(b3.kind, ProgramKind::kNoisyAbp);
-  EXPECT_DOUBLE_EQ(b3.va, 0.01);
-  EXPECT_DOUBLE_EQ(b3.V, 0.10);
-  EXPECT_DOUBLE_EQ(b3.epsilon, 0.1);
-  const RobotProgram& c3 = paperSet(panel("3c").curves.at(0)).program;
-  EXPECT_EQ(c3.kind, ProgramKind::kBp);
-  EXPECT_DOUBLE_EQ(c3.V, 0.07);
-  EXPECT_DOUBLE_EQ(c3.epsilon, 0.2);
-  EXPECT_EQ(values(panel("3d").curves, &RobotProgram::epsilon), (std::set<double>{0.2}));
+  const analysis::ProgramLaw& b3 = paperSet(panel("3b").curves.at(0)).law;
+  EXPECT_EQ(b3->name(), "noisy_abp");
+  EXPECT_DOUBLE_EQ(b3->parameter("va"), 0.01);
+  EXPECT_DOUBLE_EQ(b3->parameter("V"), 0.10);
+  EXPECT_DOUBLE_EQ(b3->parameter("epsilon"), 0.1);
+  const analysis::ProgramLaw& c3 = paperSet(panel("3c").curves.at(0)).law;
+  EXPECT_EQ(c3->name(), "bp");
+  EXPECT_DOUBLE_EQ(c3->parameter("V"), 0.07);
+  EXPECT_DOUBLE_EQ(c3->parameter("epsilon"), 0.2);
+  EXPECT_EQ(values(panel("3d").curves, "epsilon"), (std::set<double>{0.2}));
 
   const PaperSet& b4 = paperSet(panel("4b").curves.at(0));
   EXPECT_TRUE(b4.short_recording);
-  EXPECT_DOUBLE_EQ(b4.program.v, 0.05);
-  EXPECT_DOUBLE_EQ(b4.program.gamma, 3);
-  EXPECT_DOUBLE_EQ(b4.program.tau_t, 0.5);
+  EXPECT_DOUBLE_EQ(b4.law->parameter("v"), 0.05);
+  EXPECT_DOUBLE_EQ(b4.law->parameter("gamma"), 3);
+  EXPECT_DOUBLE_EQ(b4.law->parameter("tau_t"), 0.5);
   EXPECT_EQ(panel("4c").curves, panel("4b").curves);
-  EXPECT_EQ(values(panel("4d").curves, &RobotProgram::tau_t), (std::set<double>{0.5}));
-  EXPECT_EQ(values(panel("4e").curves, &RobotProgram::gamma), (std::set<double>{1}));
+  EXPECT_EQ(values(panel("4d").curves, "tau_t"), (std::set<double>{0.5}));
+  EXPECT_EQ(values(panel("4e").curves, "gamma"), (std::set<double>{1}));
 }
 
 TEST(ReproductionPlan, NamesChosenParameters) {
-  EXPECT_EQ(values(panel("2c").curves, &RobotProgram::epsilon), (std::set<double>{0.1, 0.5, 0.9}));
-  EXPECT_EQ(values(panel("2c").points, &RobotProgram::epsilon),
-            (std::set<double>{0.1, 0.25, 0.5, 0.7, 0.9}));
-  EXPECT_EQ(values(panel("2d").curves, &RobotProgram::eta), (std::set<double>{1, 3, 6}));
-  EXPECT_EQ(values(panel("2e").curves, &RobotProgram::eta), (std::set<double>{1, 2, 3, 4, 5, 6}));
+  EXPECT_EQ(values(panel("2c").curves, "epsilon"), (std::set<double>{0.1, 0.5, 0.9}));
+  EXPECT_EQ(values(panel("2c").points, "epsilon"), (std::set<double>{0.1, 0.25, 0.5, 0.7, 0.9}));
+  EXPECT_EQ(values(panel("2d").curves, "eta"), (std::set<double>{1, 3, 6}));
+  EXPECT_EQ(values(panel("2e").curves, "eta"), (std::set<double>{1, 2, 3, 4, 5, 6}));
   EXPECT_EQ(panel("3d").points.size(), 9U);
-  EXPECT_EQ(values(panel("4d").curves, &RobotProgram::gamma), (std::set<double>{0.5, 1, 2, 3}));
-  EXPECT_EQ(values(panel("4e").curves, &RobotProgram::tau_t), (std::set<double>{0.5, 1, 2}));
+  EXPECT_EQ(values(panel("4d").curves, "gamma"), (std::set<double>{0.5, 1, 2, 3}));
+  EXPECT_EQ(values(panel("4e").curves, "tau_t"), (std::set<double>{0.5, 1, 2}));
   for (const char* id : {"2c", "2d", "2e", "3d", "4d", "4e"}) {
     EXPECT_FALSE(panel(id).chosen.empty()) << id;
   }
@@ -103,7 +102,8 @@ TEST(ReproductionPlan, MakesValidExperimentsWithDistinctSeeds) {
 
       const auto programs = dut.programs;
       ASSERT_EQ(programs.size(), 1U);
-      EXPECT_EQ(programs.begin()->second, set.program) << set.id;
+      EXPECT_EQ(analysis::lawOf(programs.begin()->second, dut.hardware.diameter), set.law)
+          << set.id;
       EXPECT_DOUBLE_EQ(dut.duration, set.short_recording ? 180 : 1800);
       EXPECT_GE(dut.camera.fps, 50);
       EXPECT_GT(dut.camera.position_noise, 0);

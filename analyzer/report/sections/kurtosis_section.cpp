@@ -1,4 +1,4 @@
-#include "analyzer/report/sections/brownian_section.hpp"
+#include "analyzer/report/sections/kurtosis_section.hpp"
 
 #include <nlohmann/json.hpp>
 
@@ -17,7 +17,7 @@ Json answer(const analysis::KurtosisAnswer& answer) {
 
 }  // namespace
 
-Json brownianJson(const analysis::BrownianTest& test) {
+Json kurtosisJson(const analysis::KurtosisTest& test) {
   const auto column = [&test](double KurtosisPoint::*member) {
     Json values = Json::array();
     for (const KurtosisPoint& lag : test.lags) values.push_back(number(lag.*member));
@@ -34,7 +34,7 @@ Json brownianJson(const analysis::BrownianTest& test) {
           {"z_as_programmed", column(&KurtosisPoint::z_exact)}};
 }
 
-std::string brownianHtml(const analysis::BrownianTest& test) {
+std::string kurtosisHtml(const analysis::KurtosisTest& test) {
   return "<p><b>Is this Brownian motion?</b> " + escapeHtml(test.text) + "</p>\n";
 }
 

@@ -1,10 +1,11 @@
-#include "analyzer/report/reproduction/reproduction_plan.hpp"
+#include "analyzer/laws/paper_figures.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <stdexcept>
 
+#include "analyzer/laws/closed_forms.hpp"
 #include "analyzer/report_error.hpp"
 #include "common/math/units.hpp"
 
@@ -19,11 +20,18 @@ constexpr double kFps = 50;              // needed by figure 3b and gamma = 3
 constexpr std::uint64_t kMembers = 1000;
 constexpr std::uint64_t kSeeds = kMembers * 1000;
 
+/// @param values of the parameters, SI units
+analysis::ProgramLaw law(const std::string& name,
+                         const std::vector<std::pair<std::string, double>>& values) {
+  return analysis::closedForm(name, values, analysis::kPaperWheelBase);
+}
+
 PaperSet abp(double epsilon, double eta) {
   PaperSet set;
   set.id = fmt::format("abp_eps{:g}_eta{:g}", epsilon, eta);
   set.program_name = "abp";
-  set.program = {.kind = ProgramKind::kAbp, .v = 3 * kCentimetre, .epsilon = epsilon, .eta = eta};
+  set.law = law("abp", {{"v", 3 * kCentimetre}, {"epsilon", epsilon}, {"eta", eta}});
+  set.estimates = {"v", "D_r", "L_s"};
   return set;
 }
 
@@ -31,10 +39,9 @@ PaperSet noisyAbp(double va, double amplitude, double epsilon) {
   PaperSet set;
   set.id = fmt::format("noisy_abp_va{:g}_V{:g}_eps{:g}", va, amplitude, epsilon);
   set.program_name = "noisy_abp";
-  set.program = {.kind = ProgramKind::kNoisyAbp,
-                 .va = va * kCentimetre,
-                 .V = amplitude * kCentimetre,
-                 .epsilon = epsilon};
+  set.law = law("noisy_abp",
+                {{"va", va * kCentimetre}, {"V", amplitude * kCentimetre}, {"epsilon", epsilon}});
+  set.estimates = {"v_a", "D_r", "D_t", "D"};
   return set;
 }
 
@@ -42,7 +49,8 @@ PaperSet bp(double amplitude, double epsilon) {
   PaperSet set;
   set.id = fmt::format("bp_V{:g}_eps{:g}", amplitude, epsilon);
   set.program_name = "bp";
-  set.program = {.kind = ProgramKind::kBp, .V = amplitude * kCentimetre, .epsilon = epsilon};
+  set.law = law("bp", {{"V", amplitude * kCentimetre}, {"epsilon", epsilon}});
+  set.estimates = {"V", "D"};
   return set;
 }
 
@@ -50,7 +58,8 @@ PaperSet rtp(double gamma, double tau_t, bool short_recording = false) {
   PaperSet set;
   set.id = fmt::format("rtp_gamma{:g}_taut{:g}{}", gamma, tau_t, short_recording ? "_3min" : "");
   set.program_name = "rtp";
-  set.program = {.kind = ProgramKind::kRtp, .v = 5 * kCentimetre, .gamma = gamma, .tau_t = tau_t};
+  set.law = law("rtp", {{"v", 5 * kCentimetre}, {"gamma", gamma}, {"tau_t", tau_t}});
+  set.estimates = {"v", "gamma", "D"};
   set.short_recording = short_recording;
   return set;
 }
@@ -115,7 +124,8 @@ std::vector<PaperPanel> makePanels() {
        {"abp_eps0.1_eta3", b2, "abp_eps0.9_eta3"},
        Inset::kDrOverEpsilon,
        {"abp_eps0.1_eta3", "abp_eps0.25_eta3", b2, "abp_eps0.7_eta3", "abp_eps0.9_eta3"},
-       "2 D_r τ"},
+       "2 D_r τ",
+       "epsilon"},
       {"2d",
        PanelKind::kAngularMsd,
        "ABP: angular MSD for different η",
@@ -125,7 +135,8 @@ std::vector<PaperPanel> makePanels() {
        Inset::kDrOverEta,
        {"abp_eps0.25_eta1", "abp_eps0.25_eta2", "abp_eps0.25_eta3", "abp_eps0.25_eta4",
         "abp_eps0.25_eta5", "abp_eps0.25_eta6"},
-       "2 D_r τ"},
+       "2 D_r τ",
+       "eta"},
       {"2e",
        PanelKind::kPersistence,
        "ABP: persistence length",
@@ -135,7 +146,8 @@ std::vector<PaperPanel> makePanels() {
         "abp_eps0.25_eta5", "abp_eps0.25_eta6"},
        Inset::kNone,
        {},
-       "v / D_r"},
+       "v / D_r",
+       "eta"},
       {"3a",
        PanelKind::kTrajectory,
        "Noisy ABP: trajectory",
@@ -167,7 +179,8 @@ std::vector<PaperPanel> makePanels() {
        Inset::kDOverTheory,
        {"bp_V3_eps0.2", "bp_V5_eps0.2", "bp_V7_eps0.2", "bp_V10_eps0.2", "bp_V7_eps0.1",
         "bp_V7_eps0.4", "bp_V10_eps0.1", "bp_V10_eps0.4", "bp_V5_eps0.4"},
-       "4 D τ"},
+       "4 D τ",
+       "V"},
       {"4b",
        PanelKind::kTrajectory,
        "RTP: trajectory of three minutes",
@@ -188,7 +201,8 @@ std::vector<PaperPanel> makePanels() {
        {"rtp_gamma0.5_taut0.5", "rtp_gamma1_taut0.5", "rtp_gamma2_taut0.5", "rtp_gamma3_taut0.5"},
        Inset::kNone,
        {},
-       "eq. 6"},
+       "eq. 6",
+       "gamma"},
       {"4e",
        PanelKind::kMsd,
        "RTP: MSD for three τ_t",
@@ -197,25 +211,24 @@ std::vector<PaperPanel> makePanels() {
        {"rtp_gamma1_taut0.5", "rtp_gamma1_taut1", "rtp_gamma1_taut2"},
        Inset::kNone,
        {},
-       "eq. 6"},
+       "eq. 6",
+       "tau_t"},
   };
 }
 
-std::string parameters(const RobotProgram& program) {
-  switch (program.kind) {
-    case ProgramKind::kAbp:
-      return fmt::format("model = \"abp\"\nv_cm_s = {:g}\nepsilon_s = {:g}\neta_rad_s = {:g}\n",
-                         program.v / kCentimetre, program.epsilon, program.eta);
-    case ProgramKind::kNoisyAbp:
-      return fmt::format("model = \"noisy_abp\"\nva_cm_s = {:g}\nV_cm_s = {:g}\nepsilon_s = {:g}\n",
-                         program.va / kCentimetre, program.V / kCentimetre, program.epsilon);
-    case ProgramKind::kBp:
-      return fmt::format("model = \"bp\"\nV_cm_s = {:g}\nepsilon_s = {:g}\n",
-                         program.V / kCentimetre, program.epsilon);
-    default:
-      return fmt::format("model = \"rtp\"\nv_cm_s = {:g}\ngamma_per_s = {:g}\ntau_t_s = {:g}\n",
-                         program.v / kCentimetre, program.gamma, program.tau_t);
+/// The keys of an experiment file: the unit is part of the name.
+std::string parameters(const PaperSet& set) {
+  std::string text = fmt::format("model = \"{}\"\n", set.program_name);
+  for (const analysis::LawParameter& one : set.law->parameters()) {
+    const bool speed = one.unit == "m/s";
+    const std::string unit = speed                 ? "cm_s"
+                             : one.unit == "rad/s" ? "rad_s"
+                             : one.unit == "1/s"   ? "per_s"
+                                                   : one.unit;
+    text +=
+        fmt::format("{}_{} = {:g}\n", one.name, unit, speed ? one.value / kCentimetre : one.value);
   }
+  return text;
 }
 
 }  // namespace
@@ -301,7 +314,7 @@ std::string experimentText(const PaperSet& set, const RecordingOptions& options)
       "[reversal]\non = \"{}\"\ndistance_cm = 40\n"
       "[camera]\nfps = {}\nposition_noise_cm = 0.03\nheading_noise_deg = 0.6\n",
       set.id, seed, set.short_recording ? kShortRecording : options.hours * kHour, set.program_name,
-      options.through_firmware ? "firmware" : "sim", set.program_name, parameters(set.program),
+      options.through_firmware ? "firmware" : "sim", set.program_name, parameters(set),
       options.through_firmware ? "any" : "walls", kFps);
 }
 

@@ -1,4 +1,4 @@
-#include "analyzer/fits/brownian_hypothesis.hpp"
+#include "analyzer/fits/kurtosis_hypothesis.hpp"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,6 @@
 
 #include "analyzer/bootstrap/kurtosis_bootstrap.hpp"
 #include "analyzer/curves/estimates.hpp"
-#include "analyzer/laws/bp_kurtosis.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {
@@ -43,7 +42,7 @@ double recordingLength(double observed) {
 /// @param from the first lag that is tested
 KurtosisAnswer testHypothesis(const ProgramLaw& law, KurtosisHypothesis hypothesis, double observed,
                               const std::vector<int>& holds, std::size_t from,
-                              std::vector<KurtosisPoint>& lags) {
+                              const DisplacementKurtosis& exact, std::vector<KurtosisPoint>& lags) {
   KurtosisAnswer answer;
   answer.p = kNan;
   if (from >= lags.size()) return answer;
@@ -51,7 +50,6 @@ KurtosisAnswer testHypothesis(const ProgramLaw& law, KurtosisHypothesis hypothes
   const std::vector<int> tested(holds.begin() + static_cast<std::ptrdiff_t>(from), holds.end());
   const double length = recordingLength(observed);
   const KurtosisBootstrap& recordings = kurtosisBootstrap(law, hypothesis, tested, length);
-  const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
   double largest = 0;
   for (std::size_t i = from; i < lags.size(); ++i) {
     KurtosisPoint& lag = lags[i];
@@ -94,7 +92,7 @@ std::string pText(double p) {
   return p <= kSmallestP ? words("p < %.0e", kSmallestP) : words("p = %.2g", p);
 }
 
-std::string verdict(const BrownianTest& test) {
+std::string verdict(const KurtosisTest& test) {
   const auto at = [&test](const KurtosisAnswer& answer) {
     return *std::ranges::find(test.lags, answer.tau, &KurtosisPoint::tau);
   };
@@ -117,37 +115,39 @@ std::string verdict(const BrownianTest& test) {
 
 }  // namespace
 
-std::optional<BrownianTest> testBrownian(const ProgramLaw& law, const BlockData& data) {
-  const bool defined = law.kind == ProgramKind::kBp && ExactLaw(law).exists() && law.V > 0;
-  const double observed = defined ? data.observed() : 0;
+std::optional<KurtosisTest> testKurtosis(const ProgramLaw& law, const BlockData& data) {
+  const auto wheels = law->drawnWheels();
+  if (!wheels || !(wheels->half_width > 0)) return std::nullopt;
+  const auto exact = law->kurtosis();
+  const double observed = exact ? data.observed() : 0;
   if (!(observed > 0)) return std::nullopt;
-  const BpKurtosis exact(law.V, law.wheel_base, law.epsilon);
   const double offset = noiseOffset(law, data);
   const BlockSums total = data.total();
   // Pools may be longer than the simulated recordings.
   const double longest = kShare * std::min(observed, recordingLength(observed));
-  BrownianTest test;
+  KurtosisTest test;
   std::vector<int> holds;
   std::size_t isotropic_from = 0;
   for (std::size_t i = 0; i < data.lags.size(); ++i) {
     const LagSums& sums = total.lags[i];
     const double tau = data.lagTime(i, total);
-    const int whole = static_cast<int>(std::lround(tau / law.epsilon));
+    const int whole = static_cast<int>(std::lround(tau / law->drawTime()));
     if (whole < (holds.empty() ? kFirstHolds : 2 * holds.back())) continue;
     if (tau > longest || sums.windows == 0 || !(sums.r2 > 0)) break;
     KurtosisPoint lag;
     lag.tau = tau;
     lag.kurtosis = sums.r4 * sums.windows / (sums.r2 * sums.r2);
-    lag.exact = exact.observed(tau, offset);
+    lag.exact = exact->observed(tau, offset);
     lag.z_isotropic = kNan;
     if (whole < kIsotropicHolds) ++isotropic_from;
     holds.push_back(whole);
     test.lags.push_back(lag);
   }
   if (test.lags.empty()) return std::nullopt;
-  test.exact = testHypothesis(law, KurtosisHypothesis::kProgram, observed, holds, 0, test.lags);
+  test.exact =
+      testHypothesis(law, KurtosisHypothesis::kProgram, observed, holds, 0, *exact, test.lags);
   test.isotropic = testHypothesis(law, KurtosisHypothesis::kIsotropic, observed, holds,
-                                  isotropic_from, test.lags);
+                                  isotropic_from, *exact, test.lags);
   test.text = verdict(test);
   return test;
 }

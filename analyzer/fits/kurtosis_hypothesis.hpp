@@ -1,4 +1,4 @@
-/// Hypothesis test for Brownian motion.
+/// Hypothesis tests by the kurtosis of the displacement.
 #pragma once
 
 #include <optional>
@@ -33,17 +33,17 @@ struct KurtosisAnswer {
 
 /// Test for Brownian motion by the kurtosis. An MSD of 4 D tau is not sufficient: a robot that
 /// diffuses along its own, slowly turning axis has the same MSD.
-struct BrownianTest {
+struct KurtosisTest {
   std::vector<KurtosisPoint> lags;  ///< one per octave, from two holds on
   KurtosisAnswer isotropic;         ///< Brownian motion in the plane; for lags from ten holds on
-  KurtosisAnswer exact;             ///< the programmed law of the robot (BpKurtosis)
+  KurtosisAnswer exact;             ///< the programmed law of the robot
   std::string text;                 ///< the verdict in words
 };
 
 /// Simulates recordings (KurtosisBootstrap), which takes time: only for Depth::kFull.
-/// @return nullopt if the program is not BP, or if no lag is shorter than a fortieth of the
+/// @return nullopt if the law gives no kurtosis, or if no lag is shorter than a fortieth of the
 /// recording
-[[nodiscard]] std::optional<BrownianTest> testBrownian(const ProgramLaw& law,
+[[nodiscard]] std::optional<KurtosisTest> testKurtosis(const ProgramLaw& law,
                                                        const BlockData& data);
 
 }  // namespace lab::analysis

@@ -1,57 +1,53 @@
-#include "analyzer/fits/brownian_hypothesis.hpp"
+#include "analyzer/fits/kurtosis_hypothesis.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cstdint>
 
+#include "tests/analyzer/paper_programs.hpp"
 #include "tests/analyzer/recording_ensemble.hpp"
 
 namespace lab::analysis {
 namespace {
 
-ProgramLaw bp(double amplitude, double epsilon) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kBp;
-  law.V = amplitude;
-  law.epsilon = epsilon;
-  return law;
+ProgramLaw bp(double amplitude, double epsilon, double wheel_base = kPaperWheelBase) {
+  return noisyLaw(0, amplitude, epsilon, wheel_base);
 }
 
-BrownianTest testRecording(const WalkerRecording& recording, const ProgramLaw& asked) {
+KurtosisTest testRecording(const WalkerRecording& recording, const ProgramLaw& asked) {
   const StitchedRecording stitched = stitch(recording);
   ProgramAnalysis analysis(asked, 1 / recording.fps, 100);
   for (const Sample& sample : stitched.samples) analysis.add(sample);
-  const auto test = testBrownian(asked, analysis.data());
-  return test.value_or(BrownianTest{});
+  const auto test = testKurtosis(asked, analysis.data());
+  return test.value_or(KurtosisTest{});
 }
 
-TEST(BrownianTest, DetectsDiffusionAlongTheRobotAxisInOneHour) {
+TEST(KurtosisTest, DetectsDiffusionAlongTheRobotAxisInOneHour) {
   WalkerRecording recording;
   recording.law = bp(0.07, 0.2);
   recording.duration = 3600;
   recording.fps = 10.3;
   recording.sigma = 0.0005;
   recording.sigma_theta = 0.01;
-  const BrownianTest test = testRecording(recording, recording.law);
+  const KurtosisTest test = testRecording(recording, recording.law);
   ASSERT_GE(test.lags.size(), 6U);
   EXPECT_TRUE(test.isotropic.rejected) << test.text;
   EXPECT_FALSE(test.exact.rejected) << test.text;
   EXPECT_EQ(test.text.rfind("Not Brownian motion in the plane: kurtosis 2.", 0), 0U) << test.text;
 }
 
-TEST(BrownianTest, RejectsAnotherLaw) {
+TEST(KurtosisTest, RejectsAnotherLaw) {
   // Robots that turn twenty times as fast are isotropic within a second: not the programmed law.
   WalkerRecording recording;
-  recording.law = bp(0.07, 0.2);
-  recording.law.wheel_base = 0.075 / 6;
+  recording.law = bp(0.07, 0.2, 0.075 / 6);
   recording.duration = 3600;
   recording.fps = 10.3;
-  const BrownianTest test = testRecording(recording, bp(0.07, 0.2));
+  const KurtosisTest test = testRecording(recording, bp(0.07, 0.2));
   ASSERT_FALSE(test.lags.empty());
   EXPECT_TRUE(test.exact.rejected) << test.text;
 }
 
-TEST(BrownianTest, NeedsABrownianParticleAndEnoughData) {
+TEST(KurtosisTest, NeedsABrownianParticleAndEnoughData) {
   WalkerRecording recording;
   recording.law = bp(0.07, 0.2);
   recording.duration = 2;
@@ -59,14 +55,12 @@ TEST(BrownianTest, NeedsABrownianParticleAndEnoughData) {
   const StitchedRecording stitched = stitch(recording);
   ProgramAnalysis analysis(recording.law, 1 / recording.fps, 100);
   for (const Sample& sample : stitched.samples) analysis.add(sample);
-  EXPECT_FALSE(testBrownian(recording.law, analysis.data()));
-  ProgramLaw abp;
-  abp.kind = ProgramKind::kAbp;
-  EXPECT_FALSE(testBrownian(abp, analysis.data()));
-  EXPECT_FALSE(testBrownian(recording.law, BlockData{}));
+  EXPECT_FALSE(testKurtosis(recording.law, analysis.data()));
+  EXPECT_FALSE(testKurtosis(abpLaw(3, 0.5), analysis.data()));
+  EXPECT_FALSE(testKurtosis(recording.law, BlockData{}));
 }
 
-TEST(BrownianTest, RejectsTheTrueLawAtTheStatedRate) {
+TEST(KurtosisTest, RejectsTheTrueLawAtTheStatedRate) {
   int rejected = 0;
   constexpr int kRecordings = 100;
   Scatter largest;
@@ -76,7 +70,7 @@ TEST(BrownianTest, RejectsTheTrueLawAtTheStatedRate) {
     recording.duration = 1200;
     recording.fps = 10.3;
     recording.seed = static_cast<std::uint64_t>(100 + i);
-    const BrownianTest test = testRecording(recording, recording.law);
+    const KurtosisTest test = testRecording(recording, recording.law);
     rejected += test.exact.rejected ? 1 : 0;
     for (const KurtosisPoint& lag : test.lags) largest.add(std::abs(lag.z_exact));
   }

@@ -6,17 +6,18 @@
 #include <string_view>
 #include <vector>
 
-#include "common/experiment/experiment.hpp"
+#include "analyzer/laws/law.hpp"
 
 namespace lab::report {
 
 /// A program of the paper with its parameters.
 struct PaperSet {
-  int number = 0;                ///< number in the list of all sets; seeds derive from it
-  std::string id;                ///< "abp_eps0.5_eta3": name of its runs, also in tables
-  std::string program_name;      ///< its key in the experiment file
-  RobotProgram program;          ///< SI units
-  bool short_recording = false;  ///< the three minutes of figure 4b,c instead of the hour
+  int number = 0;                        ///< number in the list of all sets; seeds derive from it
+  std::string id;                        ///< "abp_eps0.5_eta3": name of its runs, also in tables
+  std::string program_name;              ///< its key in the experiment file
+  analysis::ProgramLaw law;              ///< of the program, with its parameters
+  std::vector<std::string> estimates{};  ///< names of those that tables show
+  bool short_recording = false;          ///< the three minutes of figure 4b,c instead of the hour
 };
 
 enum class PanelKind {
@@ -40,6 +41,8 @@ struct PaperPanel {
   Inset inset = Inset::kNone;
   std::vector<std::string> points{};  ///< ids of the sets of the inset, one point each
   std::string formula{};              ///< formula of the paper ("eq. 4"); empty: none is tested
+  /// The parameter by which its curves differ; empty: there is only one curve.
+  std::string varied{};
 };
 
 /// All sets, in the order of the figures.

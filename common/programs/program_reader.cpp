@@ -1,0 +1,276 @@
+#include "common/programs/program_reader.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "common/files/experiment_error.hpp"
+#include "common/files/file_values.hpp"
+#include "common/programs/shipped_programs.hpp"
+#include "common/text/nearest_word.hpp"
+
+namespace lab {
+namespace {
+
+using keys::displayText;
+
+const std::vector<std::string> kKeys{"description", "law", "parameters", "state", "phases"};
+
+/// Reads the texts of a program and remembers where each was written.
+class ProgramReader {
+ public:
+  ProgramReader(const keys::TomlDocument& document, const toml::table& table, std::string path,
+                keys::Problems& problems)
+      : document_(document), table_(table), path_(std::move(path)), problems_(problems) {}
+
+  ProgramFile read(const std::string& name, const dynamics::WheelLimits& limits,
+                   const ModelLookup& model_of) {
+    ProgramFile program;
+    program.text.name = name;
+    if (model_of && table_.contains("model")) {
+      readModel(model_of, program.text);
+    } else {
+      std::vector<std::string> allowed = kKeys;
+      if (model_of) allowed.emplace_back("model");
+      readTable(table_, "", allowed, [&](const std::string& key, const toml::node& node) {
+        readKey(key, node, program.text);
+      });
+    }
+    program.text.name = name;
+    if (failed_) return program;
+    program.compiled = language::compile(program.text, limits);
+    for (const language::Problem& problem : program.compiled.errors) {
+      const std::string shown = problem.key.empty() && path_.empty() ? name : problem.key;
+      problems_.addAt(place(problem.key, problem.offset), shownPath(shown), problem.message);
+    }
+    return program;
+  }
+
+ private:
+  /// The path of a key in the document.
+  [[nodiscard]] std::string shownPath(const std::string& key) const {
+    return key.empty() || path_.empty() ? path_ + key : path_ + "." + key;
+  }
+
+  void problem(const std::string& key, const std::string& message) {
+    failed_ = true;
+    problems_.addAt(place(key, 0), shownPath(key), message);
+  }
+
+  /// The place of a character in the text of a key, or of what contains the key.
+  [[nodiscard]] keys::FileLocation place(std::string key, std::size_t offset) const {
+    while (!key.empty() && places_.find(key) == places_.end()) {
+      const std::size_t dot = key.rfind('.');
+      key.erase(dot == std::string::npos ? 0 : dot);
+      offset = 0;
+    }
+    const auto found = places_.find(key);
+    if (found == places_.end()) return document_.place(table_);
+    const toml::node& node = *found->second;
+    keys::FileLocation at = document_.place(node);
+    // The text begins after its quote. The text of an override has no line.
+    const std::size_t column = node.source().begin.column + (node.is_string() ? 1U : 0U) + offset;
+    if (at.line != 0) at.text += ":" + std::to_string(column);
+    return at;
+  }
+
+  void readKey(const std::string& key, const toml::node& node, language::ProgramText& program) {
+    if (key == "description") {
+      program.description = textOf(node, key);
+    } else if (key == "phases") {
+      readPhases(node, program);
+    } else if (key == "law") {
+      readLaw(node, program);
+    } else {
+      readNamed(node, key, key == "state" ? program.state : program.parameters);
+    }
+  }
+
+  void readLaw(const toml::node& node, language::ProgramText& program) {
+    program.law.clear();
+    if (const auto name = node.value_exact<std::string>()) {
+      program.law.emplace_back("name", *name);
+    } else if (node.is_table()) {
+      readNamed(node, "law", program.law);
+    } else {
+      problem("law", "found " + displayText(node) +
+                         ", allowed the name of a closed form, as \"abp\", or a table (docs/programs.md)");
+    }
+  }
+
+  /// Another program with other values of its parameters.
+  void readModel(const ModelLookup& model_of, language::ProgramText& program) {
+    const toml::node& node = *table_.get("model");
+    places_["model"] = &node;
+    const std::string model = textOf(node, "model");
+    if (failed_) return;
+    std::optional<language::ProgramText> found = model_of(model);
+    if (!found) {
+      const std::vector<std::string> names = shippedProgramNames();
+      std::string all;
+      for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
+      problem("model", "found " + displayText(std::string_view(model)) +
+                           ", allowed a file (\"my_motion.toml\") or the name of a shipped program: " + all +
+                           didYouMean(model, names, keys::tomlString));
+      return;
+    }
+    program = std::move(*found);
+    std::vector<std::string> allowed{"model", "description", "parameters"};
+    for (const auto& [name, text] : program.parameters) allowed.push_back(name + "_UNIT");
+    readTable(table_, "", {}, [&](const std::string& key, const toml::node& value) {
+      if (key == "model") return;
+      if (key == "description") {
+        program.description = textOf(value, key);
+      } else if (key == "parameters") {
+        std::vector<language::NamedText> changes;
+        readNamed(value, key, changes);
+        for (const auto& [name, text] : changes) change(program, "parameters." + name, name, text);
+      } else if (!readNumberKey(key, value, program)) {
+        problem(key, "found an unknown key, allowed with model = \"" + model + "\": description, parameters" +
+                         parameterKeys(program));
+      }
+    });
+  }
+
+  /// "v_cm_s = 5" means v = "5 cm/s".
+  bool readNumberKey(const std::string& key, const toml::node& node,
+                     language::ProgramText& program) {
+    const keys::FileUnit& unit = keys::unitOf(key);
+    const std::string name = key.substr(0, key.size() - unit.suffix.size());
+    const auto parameter = std::ranges::find(program.parameters, name, &language::NamedText::first);
+    if (parameter == program.parameters.end() || unit.suffix.empty()) return false;
+    const auto value = node.value<double>();
+    if (!node.is_number() || !value || !std::isfinite(*value)) {
+      problem(key, "found " + displayText(node) + ", allowed a number in " + std::string(unit.text));
+      return true;
+    }
+    parameter->second = keys::numberText(*value) + " " + std::string(unit.text);
+    places_["parameters." + name] = &node;
+    return true;
+  }
+
+  void change(language::ProgramText& program, const std::string& key, const std::string& name,
+              const std::string& text) {
+    const auto parameter = std::ranges::find(program.parameters, name, &language::NamedText::first);
+    if (parameter != program.parameters.end()) {
+      parameter->second = text;
+      return;
+    }
+    std::vector<std::string> names;
+    for (const auto& [known, value] : program.parameters) names.push_back(known);
+    std::string all;
+    for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
+    problem(key, "found an unknown parameter, allowed: " + all + didYouMean(name, names));
+  }
+
+  /// ", v (v_cm_s), epsilon (epsilon_s)" without the units, which only the compiler knows.
+  static std::string parameterKeys(const language::ProgramText& program) {
+    std::string all;
+    for (const auto& [name, text] : program.parameters) all += (all.empty() ? ", or a parameter with its unit: " : ", ") + name;
+    return all;
+  }
+
+  template <typename Take>
+  void readTable(const toml::table& table, const std::string& path,
+                 const std::vector<std::string>& allowed, const Take& take) {
+    std::vector<std::pair<std::string, const toml::node*>> entries;
+    for (const auto& [key, node] : table) {
+      entries.emplace_back(key.str(), &node);
+    }
+    // TOML tables have no order, but draws and phases do: that of the file.
+    std::ranges::stable_sort(entries, {}, [](const auto& entry) {
+      const toml::source_position begin = entry.second->source().begin;
+      return std::pair(begin.line, begin.column);
+    });
+    for (const auto& [key, node] : entries) {
+      const std::string key_path = path.empty() ? key : path + "." + key;
+      places_[key_path] = node;
+      if (!allowed.empty() && std::ranges::find(allowed, key) == allowed.end()) {
+        std::string all;
+        for (const std::string& one : allowed) all += (all.empty() ? "" : ", ") + one;
+        problem(key_path, "found an unknown key, allowed here: " + all + didYouMean(key, allowed));
+        continue;
+      }
+      take(key, *node);
+    }
+  }
+
+  std::string textOf(const toml::node& node, const std::string& path) {
+    if (const auto text = node.value_exact<std::string>()) return *text;
+    const bool number = node.is_number();
+    problem(path, "found " + displayText(node) + ", allowed a text" +
+                            (number ? ": \"" + displayText(node) + "\", with its unit if it has one"
+                                    : " in quotes"));
+    return "";
+  }
+
+  const toml::table* tableOf(const toml::node& node, const std::string& path) {
+    if (!node.is_table()) {
+      problem(path, "found " + displayText(node) + ", allowed a table: " + path + " = {...}");
+    }
+    return node.as_table();
+  }
+
+  void readNamed(const toml::node& node, const std::string& path,
+                 std::vector<language::NamedText>& texts) {
+    const toml::table* table = tableOf(node, path);
+    if (table == nullptr) return;
+    readTable(*table, path, {}, [&](const std::string& key, const toml::node& value) {
+      texts.emplace_back(key, textOf(value, path + "." + key));
+    });
+  }
+
+  void readPhases(const toml::node& node, language::ProgramText& program) {
+    const toml::table* phases = tableOf(node, "phases");
+    if (phases == nullptr) return;
+    readTable(*phases, "phases", {}, [&](const std::string& name, const toml::node& phase) {
+      const std::string path = "phases." + name;
+      program.phases.emplace_back();
+      program.phases.back().name = name;
+      if (const toml::table* table = tableOf(phase, path)) {
+        readPhase(*table, path, program.phases.back());
+      }
+    });
+  }
+
+  void readPhase(const toml::table& table, const std::string& path, language::PhaseText& phase) {
+    const std::map<std::string, std::string language::PhaseText::*> texts{
+        {"forward", &language::PhaseText::forward}, {"turn", &language::PhaseText::turn},
+        {"left", &language::PhaseText::left},       {"right", &language::PhaseText::right},
+        {"hold", &language::PhaseText::hold},       {"next", &language::PhaseText::next},
+        {"until", &language::PhaseText::until},     {"then", &language::PhaseText::then}};
+    readTable(table, path,
+              {"set", "forward", "turn", "left", "right", "hold", "next", "until", "then"},
+              [&](const std::string& key, const toml::node& node) {
+                const std::string key_path = path + "." + key;
+                if (key == "set") {
+                  readNamed(node, key_path, phase.set);
+                  return;
+                }
+                std::string& text = phase.*texts.at(key);
+                text = textOf(node, key_path);
+                if (text.empty())
+                  problem(key_path, "found an empty text, allowed an expression");
+              });
+  }
+
+  const keys::TomlDocument& document_;
+  const toml::table& table_;
+  const std::string path_;
+  std::map<std::string, const toml::node*> places_;  ///< by key
+  keys::Problems& problems_;
+  bool failed_ = false;
+};
+
+}  // namespace
+
+ProgramFile readProgramTable(const keys::TomlDocument& document, const toml::table& table,
+                             const std::string& path, const std::string& name,
+                             const dynamics::WheelLimits& limits, const ModelLookup& model_of,
+                             keys::Problems& problems) {
+  return ProgramReader(document, table, path, problems).read(name, limits, model_of);
+}
+
+}  // namespace lab

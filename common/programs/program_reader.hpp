@@ -1,0 +1,26 @@
+/// Reads programs of motion from TOML tables. Include it only from .cpp files, because toml++ is a
+/// large header.
+#pragma once
+
+#include <toml++/toml.h>
+
+#include <string>
+
+#include "common/files/file_problems.hpp"
+#include "common/files/toml_document.hpp"
+#include "common/programs/program_file.hpp"
+
+namespace lab {
+
+/// Reads and compiles the table of a program.
+/// @param path of the table, for messages: "programs.fast"; empty for a file of its own
+/// @param model_of whether `model` may name another program, as in an experiment file: the texts of
+///   the shipped programs, and files relative to this one
+/// @return the program; with an entry in `problems` it is incomplete
+[[nodiscard]] ProgramFile readProgramTable(const keys::TomlDocument& document,
+                                           const toml::table& table, const std::string& path,
+                                           const std::string& name,
+                                           const dynamics::WheelLimits& limits,
+                                           const ModelLookup& model_of, keys::Problems& problems);
+
+}  // namespace lab

@@ -1,0 +1,103 @@
+#include "runner/senses/virtual_senses.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "common/math/units.hpp"
+
+namespace lab::runner {
+namespace {
+
+constexpr double kGradientStep = 0.01;  // [m] between the places whose light is compared
+
+/// An angle in (-pi, pi].
+double wrapped(double angle) {
+  const double within = std::remainder(angle, 2 * std::numbers::pi);
+  return within <= -std::numbers::pi ? std::numbers::pi : within;
+}
+
+/// What the robots within a radius are, seen from one of them.
+struct Neighbourhood {
+  double count = 0;
+  double density = 0;
+  double heading_x = 0;  ///< sum of the unit vectors of relative headings
+  double heading_y = 0;
+  double nearest = 0;  ///< [m]
+  double bearing = 0;  ///< [rad] of the nearest robot, relative
+};
+
+Neighbourhood neighbourhood(const std::vector<SensedPose>& poses, const SensedPose& self,
+                            double radius) {
+  Neighbourhood result;
+  result.nearest = radius;
+  for (const SensedPose& other : poses) {
+    const double dx = other.x - self.x;
+    const double dy = other.y - self.y;
+    const double distance = std::hypot(dx, dy);
+    if (&other == &self || distance > radius) continue;
+    result.count += 1;
+    result.density += 1 - distance / radius;
+    result.heading_x += std::cos(other.theta - self.theta);
+    result.heading_y += std::sin(other.theta - self.theta);
+    if (distance <= result.nearest) {
+      result.nearest = distance;
+      result.bearing = wrapped(std::atan2(dy, dx) - self.theta);
+    }
+  }
+  return result;
+}
+
+/// The gradient of the light [1/m], by central differences.
+std::array<double, 2> gradientAt(const LightAt& light, const SensedPose& at) {
+  if (!light) return {0, 0};
+  const double h = kGradientStep;
+  return {(light(at.x + h, at.y) - light(at.x - h, at.y)) / (2 * h),
+          (light(at.x, at.y + h) - light(at.x, at.y - h)) / (2 * h)};
+}
+
+double valueOf(const SenseSpec& sense, const std::vector<SensedPose>& poses, const SensedPose& self,
+               const LightAt& light) {
+  switch (sense.kind) {
+    case SenseKind::kNeighbours:
+      return neighbourhood(poses, self, sense.radius).count;
+    case SenseKind::kDensity:
+      return neighbourhood(poses, self, sense.radius).density;
+    case SenseKind::kMeanHeading: {
+      const Neighbourhood near = neighbourhood(poses, self, sense.radius);
+      return near.count == 0 ? 0 : std::atan2(near.heading_y, near.heading_x);
+    }
+    case SenseKind::kNearestDistance:
+      return neighbourhood(poses, self, sense.radius).nearest / units::kCentimetre;
+    case SenseKind::kNearestBearing:
+      return neighbourhood(poses, self, sense.radius).bearing;
+    case SenseKind::kPlaceDistance:
+      return std::hypot(sense.x - self.x, sense.y - self.y) / units::kCentimetre;
+    case SenseKind::kPlaceBearing:
+      return wrapped(std::atan2(sense.y - self.y, sense.x - self.x) - self.theta);
+    case SenseKind::kGradient: {
+      const auto [gx, gy] = gradientAt(light, self);
+      return std::hypot(gx, gy) * units::kCentimetre;
+    }
+    case SenseKind::kGradientBearing: {
+      const auto [gx, gy] = gradientAt(light, self);
+      return gx == 0 && gy == 0 ? 0 : wrapped(std::atan2(gy, gx) - self.theta);
+    }
+  }
+  return 0;
+}
+
+}  // namespace
+
+std::vector<SenseValues> virtualSenses(const std::vector<SenseSpec>& senses,
+                                       const std::vector<SensedPose>& poses, const LightAt& light) {
+  std::vector<SenseValues> all(poses.size(), SenseValues{});
+  for (std::size_t robot = 0; robot < poses.size(); ++robot) {
+    for (const SenseSpec& sense : senses) {
+      all[robot][static_cast<std::size_t>(sense.index)] =
+          valueOf(sense, poses, poses[robot], light);
+    }
+  }
+  return all;
+}
+
+}  // namespace lab::runner
