@@ -75,6 +75,7 @@ void Device::handleCommand(const wire::Frame& frame, uint32_t now_ms, uint32_t c
     }
   }
   const Answer answer = execute(frame, now_ms);
+  finishUpdate(now_ms);  // the motors before the answer, which takes time to encode
   if (answer.status != wire::kUnknownType && answer.status != wire::kBadLength) {
     executed_.type = frame.type;
     executed_.seq = frame.seq;
