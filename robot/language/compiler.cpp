@@ -14,14 +14,15 @@
 #include "robot/language/checked_expression.hpp"
 #include "robot/language/code_generator.hpp"
 #include "robot/language/expression.hpp"
+#include "robot/language/formula.hpp"
 
 namespace lab::language {
 namespace {
 
 constexpr double kCmPerMetre = 100;
 constexpr double kMsPerSecond = 1000;
-constexpr double kWholeMs = 1e-6;  // [ms] tolerance of whole milliseconds
-constexpr double kShortestHold = 0.0005;                          // rounds to 1 ms
+constexpr double kWholeMs = 1e-6;         // [ms] tolerance of whole milliseconds
+constexpr double kShortestHold = 0.0005;  // rounds to 1 ms
 constexpr double kLongestHold = dynamics::kLongestHoldMs * 1e-3;  // s
 constexpr double kRoundingSlack = 1e-9;  // so that a limit met exactly is not refused
 /// The ranges of state variables are extended so often. What still grows then is unlimited.
@@ -223,7 +224,11 @@ class Compiler {
   void checkLaw() {
     bool mapped = false;
     for (const auto& [name, text] : text_.law) {
-      if (name == "name" || isFormula(name)) {
+      if (name == "name") {
+        continue;
+      }
+      if (isFormula(name)) {
+        checkFormula(name, text);
         continue;
       }
       mapped = true;
@@ -240,6 +245,20 @@ class Compiler {
     }
     if (!mapped) {
       result_.law = result_.parameters;
+    }
+  }
+
+  /// A formula is evaluated on the host: it only has to be right.
+  void checkFormula(const std::string& name, const std::string& text) {
+    const bool shadowed = std::ranges::any_of(
+        result_.parameters, [](const Parameter& parameter) { return parameter.name == "tau"; });
+    if (isCurve(name) && shadowed) {
+      error("parameters.tau", 0, "'tau' is the lag in the formulas of law; rename the parameter");
+    }
+    try {
+      const Formula checked(text, result_.parameters, formulaDimension(name), isCurve(name));
+    } catch (const SyntaxError& problem) {
+      error("law." + name, problem.offset(), problem.what());
     }
   }
 

@@ -1,8 +1,12 @@
 #include "analyzer/analysis_feed.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "common/experiment/program_messages.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -10,13 +14,13 @@ namespace {
 constexpr std::int64_t kPeriod = 20'000;  // us
 constexpr std::int64_t kStart = 1'700'000'000'000'000;
 
-program_t abp() {
-  program_t program{};
-  program.kind = program_t::ABP;
-  program.v = 0.03;
-  program.epsilon = 0.5;
-  program.eta = 3;
-  return program;
+Program abp() { return test::abp(0.03, 0.5, 3); }
+
+/// An experiment with this program.
+Experiment withProgram(const Program& program) {
+  Experiment experiment;
+  experiment.programs[program.name] = program;
+  return experiment;
 }
 
 /// One robot that drives straight and reports that it runs an ABP.
@@ -54,7 +58,7 @@ class StraightRobot {
     }
   }
 
-  program_t program = abp();
+  program_id_t program = toId(abp());
   std::int8_t band = 0;
   std::int32_t epoch = 1;
   std::int64_t program_start = kStart;
@@ -75,7 +79,7 @@ ProgramResult poolOf(AnalysisFeed& feed) {
 }
 
 TEST(AnalysisFeed, MapsMessagesToTheAnalysis) {
-  AnalysisFeed dut{Experiment{}};
+  AnalysisFeed dut(withProgram(abp()));
   StraightRobot robot(dut);
 
   robot.run(500);
@@ -87,18 +91,18 @@ TEST(AnalysisFeed, MapsMessagesToTheAnalysis) {
   ASSERT_FALSE(result.curves.msd.empty());
   EXPECT_NEAR(result.curves.msd[0].value, 0.0006 * 0.0006, 1e-12);
   EXPECT_EQ(dut.lastFrameUtime(), kStart + 500 * kPeriod);
-  EXPECT_EQ(dut.results().front().program.kind, program_t::ABP);
+  EXPECT_EQ(dut.results().front().program.hash, abp().hash);
+  EXPECT_EQ(dut.results().front().definition, abp());
 }
 
 // A joystick changes the speed with every message. Each speed as a program would exhaust memory.
 TEST(AnalysisFeed, CountsManualControlAsNoProgram) {
-  AnalysisFeed dut{Experiment{}};
+  AnalysisFeed dut(withProgram(abp()));
   StraightRobot robot(dut);
   robot.band = -1;
-  robot.program = {};
-  robot.program.kind = program_t::WHEELS;
+  robot.program.hash = 0;
+  robot.program.name = kDrivenByHost;
   for (int i = 0; i < 20; ++i) {
-    robot.program.wheel_left = 0.001 * i;
     ++robot.epoch;
     robot.run(100);
   }
@@ -107,7 +111,7 @@ TEST(AnalysisFeed, CountsManualControlAsNoProgram) {
 }
 
 TEST(AnalysisFeed, CutsAtARestartOfTheSender) {
-  AnalysisFeed dut{Experiment{}};
+  AnalysisFeed dut(withProgram(abp()));
   StraightRobot robot(dut);
   robot.run(250);
 
@@ -118,7 +122,7 @@ TEST(AnalysisFeed, CutsAtARestartOfTheSender) {
 }
 
 TEST(AnalysisFeed, CutsIfTheProgramCountDecreases) {
-  AnalysisFeed dut{Experiment{}};
+  AnalysisFeed dut(withProgram(abp()));
   StraightRobot robot(dut);
   robot.epoch = 5;
   robot.run(250);
@@ -130,7 +134,7 @@ TEST(AnalysisFeed, CutsIfTheProgramCountDecreases) {
 }
 
 TEST(AnalysisFeed, DoesNotMistakeALateMessageForARestart) {
-  AnalysisFeed dut{Experiment{}};
+  AnalysisFeed dut(withProgram(abp()));
   StraightRobot robot(dut);
   robot.epoch = 5;
   robot.run(250);
@@ -149,7 +153,7 @@ TEST(AnalysisFeed, OmitsContactsAndStops) {
                                   static_cast<std::int32_t>(robot_state_t::FLAG_CONTACT_WALL),
                                   static_cast<std::int32_t>(robot_state_t::FLAG_STOPPED),
                                   static_cast<std::int32_t>(robot_state_t::FLAG_LEASE_EXPIRED)}) {
-    AnalysisFeed dut{Experiment{}};
+    AnalysisFeed dut(withProgram(abp()));
     StraightRobot robot(dut);
     robot.run(200);
     robot.flags = flag;
@@ -164,7 +168,7 @@ TEST(AnalysisFeed, OmitsContactsAndStops) {
 }
 
 TEST(AnalysisFeed, OmitsPosesWithLowConfidence) {
-  AnalysisFeed dut{Experiment{}};
+  AnalysisFeed dut(withProgram(abp()));
   StraightRobot robot(dut);
   robot.run(200);
 
@@ -175,7 +179,7 @@ TEST(AnalysisFeed, OmitsPosesWithLowConfidence) {
 }
 
 TEST(AnalysisFeed, MarksLagsThatASpatialLightSelects) {
-  AnalysisFeed dut{Experiment{}};
+  AnalysisFeed dut(withProgram(abp()));
   light_status_t light{};
   light.mix = 1;
   light.layers.resize(1);
@@ -194,7 +198,7 @@ TEST(AnalysisFeed, MarksLagsThatASpatialLightSelects) {
 }
 
 TEST(AnalysisFeed, MarksNoLagUnderUniformLight) {
-  AnalysisFeed dut{Experiment{}};
+  AnalysisFeed dut(withProgram(abp()));
   light_status_t light{};
   light.mix = 1;
   light.layers.resize(1);
@@ -210,35 +214,36 @@ TEST(AnalysisFeed, MarksNoLagUnderUniformLight) {
   EXPECT_EQ(poolOf(dut).unbiased_lag, 0);
 }
 
-TEST(AnalysisFeed, RefusesProgramsThatNoRobotCanRun) {
-  robot_status_t status{};
-  status.robots.resize(1);
-  robot_state_t& state = status.robots[0];
-  state.band = 0;
-  state.program.kind = program_t::ABP;
-  state.program.v = 0.03;
-  state.program.eta = 3;
+// A joystick or a node of ROS 2 may load a program that the experiment does not have.
+TEST(AnalysisFeed, TakesDefinitionsFromCommands) {
+  Program other = test::rtp(0.05, 1, 0.5);
+  robot_command_t command{};
+  command.orders.resize(1);
+  command.orders[0].bands.resize(1);
+  command.orders[0].bands[0].program = toMessage(other);
   AnalysisFeed dut{Experiment{}};
-  std::int64_t refused = 0;
-  for (const double epsilon : {5e-324, 1e-308, 1e-4, 1e6}) {
-    state.utime += 20'000;
-    state.program.epsilon = epsilon;
-    dut.take(status);
-    EXPECT_EQ(dut.refused(), ++refused) << epsilon;
-  }
-  state.program.kind = program_t::RTP;
-  state.program.tau_t = 0.5;
-  for (const double gamma : {1e6, 1e9, 1e-300, 0.0}) {
-    state.utime += 20'000;
-    state.program.gamma = gamma;
-    dut.take(status);
-    EXPECT_EQ(dut.refused(), ++refused) << gamma;
-  }
-  state.program.gamma = 3;
-  state.utime += 20'000;
-  dut.take(status);
-  EXPECT_EQ(dut.refused(), refused);
-  EXPECT_EQ(dut.refusal().substr(0, 48), "program of a robot: epsilon (time between draws)");
+  dut.take(command);
+  StraightRobot robot(dut);
+  robot.program = toId(other);
+  robot.run(500);
+
+  const ProgramResult result = poolOf(dut);
+  EXPECT_EQ(result.law, lawOf(other, 0.075));
+  EXPECT_TRUE(result.law->runs());
+}
+
+TEST(AnalysisFeed, GivesCurvesWithoutAVerdictForUnknownPrograms) {
+  AnalysisFeed dut{Experiment{}};
+  StraightRobot robot(dut);
+  robot.program.hash = 77;
+  robot.program.name = "of somebody else";
+  robot.run(500);
+
+  const ProgramResult result = poolOf(dut);
+  EXPECT_FALSE(result.curves.msd.empty());
+  EXPECT_EQ(result.verdict.judged, 0);
+  EXPECT_THAT(result.law->whyNoVerdict(), testing::HasSubstr("not known"));
+  EXPECT_EQ(dut.results().front().program.name, "of somebody else");
 }
 
 }  // namespace

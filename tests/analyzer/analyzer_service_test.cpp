@@ -15,7 +15,9 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -73,10 +75,7 @@ class AnalyzerServiceTest : public testing::Test {
       robot_state_t state{};
       state.utime = loop_.now();
       state.robot_id = id;
-      state.program.kind = program_t::ABP;
-      state.program.v = 0.03;
-      state.program.epsilon = 0.5;
-      state.program.eta = 3;
+      state.program = toId(program_);
       state.program_epoch = 1;
       state.program_start_utime = VirtualLoop::kEpoch;
       status.robots.push_back(state);
@@ -90,7 +89,12 @@ class AnalyzerServiceTest : public testing::Test {
   MemoryBus bus_{[this] { return loop_.now(); }};
   Node source_{bus_, loop_, {"sim_svc", 2, 1}};
   Node node_{bus_, loop_, {"analyzer", 0, 1}};
-  Experiment experiment_;
+  Program program_ = test::abp(0.03, 0.5, 3);
+  Experiment experiment_ = [this] {
+    Experiment experiment;
+    experiment.programs[program_.name] = program_;
+    return experiment;
+  }();
   AnalyzerService dut_{{node_, loop_, experiment_, {}}};
   std::map<std::int64_t, std::vector<analysis_t>> heard_;
   std::vector<service_status_t> beats_;
@@ -124,7 +128,7 @@ TEST_F(AnalyzerServiceTest, StampsMessagesWithTheLastFrameUsed) {
   const analysis_t& last = heard_.rbegin()->second.back();
   EXPECT_LE(last.utime, heard_.rbegin()->first);
   EXPECT_GE(last.utime, heard_.rbegin()->first - 1'000'000);
-  EXPECT_EQ(last.program_name, "ABP");
+  EXPECT_EQ(last.program.name, "abp");
   EXPECT_GT(last.observed, 1);
 }
 

@@ -45,6 +45,22 @@ constexpr double kTouching = 0.001;  // [m] smallest gap that can be distinguish
   throw ExperimentError(problems);
 }
 
+/// Poses are compared with the parameters that the robots had, never with those of the shipped
+/// file.
+void requireParameters(const Program& shipped, const PoseProgram& program) {
+  std::vector<std::string> problems;
+  for (const ProgramParameter& parameter : shipped.parameters) {
+    const bool set = std::ranges::any_of(
+        program.set, [&](const std::string& one) { return one.starts_with(parameter.name + "_"); });
+    if (set) continue;
+    problems.push_back(
+        fmt::format("--set {0}: found nothing, expected the value that the robots had, with the "
+                    "unit in its name: v_cm_s=3, epsilon_s=0.5, eta_rad_s=3, gamma_per_s=1",
+                    parameter.name));
+  }
+  if (!problems.empty()) throw ExperimentError(problems);
+}
+
 /// An experiment in which every robot runs the program. It passes the checks of experiment files.
 Experiment experimentOf(const std::string& name, const PoseProgram& program) {
   // An experiment file needs a program; without a given one it is removed again below.
@@ -74,6 +90,7 @@ Experiment experimentOf(const std::string& name, const PoseProgram& program) {
   } catch (const ExperimentError& error) {
     refuse(error, program.model);
   }
+  if (given) requireParameters(experiment.programs.begin()->second, program);
   if (!given) experiment.programs.clear();
   experiment.name = name;
   experiment.robots.clear();
@@ -320,7 +337,7 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   robots_run.colour = hexText(kProgramColours.front());
   if (!experiment.programs.empty()) {
     const auto& [name_in_file, first] = *experiment.programs.begin();
-    law = analysis::lawOf(first, experiment.hardware.diameter);
+    law = analysis::lawOf(first, analysis::bodyOf(experiment.hardware));
     robots_run.program = toId(first);
     robots_run.name = name_in_file;
     robots_run.colour = hexText(programColour(experiment, name_in_file));

@@ -84,7 +84,7 @@ TEST(Summary, HasTheResultsOfTheRun) {
 
   EXPECT_EQ(dut["experiment"], "synthetic");
   EXPECT_EQ(dut["seed"], 7);
-  EXPECT_EQ(dut["contract_version"], 4);
+  EXPECT_EQ(dut["contract_version"], 5);
   EXPECT_DOUBLE_EQ(dut["duration_s"], 60);
   ASSERT_EQ(dut["programs"].size(), 2U);
   const auto& abp = dut["programs"][0];

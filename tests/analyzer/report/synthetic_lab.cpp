@@ -18,6 +18,7 @@
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
 #include "tests/analyzer/report/synthetic_robot.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::report {
 namespace {
@@ -27,13 +28,9 @@ constexpr int kCopies = 3;
 
 }  // namespace
 
-NamedProgram paperAbp() {
-  return {"abp", {.kind = ProgramKind::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3}};
-}
-NamedProgram paperBp() { return {"bp", {.kind = ProgramKind::kBp, .V = 0.07, .epsilon = 0.2}}; }
-NamedProgram paperRtp() {
-  return {"rtp", {.kind = ProgramKind::kRtp, .v = 0.05, .gamma = 1, .tau_t = 0.5}};
-}
+NamedProgram paperAbp() { return {"abp", test::abp(0.03, 0.5, 3)}; }
+NamedProgram paperBp() { return {"bp", test::bp(0.07, 0.2)}; }
+NamedProgram paperRtp() { return {"rtp", test::rtp(0.05, 1, 0.5)}; }
 
 Experiment syntheticExperiment(int robots, double duration, double fps,
                                const std::vector<NamedProgram>& programs, double step) {
@@ -51,6 +48,7 @@ Experiment syntheticExperiment(int robots, double duration, double fps,
   for (std::size_t i = 0; i < programs.size(); ++i) {
     const double low = static_cast<double>(i) / count;
     experiment.programs[programs[i].name] = programs[i].program;
+    experiment.programs[programs[i].name].name = programs[i].name;
     experiment.light_table.bands.push_back(
         {low, i + 1 == programs.size() ? 1 : low + 1 / count, programs[i].name});
     LightStep one;

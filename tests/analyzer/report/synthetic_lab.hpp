@@ -24,7 +24,7 @@ using support::readFile;
 /// A program with its key in the experiment file.
 struct NamedProgram {
   std::string name;
-  RobotProgram program;
+  Program program;
 };
 
 /// An experiment whose light changes every `step` s from one program to the next.

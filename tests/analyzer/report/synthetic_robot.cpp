@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
 
 #include "common/experiment/program_messages.hpp"
@@ -27,49 +28,52 @@ SyntheticRobot::SyntheticRobot(std::int32_t id, const Experiment& experiment, st
   theta_ = 2 * std::numbers::pi * random_.uniform();
 }
 
-void SyntheticRobot::setProgram(const RobotProgram& program, std::int64_t utime) {
-  program_ = program;
-  state_.program = toMessage(program);
+void SyntheticRobot::setProgram(const Program& program, std::int64_t utime) {
+  program_ = {};
+  program_.law = program.law.name;
+  const std::map<std::string, double Parameters::*> members{
+      {"v", &Parameters::v},        {"va", &Parameters::va},
+      {"V", &Parameters::V},        {"epsilon", &Parameters::epsilon},
+      {"eta", &Parameters::eta},    {"gamma", &Parameters::gamma},
+      {"tau_t", &Parameters::tau_t}};
+  for (const ProgramParameter& one : program.parameters) {
+    program_.*members.at(one.name) = one.value;
+  }
+  state_.program = toId(program);
   state_.band = 0;
   ++state_.program_epoch;
   state_.program_start_utime = utime;
-  tumbling_ = program.kind == ProgramKind::kRtp;  // draw() toggles: a program begins with a run
+  tumbling_ = program_.law == "rtp";  // draw() toggles: a program begins with a run
   draw();
   // The first hold is cut short, so that camera and robot are out of step.
-  if (program.kind != ProgramKind::kRtp) hold_left_ *= random_.uniform();
+  if (program_.law != "rtp") hold_left_ *= random_.uniform();
 }
 
 void SyntheticRobot::draw() {
   const double d = experiment_.hardware.diameter;
   hold_left_ = program_.epsilon;
-  switch (program_.kind) {
-    case ProgramKind::kAbp: {
-      const double half_turn = program_.eta * (2 * random_.uniform() - 1) * d / 2;
-      left_ = program_.v - half_turn;
-      right_ = program_.v + half_turn;
-      break;
+  if (program_.law == "abp") {
+    const double half_turn = program_.eta * (2 * random_.uniform() - 1) * d / 2;
+    left_ = program_.v - half_turn;
+    right_ = program_.v + half_turn;
+  } else if (program_.law == "noisy_abp" || program_.law == "bp") {
+    left_ = program_.va + program_.V * (2 * random_.uniform() - 1);
+    right_ = program_.va + program_.V * (2 * random_.uniform() - 1);
+  } else if (program_.law == "rtp") {
+    tumbling_ = !tumbling_;
+    if (tumbling_) {
+      ++state_.tumble_count;
+      hold_left_ = program_.tau_t;
+      const double turn = std::numbers::pi * (2 * random_.uniform() - 1);
+      right_ = turn / program_.tau_t * d / 2;
+      left_ = -right_;
+    } else {
+      hold_left_ = -std::log(1 - random_.uniform()) / program_.gamma;
+      left_ = right_ = program_.v;
     }
-    case ProgramKind::kNoisyAbp:
-    case ProgramKind::kBp:
-      left_ = program_.va + program_.V * (2 * random_.uniform() - 1);
-      right_ = program_.va + program_.V * (2 * random_.uniform() - 1);
-      break;
-    case ProgramKind::kRtp:
-      tumbling_ = !tumbling_;
-      if (tumbling_) {
-        ++state_.tumble_count;
-        hold_left_ = program_.tau_t;
-        const double turn = std::numbers::pi * (2 * random_.uniform() - 1);
-        right_ = turn / program_.tau_t * d / 2;
-        left_ = -right_;
-      } else {
-        hold_left_ = -std::log(1 - random_.uniform()) / program_.gamma;
-        left_ = right_ = program_.v;
-      }
-      break;
-    default:
-      hold_left_ = 1e9;
-      left_ = right_ = 0;
+  } else {
+    hold_left_ = 1e9;
+    left_ = right_ = 0;
   }
 }
 
@@ -104,7 +108,7 @@ void SyntheticRobot::advance(double dt, std::int64_t utime) {
   while (left > 1e-12) {
     const double step = std::min(left, hold_left_);
     drive(left_, right_, step);
-    if (program_.kind == ProgramKind::kRtp && !tumbling_) state_.run_time += step;
+    if (program_.law == "rtp" && !tumbling_) state_.run_time += step;
     hold_left_ -= step;
     left -= step;
     if (hold_left_ <= 1e-12) draw();

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <lab/robot_state_t.hpp>
 #include <lab/tracked_pose_t.hpp>
+#include <string>
 
 #include "common/experiment/experiment.hpp"
 #include "common/math/random.hpp"
@@ -14,7 +15,7 @@ class SyntheticRobot {
  public:
   SyntheticRobot(std::int32_t id, const Experiment& experiment, std::int64_t boot);
 
-  void setProgram(const RobotProgram& program, std::int64_t utime);
+  void setProgram(const Program& program, std::int64_t utime);
   void advance(double dt, std::int64_t utime);  ///< to utime
   [[nodiscard]] robot_state_t state(std::int64_t utime);
   [[nodiscard]] tracked_pose_t pose() const;
@@ -26,7 +27,12 @@ class SyntheticRobot {
 
   const Experiment& experiment_;
   Random random_;
-  RobotProgram program_;
+  /// The parameters of the paper's programs, SI units.
+  struct Parameters {
+    std::string law;
+    double v = 0, va = 0, V = 0, epsilon = 0, eta = 0, gamma = 0, tau_t = 0;
+  };
+  Parameters program_;
   robot_state_t state_{};
   double x_ = 0;
   double y_ = 0;

@@ -13,7 +13,7 @@ namespace {
 
 FeedResult resultWith(int lags, std::size_t note_length) {
   FeedResult result;
-  result.program.kind = program_t::RTP;
+  result.program.hash = 42;
   result.result.robot = 12;
   result.result.observed = 77;
   result.result.verdict.kind = VerdictKind::kDisagrees;
@@ -44,8 +44,8 @@ TEST(AnalysisMessage, HasTheContentOfTheResult) {
   const analysis_t dut = toMessage(resultWith(5, 10), "rtp_slow");
 
   EXPECT_EQ(dut.robot_id, 12);
-  EXPECT_EQ(dut.program_name, "rtp_slow");
-  EXPECT_EQ(dut.program.kind, program_t::RTP);
+  EXPECT_EQ(dut.program.name, "rtp_slow");
+  EXPECT_EQ(dut.program.hash, 42);
   EXPECT_EQ(dut.verdict, analysis_t::DISAGREES);
   EXPECT_DOUBLE_EQ(dut.max_z, 5.5);
   ASSERT_EQ(dut.num_curves, 2);

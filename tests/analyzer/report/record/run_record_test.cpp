@@ -292,7 +292,7 @@ TEST_F(RunRecordTest, RejectsALogOfAnotherContractVersion) {
   }
 
   EXPECT_THAT(problem(), HasSubstr("Active Lab 9.9.9 under contract version 7"));
-  EXPECT_THAT(problem(), HasSubstr("reads contract versions 1 to 4"));
+  EXPECT_THAT(problem(), HasSubstr("reads contract versions 1 to 5"));
 }
 
 TEST_F(RunRecordTest, ErrorNamesAnUnknownTypeHash) {

@@ -102,8 +102,12 @@ TEST(ReproductionPlan, MakesValidExperimentsWithDistinctSeeds) {
 
       const auto programs = dut.programs;
       ASSERT_EQ(programs.size(), 1U);
-      EXPECT_EQ(analysis::lawOf(programs.begin()->second, dut.hardware.diameter), set.law)
-          << set.id;
+      const auto law = analysis::lawOf(programs.begin()->second, dut.hardware.diameter);
+      EXPECT_EQ(law->name(), set.law->name());
+      ASSERT_EQ(law->parameters().size(), set.law->parameters().size());
+      for (const analysis::LawParameter& one : set.law->parameters()) {
+        EXPECT_DOUBLE_EQ(law->parameter(one.name), one.value) << set.id << " " << one.name;
+      }
       EXPECT_DOUBLE_EQ(dut.duration, set.short_recording ? 180 : 1800);
       EXPECT_GE(dut.camera.fps, 50);
       EXPECT_GT(dut.camera.position_noise, 0);

@@ -1,0 +1,393 @@
+#include "robot/language/formula.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+namespace lab::language {
+
+/// A node whose names, types and dimensions are right.
+struct Formula::Node {
+  enum Operation {
+    kConstant,
+    kLag,
+    kNegate,
+    kNot,
+    kAdd,
+    kSubtract,
+    kMultiply,
+    kDivide,
+    kLess,
+    kLessOrEqual,
+    kGreater,
+    kGreaterOrEqual,
+    kEqual,
+    kUnequal,
+    kAnd,
+    kOr,
+    kIf,
+    kMin,
+    kMax,
+    kAbs,
+    kSign,
+    kClamp,
+    kSqrt,
+    kSin,
+    kCos,
+    kAtan2,
+    kExp,
+    kLog,
+    kPow
+  };
+
+  Operation operation = kConstant;
+  double value = 0;  ///< Of a constant.
+  std::vector<Node> operands;
+
+  bool truth = false;          ///< A condition, not a number.
+  bool any_dimension = false;  ///< The literal 0, which fits every dimension.
+  Dimension dimension;
+};
+
+namespace {
+
+using Node = Formula::Node;
+
+struct Function {
+  std::string_view name;
+  Node::Operation operation;
+  std::size_t operands;
+  std::string_view usage;
+};
+
+constexpr std::array<Function, 13> kFunctions{{
+    {"if", Node::kIf, 3, "if(condition, then, otherwise)"},
+    {"min", Node::kMin, 2, "min(a, b)"},
+    {"max", Node::kMax, 2, "max(a, b)"},
+    {"abs", Node::kAbs, 1, "abs(x)"},
+    {"sign", Node::kSign, 1, "sign(x)"},
+    {"clamp", Node::kClamp, 3, "clamp(x, low, high)"},
+    {"sqrt", Node::kSqrt, 1, "sqrt(x)"},
+    {"sin", Node::kSin, 1, "sin(angle)"},
+    {"cos", Node::kCos, 1, "cos(angle)"},
+    {"atan2", Node::kAtan2, 2, "atan2(y, x)"},
+    {"exp", Node::kExp, 1, "exp(x)"},
+    {"log", Node::kLog, 1, "log(x)"},
+    {"pow", Node::kPow, 2, "pow(x, exponent)"},
+}};
+
+struct Operator {
+  std::string_view name;
+  Node::Operation operation;
+};
+
+constexpr std::array<Operator, 12> kOperators{{{"+", Node::kAdd},
+                                               {"-", Node::kSubtract},
+                                               {"*", Node::kMultiply},
+                                               {"/", Node::kDivide},
+                                               {"<", Node::kLess},
+                                               {"<=", Node::kLessOrEqual},
+                                               {">", Node::kGreater},
+                                               {">=", Node::kGreaterOrEqual},
+                                               {"==", Node::kEqual},
+                                               {"!=", Node::kUnequal},
+                                               {"and", Node::kAnd},
+                                               {"or", Node::kOr}}};
+
+std::string describe(const Node& node) {
+  if (node.truth) return "a condition";
+  return node.dimension == kPure ? "a number without unit"
+                                 : "a number in " + unitText(node.dimension);
+}
+
+class Checker {
+ public:
+  Checker(std::string_view text, const std::vector<Parameter>& parameters, bool curve)
+      : text_(text), parameters_(parameters), curve_(curve) {}
+
+  Node check(const Expression& expression) const {
+    switch (expression.kind) {
+      case Expression::kNumber: {
+        Node node = constant(expression.value, kPure);
+        node.any_dimension = expression.value == 0;
+        return node;
+      }
+      case Expression::kName:
+        return checkName(expression);
+      case Expression::kUnary:
+        return checkUnary(expression);
+      case Expression::kBinary:
+        return checkBinary(expression);
+      case Expression::kCall:
+        return checkCall(expression);
+    }
+    throw SyntaxError(expression.offset, "not an expression");
+  }
+
+ private:
+  [[nodiscard]] std::string quoted(const Expression& expression) const {
+    return "'" + std::string(text_.substr(expression.offset, expression.length)) + "'";
+  }
+
+  static Node constant(double value, const Dimension& dimension) {
+    Node node;
+    node.value = value;
+    node.dimension = dimension;
+    return node;
+  }
+
+  Node checkName(const Expression& expression) const {
+    const std::string& name = expression.name;
+    for (const Parameter& parameter : parameters_) {
+      if (parameter.name == name) return constant(parameter.value, parameter.dimension);
+    }
+    if (name == "tau" && curve_) {
+      Node lag;
+      lag.operation = Node::kLag;
+      lag.dimension = kTime;
+      return lag;
+    }
+    if (name == "pi") return constant(std::numbers::pi, kPure);
+    if (const auto unit = unitNamed(name)) return constant(unit->size, unit->dimension);
+    std::string known = curve_ ? "tau (the lag)" : "";
+    for (const Parameter& parameter : parameters_) {
+      known += (known.empty() ? "" : ", ") + parameter.name;
+    }
+    throw SyntaxError(expression.offset, "unknown name '" + name + "'; a formula has " +
+                                             (known.empty() ? "no names here" : known) +
+                                             ", pi and the units");
+  }
+
+  Node checkUnary(const Expression& expression) const {
+    Node node;
+    node.operands.push_back(check(expression.operands[0]));
+    const Node& operand = node.operands[0];
+    node.truth = expression.name == "not";
+    require(operand, node.truth, expression.operands[0], "after '" + expression.name + "'");
+    node.operation = node.truth ? Node::kNot : Node::kNegate;
+    node.dimension = operand.dimension;
+    node.any_dimension = operand.any_dimension;
+    return node;
+  }
+
+  Node checkBinary(const Expression& expression) const {
+    const Operator* found =
+        std::ranges::find(kOperators, std::string_view(expression.name), &Operator::name);
+    Node node;
+    node.operation = found->operation;
+    const bool logic = node.operation == Node::kAnd || node.operation == Node::kOr;
+    for (const Expression& operand : expression.operands) {
+      node.operands.push_back(check(operand));
+      require(node.operands.back(), logic, operand, "beside '" + expression.name + "'");
+    }
+    const Node& a = node.operands[0];
+    const Node& b = node.operands[1];
+    if (logic) {
+      node.truth = true;
+    } else if (node.operation == Node::kMultiply) {
+      node.dimension = product(a.dimension, b.dimension);
+    } else if (node.operation == Node::kDivide) {
+      node.dimension = quotient(a.dimension, b.dimension);
+    } else {
+      const Dimension both = common(expression, node, 0);
+      node.truth = node.operation != Node::kAdd && node.operation != Node::kSubtract;
+      if (!node.truth) node.dimension = both;
+      node.any_dimension = !node.truth && a.any_dimension && b.any_dimension;
+    }
+    return node;
+  }
+
+  Node checkCall(const Expression& expression) const {
+    const Function* function =
+        std::ranges::find(kFunctions, std::string_view(expression.name), &Function::name);
+    if (function == kFunctions.end()) {
+      std::string names;
+      for (const Function& one : kFunctions) {
+        names += (names.empty() ? "" : ", ") + std::string(one.name);
+      }
+      throw SyntaxError(expression.offset, "unknown function '" + expression.name +
+                                               "'; a formula has " + names +
+                                               ", and no draws or sensors");
+    }
+    if (expression.operands.size() != function->operands) {
+      throw SyntaxError(expression.offset, "'" + expression.name + "' has " +
+                                               std::to_string(expression.operands.size()) +
+                                               " arguments, expected " +
+                                               std::string(function->usage));
+    }
+    Node node;
+    node.operation = function->operation;
+    for (std::size_t i = 0; i < expression.operands.size(); ++i) {
+      const bool condition = node.operation == Node::kIf && i == 0;
+      node.operands.push_back(check(expression.operands[i]));
+      require(node.operands.back(), condition, expression.operands[i],
+              "in " + std::string(function->usage));
+    }
+    setDimension(expression, node);
+    return node;
+  }
+
+  void setDimension(const Expression& expression, Node& node) const {
+    const auto pure = [&](std::size_t i) {
+      const Node& operand = node.operands[i];
+      if (operand.any_dimension || operand.dimension == kPure) return;
+      throw SyntaxError(expression.operands[i].offset, quoted(expression.operands[i]) + " is " +
+                                                           describe(operand) +
+                                                           ", expected a number without unit");
+    };
+    switch (node.operation) {
+      case Node::kIf:
+        node.dimension = common(expression, node, 1);
+        return;
+      case Node::kClamp:
+        node.dimension = common(expression, node, 0);
+        common(expression, node, 1);
+        return;
+      case Node::kMin:
+      case Node::kMax:
+        node.dimension = common(expression, node, 0);
+        return;
+      case Node::kAtan2:
+        common(expression, node, 0);
+        return;
+      case Node::kAbs:
+        node.dimension = node.operands[0].dimension;
+        return;
+      case Node::kSqrt: {
+        const auto root = squareRoot(node.operands[0].dimension);
+        if (!root) {
+          throw SyntaxError(expression.operands[0].offset, quoted(expression.operands[0]) + " is " +
+                                                               describe(node.operands[0]) +
+                                                               ", expected a square such as cm^2");
+        }
+        node.dimension = *root;
+        return;
+      }
+      case Node::kSign:
+        return;
+      default:
+        for (std::size_t i = 0; i < node.operands.size(); ++i) pure(i);
+    }
+  }
+
+  void require(const Node& node, bool truth, const Expression& expression,
+               const std::string& where) const {
+    if (node.truth == truth) return;
+    throw SyntaxError(expression.offset, quoted(expression) + " is " + describe(node) +
+                                             ", expected " +
+                                             (truth ? "a condition " : "a number ") + where);
+  }
+
+  /// The dimension of the operands `first` and `first` + 1.
+  Dimension common(const Expression& expression, const Node& node, std::size_t first) const {
+    const Node& a = node.operands[first];
+    const Node& b = node.operands[first + 1];
+    if (a.any_dimension) return b.dimension;
+    if (!b.any_dimension && !(a.dimension == b.dimension)) {
+      const Expression& right = expression.operands[first + 1];
+      throw SyntaxError(right.offset, quoted(right) + " is " + describe(b) + ", expected " +
+                                          describe(a) + " like " +
+                                          quoted(expression.operands[first]));
+    }
+    return a.dimension;
+  }
+
+  std::string_view text_;
+  const std::vector<Parameter>& parameters_;
+  bool curve_;
+};
+
+double evaluate(const Node& node, double tau) {
+  const auto at = [&](std::size_t i) { return evaluate(node.operands[i], tau); };
+  switch (node.operation) {
+    case Node::kConstant:
+      return node.value;
+    case Node::kLag:
+      return tau;
+    case Node::kNegate:
+      return -at(0);
+    case Node::kNot:
+      return at(0) == 0 ? 1 : 0;
+    case Node::kAdd:
+      return at(0) + at(1);
+    case Node::kSubtract:
+      return at(0) - at(1);
+    case Node::kMultiply:
+      return at(0) * at(1);
+    case Node::kDivide:
+      return at(0) / at(1);
+    case Node::kLess:
+      return at(0) < at(1) ? 1 : 0;
+    case Node::kLessOrEqual:
+      return at(0) <= at(1) ? 1 : 0;
+    case Node::kGreater:
+      return at(0) > at(1) ? 1 : 0;
+    case Node::kGreaterOrEqual:
+      return at(0) >= at(1) ? 1 : 0;
+    case Node::kEqual:
+      return at(0) == at(1) ? 1 : 0;
+    case Node::kUnequal:
+      return at(0) != at(1) ? 1 : 0;
+    case Node::kAnd:
+      return at(0) != 0 && at(1) != 0 ? 1 : 0;
+    case Node::kOr:
+      return at(0) != 0 || at(1) != 0 ? 1 : 0;
+    case Node::kIf:
+      return at(0) != 0 ? at(1) : at(2);
+    case Node::kMin:
+      return std::min(at(0), at(1));
+    case Node::kMax:
+      return std::max(at(0), at(1));
+    case Node::kAbs:
+      return std::abs(at(0));
+    case Node::kSign: {
+      const double x = at(0);
+      return x > 0 ? 1 : x < 0 ? -1 : 0;
+    }
+    case Node::kClamp:
+      return std::max(at(1), std::min(at(0), at(2)));
+    case Node::kSqrt:
+      return std::sqrt(at(0));
+    case Node::kSin:
+      return std::sin(at(0));
+    case Node::kCos:
+      return std::cos(at(0));
+    case Node::kAtan2:
+      return std::atan2(at(0), at(1));
+    case Node::kExp:
+      return std::exp(at(0));
+    case Node::kLog:
+      return std::log(at(0));
+    case Node::kPow:
+      return std::pow(at(0), at(1));
+  }
+  return 0;
+}
+
+}  // namespace
+
+Formula::Formula(std::string_view text, const std::vector<Parameter>& parameters,
+                 const Dimension& dimension, bool curve) {
+  const Expression expression = parseExpression(text);
+  auto root = std::make_shared<Node>(Checker(text, parameters, curve).check(expression));
+  if (root->truth || !(root->any_dimension || root->dimension == dimension)) {
+    throw SyntaxError(
+        0, "the formula is " + describe(*root) + ", expected a number " +
+               (dimension == kPure ? "without unit (rad^2)" : "in " + unitText(dimension)));
+  }
+  root_ = std::move(root);
+}
+
+double Formula::operator()(double tau) const { return evaluate(*root_, tau); }
+
+Dimension formulaDimension(const std::string& law_key) {
+  if (law_key == "msd") return product(kLength, kLength);
+  if (law_key == "D") return quotient(product(kLength, kLength), kTime);
+  if (law_key == "D_r") return kRate;
+  return kPure;
+}
+
+bool isCurve(const std::string& law_key) { return law_key == "msd" || law_key == "angular_msd"; }
+
+}  // namespace lab::language
