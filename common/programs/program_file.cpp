@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
