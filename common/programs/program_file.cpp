@@ -107,6 +107,9 @@ Program toProgram(const ProgramFile& file) {
                                           toSi(parameter.value, parameter.dimension));
     }
   }
+  for (const language::Problem& warning : compiled.warnings) {
+    program.warnings.push_back(warning.key + ": " + warning.message);
+  }
   findInputs(program);
   return program;
 }
