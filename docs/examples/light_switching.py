@@ -85,11 +85,11 @@ def show(bus, instance, seq, label, layers, hold):
                 shown = status.first_shown_utime
         elif channel == "ROBOT_STATUS":
             for robot in robot_status_t.decode(message).robots:
-                programs[robot.robot_id] = robot.program.kind
+                programs[robot.robot_id] = robot.program.name
     if shown is None:
         raise SystemExit(f"{label}: the projector did not show it")
     print(f"{label}: shown after {(shown - command.from_utime) / 1000:.1f} ms,"
-          f" models now {sorted(programs.items())}", flush=True)
+          f" programs now {sorted(programs.items())}", flush=True)
 
 
 def main():

@@ -100,7 +100,8 @@ void convert(Input& input) {
   for (const robot_state_t& state : messageFrom<robot_status_t>(input).robots) {
     static_cast<void>(messages.light(state, LightSensor::kMean));
   }
-  static_cast<void>(analysis.make(messageFrom<analysis_t>(input)));
+  const auto result = messageFrom<analysis_t>(input);
+  static_cast<void>(analysis.make(result, result.program.name));
   const light::Field field = toField(messageFrom<light_status_t>(input));
   if (!light::validate(field.layers) && !light::validate(field.previous)) {
     static_cast<void>(grid.paint(light::CompiledField(field), frame.utime, frame.utime));

@@ -13,6 +13,7 @@
 #include <lab/link_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
+#include <lab/robot_senses_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
 #include <lab/robot_stop_t.hpp>
@@ -36,11 +37,13 @@ std::array<std::int64_t, sizeof...(Messages)> fingerprints() {
 }  // namespace
 
 TimedMessage nextMessage(Input& input) {
-  static const auto kFingerprints = fingerprints<
-      robot_command_t, robot_stop_t, robot_status_t, robot_steps_t, robot_calibration_t,
-      robot_calibration_t, tracked_frame_t, tracked_details_t, tracker_status_t, light_command_t,
-      light_status_t, light_seen_t, light_delivery_t, link_status_t, analysis_t, service_status_t,
-      experiment_event_t, experiment_command_t, experiment_status_t, clock_t, sim_truth_t>();
+  static const auto kFingerprints =
+      fingerprints<robot_command_t, robot_stop_t, robot_status_t, robot_steps_t,
+                   robot_calibration_t, robot_calibration_t, tracked_frame_t, tracked_details_t,
+                   tracker_status_t, light_command_t, light_status_t, light_seen_t,
+                   light_delivery_t, link_status_t, analysis_t, service_status_t,
+                   experiment_event_t, experiment_command_t, experiment_status_t, clock_t,
+                   sim_truth_t, robot_senses_t>();
   static_assert(std::tuple_size_v<std::decay_t<decltype(kFingerprints)>> == channels::kAll.size());
   const auto first = input.number<std::uint8_t>();
   const std::size_t channel = (first & 0x7FU) % channels::kAll.size();

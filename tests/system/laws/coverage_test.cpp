@@ -19,7 +19,6 @@
 namespace lab::system_test {
 namespace {
 
-using analysis::ProgramKind;
 using analysis::ProgramLaw;
 
 /// Uniform light, relative to full scale.
@@ -36,17 +35,14 @@ class UniformLight : public sim::LightSampler {
 struct Step {
   double light;
   dynamics::LightBand band;
-  ProgramLaw law;
+  Program program;
+  ProgramLaw law = analysis::lawOf(program, analysis::kPaperWheelBase);
 };
 
 std::array<Step, 3> lightSwitching() {
-  ProgramLaw bp{dynamics::RobotProgram{.kind = ProgramKind::kBp, .V = 0.07, .epsilon = 0.2}};
-  ProgramLaw abp{
-      dynamics::RobotProgram{.kind = ProgramKind::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3}};
-  ProgramLaw rtp{
-      dynamics::RobotProgram{.kind = ProgramKind::kRtp, .v = 0.05, .gamma = 3, .tau_t = 0.5}};
-  return {Step{0.2, {102, 358, 0}, bp}, Step{0.5, {409, 665, 1}, abp},
-          Step{0.9, {716, 1024, 2}, rtp}};
+  return {Step{.light = 0.2, .band = {102, 358, 0}, .program = test::bp(0.07, 0.2)},
+          Step{.light = 0.5, .band = {409, 665, 1}, .program = test::abp(0.03, 0.5, 3)},
+          Step{.light = 0.9, .band = {716, 1024, 2}, .program = test::rtp(0.05, 3, 0.5)}};
 }
 
 dynamics::CoreSettings settingsOf(const std::array<Step, 3>& steps) {
@@ -55,7 +51,7 @@ dynamics::CoreSettings settingsOf(const std::array<Step, 3>& steps) {
   settings.light.hysteresis = 20;
   for (std::size_t i = 0; i < steps.size(); ++i) {
     settings.light.bands[i] = steps[i].band;
-    settings.programs[i] = paramsOf(steps[i].law);
+    settings.programs[i] = sim::always(steps[i].program).programs[0];
   }
   return settings;
 }
@@ -109,8 +105,8 @@ struct Count {
 };
 
 /// Counts by program and estimate.
-std::map<std::pair<ProgramKind, std::string>, Count> countIntervals(int recordings) {
-  std::map<std::pair<ProgramKind, std::string>, Count> counts;
+std::map<std::pair<std::string, std::string>, Count> countIntervals(int recordings) {
+  std::map<std::pair<std::string, std::string>, Count> counts;
   for (int i = 0; i < recordings; ++i) {
     for (const analysis::ProgramResult& result : recordSwitching(deriveSeed(1, i, "short films"))) {
       if (result.robot != analysis::kPool) {
@@ -120,7 +116,7 @@ std::map<std::pair<ProgramKind, std::string>, Count> countIntervals(int recordin
         if (!std::isfinite(estimate.value)) {
           continue;
         }
-        Count& count = counts[{result.law.kind, estimate.name}];
+        Count& count = counts[{result.law->name(), estimate.name}];
         ++count.recordings;
         count.covered += estimate.low95 <= estimate.theory && estimate.theory <= estimate.high95;
       }
@@ -132,16 +128,16 @@ std::map<std::pair<ProgramKind, std::string>, Count> countIntervals(int recordin
 TEST(Coverage, IntervalsContainTheProgrammedValues) {
   constexpr int kRecordings = 500;
   const auto counts = countIntervals(kRecordings);
-  const std::map<ProgramKind, std::vector<std::string>> expected = {
-      {ProgramKind::kBp, {"D_r", "v", "V", "D_t", "D"}},
-      {ProgramKind::kAbp, {"D_r", "v", "D", "L_s"}},
-      {ProgramKind::kRtp, {"v", "gamma", "tau_r", "D", "L_s"}}};
-  for (const auto& [kind, names] : expected) {
+  const std::map<std::string, std::vector<std::string>> expected = {
+      {"bp", {"D_r", "v", "V", "D_t", "D"}},
+      {"abp", {"D_r", "v", "D", "L_s"}},
+      {"rtp", {"v", "gamma", "tau_r", "D", "L_s"}}};
+  for (const auto& [law, names] : expected) {
     for (const std::string& name : names) {
-      const Count count = counts.at({kind, name});
+      const Count count = counts.at({law, name});
       const double share = static_cast<double>(count.covered) / count.recordings;
-      std::printf("program %d %-6s %d of %d intervals (%.1f %%)\n", static_cast<int>(kind),
-                  name.c_str(), count.covered, count.recordings, 100 * share);
+      std::printf("%s %-6s %d of %d intervals (%.1f %%)\n", law.c_str(), name.c_str(),
+                  count.covered, count.recordings, 100 * share);
       EXPECT_EQ(count.recordings, kRecordings) << name;
       EXPECT_GE(share, 0.90) << name;
       EXPECT_LE(share, 0.98) << name;

@@ -15,7 +15,7 @@ namespace {
 void expectPaperFails(const HourCurves& curves) {
   std::vector<double> paper;
   for (const int lag : curves.set.lags) {
-    paper.push_back(analysis::paperMsd(curves.set.law, lag / curves.set.fps));
+    paper.push_back(curves.set.law->paperMsd(lag / curves.set.fps));
   }
   EXPECT_GT(std::abs(largestDeviation(curves.set, curves.msd, paper).z), 20);
 }
@@ -26,7 +26,7 @@ TEST_P(SimulatedHours, InTheArenaFollowTheExactLaw) {
   const HourRecordings recordings = {.table = GetParam()};
   const HourCurves dut = recordHours(recordings);
   expectExactLaw(recordings, dut);
-  if (analysis::isHeldNoise(dut.set.law.kind)) {
+  if (dut.set.law->held()) {
     expectPaperFails(dut);
   }
 }

@@ -91,11 +91,12 @@ inline std::int64_t recordOneHour(const HourRecordings& recordings, const Refere
   constexpr double kSettled = 20;  // [s] until the initial state has no influence
   const sim::WorldSettings settings = worldOf(recordings, seed);
   sim::World world(settings, {{1, startIn(settings.arena, recordings.room), false}});
-  sim::startAll(world, sim::always(paramsOf(set.law)));
+  sim::startAll(world, sim::always(set.program));
 
   // The exact curves are averages over the observation phase. A frame rate that is a multiple of
   // 1 / epsilon samples only a few phases, so every recording begins at a random time.
-  const double period = set.law.epsilon > 0 ? set.law.epsilon : 1;
+  const double epsilon = test::parameter(set.program, "epsilon");  // nan: it has none
+  const double period = epsilon > 0 ? epsilon : 1;
   Random random(deriveSeed(seed, 1, "film start"));
   RecordingSettings recording_settings;
   recording_settings.fps = set.fps;
@@ -186,11 +187,12 @@ inline Deviation largestDeviation(const ReferenceSet& set, const std::vector<Sca
 /// and is 1e-5 to second order; its scatter is part of the standard error.
 inline double speedFactor(const HourCurves& curves) {
   const analysis::ProgramLaw& law = curves.set.law;
-  if (law.v == 0) {
+  const double v = law->parameter("v");  // nan: it has none
+  if (std::isnan(v)) {
     return 1;
   }
   const analysis::Estimator estimator(law, curves.pool);
-  const double ratio = estimator(curves.pool.total())[analysis::kSpeed] / law.v;
+  const double ratio = estimator(curves.pool.total())[analysis::kSpeed] / v;
   return ratio * ratio;
 }
 

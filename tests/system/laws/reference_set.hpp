@@ -8,13 +8,14 @@
 #include <vector>
 
 #include "analyzer/laws.hpp"
-#include "robot/dynamics/robot_program.hpp"
+#include "tests/support/programs.hpp"
 #include "tests/support/reference_table.hpp"
 
 namespace lab::system_test {
 
 /// One exact table of tests/reference: a program, a frame rate and the two curves, in SI units.
 struct ReferenceSet {
+  Program program;
   analysis::ProgramLaw law;
   double fps = 0;
   std::vector<int> lags;            ///< [frames]
@@ -45,32 +46,21 @@ inline ReferenceSet readReferenceSet(const std::string& name) {
   };
   ReferenceSet set;
   set.fps = numberIn(header, "fps");
-  set.law.v = numberIn(header, "v") * kCentimetre;
-  set.law.va = numberIn(header, "va") * kCentimetre;
-  set.law.V = numberIn(header, "V") * kCentimetre;
-  set.law.epsilon = numberIn(header, "eps");
-  set.law.eta = numberIn(header, "eta");
-  set.law.gamma = numberIn(header, "gam");
-  set.law.tau_t = numberIn(header, "tt");
-  set.law.kind = kind("ABP")       ? analysis::ProgramKind::kAbp
-                 : kind("RTP")     ? analysis::ProgramKind::kRtp
-                 : set.law.va == 0 ? analysis::ProgramKind::kBp
-                                   : analysis::ProgramKind::kNoisyAbp;
+  const double v = numberIn(header, "v") * kCentimetre;
+  const double va = numberIn(header, "va") * kCentimetre;
+  const double V = numberIn(header, "V") * kCentimetre;
+  const double epsilon = numberIn(header, "eps");
+  set.program = kind("ABP")   ? test::abp(v, epsilon, numberIn(header, "eta"))
+                : kind("RTP") ? test::rtp(v, numberIn(header, "gam"), numberIn(header, "tt"))
+                : va == 0     ? test::bp(V, epsilon)
+                              : test::noisyAbp(va, V, epsilon);
+  set.law = analysis::lawOf(set.program, analysis::kPaperWheelBase);
   for (const std::vector<std::string>& row : analysis::readTable(name + ".csv")) {
     set.lags.push_back(static_cast<int>(std::lround(std::stod(row.at(0)) * set.fps)));
     set.msd.push_back(std::stod(row.at(1)) * kCentimetre * kCentimetre);
     set.angular_msd.push_back(std::stod(row.at(4)));
   }
   return set;
-}
-
-/// The program as the robot receives it.
-inline dynamics::ProgramParams paramsOf(const analysis::ProgramLaw& law) {
-  const dynamics::ParamsResult result = dynamics::toProgramParams(law);
-  if (!result.ok) {
-    throw std::runtime_error(result.reason);
-  }
-  return result.params;
 }
 
 }  // namespace lab::system_test

@@ -64,9 +64,10 @@ class ClockFromDraws {
 
 /// The law of the program executed with this clock rate.
 inline analysis::ProgramLaw withClock(analysis::ProgramLaw law, double rate) {
-  law.epsilon /= rate;
-  law.gamma *= rate;
-  law.tau_t /= rate;
+  for (const analysis::LawParameter& parameter : law->parameters()) {
+    if (parameter.unit == "s") law = law.with(parameter.name, parameter.value / rate);
+    if (parameter.unit == "1/s") law = law.with(parameter.name, parameter.value * rate);
+  }
   return law;
 }
 

@@ -68,7 +68,7 @@ TEST_F(ProgramsRun, TheReportSaysTheDelayOfTheSensesThatWasAchieved) {
 
 TEST_F(ProgramsRun, AProgramInTheExperimentFileIsExecutedBySimulatorAndWireAlike) {
   const fs::path file = folder_.path() / "own.toml";
-  writeFile(file, R"(
+  support::writeFile(file, R"(
 fileversion = 1
 name = "own"
 duration_s = 20

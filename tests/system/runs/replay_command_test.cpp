@@ -42,13 +42,14 @@ class Replay : public testing::Test {
 
 /// The last ANALYSIS of every program and robot, from the analyzer in virtual time (instance 1) or
 /// from the other one.
-std::map<std::pair<int, int>, analysis_t> lastAnalyses(const fs::path& log, bool virtual_time) {
-  std::map<std::pair<int, int>, analysis_t> last;
+std::map<std::pair<std::string, int>, analysis_t> lastAnalyses(const fs::path& log,
+                                                               bool virtual_time) {
+  std::map<std::pair<std::string, int>, analysis_t> last;
   readLog({log}, [&](const Packet& packet) {
     analysis_t analysis{};
     if (packet.channel != channels::kAnalysis || !decode(packet.data, analysis)) return;
     if ((analysis.instance == 1) != virtual_time) return;
-    last[{analysis.program.kind, analysis.robot_id}] = analysis;
+    last[{analysis.program.name, analysis.robot_id}] = analysis;
   });
   return last;
 }
@@ -94,7 +95,7 @@ TEST_F(Replay, AnAnalyzerFedByLcmLogplayerGivesTheSameResults) {
   int compared = 0;
   for (const auto& [key, expected] : before) {
     const analysis_t& found = after.at(key);
-    if (expected.program.kind == program_t::RTP) {
+    if (expected.program.name == "rtp") {
       // It ran last: the run's last round came up to a second before its end, and half a second of
       // frames followed that. The pool has six robots.
       EXPECT_NEAR(found.observed, expected.observed, expected.robot_id < 0 ? 6 * 1.6 : 1.6);

@@ -239,7 +239,7 @@ TEST_F(ConditionalScript, ShowsTheSafeLightToStoppedRobotsBeforeItEnds) {
   ASSERT_THAT(light.layers, SizeIs(1));
   EXPECT_EQ(light.layers[0].intensity, 0.05);
   for (const auto& robot : robots.robots) {
-    EXPECT_EQ(robot.program.kind, program_t::NONE) << robot.robot_id;
+    EXPECT_EQ(robot.program.hash, 0) << robot.robot_id;
     EXPECT_EQ(robot.wheel_left, 0) << robot.robot_id;
   }
 }

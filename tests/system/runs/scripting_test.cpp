@@ -94,14 +94,13 @@ TEST_F(Scripting, ThePythonProgramShowsItsLightsAndReceivesRobotStatus) {
                     (kRoot / "docs/examples" / "light_switching.py").string() + " --hold 1.5");
   EXPECT_EQ(python.exit_code, 0) << python.output;
   EXPECT_THAT(shownBy("light_switching.py", log()), testing::ElementsAre(0.2, 0.5, 0.9));
-  // Kinds of program_t: BP 3, ABP 1, RTP 4.
   EXPECT_THAT(python.output, HasSubstr("dim: BP: shown after"));
-  for (const int model : {3, 1, 4}) {
+  for (const char* program : {"bp", "abp", "rtp"}) {
     std::string all;
     for (int robot = 1; robot <= 6; ++robot) {
-      all += (robot > 1 ? ", (" : "(") + std::to_string(robot) + ", " + std::to_string(model) + ")";
+      all += (robot > 1 ? ", (" : "(") + std::to_string(robot) + ", '" + program + "')";
     }
-    EXPECT_THAT(python.output, HasSubstr("models now [" + all + "]"));
+    EXPECT_THAT(python.output, HasSubstr("programs now [" + all + "]"));
   }
 }
 
