@@ -1,13 +1,11 @@
 #include <gtest/gtest.h>
 
-#include <set>
 #include <string>
 
 #include "common/bus/codec.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/order_settings.hpp"
-#include "common/experiment/program_messages.hpp"
 #include "tests/support/experiment_samples.hpp"
 
 namespace lab::calibrated_bands_test {
@@ -41,7 +39,7 @@ TEST(CalibratedBands, HaveByteCodeInEveryOrderAndTextsInTheFirst) {
   const robot_command_t command = withCalibratedBands(lightTableCommand(experiment), calibration);
 
   ASSERT_EQ(command.orders.size(), 150U);
-  EXPECT_EQ(toProgram(command.orders[0].bands[1].program), experiment.programs.at("rtp"));
+  EXPECT_EQ(command.orders[0].bands[1].program.text, experiment.programs.at("rtp").text);
   for (const robot_order_t& order : command.orders) {
     const OrderSettings settings = settingsFrom(order, dynamics::WheelLimits(), 0.02);
     ASSERT_EQ(settings.refusal, "");
