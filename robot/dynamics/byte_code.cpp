@@ -200,6 +200,17 @@ uint8_t instructionSize(uint8_t opcode) {
 
 uint16_t instructionCost(uint8_t opcode) { return instruction(opcode).cost; }
 
+uint16_t blockCost(const uint8_t* block) {
+  const uint8_t* const end = block + 1 + block[0];
+  uint16_t cost = 0;
+  for (const uint8_t* at = block + 1; at < end;) {
+    const Instruction step = instruction(*at);
+    cost = static_cast<uint16_t>(cost + step.cost);
+    at += 1 + step.operands;
+  }
+  return cost;
+}
+
 uint32_t programHash(const uint8_t* code, uint8_t size) {
   uint32_t crc = 0xFFFFFFFFUL;
   for (uint8_t i = 0; i < size; ++i) {

@@ -82,6 +82,8 @@ void run(const Case& one, uint8_t repetition, bool with) {
     }
   }
   *length = static_cast<uint8_t>(at - length - 1);
+  *at++ = 0;  // no evaluation
+  *at++ = 0;
   PORTB = 0x80;
   machine.start(code, sizeof code, inputs, rng);
   PORTB = one.opcode;
