@@ -36,6 +36,14 @@ FramePose toPose(const tracked_pose_t& pose) {
 
 }  // namespace
 
+RobotBody bodyOf(const RobotHardware& hardware) {
+  return {.wheel_base = hardware.diameter,
+          .max_wheel_speed = hardware.max_wheel_speed,
+          .pwm_steps = hardware.pwm_steps,
+          .clock_error = hardware.clock_error,
+          .sensor_period = hardware.sensor_period};
+}
+
 AnalysisConfig analysisConfig(const Experiment& experiment) {
   AnalysisConfig config;
   config.max_lag = experiment.analysis.max_lag;
@@ -45,7 +53,7 @@ AnalysisConfig analysisConfig(const Experiment& experiment) {
 }
 
 AnalysisFeed::AnalysisFeed(const Experiment& experiment)
-    : wheel_base_(experiment.hardware.diameter), analysis_(analysisConfig(experiment)) {
+    : body_(bodyOf(experiment.hardware)), analysis_(analysisConfig(experiment)) {
   for (const auto& [name, program] : experiment.programs) define(program);
   for (const RobotSpec& robot : experiment.robots) {
     if (robot.body == Body::kReplay) replayed_robots_.insert(robot.id);
@@ -117,9 +125,9 @@ const ProgramLaw& AnalysisFeed::lawOfProgram(const program_id_t& program) {
   if (laws_.size() >= Analysis::kMostPrograms) return none;
   const auto definition = definitions_.find(program.hash);
   return laws_[program.hash] = definition != definitions_.end()
-                                   ? lawOf(definition->second, wheel_base_)
+                                   ? lawOf(definition->second, body_)
                                    : lawOfUnknown(static_cast<std::uint32_t>(program.hash),
-                                                  program.name, wheel_base_);
+                                                  program.name, body_.wheel_base);
 }
 
 std::int64_t AnalysisFeed::bootOf(const robot_status_t& status, const robot_state_t& state) {

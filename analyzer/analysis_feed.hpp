@@ -27,6 +27,8 @@ struct FeedResult {
   ProgramResult result;
 };
 
+[[nodiscard]] RobotBody bodyOf(const RobotHardware& hardware);
+
 /// The settings of the analysis that follow from an experiment file.
 [[nodiscard]] AnalysisConfig analysisConfig(const Experiment& experiment);
 
@@ -82,6 +84,9 @@ class AnalysisFeed {
   [[nodiscard]] std::vector<FeedResult> results(Depth depth = Depth::kLive,
                                                 const std::function<void()>& meanwhile = {}) const;
 
+  /// As Analysis::simulateReferences().
+  void simulateReferences() { analysis_.simulateReferences(); }
+
   /// The time of the analysis (s) for a time of the messages.
   [[nodiscard]] double seconds(std::int64_t utime) const;
 
@@ -116,7 +121,7 @@ class AnalysisFeed {
   [[nodiscard]] RobotTelemetry telemetry(const robot_state_t& state, std::int64_t boot) const;
   std::int64_t bootOf(const robot_status_t& status, const robot_state_t& state);
 
-  double wheel_base_;
+  RobotBody body_;
   std::set<std::int32_t> replayed_robots_;  ///< excluded, because their motion was analyzed in the
                                             ///< run that is replayed
   Analysis analysis_;

@@ -72,6 +72,7 @@ void AnalyzerService::noteOverload() {
 void AnalyzerService::beginRound() {
   begin_utime_ = loop_.now();
   alive_utime_ = begin_utime_;
+  feed_.simulateReferences();
   round_ = feed_.results(Depth::kLive, [this] { keepAlive(); });
   if (shedding_.computed(begin_utime_, loop_.now())) noteOverload();
   round_utime_ = feed_.lastFrameUtime();

@@ -106,7 +106,8 @@ class FreeWalk {
 }  // namespace
 
 void simulateRecording(const RecordingPlan& plan, std::uint64_t seed, RecordingPoses& poses) {
-  if (!ExactLaw(plan.law).exists()) {
+  std::unique_ptr<Motion> motion = plan.law->motion();
+  if (motion == nullptr || (!plan.law->isSimulated() && !ExactLaw(plan.law).exists())) {
     throw std::invalid_argument(
         "simulateRecording: the program has no law; give one with a law and positive times");
   }
@@ -122,7 +123,7 @@ void simulateRecording(const RecordingPlan& plan, std::uint64_t seed, RecordingP
   poses.theta.resize(frames);
   Random random(seed);
   const double apart = plan.exposure / std::sqrt(3.0);  // of the two points of the Gauss rule
-  FreeWalk walk(plan.law->motion(), plan.period - apart, random);
+  FreeWalk walk(std::move(motion), plan.period - apart, random);
   for (std::size_t i = 0; i < frames; ++i) {
     if (i > 0) walk.advance(plan.period - apart);
     poses.x[i] = walk.x();

@@ -350,6 +350,9 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
                      const FitOptions& options) {
   if (!ExactLaw(law).exists()) return "the program has no law";
   if (!(curves.observed > 0)) return "no free motion was seen";
+  if (law->fitParameters(options.free_tumble_time).empty()) {
+    return "the law has no parameters that a fit could free";
+  }
   const double draws = curves.observed / law->drawTime();
   if (draws < kFewestDraws) {
     return "only " + std::to_string(static_cast<int>(draws)) + " " + law->drawsName() +

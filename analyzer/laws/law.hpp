@@ -60,11 +60,12 @@ struct Arc {
   double duration = 0;  ///< s.
 };
 
-/// The free motion of a program as a sequence of arcs, in the stationary state.
+/// The free motion of a program as a sequence of arcs: from a random time on in the stationary
+/// state, or from the start of its program on if that state is not known.
 class Motion {
  public:
   virtual ~Motion() = default;
-  [[nodiscard]] virtual Arc first(Random& random) = 0;  ///< What is left of it at a random time.
+  [[nodiscard]] virtual Arc first(Random& random) = 0;  ///< What is left of the first one.
   [[nodiscard]] virtual Arc next(Random& random) = 0;
 };
 
@@ -127,6 +128,9 @@ class Law {
 
   /// Why the motion cannot be judged, a sentence; empty: it can, if the law exists.
   [[nodiscard]] virtual std::string whyNoVerdict() const { return {}; }
+
+  /// The curves are not known: their reference must be simulated by motion().
+  [[nodiscard]] virtual bool isSimulated() const { return false; }
 
   // Nominal coefficients, exact functions of the parameters; nan: there is none such.
   [[nodiscard]] virtual double rotationalDiffusivity() const { return units::kNan; }

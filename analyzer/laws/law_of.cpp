@@ -7,46 +7,59 @@
 
 #include "analyzer/laws.hpp"
 #include "analyzer/laws/closed_forms.hpp"
+#include "analyzer/laws/own_laws.hpp"
 
 namespace lab::analysis {
 namespace {
 
-/// A program without a law.
-class NoLaw : public Law {
- public:
-  NoLaw(const std::string& program, double wheel_base, std::string reason)
-      : Law(program.empty() ? "program" : program, {}, wheel_base), reason_(std::move(reason)) {}
-
-  [[nodiscard]] std::string title() const override { return "no law"; }
-  [[nodiscard]] std::string whyNoVerdict() const override { return reason_; }
-  [[nodiscard]] std::string characteristicEstimate() const override { return "v"; }
-
- private:
-  std::string reason_;
-};
-
 ProgramLaw without(const Program& program, double wheel_base, const std::string& reason) {
-  return ProgramLaw(std::make_shared<const NoLaw>(program.name, wheel_base, reason), program.hash);
+  return ProgramLaw(makeNoLaw(program, wheel_base, reason), program.hash);
+}
+
+/// Why the motion has no law in free space; empty: it has one.
+std::string dependence(const Program& program) {
+  if (program.reads_surroundings) {
+    return "The program reads light, infrared sensors or senses, so its motion depends on the "
+           "surroundings and has no law in free space.";
+  }
+  if (readsInput(program.code, dynamics::kBattery)) {
+    return "The program reads the battery, so its motion depends on the charge.";
+  }
+  if (readsInput(program.code, dynamics::kId)) {
+    return "The program reads the robot's number, so each robot moves in another way.";
+  }
+  return {};
 }
 
 }  // namespace
 
 ProgramLaw lawOf(const Program& program, double wheel_base) {
+  RobotBody body;
+  body.wheel_base = wheel_base;
+  return lawOf(program, body);
+}
+
+ProgramLaw lawOf(const Program& program, const RobotBody& body) {
   if (program.hash == 0) return {};
   const LawText& text = program.law;
-  if (!text.name.empty()) {
-    try {
-      return ProgramLaw(closedForm(text.name, text.parameters, wheel_base), program.hash);
-    } catch (const std::invalid_argument& problem) {
-      return without(program, wheel_base, problem.what());
+  try {
+    if (!text.name.empty()) {
+      return ProgramLaw(closedForm(text.name, text.parameters, body.wheel_base), program.hash);
     }
+    if (!text.msd.empty() || !text.angular_msd.empty()) {
+      return ProgramLaw(makeFormulaLaw(program, body), program.hash);
+    }
+  } catch (const std::exception& problem) {
+    return without(program, body.wheel_base, problem.what());
   }
-  if (program.reads_surroundings) {
-    return without(program, wheel_base,
-                   "The program reads light, infrared sensors or senses, so its motion depends on "
-                   "the surroundings and has no law in free space.");
+  const std::string reason = dependence(program);
+  if (!reason.empty()) return without(program, body.wheel_base, reason);
+  std::shared_ptr<const Law> law = makeSimulatedLaw(program, body);
+  if (law->motion() == nullptr) {
+    return without(program, body.wheel_base,
+                   "The program holds its wheel speeds for ever, so there is nothing to judge.");
   }
-  return without(program, wheel_base, "The program has no law.");
+  return ProgramLaw(std::move(law), program.hash);
 }
 
 std::string coefficientsText(const Program& program, double wheel_base) {

@@ -4,12 +4,18 @@
 #include <string>
 
 #include "analyzer/laws/law.hpp"
+#include "analyzer/laws/program_motion.hpp"
 #include "common/programs/program.hpp"
 
 namespace lab::analysis {
 
-/// The law of a program; none for standing. A program that names no law that is known has one
-/// without curves and with the reason (Law::whyNoVerdict).
+/// The law of a program: the closed form that it names, else its own formulas, else one whose
+/// reference must be simulated (Law::isSimulated). None for standing. A program that depends on its
+/// surroundings, or names a law that is not known, has one without curves and with the reason
+/// (Law::whyNoVerdict).
+[[nodiscard]] ProgramLaw lawOf(const Program& program, const RobotBody& body);
+
+/// The same for ideal wheels and clocks.
 /// @param wheel_base distance between the robot's wheels, m
 [[nodiscard]] ProgramLaw lawOf(const Program& program, double wheel_base);
 

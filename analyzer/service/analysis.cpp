@@ -5,6 +5,8 @@
 #include <deque>
 #include <utility>
 
+#include "analyzer/curves/lags.hpp"
+#include "analyzer/curves/reference_comparison.hpp"
 #include "analyzer/service/bootstrap_results.hpp"
 #include "light/median.hpp"
 
@@ -15,6 +17,9 @@ constexpr std::size_t kFramesForPeriod = 20;
 constexpr double kShortestPeriod = 1e-4;        // s, shorter than that of any camera
 constexpr double kUnbiasedShare = 0.1;          // of the median dwell time
 constexpr std::size_t kMaxDwellTimes = 100000;  // limit of memory, per program
+constexpr int kLiveFilms = 120;                 // of the reference of a program
+constexpr int kLiveFilmsPerCall = 8;
+constexpr double kLiveFilmFrames = 30000;
 
 }  // namespace
 
@@ -33,7 +38,8 @@ int Analysis::programOf(const ProgramLaw& law) {
   if (found != programs_.end()) {
     return static_cast<int>(found - programs_.begin());
   }
-  const bool free = !law.known() ? config_.without_law : !law->whyNoVerdict().empty();
+  const bool free =
+      !law.known() ? config_.without_law : law->isSimulated() || !law->whyNoVerdict().empty();
   if (!free && !ExactLaw(law).exists()) {
     return -1;
   }
@@ -176,6 +182,39 @@ double Analysis::medianDwellTime(int program) const {
   return static_cast<double>(medianOf(durations));
 }
 
+void Analysis::simulateReferences() {
+  if (!(config_.frame_period > 0)) return;
+  for (std::size_t key = 0; key < programs_.size(); ++key) {
+    const ProgramLaw& law = programs_[key];
+    if (!law->isSimulated()) continue;
+    const int program = static_cast<int>(key);
+    auto found = references_.find(program);
+    if (found == references_.end()) {
+      FilmPlan plan;
+      plan.law = law;
+      plan.frame_period = config_.frame_period;
+      plan.lags = makeLagGrid(config_.frame_period, config_.max_lag, law);
+      plan.duration = kLiveFilmFrames * config_.frame_period;
+      plan.films = kLiveFilms;
+      found = references_.emplace(program, FilmReference(plan)).first;
+    }
+    found->second.advance(kLiveFilmsPerCall);
+  }
+}
+
+void Analysis::judgeLive(int program, const BlockData& data, const CurveOptions& options,
+                         ProgramResult& result) const {
+  if (!result.law->isSimulated()) return;
+  const auto found = references_.find(program);
+  if (found != references_.end() && found->second.complete()) {
+    compareWithFilms(result.curves, found->second, result.law, data, options);
+    result.verdict = judge(result.curves);
+    return;
+  }
+  result.no_verdict = "The reference is being simulated.";
+  for (Estimate& estimate : result.estimates) estimate.note += "; reference being simulated";
+}
+
 std::vector<ProgramResult> Analysis::results(Depth depth,
                                              const std::function<void()>& meanwhile) const {
   std::vector<ProgramResult> results;
@@ -206,6 +245,7 @@ std::vector<ProgramResult> Analysis::results(Depth depth,
       data.push_back(&own_blocks);
       each.push_back(analyse(programs_[key], own_blocks, tally, options, depth));
       each.back().robot = id;
+      if (depth == Depth::kLive) judgeLive(program, own_blocks, options, each.back());
       if (meanwhile) meanwhile();
       if (found->second->joins()) {
         const JoinBlocks own = found->second->joins()->blocks();
@@ -222,6 +262,9 @@ std::vector<ProgramResult> Analysis::results(Depth depth,
       results.push_back(each.size() == 1 ? each.front()
                                          : analyse(programs_[key], pool, sum, options, depth));
       results.back().robot = kPool;
+      if (depth == Depth::kLive && each.size() > 1) {
+        judgeLive(program, pool, options, results.back());
+      }
       if (depth == Depth::kFull) {
         addBootstrapResults(results.back(), pool, each, data, options);
       }

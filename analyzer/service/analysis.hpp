@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "analyzer/bootstrap/film_reference.hpp"
 #include "analyzer/service/program_analysis.hpp"
 
 namespace lab::analysis {
@@ -90,6 +91,11 @@ class Analysis {
     piece_sink_ = std::move(sink);
   }
 
+  /// Simulates some more films of each program whose reference must be simulated
+  /// (Law::isSimulated), for the verdicts of Depth::kLive. A call takes some tens of milliseconds;
+  /// after about fifteen, the references are complete. Depth::kFull does not need it.
+  void simulateReferences();
+
   /// Sets whether the track is joined or cut at reversals, and AnalysisConfig::compare_joins. Call
   /// it before the first frame.
   void stitch(bool join, bool compare) {
@@ -134,6 +140,8 @@ class Analysis {
   void dispatch(const Frame& frame);
   void measurePeriod(bool force);
   void take(int id, Robot& robot);
+  void judgeLive(int program, const BlockData& data, const CurveOptions& options,
+                 ProgramResult& result) const;
 
   AnalysisConfig config_;
   AnalysisCounters counters_;
@@ -143,6 +151,7 @@ class Analysis {
   std::size_t of_robots_ = 0;                    ///< Programs, summed over the robots.
   std::vector<Frame> first_frames_;  ///< Frames that wait until the frame period is known.
   std::vector<Sample> samples_;
+  std::map<int, FilmReference> references_;  ///< By program.
   bool spatial_light_ = false;
   std::function<void(int, const ProgramLaw&, const Sample&)> sink_;
   std::function<void(int, const ProgramLaw&, const Piece&)> piece_sink_;

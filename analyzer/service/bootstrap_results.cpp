@@ -1,7 +1,10 @@
 #include "analyzer/service/bootstrap_results.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <cstdint>
 
+#include "analyzer/curves/reference_comparison.hpp"
 #include "analyzer/fits/law_fit.hpp"
 
 namespace lab::analysis {
@@ -10,6 +13,8 @@ namespace {
 constexpr int kTestRecordings = 400;
 constexpr std::uint64_t kFitSeed = 20210;
 constexpr std::uint64_t kTestSeed = 40210;
+constexpr std::uint64_t kFilmSeed = 60210;
+constexpr int kPilotFilms = 12;
 
 /// The simulated recordings of one program, for all its robots.
 struct ProgramRecordings {
@@ -55,13 +60,56 @@ void complete(ProgramResult& result, const BlockData& data, CurveOptions options
   result.fit->paper = test(TestedLaw::kPaper);
 }
 
+/// The films of a program without curves, like the recording of `data`.
+FilmReference filmsLike(const ProgramLaw& law, const BlockData& data) {
+  const MeasuredCurves measured = measuredCurves(law, data);
+  FilmPlan plan;
+  plan.law = law;
+  plan.lags = data.lags;
+  plan.frame_period = data.frame_period;
+  plan.gaps = measured.gaps;
+  plan.seed = kFilmSeed;
+  setFilms(plan, measured.observed / measured.tracks);
+  // The noise of the heading follows from the shape of the curve.
+  FilmPlan pilot = plan;
+  pilot.films = kPilotFilms;
+  FilmReference shape(pilot);
+  shape.finish();
+  std::vector<double> angular;
+  std::vector<double> expected;
+  for (std::size_t i = 0; i < shape.curves().lags.size(); ++i) {
+    angular.push_back(measured.angular_msd[i]);
+    expected.push_back(shape.expected(true, i));
+  }
+  plan.sigma = std::sqrt(std::max(0.0, measured.offset / 4));
+  plan.sigma_theta = std::sqrt(headingOffset(angular, expected) / 2);
+  FilmReference films(plan);
+  films.finish();
+  return films;
+}
+
+void judgeByFilms(ProgramResult& result, const BlockData& data, const CurveOptions& options,
+                  const FilmReference& films) {
+  compareWithFilms(result.curves, films, result.law, data, options);
+  result.verdict = judge(result.curves);
+}
+
 }  // namespace
 
 void addBootstrapResults(ProgramResult& pool, const BlockData& pool_data,
                          std::vector<ProgramResult>& robots,
                          const std::vector<const BlockData*>& robot_data,
                          const CurveOptions& options) {
-  if (!ExactLaw(pool.law).exists() || !(pool.observed > 0)) return;
+  if (!(pool.observed > 0) || pool.law->motion() == nullptr) return;
+  if (pool.law->isSimulated()) {
+    const FilmReference films = filmsLike(pool.law, pool_data);
+    judgeByFilms(pool, pool_data, options, films);
+    for (std::size_t i = 0; i < robots.size(); ++i) {
+      if (robots[i].observed > 0) judgeByFilms(robots[i], *robot_data[i], options, films);
+    }
+    return;
+  }
+  if (!ExactLaw(pool.law).exists()) return;
   ProgramRecordings recordings;
   complete(pool, pool_data, options, recordings, true);
   for (std::size_t i = 0; i < robots.size(); ++i) {

@@ -24,6 +24,7 @@ ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const Progra
   result.curves = curves(law, data, options);
   result.estimates = estimate(law, data);
   result.verdict = judge(result.curves);
+  result.no_verdict = law->whyNoVerdict();
   if (depth == Depth::kFull) result.kurtosis = testKurtosis(law, data);
   return result;
 }

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "analyzer/curves/curves.hpp"
@@ -40,6 +41,7 @@ struct ProgramResult {
   Curves curves;
   std::vector<Estimate> estimates;
   Verdict verdict;
+  std::string no_verdict;  ///< Why there cannot be a verdict (yet), a sentence; empty: there can.
   std::optional<LawFit> fit;            ///< At Depth::kFull, for programs with a law.
   std::optional<JoinComparison> joins;  ///< If AnalysisConfig::compare_joins is set.
   std::optional<RunStatistics> runs;    ///< Of runs and turns, if AnalysisConfig::find_runs is set.

@@ -104,9 +104,8 @@ class ProgramReader {
     } else if (node.is_table()) {
       readNamed(node, "law", program.law);
     } else {
-      problem("law",
-              "found " + displayText(node) +
-                  ", allowed the name of a closed form, as \"abp\", or a table (docs/programs.md)");
+      problem("law", "found " + displayText(node) +
+                         ", allowed the name of a closed form, or a table (docs/programs.md)");
     }
   }
 

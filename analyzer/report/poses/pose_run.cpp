@@ -337,7 +337,7 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   robots_run.colour = hexText(kProgramColours.front());
   if (!experiment.programs.empty()) {
     const auto& [name_in_file, first] = *experiment.programs.begin();
-    law = analysis::lawOf(first, experiment.hardware.diameter);
+    law = analysis::lawOf(first, analysis::bodyOf(experiment.hardware));
     robots_run.program = toId(first);
     robots_run.name = name_in_file;
     robots_run.colour = hexText(programColour(experiment, name_in_file));

@@ -97,13 +97,21 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
   return findings;
 }
 
+namespace {
+
+std::string lawWords(const ProgramResult& result) {
+  return result.law->isSimulated() ? "the simulated reference" : "the exact law";
+}
+
+}  // namespace
+
 std::string verdictText(const ProgramResult& result) {
-  if (!result.law.known()) return "no law to compare with";
+  if (!result.law.known() || !result.no_verdict.empty()) return "no law to compare with";
   switch (result.verdict.kind) {
     case VerdictKind::kAgrees:
-      return "agrees with the exact law";
+      return "agrees with " + lawWords(result);
     case VerdictKind::kDisagrees:
-      return "deviates from the exact law";
+      return "deviates from " + lawWords(result);
     default:
       return "undecided";
   }
@@ -115,6 +123,7 @@ std::string verdictReason(const ProgramResult& result) {
     return "No program was given, so there are curves without theory. Name the program with "
            "--program and --set.";
   }
+  if (!result.no_verdict.empty()) return result.no_verdict;
   if (verdict.kind == VerdictKind::kUndecided) {
     return fmt::format(
         "Not enough data: {} can be judged. A verdict needs five, and at least a hundred draws of "
@@ -122,9 +131,9 @@ std::string verdictReason(const ProgramResult& result) {
         countText(verdict.judged, "lag"));
   }
   return fmt::format(
-      "The largest deviation from the exact law at {} is {:.1f} standard errors ({} at {} s). By "
+      "The largest deviation from {} at {} is {:.1f} standard errors ({} at {} s). By "
       "chance alone one run in a hundred exceeds 3.2. From 4 on, the motion deviates.",
-      countText(verdict.judged, "judged lag"), std::abs(verdict.max_z),
+      lawWords(result), countText(verdict.judged, "judged lag"), std::abs(verdict.max_z),
       verdict.angular ? "angular MSD" : "MSD", shortText(verdict.tau));
 }
 

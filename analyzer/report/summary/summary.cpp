@@ -73,6 +73,8 @@ Json result(const analysis::ProgramResult& result, bool whole) {
   json["max_z_lag_s"] = number(result.verdict.tau);
   json["max_z_curve"] = result.verdict.angular ? "angular_msd" : "msd";
   json["judged_lags"] = result.verdict.judged;
+  if (result.law->isSimulated()) json["reference"] = "simulated";
+  if (!result.no_verdict.empty()) json["no_verdict"] = result.no_verdict;
   json["observed_s"] = number(result.observed);
   json["samples"] = result.samples;
   json["lost_frames"] = result.lost;

@@ -1,0 +1,216 @@
+#include "analyzer/curves/reference_comparison.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "analyzer/curves/estimates.hpp"
+#include "analyzer/laws/numerics.hpp"
+#include "common/math/units.hpp"
+
+namespace lab::analysis {
+namespace {
+
+using units::kNan;
+
+constexpr double kRecordingsPerLag = 20;  // as in curves()
+constexpr double kMinDraws = 100;
+constexpr double kOffsetError = 0.05;  // relative error of the noise
+constexpr double kMostScatter = 0.5;   // of a cube root; beyond, a lag is not judged
+constexpr double kTolerance = 0.05;    // of an MSD, for calibration
+constexpr double kOnePercentZ = 3.2;   // the largest |z| of normal lags exceeds it in 1 %
+constexpr std::size_t kNoiseLag = 8;   // index of the lag for the noise of the heading, at most
+constexpr int kFewestFilms = 20;
+
+/// Nearly normal, and nearly ratio - 1 where the ratio is nearly 1 (Wilson and Hilferty).
+double normalised(double ratio) { return 3 * (std::cbrt(ratio) - 1); }
+
+/// The ratios of one pair of curves to the expected ones, without noise: MSD, then angular MSD.
+using Ratios = std::vector<double>;
+
+class Comparison {
+ public:
+  Comparison(Curves& result, const FilmReference& films, const ProgramLaw& law,
+             const BlockData& data, const CurveOptions& options)
+      : result_(result),
+        films_(films),
+        data_(data),
+        options_(options),
+        total_(data.total()),
+        gaps_(gapsOf(data, total_)),
+        lags_(films.curves().lags.size()) {
+    observed_ = data.observed();
+    segments_ = std::max(static_cast<double>(data.tracks.size()), total_.segments);
+    enough_draws_ = observed_ / law->drawTime() >= kMinDraws;
+    noise_known_ = std::isfinite(Estimator(law, data)(total_)[kPositionOffset]);
+    for (std::size_t i = 0; i < lags_; ++i) {
+      shape_.push_back(films_.expected(true, i));
+    }
+  }
+
+  void run() {
+    const SimulatedCurves& simulated = films_.curves();
+    const Ratios measured = ofMeasurement();
+    std::vector<Ratios> each;
+    for (int film = 0; film < simulated.recordings; ++film) each.push_back(ofFilm(film));
+    const std::optional<std::size_t> reference = calibrationLag(measured, each);
+    const bool calibrated = reference && std::abs(measured[*reference] - 1) <= kTolerance;
+    Ratios now = measured;
+    if (calibrated) {
+      relate(now, *reference);
+      for (Ratios& film : each) relate(film, *reference);
+    }
+    fill(now, each, calibrated ? reference : std::nullopt);
+  }
+
+ private:
+  [[nodiscard]] CurvePoint& point(std::size_t column) const {
+    return column < lags_ ? result_.msd[column] : result_.angular_msd[column - lags_];
+  }
+  [[nodiscard]] double tau(std::size_t column) const {
+    return films_.curves().lags[column % lags_];
+  }
+
+  [[nodiscard]] Ratios ofMeasurement() const {
+    std::vector<double> angular;
+    for (std::size_t i = 0; i < lags_; ++i) angular.push_back(result_.angular_msd[i].value);
+    const double offset = headingOffset(angular, shape_);
+    Ratios ratios(2 * lags_);
+    for (std::size_t i = 0; i < lags_; ++i) {
+      CurvePoint& msd = result_.msd[i];
+      CurvePoint& turn = result_.angular_msd[i];
+      turn.noise = offset;
+      ratios[i] = (msd.value - msd.noise) / films_.expected(false, i);
+      ratios[lags_ + i] = (turn.value - offset) / shape_[i];
+    }
+    return ratios;
+  }
+
+  /// Scaled to the errors of the measured time.
+  [[nodiscard]] Ratios ofFilm(int film) const {
+    const SimulatedCurves& simulated = films_.curves();
+    const double offset = 4 * films_.plan().sigma * films_.plan().sigma;
+    std::vector<double> angular;
+    for (std::size_t i = 0; i < lags_; ++i) angular.push_back(simulated.value(film, lags_ + i));
+    const double angular_offset =
+        films_.plan().sigma_theta > 0 ? headingOffset(angular, shape_) : 0;
+    Ratios ratios(2 * lags_);
+    for (std::size_t i = 0; i < lags_; ++i) {
+      const double scale = errorScale(simulated, observed_, segments_, simulated.lags[i]);
+      ratios[i] = 1 + scale * ((simulated.value(film, i) - offset) / films_.expected(false, i) - 1);
+      ratios[lags_ + i] = 1 + scale * ((angular[i] - angular_offset) / shape_[i] - 1);
+    }
+    return ratios;
+  }
+
+  [[nodiscard]] bool mayBeJudged(std::size_t column) const {
+    const CurvePoint& one = point(column);
+    const double covered = gaps_.covered(tau(column) / data_.frame_period);
+    const bool angular = column >= lags_;
+    return enough_draws_ && (angular || noise_known_) && !one.selection_biased &&
+           std::isfinite(one.value) && covered >= kLeastCovered &&
+           kRecordingsPerLag * tau(column) <= covered * observed_;
+  }
+
+  /// The lag at which the MSD is most precise, and mostly motion.
+  [[nodiscard]] std::optional<std::size_t> calibrationLag(const Ratios& measured,
+                                                          const std::vector<Ratios>& films) const {
+    std::optional<std::size_t> best;
+    double least = 0;
+    for (std::size_t i = 0; i < lags_; ++i) {
+      const double noise = std::abs(result_.msd[i].noise) / films_.expected(false, i);
+      if (!mayBeJudged(i) || !(noise < kTolerance) || !std::isfinite(measured[i])) continue;
+      const double sigma = std::hypot(moments(films, i).sigma, kOffsetError * noise);
+      if (best && sigma >= least) continue;
+      best = i;
+      least = sigma;
+    }
+    return best;
+  }
+
+  void relate(Ratios& ratios, std::size_t reference) const {
+    const double factor = ratios[reference];
+    for (std::size_t i = 0; i < lags_; ++i) ratios[i] /= factor;
+  }
+
+  struct Moments {
+    double mean = 0;
+    double sigma = 0;
+  };
+  static Moments moments(const std::vector<Ratios>& films, std::size_t column) {
+    double sum = 0;
+    double squares = 0;
+    for (const Ratios& film : films) {
+      const double value = normalised(film[column]);
+      sum += value;
+      squares += value * value;
+    }
+    const auto n = static_cast<double>(films.size());
+    return {sum / n, std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)))};
+  }
+
+  void fill(const Ratios& measured, const std::vector<Ratios>& films,
+            std::optional<std::size_t> reference) const {
+    std::vector<double> largest(films.size(), 0);
+    for (std::size_t column = 0; column < 2 * lags_; ++column) {
+      CurvePoint& one = point(column);
+      const bool angular = column >= lags_;
+      const double expected = films_.expected(angular, column % lags_);
+      const Moments of = moments(films, column);
+      const double noise = std::abs(one.noise) / expected;
+      const double floor = angular ? 0 : options_.systematic_floor;
+      const double sigma =
+          std::hypot(std::hypot(of.sigma, of.sigma / std::sqrt(static_cast<double>(films.size()))),
+                     std::hypot(floor, kOffsetError * noise));
+      one.exact = expected;
+      if (std::isfinite(of.sigma) && of.sigma > 0) one.sigma = of.sigma * (expected + one.noise);
+      one.z = (normalised(measured[column]) - of.mean) / sigma;
+      one.judged = mayBeJudged(column) && std::isfinite(one.z) && sigma < kMostScatter &&
+                   column != reference;
+      if (!one.judged) continue;
+      for (std::size_t film = 0; film < films.size(); ++film) {
+        const double z = std::abs(normalised(films[film][column]) - of.mean) / sigma;
+        largest[film] = std::max(largest[film], z);
+      }
+    }
+    std::ranges::sort(largest);
+    const double tail = largest[static_cast<std::size_t>(
+        std::floor(0.99 * static_cast<double>(largest.size() - 1)))];
+    const double factor = std::max(1.0, tail / kOnePercentZ);
+    for (std::size_t column = 0; column < 2 * lags_; ++column) point(column).z /= factor;
+  }
+
+  Curves& result_;
+  const FilmReference& films_;
+  const BlockData& data_;
+  const CurveOptions& options_;
+  BlockSums total_;
+  RecordingGaps gaps_;
+  std::size_t lags_;
+  double observed_ = 0;
+  double segments_ = 1;
+  bool enough_draws_ = false;
+  bool noise_known_ = false;
+  std::vector<double> shape_;  ///< Expected angular MSD.
+};
+
+}  // namespace
+
+double headingOffset(const std::vector<double>& angular, const std::vector<double>& shape) {
+  const std::size_t second = std::min(kNoiseLag, shape.size() - 1);
+  if (shape.size() < 2) return 0;
+  const double scale = (angular[second] - angular[0]) / (shape[second] - shape[0]);
+  const double offset = angular[0] - scale * shape[0];
+  return std::isfinite(offset) ? std::max(0.0, offset) : 0;
+}
+
+void compareWithFilms(Curves& result, const FilmReference& films, const ProgramLaw& law,
+                      const BlockData& data, const CurveOptions& options) {
+  if (result.msd.empty() || films.curves().recordings < kFewestFilms ||
+      films.curves().lags.empty()) {
+    return;
+  }
+  Comparison(result, films, law, data, options).run();
+}
+
+}  // namespace lab::analysis
