@@ -89,8 +89,8 @@ const uint16_t kInstructions[kOpcodes] LAB_IN_FLASH = {
     0,
     0,
     0,
-    entry(4, 0, 1850),  // kDrive
-    entry(4, 0, 1850),  // kWheelSpeeds
+    entry(4, 0, 2110),  // kDrive
+    entry(4, 0, 2110),  // kWheelSpeeds
 };
 
 Instruction instruction(uint8_t opcode) {

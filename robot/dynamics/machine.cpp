@@ -270,7 +270,7 @@ bool Machine::lengthen(uint32_t& duration_ms) {
   if (too_short) {
     duration_ms = needed_ms;
   }
-  const bool pays_all = duration_ms >= arrears_ / kComputingPerMs + 1U;
+  const bool pays_all = duration_ms > static_cast<uint16_t>(arrears_ / kComputingPerMs);
   arrears_ = pays_all ? 0 : static_cast<uint16_t>(arrears_ - duration_ms * kComputingPerMs);
   return too_short;
 }
