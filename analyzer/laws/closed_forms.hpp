@@ -2,6 +2,8 @@
 /// list of closed_forms.cpp.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
@@ -104,6 +106,9 @@ Program toProgram(const ProgramFile& file) {
       program.law.parameters.emplace_back(parameter.name,
                                           toSi(parameter.value, parameter.dimension));
     }
+  }
+  for (const language::Problem& warning : compiled.warnings) {
+    program.warnings.push_back(warning.key + ": " + warning.message);
   }
   findInputs(program);
   return program;

@@ -108,9 +108,9 @@ std::vector<std::string> verdictCells(const Finding& finding) {
                   escapeHtml(finding.name)),
       fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
                   escapeHtml(parametersText(*finding.pool))),
-      fmt::format("<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
-                  result.law.known() && result.no_verdict.empty() ? verdictClass(verdict.kind)
-                                                                  : "no law"),
+      fmt::format(
+          "<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
+          result.law.known() && result.no_verdict.empty() ? verdictClass(verdict.kind) : "no law"),
       decided ? fmt::format("{:.1f}", std::abs(verdict.max_z)) : "–",
       groupedText(verdict.judged),
       durationText(result.observed)};
