@@ -40,14 +40,15 @@ fs::path logOf(const fs::path& run_or_log) {
   return log;
 }
 
-constexpr std::int64_t kRunnerSilent_us = 3'000'000;  // it sends five messages a second
+constexpr std::int64_t kRunnerSilent_us = 3'000'000;  // a runner sends five messages a second
 
 /// Thrown to stop reading a log early.
 struct Enough {};
 
-/// How much of a START event can be right: that of a run states a contract version that exists,
-/// this software's types, and an experiment. Each START is sent several times, and one copy may be
-/// damaged.
+/// Ranks the copies of a START event, because each is sent several times and one copy may be
+/// damaged. An undamaged START has a contract version that exists, the message types of this
+/// software, and an experiment. The rank is 1 plus the number of these that are right, counted up
+/// to the first wrong one.
 class StartJudge {
  public:
   static constexpr int kWhole = 4;
@@ -62,7 +63,7 @@ class StartJudge {
   }
 
  private:
-  /// Parses each text once: a log may repeat one thousands of times.
+  /// Parses each text once, because a log may repeat the same text thousands of times.
   bool isExperiment(const std::string& text) {
     constexpr std::size_t kMostTexts = 1000;
     if (const auto known = texts_.find(text); known != texts_.end()) return known->second;
@@ -79,9 +80,10 @@ class StartJudge {
   std::map<std::string, bool> texts_;  ///< whether it is an experiment
 };
 
+/// Passes the messages of a log to the sinks, and collects the facts about the log.
 class Reading {
  public:
-  /// @param start of the run, if the log has one
+  /// @param start the START event of the run, if the log has one
   Reading(const MessageSinks& sinks, const std::optional<experiment_event_t>& start)
       : sinks_(sinks) {
     if (!start) return;
@@ -121,8 +123,8 @@ class Reading {
   }
 
  private:
-  /// Decodes one message and passes it to its sink, if its numbers are possible and its time
-  /// continues its stream. @return whether it could be decoded.
+  /// Decodes one message. Passes it to the sink, unless a number in it is impossible or its time
+  /// does not fit the messages before it. @return whether it could be decoded.
   template <class Message, class Sink>
   bool deliver(const Packet& packet, const Sink& sink) {
     Message message{};
@@ -186,8 +188,9 @@ class Reading {
     return true;
   }
 
-  /// A log that was recorded by hand may have several runs. A runner's START is believed after the
-  /// END of the run before, or when its runner has fallen silent.
+  /// Whether this START event begins another run, because a log that was recorded by hand may have
+  /// several. Such an event is accepted after the END of the previous run, or when the runner of
+  /// the previous run has sent nothing for kRunnerSilent_us.
   bool beginsNextRun(const experiment_event_t& event, std::int64_t received_utime) {
     return event.kind == experiment_event_t::START &&
            (ended_ || (runner_utime_ != 0 && received_utime - runner_utime_ > kRunnerSilent_us)) &&
@@ -249,7 +252,7 @@ class Reading {
   std::map<std::string, ArrivalClock> clocks_;                  ///< by channel
   std::optional<std::pair<std::string, std::int64_t>> runner_;  ///< sender and instance
   std::int64_t runner_utime_ = 0;                               ///< arrival of its last message
-  bool ended_ = false;  ///< it has reported the END of its run
+  bool ended_ = false;  ///< the runner has reported the END of its run
   StartJudge judge_;
 };
 

@@ -53,7 +53,9 @@ endfunction()
 # them and also gets MAIN_FLAGS.
 function(lab_avr_firmware target)
   cmake_parse_arguments(ARG "" "NAME;FLASH;RAM;MAIN" "SOURCES;FLAGS;MAIN_FLAGS" ${ARGN})
-  set(machine -mmcu=atmega328p -Os -flto -mrelax -mcall-prologues)
+  # The last four make the firmware 0.8 kB smaller (measured with avr-gcc 5.4).
+  set(machine -mmcu=atmega328p -Os -flto -mrelax -mcall-prologues
+    -fno-inline-small-functions -fno-move-loop-invariants -fno-tree-ter -mstrict-X)
   set(flags ${machine} -std=c++14 -fno-exceptions -fno-rtti -fno-threadsafe-statics
     -ffunction-sections -fdata-sections -DF_CPU=8000000UL
     -Wall -Wextra -Werror -Wshadow -Wold-style-cast "-I${PROJECT_SOURCE_DIR}" ${ARG_FLAGS})

@@ -16,15 +16,15 @@ namespace lab::projector {
 /// The complete light field that one sender commands. Utimes are microseconds since 1970.
 struct LightCommand {
   std::string sender{};
-  std::int64_t instance = 0;    ///< new at each start of the sender
-  std::int64_t seq = 0;         ///< increases with each new command, equal in repetitions
-  std::int32_t priority = 0;    ///< the command with the highest priority controls the light
-  std::int64_t from_utime = 0;  ///< start time; past or 0: at once
-  double ramp = 0;              ///< [s] duration of the cross-fade from the field shown before
+  std::int64_t instance = 0;          ///< new at each start of the sender
+  std::int64_t seq = 0;               ///< increases with each new command, equal in repetitions
+  std::int32_t priority = 0;          ///< the command with the highest priority controls the light
+  std::int64_t from_utime = 0;        ///< start time; past or 0: at once
+  double ramp = 0;                    ///< [s] duration of the cross-fade from the previous field
   std::int64_t hold_until_utime = 0;  ///< valid until then without repetition; 0: needs repetition
   bool release = false;               ///< the sender gives up control; `layers` is ignored
   std::string label{};                ///< for display to the user
-  std::vector<light::DrivenLayer> layers{};  ///< their time is 0 at from_utime
+  std::vector<light::DrivenLayer> layers{};  ///< the time of the layers is 0 at from_utime
 };
 
 /// Result of a command.
@@ -53,10 +53,11 @@ struct ShownFrame {
   std::int64_t presentation_utime = 0;  ///< when this frame is on the arena
   std::int64_t first_shown_utime = 0;   ///< when the first frame of this command was on the arena
   int sync = -1;                        ///< the sync patch: 0 dark, 1 bright, -1 none
-  std::string trouble{};                ///< why another field than commanded is shown
+  std::string trouble{};                ///< why the field differs from the commanded one
   std::int64_t tracker_instance = 0;    ///< tracker whose poses are used; 0: none
-  std::vector<std::int64_t> tracked_frames{};  ///< camera frames used since the previous frame;
-                                               ///< when poses are needed again, all remembered ones
+  /// Numbers of the camera frames whose poses are used since the previous frame. If poses were not
+  /// needed before, these are all frames of the last 0.3 s.
+  std::vector<std::int64_t> tracked_frames{};
 };
 
 /// Arbitrates between commands and computes the field of each frame.
@@ -90,7 +91,7 @@ class ProjectorCore {
 
   static constexpr double kSyncPeriod = 0.5;           ///< [s] between toggles of the sync patch
   static constexpr double kLongestRamp = 3600;         ///< [s]
-  static constexpr double kFurthestStart = 24 * 3600;  ///< [s] of from_utime after arrival
+  static constexpr double kFurthestStart = 24 * 3600;  ///< [s] from arrival to from_utime, at most
   static constexpr std::size_t kMostScheduled = 16;    ///< pending commands of one sender
 
   /// @throws std::invalid_argument if the safe field is invalid or the timeout is not above 0.
@@ -119,12 +120,12 @@ class ProjectorCore {
 
  private:
   struct Accepted : LightCommand {
-    std::int64_t origin_utime = 0;  ///< when the time of its layers is 0
+    std::int64_t origin_utime = 0;  ///< at this utime the time of its layers is 0
   };
 
   struct Sender {
     std::int64_t instance = 0;
-    std::vector<std::int64_t> replaced;  ///< instances
+    std::vector<std::int64_t> replaced;  ///< earlier instances of this sender
     std::int64_t newest_seq = 0;
     std::int64_t heard_utime = 0;
     std::optional<Accepted> active;
@@ -168,7 +169,7 @@ class ProjectorCore {
   std::int64_t version_ = 0;  ///< counts changes of command or target
   std::string trouble_;       ///< of the last resolved field
   light::Layer sync_layer_;
-  std::int64_t sync_turn_ = 0;  ///< utime of its last toggle
+  std::int64_t sync_turn_ = 0;  ///< utime of the last toggle of the sync patch
 
   ShownFrame shown_;
   std::int64_t shown_version_ = -1;

@@ -20,7 +20,7 @@ namespace lab::projector {
 /// Shows the light field on a display, frame by frame at the display's refreshes. Headless, it only
 /// publishes LIGHT_STATUS, with the experiment's frame rate. LIGHT_STATUS is sent with every frame
 /// that differs from the previous one, and at 10 Hz otherwise. The refusal of a command is reported
-/// in last_refusal and in the heartbeat, and the field stays.
+/// in last_refusal and in the heartbeat, and the light does not change.
 class ProjectorService final : public Service {
  public:
   static constexpr double kStatusRate = 10;  ///< [Hz] while nothing changes
@@ -68,7 +68,7 @@ class ProjectorService final : public Service {
   std::vector<FrameArrival> frames_;   ///< not yet passed to the core
   std::vector<std::int64_t> entered_;  ///< numbers of frames in use since the last LIGHT_STATUS
   std::int64_t entered_tracker_ = 0;
-  std::string headless_calibration_;  ///< id of the one used without a display; empty: none
+  std::string headless_calibration_;  ///< id of the calibration without a display; empty: none
   bool future_frame_reported_ = false;
   std::string last_refusal_;
   std::string trouble_;

@@ -31,9 +31,10 @@ struct FrameTimes {
   std::int64_t trails = 0;   ///< time for which trails are computed; 0: `shown`
 };
 
-/// Deterministic: the same layers, camera frames and reports in the same order give the same
-/// picture at the same time, whatever other pictures were requested before. A trail becomes a layer
-/// of kind kGrid, which does not use `seed`; `seed` contains the time of the trail [us since 1970].
+/// The layers of one command. A scene is deterministic: the same layers, camera frames and reports
+/// in the same order give the same picture for the same time, whatever other pictures were
+/// requested before. A trail becomes a layer of kind kGrid, which does not use `seed`; `seed`
+/// contains the time of the trail [us since 1970].
 class Scene {
  public:
   /// Two lists of this size in a LIGHT_STATUS stay below the limit of 60 KB per message.
@@ -49,7 +50,7 @@ class Scene {
   };
 
   /// Why the layers are not valid in a command, as "layers[i].field = found, allowed: ..."; empty
-  /// if they are.
+  /// if they are valid.
   [[nodiscard]] static std::optional<std::string> problem(
       const std::vector<light::DrivenLayer>& layers, const SceneContext& scene_context);
 
@@ -57,7 +58,7 @@ class Scene {
   [[nodiscard]] static std::size_t bytesOf(const std::vector<light::Layer>& layers);
 
   /// @param layers must be valid, see problem()
-  /// @param from_utime when their time was 0 [us since 1970]
+  /// @param from_utime at which the time of the layers was 0 [us since 1970]
   /// @param scene_context must outlive the scene
   Scene(std::vector<light::DrivenLayer> layers, std::int64_t from_utime,
         const SceneContext& scene_context);
@@ -103,7 +104,7 @@ class Scene {
   bool still_ = true;
   bool needs_poses_ = false;
   bool resolved_ = false;                      ///< a still scene is resolved once
-  std::map<std::int32_t, std::int64_t> lost_;  ///< lost robots, when last seen; 0: never seen
+  std::map<std::int32_t, std::int64_t> lost_;  ///< by lost robot: when last seen; 0: never
   Picture picture_;
 };
 

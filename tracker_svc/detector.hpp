@@ -27,24 +27,24 @@ class Detector {
 
   /// Finds every cap in the picture.
   /// @param rejected if not null, receives the rejected candidates
-  /// @param expected caps seen before; if one of them is not found but one of its circles and its
-  ///   rim are, its degraded pose is appended
+  /// @param expected where caps are expected from earlier pictures. If one circle and the rim of an
+  ///   expected cap are found, and the other circle is not, its degraded pose is appended.
   /// @return valid until the next call
   const std::vector<Detection>& search(const optics::GreyView& picture,
                                        std::vector<Rejection>* rejected = nullptr,
                                        std::span<const Expected> expected = {});
 
-  /// Finds only the caps near expected poses: result i belongs to expected[i] and has quality 0 if
-  /// there is none. A cap found this way is bit-equal to the result of search(), except sometimes
-  /// where a light edge crosses a circle. No cap is returned twice. If only one circle of a cap is
-  /// seen, its pose is degraded (kUsedRim).
+  /// Finds only the caps near expected poses. Result i belongs to expected[i]; its quality is 0 if
+  /// no cap was found there. A cap found this way is bit-equal to the result of search(); where a
+  /// light edge crosses a circle, the two results may differ. No cap is returned twice. If only one
+  /// circle of a cap is seen, its pose is degraded (kUsedRim).
   const std::vector<Detection>& follow(const optics::GreyView& picture,
                                        std::span<const Expected> expected);
 
-  /// Whether the following pictures went through a lossy codec.
+  /// Says whether the following pictures went through a lossy codec.
   void setCompressed(bool compressed);
 
-  /// Gamma of the following pictures: Imaging::gamma.
+  /// Sets the gamma of the following pictures (Imaging::gamma).
   void setGamma(double gamma);
 
   [[nodiscard]] const optics::CameraModel& camera() const;

@@ -7,14 +7,14 @@
 
 namespace lab::analysis {
 
-/// With an effective number of groups below this, the scatter between groups is not a reliable
-/// error: the standard error is then at least the model's prediction, where there is one, and the
-/// note of the estimate says so.
+/// Effective number of groups below which the scatter between groups is not a reliable error. The
+/// standard error is then at least the prediction of the program's law, if the law predicts one,
+/// and the note of the estimate says so.
 inline constexpr std::size_t kMinReliableGroups = 8;
 
-/// Merges adjacent blocks of each robot until every group lasts min_length (s). Blocks differ by
-/// some frames, so 5 % less is accepted. A remainder joins the group before it; a robot with less
-/// than min_length is one group.
+/// Merges adjacent blocks of each robot until every group lasts min_length [s]. The lengths of
+/// blocks differ by a few frames, so a group may be 5 % shorter. What remains at the end of a robot
+/// joins the group before it; a robot with less than min_length is one group.
 [[nodiscard]] std::vector<BlockSums> groupBlocks(const BlockData& data, double min_length);
 
 /// Values of several functions of the sums: for all groups (values[q]) and with one group omitted
@@ -28,9 +28,11 @@ struct Replicates {
   /// Meijer and van der Leeden 1999); nan below 2 groups.
   [[nodiscard]] double sigma(std::size_t q) const { return sigmaOf(values[q], column(q)); }
 
-  /// The same for a function that is given by its value and its values without each group.
+  /// The same for a function that is given by its value for all groups and its values with one
+  /// group omitted.
   [[nodiscard]] double sigmaOf(double value, const std::vector<double>& without_each) const;
 
+  /// The values of the function with index q, with one group omitted.
   [[nodiscard]] std::vector<double> column(std::size_t q) const;
 
   /// The degrees of freedom of sigma: the effective number of groups, less 1.

@@ -7,7 +7,7 @@ namespace lab::analysis {
 GeometricSums geometricSums(double q, double n) {
   const double p = 1 - q;
   GeometricSums sums;
-  if (n * p < 1e-6) {
+  if (n * p < 1e-6) {  // series to first order in p: the closed form would lose its digits
     sums.plain = n * (1 - 0.5 * (n - 1) * p);
     sums.weighted = 0.5 * n * (n - 1) * (1 - (n - 2) * p / 3);
     return sums;

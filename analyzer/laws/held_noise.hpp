@@ -4,21 +4,22 @@
 
 namespace lab::analysis {
 
-/// The process of the ABP, the noisy ABP and the BP as the robot executes it: every epsilon it
-/// draws a pair of wheel speeds, holds it and drives an arc. All results are exact at all lags, for
-/// an observation that begins at a uniformly random phase of the hold.
+/// The process of the ABP, the noisy ABP and the BP as the robot executes it: once per epsilon the
+/// robot draws a pair of wheel speeds and drives an arc with them for the time epsilon (a hold).
+/// All results are exact at all lags, for an observation that begins at a uniformly random phase of
+/// the hold.
 ///
 /// With chi(t) = <cos(omega t)> and q = chi(epsilon) the velocity correlation is
-/// C_v(s) = va^2 g(s) + (1 - s/epsilon)_+ psi(s), where g is a convolution of chi within the first
-/// hold; after it, g is one function of the phase times a power of q. MSD(tau) = 2 int_0^tau (tau -
-/// s) C_v(s) ds, so the sum over holds is geometric too.
+/// C_v(s) = va^2 g(s) + (1 - s/epsilon)_+ psi(s). For s below epsilon, g is a convolution of chi.
+/// For longer s, g is a function of the phase in the hold, the same for all holds, times a power of
+/// q. MSD(tau) = 2 int_0^tau (tau - s) C_v(s) ds is therefore a geometric sum over holds.
 class HeldNoise {
  public:
   /// Constant speed v (m/s), turning rate uniform in [-eta, eta] (rad/s): the ABP.
   static HeldNoise uniformTurning(double v, double eta, double epsilon);
 
-  /// Both wheel speeds independent and uniform in [va - V, va + V] (m/s), wheel base d (m): the
-  /// noisy ABP, and with va = 0 the BP.
+  /// Both wheel speeds independent and uniform in [va - amplitude, va + amplitude] (m/s): the noisy
+  /// ABP, and with va = 0 the BP. The amplitude is the paper's V.
   static HeldNoise uniformWheels(double va, double amplitude, double wheel_base, double epsilon);
 
   /// <|r(t + tau) - r(t)|^2> in m^2.
@@ -30,7 +31,7 @@ class HeldNoise {
   /// <v(t) . v(t + s)> in m^2/s^2.
   [[nodiscard]] double velocityCorrelation(double s) const;
 
-  /// <n(t) . n(t + s)> for the heading direction n, as the ABP's velocity sees it.
+  /// g(s), the correlation <n(t) . n(t + s)> of the heading direction n.
   [[nodiscard]] double directionCorrelation(double s) const;
 
   /// lim MSD / (4 tau) in m^2/s; infinite if there is no noise.
@@ -59,7 +60,7 @@ class HeldNoise {
 
   Noise noise_;
   double va_;
-  double width_;  ///< chi's scale, 1/s: eta, or V/d.
+  double width_;  ///< Scale of the turning rate, 1/s: eta, or amplitude / wheel base.
   double amplitude_;
   double epsilon_;
   double omega2_;  ///< <omega^2>.
@@ -67,7 +68,7 @@ class HeldNoise {
   ChebyshevSeries first_;        ///< g on the first hold.
   ChebyshevSeries first_once_;   ///< Its integral.
   ChebyshevSeries first_twice_;  ///< Its double integral.
-  ChebyshevSeries later_;        ///< g on the second hold; times q^(m-1) on hold m + 1.
+  ChebyshevSeries later_;        ///< g on the second hold. On hold m + 1 g is this times q^(m-1).
   ChebyshevSeries later_once_;
   ChebyshevSeries later_twice_;
   ChebyshevSeries spread_;  ///< (1 - s/epsilon) psi(s).

@@ -15,7 +15,9 @@ namespace {
 constexpr double kStepVariation = 6;
 
 /// Limits of the integration intervals, ascending: every w at which M(tau + w), M(|tau - w|) or
-/// M(w) may have a kink, and further points so that no interval is too long for the Gauss rule.
+/// M(w) may have a kink (M is the MSD or the angular MSD), and further points so that no interval
+/// is too long for the Gauss rule.
+/// @param law must exist, so that kinkSpacing() > 0
 std::vector<double> integrationLimits(const Law& law, double tau, double exposure) {
   const double kink = law.kinkSpacing();
   const double remainder = std::fmod(tau, kink);
@@ -35,7 +37,7 @@ std::vector<double> integrationLimits(const Law& law, double tau, double exposur
   return ends;
 }
 
-/// The integral of observedMsd(): the MSD of means over the exposure.
+/// The integral in the comment of observedMsd(): the MSD of poses that are means over the exposure.
 template <typename Msd>
 double blurred(const ExactLaw& law, double tau, double exposure, const Msd& msd) {
   if (!law.exists()) return units::kNan;

@@ -37,6 +37,13 @@ void checkBands(const Experiment& experiment, const LightCalibration& calibratio
   }
 }
 
+/// Robots need only the byte code, and a message has room for few texts.
+void leaveOutTheText(program_t& program) {
+  program.text.clear();
+  program.parameters.clear();
+  program.num_parameters = 0;
+}
+
 }  // namespace
 
 double LightCalibration::reading(std::int32_t robot, LightSensor sensor, double intensity) const {
@@ -53,6 +60,7 @@ robot_command_t withCalibratedBands(const robot_command_t& command,
   robot_command_t out = command;
   out.orders.clear();
   for (const robot_order_t& order : command.orders) {
+    bool own_is_a_copy = false;
     for (const std::int32_t robot : order.robot_ids) {
       robot_order_t own = order;
       own.robot_ids = {robot};
@@ -70,6 +78,10 @@ robot_command_t withCalibratedBands(const robot_command_t& command,
       }
       own.hysteresis *=
           calibration.reading(robot, sensor, 1) - calibration.reading(robot, sensor, 0);
+      if (own_is_a_copy) {
+        for (light_band_t& band : own.bands) leaveOutTheText(band.program);
+      }
+      own_is_a_copy = true;
       out.orders.push_back(std::move(own));
     }
   }

@@ -46,7 +46,7 @@ struct LightCalibration {
 };
 
 /// Orders for each single robot, with the bands converted from light intensities to readings of its
-/// own sensors.
+/// own sensors. Only the first order has the texts of the programs.
 [[nodiscard]] robot_command_t withCalibratedBands(const robot_command_t& command,
                                                   const LightCalibration& calibration);
 

@@ -41,10 +41,13 @@ std::string rounded(double value) {
 std::string parameters(const Program& program) {
   std::string text = program.description;
   for (const ProgramParameter& parameter : program.parameters) {
-    const bool length = parameter.unit.starts_with("m");
-    text += ", " + parameter.name + " = " +
-            (length ? centimetreText(parameter.value) + " c" : numberText(parameter.value) + " ") +
-            (parameter.unit == "1" ? "" : parameter.unit);
+    const bool length = parameter.unit == "m" || parameter.unit.starts_with("m/");
+    text += (text.empty() ? "" : ", ") + parameter.name + " = ";
+    if (length) {
+      text += centimetreText(parameter.value) + " c" + parameter.unit;
+    } else {
+      text += numberText(parameter.value) + (parameter.unit == "1" ? "" : " " + parameter.unit);
+    }
   }
   return text;
 }
@@ -308,8 +311,7 @@ std::string describeHosts(const Experiment& e) {
 
 }  // namespace
 
-std::string describeExperiment(const Experiment& e,
-                               const ProgramCoefficients& coefficients) {
+std::string describeExperiment(const Experiment& e, const ProgramCoefficients& coefficients) {
   std::string text =
       line("experiment", e.name + (e.description.empty() ? "" : ": ") + e.description);
   const std::string at_most = mayEndEarly(e) ? "at most " : "";

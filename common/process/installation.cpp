@@ -34,7 +34,6 @@ Installation installationOf(const fs::path& program) {
   const fs::path root = above.parent_path().parent_path();
   const fs::path texts = found.packaged ? root / "share" / "active-lab" : root;
   found.experiments = texts / "experiments";
-  found.motion_programs = texts / "programs";
   if (!found.packaged) found.clone = root;
   return found;
 }

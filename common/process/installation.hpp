@@ -13,7 +13,6 @@ struct Installation {
   std::string command;                    ///< what users type: "active-lab", "./lab"
   std::filesystem::path programs;         ///< folder of the services' programs
   std::filesystem::path experiments;      ///< folder of the shipped experiments; may not exist
-  std::filesystem::path motion_programs;  ///< folder of the shipped programs of motion
   std::filesystem::path clone;            ///< folder of the clone; empty for a package
   bool may_build = true;  ///< whether this user may write the build folder of the clone
 

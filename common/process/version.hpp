@@ -11,7 +11,7 @@ inline constexpr const char* kVersion = "0.1.0";
 inline constexpr int kContractVersion = 5;
 
 /// The oldest contract version whose logs can be read. Versions 2 and 3 only added types; what
-/// version 4 changed is converted (contract_upgrade.hpp).
+/// versions 4 and 5 changed is converted (contract_upgrade.hpp).
 inline constexpr int kOldestContractVersion = 1;
 
 }  // namespace lab

@@ -1,6 +1,7 @@
 /// A program of motion as the parts of the lab pass it on.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -8,6 +9,9 @@
 #include "common/programs/law_text.hpp"
 
 namespace lab {
+
+/// Of a program's text: ROBOT_COMMAND, which has four of them, must fit into one datagram [bytes].
+inline constexpr std::size_t kLongestProgramText = 4000;
 
 struct ProgramParameter {
   std::string name;

@@ -31,6 +31,9 @@ class ProgramReader {
     program.text.name = name;
     if (model_of && table_.contains("model")) {
       readModel(model_of, program.text);
+    } else if (model_of && !table_.contains("phases")) {
+      problem("", "found neither model nor phases, allowed a model (" + models() +
+                      ") or the phases of a program (docs/programs.md)");
     } else {
       std::vector<std::string> allowed = kKeys;
       if (model_of) allowed.emplace_back("model");
@@ -41,6 +44,12 @@ class ProgramReader {
     program.text.name = name;
     if (failed_) return program;
     program.compiled = language::compile(program.text, limits);
+    if (const std::size_t size = programToml(program.text).size(); size > kLongestProgramText) {
+      problem("", "found a text of " + std::to_string(size) + " bytes, allowed at most " +
+                      std::to_string(kLongestProgramText) +
+                      ": shorten the description or the names");
+      return program;
+    }
     for (const language::Problem& problem : program.compiled.errors) {
       const std::string shown = problem.key.empty() && path_.empty() ? name : problem.key;
       problems_.addAt(place(problem.key, problem.offset), shownPath(shown), problem.message);
@@ -95,9 +104,16 @@ class ProgramReader {
     } else if (node.is_table()) {
       readNamed(node, "law", program.law);
     } else {
-      problem("law", "found " + displayText(node) +
-                         ", allowed the name of a closed form, as \"abp\", or a table (docs/programs.md)");
+      problem("law",
+              "found " + displayText(node) +
+                  ", allowed the name of a closed form, as \"abp\", or a table (docs/programs.md)");
     }
+  }
+
+  static std::string models() {
+    std::string all;
+    for (const std::string& name : shippedProgramNames()) all += (all.empty() ? "" : ", ") + name;
+    return "a file (\"my_motion.toml\") or the name of a shipped program: " + all;
   }
 
   /// Another program with other values of its parameters.
@@ -108,17 +124,12 @@ class ProgramReader {
     if (failed_) return;
     std::optional<language::ProgramText> found = model_of(model);
     if (!found) {
-      const std::vector<std::string> names = shippedProgramNames();
-      std::string all;
-      for (const std::string& name : names) all += (all.empty() ? "" : ", ") + name;
-      problem("model", "found " + displayText(std::string_view(model)) +
-                           ", allowed a file (\"my_motion.toml\") or the name of a shipped program: " + all +
-                           didYouMean(model, names, keys::tomlString));
+      const std::string missing = model.ends_with(".toml") ? " (no such file)" : "";
+      problem("model", "found " + displayText(std::string_view(model)) + missing + ", allowed " +
+                           models() + didYouMean(model, shippedProgramNames(), keys::tomlString));
       return;
     }
     program = std::move(*found);
-    std::vector<std::string> allowed{"model", "description", "parameters"};
-    for (const auto& [name, text] : program.parameters) allowed.push_back(name + "_UNIT");
     readTable(table_, "", {}, [&](const std::string& key, const toml::node& value) {
       if (key == "model") return;
       if (key == "description") {
@@ -128,8 +139,8 @@ class ProgramReader {
         readNamed(value, key, changes);
         for (const auto& [name, text] : changes) change(program, "parameters." + name, name, text);
       } else if (!readNumberKey(key, value, program)) {
-        problem(key, "found an unknown key, allowed with model = \"" + model + "\": description, parameters" +
-                         parameterKeys(program));
+        problem(key, "found an unknown key, allowed with model = \"" + model +
+                         "\": description, parameters" + parameterKeys(program));
       }
     });
   }
@@ -143,7 +154,8 @@ class ProgramReader {
     if (parameter == program.parameters.end() || unit.suffix.empty()) return false;
     const auto value = node.value<double>();
     if (!node.is_number() || !value || !std::isfinite(*value)) {
-      problem(key, "found " + displayText(node) + ", allowed a number in " + std::string(unit.text));
+      problem(key,
+              "found " + displayText(node) + ", allowed a number in " + std::string(unit.text));
       return true;
     }
     parameter->second = keys::numberText(*value) + " " + std::string(unit.text);
@@ -168,7 +180,8 @@ class ProgramReader {
   /// ", v (v_cm_s), epsilon (epsilon_s)" without the units, which only the compiler knows.
   static std::string parameterKeys(const language::ProgramText& program) {
     std::string all;
-    for (const auto& [name, text] : program.parameters) all += (all.empty() ? ", or a parameter with its unit: " : ", ") + name;
+    for (const auto& [name, text] : program.parameters)
+      all += (all.empty() ? ", or a parameter with its unit: " : ", ") + name;
     return all;
   }
 
@@ -201,8 +214,8 @@ class ProgramReader {
     if (const auto text = node.value_exact<std::string>()) return *text;
     const bool number = node.is_number();
     problem(path, "found " + displayText(node) + ", allowed a text" +
-                            (number ? ": \"" + displayText(node) + "\", with its unit if it has one"
-                                    : " in quotes"));
+                      (number ? ": \"" + displayText(node) + "\", with its unit if it has one"
+                              : " in quotes"));
     return "";
   }
 
@@ -251,8 +264,7 @@ class ProgramReader {
                 }
                 std::string& text = phase.*texts.at(key);
                 text = textOf(node, key_path);
-                if (text.empty())
-                  problem(key_path, "found an empty text, allowed an expression");
+                if (text.empty()) problem(key_path, "found an empty text, allowed an expression");
               });
   }
 

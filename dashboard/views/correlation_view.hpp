@@ -30,13 +30,13 @@ class HeadingCorrelation {
   static constexpr std::size_t kGroups = 8;  ///< groups of robots
   static constexpr std::size_t kMaxTimes = 16;
 
-  /// @param law of an ABP with a rotational diffusivity above 0
+  /// @param law with a constant speed and a rotational diffusivity above 0
   explicit HeadingCorrelation(const analysis::ProgramLaw& law);
 
   /// Adds a heading of a robot's track.
   void add(int robot, const analysis::Sample& sample);
 
-  /// The speed of an ABP is constant, so l is speed times time. A path length summed over frames
+  /// The speed is constant, so l is speed times time. A path length summed over frames
   /// would mostly be noise of the tracker.
   /// @param speed [m/s] measured
   [[nodiscard]] LengthCurve curve(double speed) const;

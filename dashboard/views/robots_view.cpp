@@ -77,7 +77,7 @@ void RobotsView::take(const robot_status_t& status, std::int64_t now) {
   for (const robot_state_t& state : status.robots) {
     RobotRow* row = rowOf(state.robot_id);
     if (row == nullptr) continue;
-    if (row->sender.empty() || !sameProgram(row->state.program, state.program)) {
+    if (row->sender.empty() || row->state.program.hash != state.program.hash) {
       row->program = run_info_.indexOf(state.program);
     }
     if (row->sender != status.sender) {

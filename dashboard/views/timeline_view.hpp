@@ -1,4 +1,4 @@
-/// The events of the run: light steps, marks, faults, its end; and the state of the script.
+/// The events of a run (light steps, marks, faults, the end) and the state of the script.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,13 @@ class TimelineView {
   static constexpr std::size_t kMaxSteps = 500;
   static constexpr std::size_t kMaxRemarks = 500;
 
-  /// Events are sent several times because LCM may drop messages. Later STEP events of the same
-  /// step have more facts.
+  /// Adds an event. Events are sent several times because LCM may drop messages. A later STEP event
+  /// of the same step replaces the earlier one, because it has more facts.
   void take(const experiment_event_t& event);
 
-  /// Derives the start of the script from its elapsed time, also when the dashboard was started
-  /// later. The elapsed time does not include pauses, so the earliest start is right.
+  /// Computes the start of the script from the time that has elapsed in it, so a dashboard that was
+  /// started late knows it too. The elapsed time does not include pauses, so after a pause the
+  /// computed start is too late; the earliest one is kept.
   void take(const experiment_status_t& status);
   void clear();
 
@@ -49,8 +50,7 @@ class TimelineView {
   };
 
   std::int64_t start_utime_ = 0;
-  bool counted_back_ = false;  ///< whether the start comes from the elapsed time; else it is that
-                               ///< of the first START
+  bool counted_back_ = false;  ///< start_utime_ comes from the elapsed time, not from a START event
   std::map<std::int32_t, experiment_event_t> steps_;
   std::int64_t steps_before_ = 0;
   Remarks marks_;

@@ -37,8 +37,8 @@ class Writer {
   Writer(const Domain& domain, const dds_topic_descriptor_t& type, const std::string& topic,
          const Qos& qos);
 
-  /// @param sample of the descriptor's C type; copied
-  /// @return false after a timeout: not sent, and counted
+  /// @param sample an object of the descriptor's C type; is copied
+  /// @return false after a timeout: the sample was not sent, and timeouts() counts it
   /// @throws DdsError for other errors
   bool write(const void* sample);
 
@@ -62,14 +62,14 @@ using WriterId = std::uint64_t;
 
 class Reader {
  public:
-  /// @param waker signalled on each arrival; outlives the reader
+  /// @param waker is signalled on each arrival; must outlive the reader
   /// @throws DdsError
   Reader(const Domain& domain, const dds_topic_descriptor_t& type, const std::string& topic,
          const Qos& qos, const EventDescriptor& waker);
 
   /// Calls `handler` with each sample that has arrived, at most `most`; the sample is valid only
   /// during the call. Samples without data (disposals) are skipped.
-  /// @return number of samples; `most` if more may be waiting (signal the waker again)
+  /// @return number of samples. If it is `most`, more may be waiting: signal the waker again.
   int take(int most, const std::function<void(const void* sample, WriterId writer)>& handler);
 
   [[nodiscard]] std::int64_t received() const { return received_; }

@@ -11,7 +11,8 @@
 namespace lab::projector {
 
 ThreadPresenter::ThreadPresenter(Screen::Setup setup) {
-  // The clock belongs to the caller and no longer exists if the thread was abandoned.
+  // The clock belongs to the caller. It may no longer exist when the thread was abandoned, so an
+  // abandoned thread waits in parkThread() and does not call it.
   setup.now = [&shared = *shared_, now = std::move(setup.now)] {
     std::unique_lock lock(shared.mutex);
     shared.parkThread(lock);
@@ -42,9 +43,10 @@ ThreadPresenter::~ThreadPresenter() {
   shared_->abandoned = true;
   thread_.detach();
   std::fprintf(stderr,
-               "display %s: its last swap does not return; it may not show the safe field\n",
+               "display %s: its last swap does not return; perhaps the safe field is not shown\n",
                opened_.name.c_str());
-  // The exit handlers of a graphics driver wait for its threads, which wait for the display.
+  // The exit handlers of a graphics driver wait for the driver's threads, which wait for the
+  // display. _exit() ends the process without them.
   on_exit(
       [](int status, void*) {
         std::fflush(nullptr);

@@ -17,8 +17,8 @@ namespace lab::projector {
 /// rate pi radius^2 / 3. Decay is exact. Diffusion is an explicit scheme with sub-steps such that
 /// diffusion dt / h^2 <= 1/5, which keeps m positive and conserves mass.
 ///
-/// Time is that of the camera frames. The state depends only on the frames and their order, and a
-/// picture only on the state and its time.
+/// All times are those of the camera frames. The state depends only on the frames and their order.
+/// A picture depends only on the state and on the time for which it is requested.
 class Trail {
  public:
   struct Settings {
@@ -26,7 +26,7 @@ class Trail {
     double height = 0;  ///< [m]
     std::size_t most_cells = 160 * 120;
     double radius = 0;     ///< [m]
-    double rate = 1;       ///< [1/s] of m, at the centre of a standing robot
+    double rate = 1;       ///< [1/s] growth of m at the centre of a standing robot
     double decay = 0;      ///< [1/s]
     double diffusion = 0;  ///< [m^2/s]
   };
@@ -40,8 +40,8 @@ class Trail {
   /// Advances the state to `utime`; earlier times are ignored.
   void advanceTo(std::int64_t utime);
 
-  /// Adds the source of a robot that moved on a straight line between two points and times,
-  /// including the decay since then. to_utime must not be after the time of advanceTo().
+  /// Adds what a robot has deposited that moved on a straight line between two points and times,
+  /// less the decay since then. to_utime must not be after the time of advanceTo().
   void lay(double from_x, double from_y, std::int64_t from_utime, double to_x, double to_y,
            std::int64_t to_utime);
 
@@ -52,7 +52,7 @@ class Trail {
   /// Integral of m over the arena [m^2], at the time of advanceTo().
   [[nodiscard]] double mass() const;
 
-  /// The mass that one robot adds per time [m^2/s].
+  /// The mass that one robot adds per second [m^2/s].
   [[nodiscard]] double source() const;
 
   /// m in a cell at the time of advanceTo(); columns and rows count from the origin.

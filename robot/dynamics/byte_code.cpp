@@ -1,5 +1,7 @@
 #include "robot/dynamics/byte_code.hpp"
 
+#include "robot/dynamics/flash.hpp"
+
 namespace lab {
 namespace dynamics {
 namespace {
@@ -12,76 +14,94 @@ struct Instruction {
   uint16_t cost;  ///< [cycles]; 0: no such instruction
 };
 
+/// An instruction in 16 bits: 3 for the numbers that it takes, 2 for its operands (0, 1, 2 or 4),
+/// 11 for its cost in units of 10 cycles.
+constexpr uint16_t entry(unsigned taken, unsigned operands, unsigned cost) {
+  return static_cast<uint16_t>(taken << 13 | (operands == 4 ? 3U : operands) << 11 | cost / 10U);
+}
+
+constexpr uint8_t kOpcodes = kWheelSpeeds + 1;
+
 // The costs are the largest ones of the compiled firmware on a simulated ATmega328P, over random
 // and extreme operands, and a tenth more.
+const uint16_t kInstructions[kOpcodes] LAB_IN_FLASH = {
+    0,
+    entry(0, 1, 110),   // kPushByte
+    entry(0, 2, 110),   // kPushShort
+    entry(0, 4, 110),   // kPushLong
+    entry(0, 1, 110),   // kPushPlain
+    entry(0, 0, 90),    // kPushForever
+    entry(0, 1, 110),   // kLoad
+    entry(1, 1, 110),   // kStore
+    entry(0, 1, 1900),  // kRead
+    0,
+    0,
+    0,
+    0,
+    0,
+    0,
+    0,
+    entry(2, 0, 260),   // kAdd
+    entry(2, 0, 260),   // kSubtract
+    entry(2, 0, 500),   // kMultiply
+    entry(2, 0, 2200),  // kDivide
+    entry(1, 0, 100),   // kNegate
+    entry(1, 0, 100),   // kAbs
+    entry(1, 0, 100),   // kSign
+    entry(2, 0, 180),   // kMin
+    entry(2, 0, 180),   // kMax
+    entry(1, 0, 7500),  // kSqrt
+    entry(1, 0, 3300),  // kSin
+    entry(1, 0, 3300),  // kCos
+    entry(2, 0, 6700),  // kAtan2
+    0,
+    0,
+    0,
+    entry(2, 0, 180),  // kLess
+    entry(2, 0, 180),  // kLessOrEqual
+    entry(2, 0, 180),  // kGreater
+    entry(2, 0, 180),  // kGreaterEqual
+    entry(2, 0, 180),  // kEqual
+    entry(2, 0, 180),  // kNotEqual
+    entry(2, 0, 180),  // kAnd
+    entry(2, 0, 180),  // kOr
+    entry(1, 0, 100),  // kNot
+    entry(3, 0, 120),  // kSelect
+    0,
+    0,
+    0,
+    0,
+    0,
+    0,
+    entry(2, 0, 1500),   // kUniform
+    entry(2, 0, 13500),  // kNormal
+    entry(1, 0, 2500),   // kExponential
+    entry(2, 0, 7000),   // kPareto
+    entry(1, 0, 900),    // kChance
+    entry(0, 4, 900),    // kChanceOf
+    entry(1, 0, 1300),   // kChoose
+    0,
+    0,
+    0,
+    0,
+    0,
+    0,
+    0,
+    0,
+    0,
+    entry(4, 0, 1200),  // kDrive
+    entry(4, 0, 1200),  // kWheelSpeeds
+};
+
 Instruction instruction(uint8_t opcode) {
-  switch (opcode) {
-    case kPushByte:
-    case kPushPlain:
-    case kLoad:
-      return {0, 1, 1, 110};
-    case kPushShort:
-      return {0, 1, 2, 110};
-    case kPushLong:
-      return {0, 1, 4, 110};
-    case kPushForever:
-      return {0, 1, 0, 90};
-    case kStore:
-      return {1, 0, 1, 110};
-    case kRead:
-      return {0, 1, 1, 1900};
-    case kAdd:
-    case kSubtract:
-      return {2, 1, 0, 260};
-    case kMultiply:
-      return {2, 1, 0, 500};
-    case kDivide:
-      return {2, 1, 0, 2200};
-    case kNegate:
-    case kAbs:
-    case kSign:
-    case kNot:
-      return {1, 1, 0, 100};
-    case kMin:
-    case kMax:
-    case kLess:
-    case kLessOrEqual:
-    case kGreater:
-    case kGreaterEqual:
-    case kEqual:
-    case kNotEqual:
-    case kAnd:
-    case kOr:
-      return {2, 1, 0, 180};
-    case kSqrt:
-      return {1, 1, 0, 7500};
-    case kSin:
-    case kCos:
-      return {1, 1, 0, 3300};
-    case kAtan2:
-      return {2, 1, 0, 6700};
-    case kSelect:
-      return {3, 1, 0, 120};
-    case kUniform:
-      return {2, 1, 0, 1500};
-    case kNormal:
-      return {2, 1, 0, 13500};
-    case kExponential:
-      return {1, 1, 0, 2500};
-    case kPareto:
-      return {2, 1, 0, 7000};
-    case kChance:
-      return {1, 1, 0, 900};
-    case kChanceOf:
-      return {0, 1, 4, 900};
-    case kChoose:
-      return {1, 1, 0, 1300};
-    case kDrive:
-    case kWheelSpeeds:
-      return {4, 4, 0, 1200};
-    default:
-      return {0, 0, 0, 0};
-  }
+  const uint16_t bits = opcode < kOpcodes ? readFlash(&kInstructions[opcode]) : 0U;
+  const uint8_t operands = static_cast<uint8_t>((bits >> 11) & 3U);
+  Instruction step;
+  step.taken = static_cast<uint8_t>(bits >> 13);
+  step.left = opcode == kStore ? 0 : step.taken == 4 ? 4 : 1;
+  step.operands = operands == 3 ? 4 : operands;
+  step.cost = static_cast<uint16_t>((bits & 0x7FFU) * 10U);
+  return step;
 }
 
 enum BlockKind : uint8_t { kStartBlock, kEvaluation, kInterruption };

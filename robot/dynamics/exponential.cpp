@@ -6,7 +6,7 @@ namespace lab {
 namespace dynamics {
 namespace {
 
-// log2(1 + i / 128) in units of 2^-16, i = 0..127. The entry for i = 128 is 65536.
+// log2(1 + i / 128) in units of 2^-16, i = 0..127. tableEntry() adds the entry of i = 128.
 const uint16_t kLog2Table[128] LAB_IN_FLASH = {
     0,     736,   1466,  2190,  2909,  3623,  4331,  5034,  5732,  6425,  7112,  7795,  8473,
     9146,  9814,  10477, 11136, 11791, 12440, 13086, 13727, 14363, 14996, 15624, 16248, 16868,
@@ -25,7 +25,7 @@ uint32_t tableEntry(uint8_t index) { return index < 128 ? readFlash(&kLog2Table[
 }  // namespace
 
 uint32_t negativeLog2(uint32_t bits) {
-  uint32_t mantissa = bits | 1U;  // odd, so never zero
+  uint32_t mantissa = bits | 1U;  // the loop ends because at least one bit is set
   uint32_t exponent = 1;
   while ((mantissa & 0x80000000U) == 0) {
     mantissa <<= 1;

@@ -23,6 +23,13 @@ inline uint16_t readFlash(const uint16_t* entry) {
   return *entry;
 #endif
 }
+inline int32_t readFlash(const int32_t* entry) {
+#ifdef __AVR__
+  return static_cast<int32_t>(pgm_read_dword(entry));
+#else
+  return *entry;
+#endif
+}
 
 }  // namespace dynamics
 }  // namespace lab

@@ -15,10 +15,14 @@ uint8_t blockPosition(const uint8_t* code, uint8_t number) {
   return at;
 }
 
-/// `part` / `whole` as a fixed-point number, limited to the largest one.
+/// `part` / `whole` as a fixed-point number, limited to the largest one; whole is below 2^16.
 Fixed ratio(uint32_t part, uint32_t whole) {
-  const uint64_t value = ((static_cast<uint64_t>(part) << kFractionBits) + whole / 2U) / whole;
-  return value > static_cast<uint64_t>(kLargest) ? kLargest : static_cast<Fixed>(value);
+  const uint32_t integer = part / whole;
+  if (integer > static_cast<uint32_t>(kLargest) >> kFractionBits) {
+    return kLargest;
+  }
+  const uint32_t rest = (part - integer * whole) << kFractionBits;
+  return static_cast<Fixed>((integer << kFractionBits) + (rest + whole / 2U) / whole);
 }
 
 constexpr uint32_t kLargestCounts = 1023;
@@ -68,7 +72,8 @@ int32_t littleEndian(const uint8_t* bytes) {
 Fixed uniformFixed(Fixed a, Fixed b, Rng& rng) {
   const Fixed low = a < b ? a : b;
   const uint32_t span = static_cast<uint32_t>(a < b ? b : a) - static_cast<uint32_t>(low);
-  const uint64_t scaled = static_cast<uint64_t>(rng.next()) * (static_cast<uint64_t>(span) + 1U);
+  const uint32_t bits = rng.next();
+  const uint64_t scaled = static_cast<uint64_t>(bits) * span + bits;  // bits * (span + 1)
   return static_cast<Fixed>(static_cast<uint32_t>(low) + static_cast<uint32_t>(scaled >> 32));
 }
 
@@ -161,15 +166,23 @@ Fixed combine(uint8_t opcode, Fixed a, Fixed b, Rng& rng, bool& saturated) {
   }
 }
 
-/// cm/s in fixed point to um/s.
-int32_t microPerSecond(Fixed speed) {
-  return static_cast<int32_t>((static_cast<int64_t>(speed) * 10000 + 0x8000L) >> kFractionBits);
+/// A number in another unit, of which the number's unit has `factor`; rounded to the nearest
+/// integer.
+int32_t inUnits(Fixed number, int32_t factor) {
+  bool saturated = false;
+  return multiplyFixed(number, factor, saturated);
 }
 
-int32_t limitedSum(int64_t sum) {
-  constexpr int64_t kLimit = 1000000000L;
-  return static_cast<int32_t>(sum > kLimit ? kLimit : sum < -kLimit ? -kLimit : sum);
+/// The sum, limited to 1 km/s.
+int32_t limitedSum(int32_t a, int32_t b) {
+  constexpr int32_t kLimit = 1000000000L;
+  bool saturated = false;
+  const int32_t sum = addFixed(a, b, saturated);
+  return sum > kLimit ? kLimit : sum < -kLimit ? -kLimit : sum;
 }
+
+constexpr int32_t kMicrometres = 10000;  ///< in a centimetre
+constexpr int32_t kMilliseconds = 1000;
 
 }  // namespace
 
@@ -202,15 +215,14 @@ PhaseResult Machine::next(const MachineInputs& inputs, Rng& rng) {
   run(evaluation, inputs, rng);
   next_phase_ = phaseNumber(stack_[3]);
 
+  const int32_t first = inUnits(stack_[0], kMicrometres);
   if (wheel_speeds_) {
-    result.left_um_s = microPerSecond(stack_[0]);
-    result.right_um_s = microPerSecond(stack_[1]);
+    result.left_um_s = first;
+    result.right_um_s = inUnits(stack_[1], kMicrometres);
   } else {
-    const int32_t forward = microPerSecond(stack_[0]);
-    const int64_t half_turn =
-        (static_cast<int64_t>(stack_[1]) * inputs.half_wheel_base_um + 0x8000L) >> kFractionBits;
-    result.left_um_s = limitedSum(forward - half_turn);
-    result.right_um_s = limitedSum(forward + half_turn);
+    const int32_t half_turn = inUnits(stack_[1], inputs.half_wheel_base_um);
+    result.left_um_s = limitedSum(first, -half_turn);
+    result.right_um_s = limitedSum(first, half_turn);
   }
 
   const Fixed hold = stack_[2];
@@ -218,10 +230,8 @@ PhaseResult Machine::next(const MachineInputs& inputs, Rng& rng) {
     count();
     return result;
   }
-  const uint64_t duration_ms =
-      hold <= 0 ? 0 : (static_cast<uint64_t>(hold) * 1000U + 0x8000U) >> kFractionBits;
-  result.duration_ms = static_cast<uint32_t>(duration_ms);
-  if (hold < 0 || duration_ms > kLongestHoldMs) {
+  result.duration_ms = hold <= 0 ? 0 : static_cast<uint32_t>(inUnits(hold, kMilliseconds));
+  if (hold < 0 || result.duration_ms > kLongestHoldMs) {
     result.duration_ms = hold < 0 ? 0 : kLongestHoldMs;
     saturated_ = true;
   }

@@ -24,8 +24,9 @@ class Odometry {
 
   /// Adds a motion at constant wheel speeds.
   void add(int32_t left_um_s, int32_t right_um_s, uint32_t ms) {
-    turned_nm_ +=
-        static_cast<uint64_t>(static_cast<int64_t>(wrappingDifference(right_um_s, left_um_s)) * ms);
+    const int32_t difference = wrappingDifference(right_um_s, left_um_s);
+    const uint64_t turned_nm = static_cast<uint64_t>(absoluteSpeed(difference)) * ms;
+    turned_nm_ = difference < 0 ? turned_nm_ - turned_nm : turned_nm_ + turned_nm;
     driven_nm_ += static_cast<uint64_t>(absoluteSpeed(wrappingSum(left_um_s, right_um_s))) * ms;
   }
 
@@ -34,10 +35,13 @@ class Odometry {
     return static_cast<uint32_t>((turned_nm_ * turns_per_nm_) >> 32);
   }
 
-  /// The length of the path of the robot's centre since reset().
+  /// The length of the path of the robot's centre since reset(), at most 549 m, which is more than
+  /// the largest number of a program.
   uint32_t distanceUm() const {
-    const uint64_t um = driven_nm_ / 2000U;
-    return um > 0xFFFFFFFFUL ? 0xFFFFFFFFUL : static_cast<uint32_t>(um);
+    constexpr uint32_t kUmOf256HalfNm = 549755814UL;  // 0.128 in units of 2^-32
+    const uint32_t most = 0xFFFFFFFFUL;
+    const uint32_t driven = driven_nm_ >> 40 != 0 ? most : static_cast<uint32_t>(driven_nm_ >> 8);
+    return static_cast<uint32_t>((static_cast<uint64_t>(driven) * kUmOf256HalfNm) >> 32);
   }
 
  private:

@@ -117,7 +117,8 @@ void RobotCore::sense(uint32_t now_ms, const Sensors& sensors) {
   const uint8_t approaching = approachingSensors();
   const uint8_t old_slot = light_.slot();
   const uint8_t slot = light_.update(sensors.light_front, sensors.light_back);
-  if (slot != old_slot && mode_ == kTable && mayMove()) {
+  const bool switched = slot != old_slot && mode_ == kTable && mayMove();
+  if (switched) {
     switchProgram(now_ms);
   }
   if (reversal_direction_ != 0) {
@@ -140,7 +141,8 @@ void RobotCore::sense(uint32_t now_ms, const Sensors& sensors) {
       return;
     }
   }
-  if (machine_.canBeInterrupted()) {
+  // A program that has just begun waits for the next scan, so that a scan makes at most one draw.
+  if (machine_.canBeInterrupted() && !switched) {
     lookForInterruption(now_ms);
   }
 }

@@ -9,12 +9,13 @@ constexpr uint8_t kFirstAnswerType = 0x80;
 }  // namespace
 
 Device::Device(Board& board, const BootFacts& facts)
-    : board_(board), facts_(facts), store_(board) {}
+    : board_(board), facts_(facts), programs_(board), core_(programs_), store_(board) {}
 
 void Device::boot(uint32_t now_ms) {
   now_ms_ = now_ms;
   board_.setMotors(0, 0);
   store_.load(settings_);
+  programs_.load();
   startBootCounter();
   seed(settings_.uid, boot_id_);
   scan_due_ms_ = now_ms;
@@ -80,7 +81,7 @@ void Device::sense(uint32_t now_ms, const dynamics::Sensors& sensors) {
 
 void Device::tick(uint32_t now_ms) {
   advance(now_ms);
-  continueCommit(now_ms);
+  continueStoring(now_ms);
   report(now_ms);
 }
 
@@ -127,7 +128,7 @@ void Device::recordDraw() {
   step.draw_count = report.draw_count;
   step.program_epoch = static_cast<uint16_t>(report.program_epoch);
   step.slot = report.slot;
-  step.kind = report.kind;
+  step.phase = report.phase;
   step.left_um_s = report.held.left;
   step.right_um_s = report.held.right;
   step.duration_ms = core_.holdDurationMs();

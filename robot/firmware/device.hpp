@@ -5,20 +5,21 @@
 #include "robot/dynamics/motor.hpp"
 #include "robot/dynamics/robot_core.hpp"
 #include "robot/firmware/board.hpp"
+#include "robot/firmware/program_store.hpp"
 #include "robot/firmware/ring.hpp"
 #include "robot/firmware/settings.hpp"
 #include "robot/wire/frame.hpp"
 #include "robot/wire/messages.hpp"
 
 /// Marks functions with large local variables. Inlined, they would enlarge their caller's stack
-/// frame, and the chip's stack has 300 bytes.
+/// frame, and the chip's stack has 400 bytes.
 #define LAB_NOINLINE __attribute__((noinline))
 
 namespace lab {
 namespace firmware {
 
 /// Major * 256 + minor, as in HELLO.
-constexpr uint16_t kFirmwareVersion = 0x0100;
+constexpr uint16_t kFirmwareVersion = 0x0200;
 
 /// Whether a time has come, on a clock that wraps around.
 inline bool reached(uint32_t now_ms, uint32_t due_ms) {
@@ -115,7 +116,14 @@ class Device {
   LAB_NOINLINE Answer executeSetSeed(const wire::Frame& frame);
   LAB_NOINLINE Answer executeSetParam(const wire::Frame& frame, uint32_t now_ms);
   LAB_NOINLINE Answer executeCommit(const wire::Frame& frame);
-  LAB_NOINLINE void continueCommit(uint32_t now_ms);
+  LAB_NOINLINE Answer executeLoadBegin(const wire::Frame& frame);
+  LAB_NOINLINE Answer executeLoadData(const wire::Frame& frame);
+  LAB_NOINLINE Answer executeLoadEnd(const wire::Frame& frame);
+  LAB_NOINLINE bool takeSenses(const wire::Frame& frame, uint32_t now_ms);
+  uint8_t freePlace() const;
+  bool isUsed(uint32_t hash) const;
+  void answerLater(const wire::Frame& frame);
+  LAB_NOINLINE void continueStoring(uint32_t now_ms);
   bool readParam(uint8_t id, int32_t& value) const;
   bool writeParam(uint8_t id, int32_t value, uint32_t now_ms);
   void seed(uint32_t high, uint32_t low);
@@ -136,12 +144,14 @@ class Device {
   LAB_NOINLINE void sendPong(const wire::Ping& ping, uint8_t seq, uint32_t came_ms,
                              uint16_t came_us);
   LAB_NOINLINE void sendParam(uint8_t seq, uint8_t id, int32_t value);
+  LAB_NOINLINE void sendPrograms(uint8_t seq);
   template <class Message>
   void send(const Message& message, uint8_t seq);
   LAB_NOINLINE void transmit(const wire::Frame& frame);
 
   Board& board_;
   BootFacts facts_;
+  ProgramStore programs_;
   dynamics::RobotCore core_;
   dynamics::CoreSettings staged_;
   Settings settings_;
@@ -158,8 +168,9 @@ class Device {
   uint8_t stop_id_ = 0;
   bool host_heard_ = false;
   bool leased_ = false;
-  bool storing_ = false;  ///< COMMIT is in progress
-  uint8_t commit_seq_ = 0;
+  uint8_t senses_id_ = 0;
+  uint8_t storing_ = 0;  ///< type of the command in progress: COMMIT or LOAD_END; 0: none
+  uint8_t storing_seq_ = 0;
   Executed executed_;
 
   uint32_t draws_recorded_ = 0;

@@ -52,6 +52,15 @@ void Device::handleCommand(const wire::Frame& frame, uint32_t now_ms, uint32_t c
     return;
   }
 
+  wire::GetPrograms get_programs;
+  if (wire::unpack(frame, get_programs)) {
+    sendPrograms(frame.seq);
+    return;
+  }
+  if (takeSenses(frame, now_ms)) {
+    return;
+  }
+
   const uint16_t crc = wire::crc16(frame.payload, frame.size);
   const bool repeated =
       executed_.type == frame.type && executed_.seq == frame.seq && executed_.crc == crc;
@@ -97,9 +106,17 @@ Device::Answer Device::execute(const wire::Frame& frame, uint32_t now_ms) {
       return executeSetParam(frame, now_ms);
     case wire::Commit::kType:
       return executeCommit(frame);
+    case wire::LoadBegin::kType:
+      return executeLoadBegin(frame);
+    case wire::LoadData::kType:
+      return executeLoadData(frame);
+    case wire::LoadEnd::kType:
+      return executeLoadEnd(frame);
     case wire::Ping::kType:
     case wire::GetInfo::kType:
     case wire::GetParam::kType:
+    case wire::GetPrograms::kType:
+    case wire::SetSenses::kType:
       return Answer{wire::kBadLength, kNoDetail};  // with a valid length they were answered above
     default:
       return Answer{wire::kUnknownType, kNoDetail};
@@ -202,6 +219,12 @@ Device::Answer Device::executeApply(const wire::Frame& frame, uint32_t now_ms) {
   const wire::ConfigFault fault = wire::firstFault(staged_);
   if (fault != wire::kNoFault) {
     return Answer{wire::kBadValue, fault};
+  }
+  for (uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
+    if (staged_.programs[slot] != 0 &&
+        programs_.placeOf(staged_.programs[slot]) == ProgramStore::kNoPlace) {
+      return Answer{wire::kMissing, slot};
+    }
   }
   core_.configure(now_ms, staged_);
   config_ = config;
@@ -325,34 +348,142 @@ Device::Answer Device::executeCommit(const wire::Frame& frame) {
   if (!wire::unpack(frame, commit)) {
     return Answer{wire::kBadLength, kNoDetail};
   }
-  if (storing_ || duty_left_ != 0 || duty_right_ != 0) {
+  if (storing_ != 0 || duty_left_ != 0 || duty_right_ != 0) {
     return Answer{wire::kBusy, kNoDetail};
   }
   store_.begin(settings_);
-  storing_ = true;
-  commit_seq_ = frame.seq;
+  answerLater(frame);
   return Answer{kLater, kNoDetail};
 }
 
-// Writes one byte per call; answers COMMIT when everything is written and read back.
-void Device::continueCommit(uint32_t now_ms) {
-  if (!storing_) {
+bool Device::isUsed(uint32_t hash) const {
+  for (uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
+    if (core_.settings().programs[slot] == hash || staged_.programs[slot] == hash) {
+      return true;
+    }
+  }
+  return false;
+}
+
+/// A place for a new program: an empty one, or one whose program is in no slot. Otherwise kNoPlace.
+uint8_t Device::freePlace() const {
+  uint8_t found = ProgramStore::kNoPlace;
+  for (uint8_t place = 0; place < ProgramStore::kPlaces; ++place) {
+    const uint32_t hash = programs_.hash(place);
+    if (hash == 0) {
+      return place;
+    }
+    if (!isUsed(hash)) {
+      found = place;
+    }
+  }
+  return found;
+}
+
+Device::Answer Device::executeLoadBegin(const wire::Frame& frame) {
+  wire::LoadBegin load;
+  if (!wire::unpack(frame, load)) {
+    return Answer{wire::kBadLength, kNoDetail};
+  }
+  if (storing_ != 0) {
+    return Answer{wire::kBusy, kNoDetail};
+  }
+  if (programs_.placeOf(load.hash) == ProgramStore::kNoPlace &&
+      freePlace() == ProgramStore::kNoPlace) {
+    return Answer{wire::kNoPlace, kNoDetail};
+  }
+  return programs_.begin(load.hash, load.size) ? Answer{wire::kOk, kNoDetail}
+                                               : Answer{wire::kBadValue, 1};
+}
+
+// Takes the bytes from the frame itself: a second copy would be large for the stack.
+Device::Answer Device::executeLoadData(const wire::Frame& frame) {
+  if (frame.size != wire::payloadSize<wire::LoadData>()) {
+    return Answer{wire::kBadLength, kNoDetail};
+  }
+  if (storing_ != 0) {
+    return Answer{wire::kBusy, kNoDetail};
+  }
+  return programs_.take(frame.payload[0], frame.payload + 1, wire::LoadData::kBytes)
+             ? Answer{wire::kOk, kNoDetail}
+             : Answer{wire::kBadValue, 0};
+}
+
+Device::Answer Device::executeLoadEnd(const wire::Frame& frame) {
+  wire::LoadEnd end;
+  if (!wire::unpack(frame, end)) {
+    return Answer{wire::kBadLength, kNoDetail};
+  }
+  if (storing_ != 0) {
+    return Answer{wire::kBusy, kNoDetail};
+  }
+  if (programs_.placeOf(end.hash) != ProgramStore::kNoPlace) {
+    return Answer{wire::kOk, kNoDetail};
+  }
+  if (!programs_.isComplete(end.hash)) {
+    return Answer{wire::kBadProgram, kNoDetail};
+  }
+  const dynamics::ByteCodeFault fault = programs_.fault();
+  if (fault != dynamics::kValidByteCode) {
+    return Answer{wire::kBadProgram, fault};
+  }
+  const uint8_t place = freePlace();
+  if (place == ProgramStore::kNoPlace) {
+    return Answer{wire::kNoPlace, kNoDetail};
+  }
+  programs_.write(place);
+  answerLater(frame);
+  return Answer{kLater, kNoDetail};
+}
+
+bool Device::takeSenses(const wire::Frame& frame, uint32_t now_ms) {
+  wire::SetSenses senses;
+  if (!wire::unpack(frame, senses)) {
+    return false;
+  }
+  core_.advanceTo(now_ms);
+  for (uint8_t i = 0; i < dynamics::kSenses; ++i) {
+    core_.setSense(i, senses.sense[i]);
+  }
+  senses_id_ = senses.id;
+  return true;
+}
+
+void Device::answerLater(const wire::Frame& frame) {
+  storing_ = frame.type;
+  storing_seq_ = frame.seq;
+}
+
+// Writes one byte per call; answers COMMIT or LOAD_END when everything is written and read back.
+void Device::continueStoring(uint32_t now_ms) {
+  bool failed = false;
+  if (storing_ == wire::Commit::kType) {
+    const SettingsStore::Progress progress = store_.step();
+    if (progress == SettingsStore::kWriting) {
+      return;
+    }
+    if (progress == SettingsStore::kWritten) {
+      note(now_ms, wire::kSettingsStored, store_.bank());
+    }
+    failed = progress == SettingsStore::kFailed;
+  } else if (storing_ == wire::LoadEnd::kType) {
+    const ProgramStore::Progress progress = programs_.step();
+    if (progress == ProgramStore::kWriting) {
+      return;
+    }
+    if (progress == ProgramStore::kWritten) {
+      note(now_ms, wire::kProgramStored, programs_.collected());
+    }
+    failed = progress == ProgramStore::kFailed;
+  } else {
     return;
   }
-  const SettingsStore::Progress progress = store_.step();
-  if (progress == SettingsStore::kWriting) {
-    return;
-  }
-  storing_ = false;
-  if (progress == SettingsStore::kWritten) {
-    note(now_ms, wire::kSettingsStored, store_.bank());
-  }
-  const Answer answer = {progress == SettingsStore::kFailed ? wire::kStoreFailed : wire::kOk,
-                         kNoDetail};
-  if (executed_.type == wire::Commit::kType && executed_.seq == commit_seq_) {
+  const Answer answer = {failed ? wire::kStoreFailed : wire::kOk, kNoDetail};
+  if (executed_.type == storing_ && executed_.seq == storing_seq_) {
     executed_.answer = answer;
   }
-  sendAck(commit_seq_, wire::Commit::kType, answer);
+  sendAck(storing_seq_, storing_, answer);
+  storing_ = 0;
 }
 
 }  // namespace firmware

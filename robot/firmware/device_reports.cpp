@@ -106,7 +106,7 @@ void Device::sendTelemetry(uint32_t now_ms) {
   telemetry.t_ms = now_ms;
   telemetry.flags = core_.flags();
   telemetry.slot = report.slot;
-  telemetry.kind = report.kind;
+  telemetry.phase = report.phase;
   telemetry.program_epoch = static_cast<uint16_t>(report.program_epoch);
   telemetry.left_um_s = wheels.left;
   telemetry.right_um_s = wheels.right;
@@ -118,6 +118,7 @@ void Device::sendTelemetry(uint32_t now_ms) {
   telemetry.config = config_;
   telemetry.order_id = order_id_;
   telemetry.stop_id = stop_id_;
+  telemetry.senses_id = senses_id_;
   send(telemetry, telemetry_seq_++);
   // Keeps the phase; skipped telemetry is counted.
   telemetry_due_ms_ += telemetry_period_ms_;
@@ -138,6 +139,7 @@ void Device::sendState(uint32_t now_ms) {
   wire::State state;
   state.t_ms = now_ms;
   state.program_epoch = static_cast<uint16_t>(report.program_epoch);
+  state.program = report.program;
   state.program_start_ms = report.program_start_ms;
   state.held_left_um_s = report.held.left;
   state.held_right_um_s = report.held.right;
@@ -191,6 +193,15 @@ void Device::sendParam(uint8_t seq, uint8_t id, int32_t value) {
   param.id = id;
   param.value = value;
   send(param, seq);
+}
+
+void Device::sendPrograms(uint8_t seq) {
+  wire::Programs programs;
+  for (uint8_t place = 0; place < ProgramStore::kPlaces; ++place) {
+    programs.hash[place] = programs_.hash(place);
+  }
+  programs.running = core_.record().program;
+  send(programs, seq);
 }
 
 }  // namespace firmware

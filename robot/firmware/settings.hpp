@@ -25,7 +25,7 @@ bool isValid(const Settings& settings);
 /// observed to corrupt it.
 constexpr uint16_t kBootCounterAddress = 2;  ///< 2 bytes, little endian
 constexpr uint16_t kBankAddress[2] = {16, 64};
-constexpr uint16_t kStoreSize = 128;
+constexpr uint16_t kStoreSize = 1024;  ///< with the programs, see program_store.hpp
 
 /// One bank: magic, layout version, length of the data, sequence number (2 bytes), data, CRC-16 of
 /// all preceding bytes (2 bytes).

@@ -1,6 +1,5 @@
 #include "robot/wire/config.hpp"
 
-#include "robot/dynamics/exponential.hpp"
 #include "robot/wire/crc16.hpp"
 
 namespace lab {
@@ -9,24 +8,24 @@ namespace {
 
 using dynamics::CoreSettings;
 using dynamics::kSlots;
-using dynamics::ProgramParams;
 
-constexpr uint32_t kLongestHoldMs = 3600000UL;
 constexpr uint32_t kLongestReversalUm = 4000000UL;
 constexpr int32_t kFastestWheelUmS = 5000000L;
 constexpr uint16_t kLongestSensorPeriodMs = 1000;
+constexpr int32_t kLargestHalfWheelBaseUm = 1000000L;
 
 /// Computes a CRC over the fields in their form on the wire.
 class FieldCrc {
  public:
-  void operator()(const uint8_t& value) { crc_.add(value); }
+  void operator()(const uint8_t& value) { add(&value, sizeof value); }
   void operator()(const uint16_t& value) { add(&value, sizeof value); }
   void operator()(const uint32_t& value) { add(&value, sizeof value); }
   void operator()(const int32_t& value) { add(&value, sizeof value); }
   uint16_t value() const { return crc_.value(); }
 
  private:
-  void add(const void* bytes, uint8_t size) {
+  // Inlined for every field, it would cost the chip a kilobyte.
+  __attribute__((noinline)) void add(const void* bytes, uint8_t size) {
     for (uint8_t i = 0; i < size; ++i) {
       crc_.add(static_cast<const uint8_t*>(bytes)[i]);
     }
@@ -35,58 +34,12 @@ class FieldCrc {
   Crc16 crc_;
 };
 
-bool within(int32_t value, int32_t limit) { return value <= limit && value >= -limit; }
-
-int32_t magnitude(int32_t value) { return value < 0 ? -value : value; }
-
-// Checks both summands first, so that the sum cannot overflow.
-bool sumWithin(int32_t a, int32_t b, int32_t limit) {
-  return within(a, limit) && within(b, limit) && magnitude(a) + magnitude(b) <= limit;
-}
-
-bool validTime(uint32_t ms) { return ms > 0 && ms <= kLongestHoldMs; }
-
-ConfigFault faultOf(const ProgramParams& params, int32_t limit) {
-  switch (params.kind) {
-    case dynamics::kNone:
-      return kNoFault;
-    case dynamics::kAbp:
-    case dynamics::kNoisyAbp:
-    case dynamics::kBp:
-      if (!validTime(params.hold_ms)) {
-        return kBadTime;
-      }
-      return sumWithin(params.speed_um_s, params.amplitude_um_s, limit) ? kNoFault : kTooFast;
-    case dynamics::kRtp:
-      if (!validTime(params.tumble_ms) || params.mean_run_us == 0 ||
-          params.mean_run_us > dynamics::kLongestMeanUs) {
-        return kBadTime;
-      }
-      return within(params.speed_um_s, limit) && within(params.tumble_amplitude_um_s, limit)
-                 ? kNoFault
-                 : kTooFast;
-    case dynamics::kWheels:
-      return within(params.left_um_s, limit) && within(params.right_um_s, limit) ? kNoFault
-                                                                                 : kTooFast;
-  }
-  return kBadKind;
-}
-
 }  // namespace
 
 SetProgram programMessage(const CoreSettings& settings, uint8_t slot) {
-  const ProgramParams& params = settings.programs[slot];
   SetProgram message;
   message.slot = slot;
-  message.kind = params.kind;
-  message.speed_um_s = params.speed_um_s;
-  message.amplitude_um_s = params.amplitude_um_s;
-  message.hold_ms = params.hold_ms;
-  message.mean_run_us = params.mean_run_us;
-  message.tumble_ms = params.tumble_ms;
-  message.tumble_amplitude_um_s = params.tumble_amplitude_um_s;
-  message.left_um_s = params.left_um_s;
-  message.right_um_s = params.right_um_s;
+  message.hash = settings.programs[slot];
   return message;
 }
 
@@ -111,23 +64,15 @@ SetMotion motionMessage(const CoreSettings& settings) {
   message.ir_margin = settings.reversal.ir_margin;
   message.max_wheel_um_s = settings.max_wheel_um_s;
   message.sensor_period_ms = settings.sensor_period_ms;
+  message.robot_id = settings.robot_id;
+  message.half_wheel_base_um = settings.half_wheel_base_um;
   return message;
 }
 
 void stage(const SetProgram& message, CoreSettings& settings) {
-  if (message.slot >= kSlots) {
-    return;
+  if (message.slot < kSlots) {
+    settings.programs[message.slot] = message.hash;
   }
-  ProgramParams& params = settings.programs[message.slot];
-  params.kind = static_cast<dynamics::ProgramKind>(message.kind);
-  params.speed_um_s = message.speed_um_s;
-  params.amplitude_um_s = message.amplitude_um_s;
-  params.hold_ms = message.hold_ms;
-  params.mean_run_us = message.mean_run_us;
-  params.tumble_ms = message.tumble_ms;
-  params.tumble_amplitude_um_s = message.tumble_amplitude_um_s;
-  params.left_um_s = message.left_um_s;
-  params.right_um_s = message.right_um_s;
 }
 
 void stage(const SetLight& message, CoreSettings& settings) {
@@ -148,6 +93,8 @@ void stage(const SetMotion& message, CoreSettings& settings) {
   settings.reversal.ir_margin = message.ir_margin;
   settings.max_wheel_um_s = message.max_wheel_um_s;
   settings.sensor_period_ms = message.sensor_period_ms;
+  settings.robot_id = message.robot_id;
+  settings.half_wheel_base_um = message.half_wheel_base_um;
 }
 
 uint16_t configCrc(const CoreSettings& settings) {
@@ -165,15 +112,10 @@ uint16_t configCrc(const CoreSettings& settings) {
 
 ConfigFault firstFault(const CoreSettings& settings) {
   const int32_t limit = settings.max_wheel_um_s;
-  if (limit <= 0 || limit > kFastestWheelUmS || settings.sensor_period_ms == 0 ||
+  if (limit <= 0 || limit > kFastestWheelUmS || settings.half_wheel_base_um <= 0 ||
+      settings.half_wheel_base_um > kLargestHalfWheelBaseUm || settings.sensor_period_ms == 0 ||
       settings.sensor_period_ms > kLongestSensorPeriodMs) {
     return kBadLimits;
-  }
-  for (uint8_t slot = 0; slot < kSlots; ++slot) {
-    const ConfigFault fault = faultOf(settings.programs[slot], limit);
-    if (fault != kNoFault) {
-      return fault;
-    }
   }
   if (!dynamics::isValid(settings.light)) {
     return kBadBands;

@@ -25,12 +25,9 @@ uint16_t configCrc(const dynamics::CoreSettings& settings);
 /// Reasons why a robot cannot run the settings.
 enum ConfigFault : uint8_t {
   kNoFault = 0,
-  kBadKind = 1,      ///< a program kind that does not exist
-  kBadTime = 2,      ///< the duration of a hold, run or tumble is 0 or too long
-  kTooFast = 3,      ///< a wheel speed exceeds the limit
-  kBadBands = 4,     ///< see isValid(LightSettings)
-  kBadReversal = 5,  ///< speed not above 0 or above the maximum, or longer than 4 m
-  kBadLimits = 6,    ///< largest wheel speed or sensor period out of range
+  kBadBands = 1,     ///< see isValid(LightSettings)
+  kBadReversal = 2,  ///< speed not above 0 or above the maximum, or longer than 4 m
+  kBadLimits = 3,    ///< largest wheel speed, wheel base or sensor period out of range
 };
 
 /// The first fault of the settings. A robot refuses to apply settings with a fault.

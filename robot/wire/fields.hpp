@@ -104,12 +104,34 @@ constexpr uint8_t payloadSize() {
   return size.size();
 }
 
+/// Whether the fields of a message are on the wire in another order than in its struct.
+template <class Message>
+struct Reordered {
+  static constexpr bool kValue = false;
+};
+
+/// Whether a message has the same bytes in memory and on the wire. The chip aligns nothing, so there
+/// it is true for most messages, and copying them whole saves more than a kilobyte of flash.
+template <class Message>
+constexpr bool sameInMemory() {
+#ifdef __AVR__
+  return sizeof(Message) == payloadSize<Message>() && !Reordered<Message>::kValue;
+#else
+  return false;
+#endif
+}
+
 /// Fills a frame with a message.
 template <class Message>
 void pack(const Message& message, uint8_t seq, Frame& frame) {
   static_assert(payloadSize<Message>() <= kMaxPayload, "the message is too long for a frame");
   frame.type = Message::kType;
   frame.seq = seq;
+  if (sameInMemory<Message>()) {
+    memcpy(frame.payload, &message, sizeof message);
+    frame.size = sizeof message;
+    return;
+  }
   FieldWriter writer(frame.payload);
   Message::fields(message, writer);
   frame.size = writer.size();
@@ -120,6 +142,10 @@ template <class Message>
 bool unpack(const Frame& frame, Message& message) {
   if (frame.type != Message::kType || frame.size != payloadSize<Message>()) {
     return false;
+  }
+  if (sameInMemory<Message>()) {
+    memcpy(&message, frame.payload, sizeof message);
+    return true;
   }
   FieldReader reader(frame.payload);
   Message::fields(message, reader);

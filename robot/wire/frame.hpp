@@ -6,7 +6,7 @@ namespace lab {
 namespace wire {
 
 /// The version in every frame. Frames of other versions are counted and dropped.
-constexpr uint8_t kProtocolVersion = 1;
+constexpr uint8_t kProtocolVersion = 2;
 
 /// The longest payload. The whole frame is then at most 46 bytes before stuffing, so that COBS
 /// never needs a second 254-byte block and costs exactly one byte.

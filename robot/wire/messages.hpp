@@ -37,31 +37,15 @@ struct GetInfo {
   static constexpr void fields(M&, V&) {}
 };
 
-/// Stages the program of one slot (ProgramParams). Nothing changes before APPLY.
+/// Stages the program of one slot. Nothing changes before APPLY.
 struct SetProgram {
   static constexpr uint8_t kType = 0x10;
   uint8_t slot = 0;
-  uint8_t kind = 0;
-  int32_t speed_um_s = 0;
-  int32_t amplitude_um_s = 0;
-  uint32_t hold_ms = 0;
-  uint32_t mean_run_us = 0;
-  uint32_t tumble_ms = 0;
-  int32_t tumble_amplitude_um_s = 0;
-  int32_t left_um_s = 0;
-  int32_t right_um_s = 0;
+  uint32_t hash = 0;  ///< 0: the robot stands
   template <class M, class V>
   static constexpr void fields(M& m, V& v) {
     v(m.slot);
-    v(m.kind);
-    v(m.speed_um_s);
-    v(m.amplitude_um_s);
-    v(m.hold_ms);
-    v(m.mean_run_us);
-    v(m.tumble_ms);
-    v(m.tumble_amplitude_um_s);
-    v(m.left_um_s);
-    v(m.right_um_s);
+    v(m.hash);
   }
 };
 
@@ -87,7 +71,13 @@ struct SetLight {
   }
 };
 
-/// Stages the reversal (ReversalSettings), the largest wheel speed and the sensor period.
+template <>
+struct Reordered<SetLight> {
+  static constexpr bool kValue = true;
+};
+
+/// Stages the reversal (ReversalSettings), the largest wheel speed, the sensor period, and what
+/// programs know of their robot.
 struct SetMotion {
   static constexpr uint8_t kType = 0x12;
   uint8_t reversal = 0;  ///< 1: enabled
@@ -96,6 +86,8 @@ struct SetMotion {
   uint16_t ir_margin = 0;
   int32_t max_wheel_um_s = 0;
   uint16_t sensor_period_ms = 0;
+  uint16_t robot_id = 0;
+  int32_t half_wheel_base_um = 0;
   template <class M, class V>
   static constexpr void fields(M& m, V& v) {
     v(m.reversal);
@@ -104,11 +96,13 @@ struct SetMotion {
     v(m.ir_margin);
     v(m.max_wheel_um_s);
     v(m.sensor_period_ms);
+    v(m.robot_id);
+    v(m.half_wheel_base_um);
   }
 };
 
-/// Puts all staged settings in force at once, if their CRC (configCrc) is this one and they are
-/// within the wheels' limits. Settings equal to those in force change nothing.
+/// Puts all staged settings in force at once, if their CRC (configCrc) is this one, they have no
+/// fault, and the robot has their programs. Settings equal to those in force change nothing.
 struct Apply {
   static constexpr uint8_t kType = 0x13;
   uint16_t config = 0;
@@ -200,6 +194,68 @@ struct Commit {
   static constexpr void fields(M&, V&) {}
 };
 
+/// Begins to load a program. The bytes are collected in RAM; a program that was begun before is
+/// dropped. Refused (kNoPlace) if every place of the EEPROM has a program of settings in force or
+/// staged.
+struct LoadBegin {
+  static constexpr uint8_t kType = 0x1A;
+  uint32_t hash = 0;
+  uint8_t size = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.hash);
+    v(m.size);
+  }
+};
+
+/// Bytes of the program; those beyond its end are ignored. The order does not matter.
+struct LoadData {
+  static constexpr uint8_t kType = 0x1B;
+  static constexpr uint8_t kBytes = 32;
+  uint8_t offset = 0;
+  uint8_t code[kBytes] = {};
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.offset);
+    for (uint8_t i = 0; i < kBytes; ++i) {
+      v(m.code[i]);
+    }
+  }
+};
+
+/// Checks the program (CRC-32 and byte code) and writes it into the EEPROM. Answered when it is
+/// stored, about 0.6 s later, or at once if it was stored before.
+struct LoadEnd {
+  static constexpr uint8_t kType = 0x1C;
+  uint32_t hash = 0;
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.hash);
+  }
+};
+
+/// Asks for PROGRAMS.
+struct GetPrograms {
+  static constexpr uint8_t kType = 0x1D;
+  template <class M, class V>
+  static constexpr void fields(M&, V&) {}
+};
+
+/// The numbers that programs read as sense(0) to sense(7), in units of 2^-16. A stream: not
+/// answered, and a lost message is replaced by the next one.
+struct SetSenses {
+  static constexpr uint8_t kType = 0x1E;
+  uint8_t id = 0;  ///< number of the message, echoed in TELEMETRY
+  int32_t sense[dynamics::kSenses] = {};
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    v(m.id);
+    for (uint8_t i = 0; i < dynamics::kSenses; ++i) {
+      v(m.sense[i]);
+    }
+  }
+};
+
 // ---- robot to host ----
 
 struct Pong {
@@ -262,9 +318,13 @@ enum AckStatus : uint8_t {
   kWrongConfig = 4,  ///< ORDER or APPLY for other settings than those in the robot
   kBusy = 5,
   kStoreFailed = 6,  ///< the EEPROM reads back other bytes than were written
+  kMissing = 7,      ///< APPLY: the robot does not have the program of the slot in `detail`
+  kNoPlace = 8,      ///< LOAD_BEGIN, LOAD_END: all places have programs in use
+  kBadProgram = 9,   ///< LOAD_END: detail: a ByteCodeFault; 0: wrong CRC
 };
 
-/// The answer to every command except PING, GET_INFO and GET_PARAM, with the command's seq.
+/// The answer to every command except PING, GET_INFO, GET_PARAM, GET_PROGRAMS and SET_SENSES, with
+/// the command's seq.
 struct Ack {
   static constexpr uint8_t kType = 0x83;
   uint8_t type = 0;
@@ -284,7 +344,7 @@ struct Telemetry {
   uint32_t t_ms = 0;   ///< when sampled, on the robot's clock
   uint16_t flags = 0;  ///< CoreFlag
   uint8_t slot = 0;
-  uint8_t kind = 0;
+  uint8_t phase = 0;
   uint16_t program_epoch = 0;  ///< low 16 bits
   int32_t left_um_s = 0;       ///< as driven now
   int32_t right_um_s = 0;      ///< as driven now
@@ -292,12 +352,13 @@ struct Telemetry {
   uint16_t config = 0;         ///< CRC of the settings in force; 0: none
   uint8_t order_id = 0;
   uint8_t stop_id = 0;
+  uint8_t senses_id = 0;  ///< of the last SET_SENSES
   template <class M, class V>
   static constexpr void fields(M& m, V& v) {
     v(m.t_ms);
     v(m.flags);
     v(m.slot);
-    v(m.kind);
+    v(m.phase);
     v(m.program_epoch);
     v(m.left_um_s);
     v(m.right_um_s);
@@ -305,6 +366,7 @@ struct Telemetry {
     v(m.config);
     v(m.order_id);
     v(m.stop_id);
+    v(m.senses_id);
   }
 };
 
@@ -314,6 +376,7 @@ struct State {
   static constexpr uint8_t kType = 0x91;
   uint32_t t_ms = 0;
   uint16_t program_epoch = 0;
+  uint32_t program = 0;  ///< hash of the running program; 0: none
   uint32_t program_start_ms = 0;
   int32_t held_left_um_s = 0;
   int32_t held_right_um_s = 0;
@@ -325,6 +388,7 @@ struct State {
   static constexpr void fields(M& m, V& v) {
     v(m.t_ms);
     v(m.program_epoch);
+    v(m.program);
     v(m.program_start_ms);
     v(m.held_left_um_s);
     v(m.held_right_um_s);
@@ -335,15 +399,15 @@ struct State {
   }
 };
 
-/// One random draw of the wheel speeds, sent when it begins. All steps together are a complete
-/// record of the program.
+/// One hold of a program, sent when it begins. All steps together are a complete record of the
+/// program.
 struct Step {
   static constexpr uint8_t kType = 0x92;
   uint32_t t_ms = 0;
   uint32_t draw_count = 0;  ///< since boot; a gap means a lost STEP
   uint16_t program_epoch = 0;
   uint8_t slot = 0;
-  uint8_t kind = 0;
+  uint8_t phase = 0;
   int32_t left_um_s = 0;   ///< as held, after clamping
   int32_t right_um_s = 0;  ///< as held, after clamping
   uint32_t duration_ms = 0;
@@ -354,7 +418,7 @@ struct Step {
     v(m.draw_count);
     v(m.program_epoch);
     v(m.slot);
-    v(m.kind);
+    v(m.phase);
     v(m.left_um_s);
     v(m.right_um_s);
     v(m.duration_ms);
@@ -400,6 +464,7 @@ enum EventCode : uint8_t {
   kWatchdogRestart = 5,  ///< the firmware hung and the watchdog restarted it; the robot stands
   kSettingsDefault = 6,  ///< no EEPROM bank is valid; defaults are used
   kSettingsStored = 7,   ///< data: the bank
+  kProgramStored = 8,    ///< data: the program's hash
 };
 
 /// A single event. The other messages show its consequences, so it may be lost.
@@ -427,6 +492,23 @@ struct ParamValue {
   static constexpr void fields(M& m, V& v) {
     v(m.id);
     v(m.value);
+  }
+};
+
+/// Number of programs in the robot's EEPROM.
+constexpr uint8_t kProgramPlaces = 5;
+
+/// The answer to GET_PROGRAMS: the hashes of the stored programs; 0: no program in this place.
+struct Programs {
+  static constexpr uint8_t kType = 0x96;
+  uint32_t hash[kProgramPlaces] = {};
+  uint32_t running = 0;  ///< the hash of the running program; 0: none
+  template <class M, class V>
+  static constexpr void fields(M& m, V& v) {
+    for (uint8_t i = 0; i < kProgramPlaces; ++i) {
+      v(m.hash[i]);
+    }
+    v(m.running);
   }
 };
 

@@ -31,6 +31,11 @@ void forEachMessage(Visit&& visit) {
   visit("SET_PARAM", SetParam{});
   visit("GET_PARAM", GetParam{});
   visit("COMMIT", Commit{});
+  visit("LOAD_BEGIN", LoadBegin{});
+  visit("LOAD_DATA", LoadData{});
+  visit("LOAD_END", LoadEnd{});
+  visit("GET_PROGRAMS", GetPrograms{});
+  visit("SET_SENSES", SetSenses{});
   visit("PONG", Pong{});
   visit("HELLO", Hello{});
   visit("ACK", Ack{});
@@ -40,6 +45,7 @@ void forEachMessage(Visit&& visit) {
   visit("COUNTERS", Counters{});
   visit("EVENT", Event{});
   visit("PARAM", ParamValue{});
+  visit("PROGRAMS", Programs{});
 }
 
 /// Computes a CRC over one byte per field: the width in bytes, plus 128 if signed. An array of

@@ -1,5 +1,5 @@
-/// Estimates offset and rate of a robot's clock against the host's. ClockOffsetEstimator, for
-/// hosts, does not serve here: a robot's oscillator needs a fitted rate, and frames take long on
+/// Estimates offset and rate of a robot's clock against the host's. ClockOffsetEstimator, which is
+/// for hosts, is not suitable: a robot's oscillator needs a fitted rate, and frames take long on
 /// the wire.
 #pragma once
 

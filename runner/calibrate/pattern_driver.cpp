@@ -124,8 +124,7 @@ std::string PatternDriver::noRoomText() const {
   }
   return fmt::format(
       "{} has no room at ({:.0f}, {:.0f}) cm: it drives up to {:.0f} cm in a direction and needs "
-      "{:.0f} "
-      "cm of clearance{}; move it, and calibrate it alone: --robot {}",
+      "{:.0f} cm of clearance{}; move it, and calibrate it alone: --robot {}",
       name(), 100 * at.x, 100 * at.y,
       100 * calibration::reachOf(pattern_, experiment_.hardware.diameter),
       100 * calibration::kClearance, nearest, robot_);
@@ -166,7 +165,8 @@ void PatternDriver::turnTo(double heading) {
   enter(Phase::kTurn);
 }
 
-/// Raises the speed while the robot does not move, because of wheels with a wide dead band.
+/// The share of the full speed. It rises while the robot does not move, because the dead band of
+/// its wheels may be wide.
 double PatternDriver::shareFor(bool moves) const {
   const double wanted = kShare + kShareMore * static_cast<double>(inPhase() / kStuck_us);
   return moves ? share_ : std::clamp(wanted, share_, kMostShare);
@@ -191,7 +191,7 @@ void PatternDriver::turn() {
   drive(-turn_sign_ * share_, turn_sign_ * share_);
 }
 
-// Drives away from walls and robots that are too near.
+// Drives along the escape path, away from walls and robots that are too near.
 void PatternDriver::leave() {
   if (inPhase() > kMotionTimeout_us) {
     return fail(name() + " does not drive as commanded: are its motors on and its wheels free?");

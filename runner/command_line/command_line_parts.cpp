@@ -128,11 +128,12 @@ void addSources(CLI::App& command, CommandLineSources& sources) {
           [&sources](const std::string& file) {
             sources.dds_configuration = std::filesystem::absolute(file);
           },
-          "Cyclone DDS configuration (XML) for ROS 2 instead of the lab's own; it can run code")
+          "Cyclone DDS configuration (XML) for ROS 2 instead of the lab's own; such a file can run "
+          "code")
       ->type_name("FILE");
   command.add_option("--camera-pipeline", sources.camera_pipeline,
-                     "GStreamer pipeline of camera = \"pipeline\": ELEMENT ! ELEMENT ...; it can "
-                     "run code");
+                     "GStreamer pipeline for experiments with camera = \"pipeline\": ELEMENT ! "
+                     "ELEMENT ...; a pipeline can run code");
 }
 
 }  // namespace lab::runner

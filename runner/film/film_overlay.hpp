@@ -44,7 +44,8 @@ class FilmOverlay {
   ///   installed
   [[nodiscard]] static std::unique_ptr<FilmOverlay> open(const OverlaySettings& settings);
 
-  /// Whether the next frame is drawn. The rejected detections of other frames are not needed.
+  /// Whether the next frame is drawn. For a frame that is not drawn, OverlayFrame::rejected may be
+  /// empty.
   [[nodiscard]] virtual bool wantsNext() const = 0;
 
   /// Adds the next frame; must be called for every frame. @throws std::runtime_error if it cannot

@@ -27,9 +27,9 @@ class RemoteHost {
  public:
   enum class State {
     kCalling,    ///< ssh connects; versions and clocks are compared
-    kMet,        ///< same version, and clocks agree
+    kMet,        ///< the host has the same version, and the clocks agree
     kBeginning,  ///< files are being sent; a previous agent may still have to end
-    kBegun,      ///< it has received the files
+    kBegun,      ///< the host has received the files
     kGone,       ///< ssh has ended; trouble() gives the reason
     kRefused,    ///< the host cannot be used; trouble() gives the reason
   };
@@ -40,7 +40,7 @@ class RemoteHost {
   RemoteHost(const RemoteHost&) = delete;
   RemoteHost& operator=(const RemoteHost&) = delete;
 
-  /// Starts ssh, again if it has ended. @throws UserError if ssh is not installed
+  /// Starts ssh, or restarts it after it has ended. @throws UserError if ssh is not installed
   void connect();
 
   /// Receives, sends what is queued, and checks whether ssh still runs.
@@ -115,14 +115,14 @@ class RemoteHost {
   int pongs_ = 0;
   int connection_ = 0;
   std::filesystem::path logs_;
-  OutputTail errors_{65536};  ///< [byte] of the standard error of ssh
+  OutputTail errors_{65536};  ///< last part [byte] of what ssh wrote to standard error
   FileDescriptor input_;      ///< standard input of ssh
   FileDescriptor output_;     ///< standard output of ssh
   std::optional<ChildProcess> ssh_;
   std::optional<JsonLines> lines_;
   /// Messages to send, in order. Each function sends one part and returns whether it was the last.
   std::deque<std::function<bool()>> outbox_;
-  std::map<std::string, ServiceReport> reports_;  ///< of the services, in this connection
+  std::map<std::string, ServiceReport> reports_;  ///< by service, of this connection
   std::chrono::steady_clock::time_point last_receive_;
   std::chrono::steady_clock::time_point last_alive_;
 };

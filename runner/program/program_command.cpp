@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "common/files/file_text.hpp"
-#include "common/process/installation.hpp"
+#include "common/programs/shipped_programs.hpp"
 #include "common/text/nearest_word.hpp"
 #include "robot/dynamics/machine.hpp"
 #include "robot/language/listing.hpp"
@@ -22,21 +22,25 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr FileKind kProgramKind{"a program of motion", 100'000};
 constexpr double kCyclesPerMs = 8000;  // the robot's clock has 8 MHz
 
-fs::path shippedPrograms() { return installation().motion_programs; }
+struct Source {
+  std::string file;  ///< for messages
+  std::string text;
+};
 
-fs::path findProgram(const std::string& named, const fs::path& shipped) {
+Source sourceOf(const std::string& named) {
   const fs::path file = named;
   std::error_code error;
-  if (file.has_parent_path() || file.extension() == ".toml" || fs::exists(file, error)) return file;
-  const fs::path of_name = shipped / (named + ".toml");
-  if (fs::exists(of_name, error)) return of_name;
-  const std::vector<std::string> names = tomlNamesIn(shipped);
-  throw UserError(fmt::format("no program {}: looked for the files {} and {}; there are {}{}",
-                              named, fs::absolute(file).string(), of_name.string(),
-                              fmt::join(names, ", "), didYouMean(named, names)));
+  if (file.has_parent_path() || file.extension() == ".toml" || fs::exists(file, error)) {
+    return {file.string(), readFileText(file, file_kinds::kProgram)};
+  }
+  if (auto text = shippedProgramToml(named)) return {"programs/" + named + ".toml", *text};
+  const std::vector<std::string> names = shippedProgramNames();
+  throw UserError(fmt::format("no program {}: looked for the file {} and among the shipped ones: "
+                              "{}{}",
+                              named, fs::absolute(file).string(), fmt::join(names, ", "),
+                              didYouMean(named, names)));
 }
 
 void printLines(std::string_view text) {
@@ -60,9 +64,9 @@ std::string holdText(const language::Interval& hold) {
 
 }  // namespace
 
-ProgramFile loadProgram(const std::string& named, const fs::path& shipped) {
-  const fs::path file = findProgram(named, shipped);
-  return readProgram(readFileText(file, kProgramKind), file.string(), file.stem().string());
+ProgramFile loadProgram(const std::string& named) {
+  const Source source = sourceOf(named);
+  return readProgram(source.text, source.file, fs::path(source.file).stem().string());
 }
 
 std::string describeProgram(const ProgramFile& program) {
@@ -139,9 +143,8 @@ std::string traceProgram(const ProgramFile& program, const TraceOptions& options
 }
 
 int listPrograms() {
-  const fs::path shipped = shippedPrograms();
-  for (const std::string& name : tomlNamesIn(shipped)) {
-    const ProgramFile program = loadProgram((shipped / (name + ".toml")).string(), shipped);
+  for (const std::string& name : shippedProgramNames()) {
+    const ProgramFile program = loadProgram(name);
     printLine(fmt::format("{:20} {:3} bytes  {}", name, program.compiled.code.size(),
                           program.text.description));
   }
@@ -149,17 +152,17 @@ int listPrograms() {
 }
 
 int showProgram(const std::string& named) {
-  printLines(readFileText(findProgram(named, shippedPrograms()), kProgramKind));
+  printLines(sourceOf(named).text);
   return kDone;
 }
 
 int checkProgram(const std::string& named) {
-  printLines(describeProgram(loadProgram(named, shippedPrograms())));
+  printLines(describeProgram(loadProgram(named)));
   return kDone;
 }
 
 int traceProgram(const TraceOptions& options) {
-  printLines(traceProgram(loadProgram(options.program, shippedPrograms()), options));
+  printLines(traceProgram(loadProgram(options.program), options));
   return kDone;
 }
 

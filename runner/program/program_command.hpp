@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <string>
 
 #include "common/programs/program_file.hpp"
@@ -18,8 +17,7 @@ struct TraceOptions {
 
 /// Reads a file, or the shipped program of that name.
 /// @throws UserError if there is none; ExperimentError with all problems of the file
-[[nodiscard]] ProgramFile loadProgram(const std::string& named,
-                                      const std::filesystem::path& shipped);
+[[nodiscard]] ProgramFile loadProgram(const std::string& named);
 
 /// What is known of a program before it runs: size, ranges, times, warnings.
 [[nodiscard]] std::string describeProgram(const ProgramFile& program);

@@ -117,7 +117,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
     log.flush();
     outcome.faults = controller.faults();
   } catch (const std::exception& error) {
-    // The log could not be written. What it holds is kept, and the run is marked.
+    // The log could not be written. Its contents so far are kept, and the run gets a fault.
     outcome.faults = controller.faults();
     outcome.faults.emplace_back(error.what());
     outcome.closed_early = true;

@@ -23,7 +23,8 @@ LineByte sampleAt(LineByte byte, double ratio) {
   unsigned read = 0;
   for (int bit = 0; bit < kFrameBits; ++bit) {
     const int at = static_cast<int>((bit + 0.5) * ratio + 1.0 / 16);
-    const bool high = at >= kFrameBits || ((sent >> static_cast<unsigned>(at)) & 1U) != 0;  // idle
+    // After the frame the line is idle, which is high.
+    const bool high = at >= kFrameBits || ((sent >> static_cast<unsigned>(at)) & 1U) != 0;
     if (high) {
       read |= 1U << static_cast<unsigned>(bit);
     }

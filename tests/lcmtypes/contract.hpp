@@ -18,6 +18,7 @@
 #include <lab/link_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
+#include <lab/robot_senses_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
 #include <lab/robot_stop_t.hpp>
@@ -40,14 +41,16 @@ struct TypeList {};
 using ChannelTypes =
     TypeList<analysis_t, clock_t, experiment_command_t, experiment_event_t, experiment_status_t,
              light_command_t, light_delivery_t, light_seen_t, light_status_t, link_status_t,
-             robot_calibration_t, robot_command_t, robot_status_t, robot_steps_t, robot_stop_t,
-             service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t, tracker_status_t>;
+             robot_calibration_t, robot_command_t, robot_senses_t, robot_status_t, robot_steps_t,
+             robot_stop_t, service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t,
+             tracker_status_t>;
 
 /// Types that are parts of those.
-using PartTypes = TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t,
-                           light_delay_t, light_drive_t, light_layer_t, link_peer_t,
-                           motor_calibration_t, program_t, robot_order_t, robot_state_t,
-                           robot_step_t, stream_count_t, tracked_pose_t, true_pose_t>;
+using PartTypes =
+    TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t, light_delay_t,
+             light_drive_t, light_layer_t, link_peer_t, motor_calibration_t, parameter_t,
+             program_id_t, program_t, robot_order_t, robot_state_t, robot_step_t, sense_values_t,
+             stream_count_t, tracked_pose_t, true_pose_t>;
 
 /// Calls `visit.operator()<Type>()` for every type of both lists.
 template <class Visit, class... Types>
@@ -66,9 +69,10 @@ inline auto fields(curve_t& m) {
 inline auto fields(estimate_t& m) {
   return std::tie(m.name, m.unit, m.value, m.sigma, m.low, m.high, m.theory, m.note);
 }
+inline auto fields(parameter_t& m) { return std::tie(m.name, m.value, m.unit); }
+inline auto fields(program_id_t& m) { return std::tie(m.hash, m.name); }
 inline auto fields(program_t& m) {
-  return std::tie(m.kind, m.v, m.va, m.V, m.epsilon, m.eta, m.gamma, m.tau_t, m.wheel_left,
-                  m.wheel_right);
+  return std::tie(m.id, m.text, m.size, m.code, m.num_parameters, m.parameters);
 }
 inline auto fields(light_band_t& m) { return std::tie(m.low, m.high, m.program); }
 inline auto fields(light_layer_t& m) {
@@ -91,12 +95,12 @@ inline auto fields(robot_order_t& m) {
                   m.reverse_speed);
 }
 inline auto fields(robot_state_t& m) {
-  return std::tie(m.utime, m.robot_id, m.origin, m.uid, m.program, m.band, m.program_epoch,
+  return std::tie(m.utime, m.robot_id, m.origin, m.uid, m.program, m.phase, m.band, m.program_epoch,
                   m.program_start_utime, m.wheel_left, m.wheel_right, m.program_left,
                   m.program_right, m.light_front, m.light_back, m.ir, m.flags, m.command_seq,
                   m.command_instance, m.stop_seq, m.reversal_count, m.reversal_start_utime,
-                  m.reversal_end_utime, m.tumble_count, m.run_time, m.battery, m.link_sent,
-                  m.link_received, m.link_errors);
+                  m.reversal_end_utime, m.tumble_count, m.run_time, m.senses_utime,
+                  m.senses_since_utime, m.battery, m.link_sent, m.link_received, m.link_errors);
 }
 inline auto fields(link_peer_t& m) {
   return std::tie(m.host, m.instance, m.state, m.heard_utime, m.clock_offset, m.clock_error,
@@ -112,9 +116,10 @@ inline auto fields(motor_calibration_t& m) {
                   m.wheel_base);
 }
 inline auto fields(robot_step_t& m) {
-  return std::tie(m.utime, m.robot_id, m.draw_count, m.program_epoch, m.slot, m.kind, m.wheel_left,
+  return std::tie(m.utime, m.robot_id, m.draw_count, m.program_epoch, m.slot, m.phase, m.wheel_left,
                   m.wheel_right, m.duration, m.rng);
 }
+inline auto fields(sense_values_t& m) { return std::tie(m.robot_id, m.values); }
 inline auto fields(stream_count_t& m) {
   return std::tie(m.channel, m.sender, m.instance, m.received, m.lost, m.decode_errors);
 }
@@ -126,9 +131,9 @@ inline auto fields(true_pose_t& m) {
 }
 
 inline auto fields(analysis_t& m) {
-  return std::tie(m.utime, m.sender, m.instance, m.seq, m.robot_id, m.program, m.program_name,
-                  m.observed, m.segments, m.reversals, m.contact_share, m.verdict, m.max_z,
-                  m.num_curves, m.curves, m.num_estimates, m.estimates);
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.robot_id, m.program, m.observed,
+                  m.segments, m.reversals, m.contact_share, m.verdict, m.max_z, m.num_curves,
+                  m.curves, m.num_estimates, m.estimates);
 }
 inline auto fields(clock_t& m) { return std::tie(m.utime, m.sender, m.instance, m.seq, m.rate); }
 inline auto fields(experiment_event_t& m) {
@@ -171,6 +176,9 @@ inline auto fields(robot_steps_t& m) {
 }
 inline auto fields(robot_command_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.lease_ms, m.num_orders, m.orders);
+}
+inline auto fields(robot_senses_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.num_robots, m.robots);
 }
 inline auto fields(robot_status_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.num_robots, m.robots);

@@ -15,6 +15,7 @@
 #include "common/bus/bus.hpp"
 #include "tests/lcmtypes/contract.hpp"
 #include "tests/lcmtypes/contract_v3.hpp"
+#include "tests/lcmtypes/contract_v4.hpp"
 
 namespace {
 
@@ -90,6 +91,7 @@ void forEveryType(Visit visit) {
   forEachType(ChannelTypes{}, visit);
   forEachType(PartTypes{}, visit);
   forEachType(lab_v3::AllTypes{}, visit);
+  forEachType(lab_v4::AllTypes{}, visit);
 }
 
 /// Calls `visit(encoding, places, refuses)` for samples of every type, with empty lists and others.
@@ -193,20 +195,25 @@ TEST(HostilePacket, NeverAsksForMoreMemoryThanItsBytesCanFill) {
   });
 }
 
-TEST(HostilePacket, IsTriedForEveryTypeOfVersionThree) {
+template <class Types>
+void expectAllOf(const std::string& folder, Types types) {
   std::set<std::string> tried;
   std::set<std::string> written;
-  forEachType(lab_v3::AllTypes{},
-              [&tried]<class Message>() { tried.insert(Message::getTypeName()); });
-  for (const auto& entry : fs::directory_iterator(fs::path(LAB_LCMTYPES_FOLDER) / "v3")) {
+  forEachType(types, [&tried]<class Message>() { tried.insert(Message::getTypeName()); });
+  for (const auto& entry : fs::directory_iterator(fs::path(LAB_LCMTYPES_FOLDER) / folder)) {
     written.insert(entry.path().stem());
   }
   EXPECT_EQ(tried, written);
 }
 
-// What test_lcmtypes_contract shows of today's types: the fields are all there, in this order.
-TEST(HostilePacket, KnowsEveryFieldOfVersionThree) {
-  forEachType(lab_v3::AllTypes{}, []<class Message>() {
+TEST(HostilePacket, IsTriedForEveryTypeOfOlderVersions) {
+  expectAllOf("v3", lab_v3::AllTypes{});
+  expectAllOf("v4", lab_v4::AllTypes{});
+}
+
+template <class Types>
+void expectAllFields(Types types) {
+  forEachType(types, []<class Message>() {
     SCOPED_TRACE(Message::getTypeName());
     auto message = sample<Message>(kElements);
     WireWriter expected;
@@ -216,6 +223,12 @@ TEST(HostilePacket, KnowsEveryFieldOfVersionThree) {
     Message heard{};
     EXPECT_TRUE(decode(encode(message), heard));
   });
+}
+
+// What test_lcmtypes_contract shows of today's types: the fields are all there, in this order.
+TEST(HostilePacket, KnowsEveryFieldOfOlderVersions) {
+  expectAllFields(lab_v3::AllTypes{});
+  expectAllFields(lab_v4::AllTypes{});
 }
 
 }  // namespace

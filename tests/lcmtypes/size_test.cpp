@@ -8,6 +8,8 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/programs/program.hpp"
+#include "robot/dynamics/byte_code.hpp"
 #include "tests/lcmtypes/contract.hpp"
 
 namespace lab {
@@ -27,6 +29,9 @@ std::size_t sizeWith(std::size_t robots, std::vector<Part> Message::*parts, Coun
   return encode(message).size();
 }
 
+/// As long as an experiment file may name a program.
+const std::string kLongestName(32, 'n');
+
 struct Row {
   std::size_t robots;
   std::size_t status;
@@ -34,16 +39,33 @@ struct Row {
   std::size_t truth;
   std::size_t stop;
   std::size_t command;
+  std::size_t senses;
 };
 
-/// One order for all robots, with the longest table.
+/// The states of robots that run the program with the longest name.
+std::size_t statusSize(std::size_t robots) {
+  auto state = sample<robot_state_t>(0);
+  state.program.name = kLongestName;
+  robot_status_t status{};
+  status.sender = kSender;
+  status.robots.assign(robots, state);
+  status.num_robots = static_cast<std::int32_t>(robots);
+  return encode(status).size();
+}
+
+/// One order for all robots, with the longest table of the longest programs.
 std::size_t commandSize(std::size_t robots) {
+  light_band_t band{};
+  band.program.id.name = kLongestName;
+  band.program.text = std::string(kLongestProgramText, 't');
+  band.program.code.assign(dynamics::kLargestProgram, 0);
+  band.program.size = dynamics::kLargestProgram;
   robot_command_t command{};
   command.sender = kSender;
   robot_order_t order{};
   order.robot_ids.assign(robots, 0);
   order.num_robots = static_cast<std::int32_t>(robots);
-  order.bands.assign(4, light_band_t{});
+  order.bands.assign(4, band);
   order.num_bands = 4;
   command.orders.assign(1, order);
   command.num_orders = 1;
@@ -54,21 +76,23 @@ class MessageSize : public testing::TestWithParam<Row> {};
 
 TEST_P(MessageSize, IsThatOfTheReadmeAndFitsOneDatagram) {
   const Row row = GetParam();
-  EXPECT_EQ(sizeWith(row.robots, &robot_status_t::robots, &robot_status_t::num_robots), row.status);
+  EXPECT_EQ(statusSize(row.robots), row.status);
   EXPECT_EQ(sizeWith(row.robots, &tracked_frame_t::robots, &tracked_frame_t::num_robots),
             row.frame);
   EXPECT_EQ(sizeWith(row.robots, &sim_truth_t::robots, &sim_truth_t::num_robots), row.truth);
   EXPECT_EQ(sizeWith(row.robots, &robot_stop_t::robot_ids, &robot_stop_t::num_robots), row.stop);
   EXPECT_EQ(commandSize(row.robots), row.command);
-  for (const std::size_t size : {row.status, row.frame, row.truth, row.stop, row.command}) {
+  EXPECT_EQ(sizeWith(row.robots, &robot_senses_t::robots, &robot_senses_t::num_robots), row.senses);
+  for (const std::size_t size :
+       {row.status, row.frame, row.truth, row.stop, row.command, row.senses}) {
     EXPECT_LT(size, kLargest);
   }
 }
 
 INSTANTIATE_TEST_SUITE_P(Robots, MessageSize,
-                         testing::Values(Row{1, 288, 154, 92, 63, 465},
-                                         Row{20, 4'753, 1'674, 681, 139, 541},
-                                         Row{250, 58'803, 20'074, 7'811, 1'059, 1'461}));
+                         testing::Values(Row{1, 277, 154, 99, 63, 17'093, 89},
+                                         Row{20, 4'533, 1'674, 821, 139, 17'169, 773},
+                                         Row{250, 56'053, 20'074, 9'561, 1'059, 18'089, 9'053}));
 
 TEST(MessageSizes, KeepAnAnalysisBelowEightKilobytes) {
   constexpr std::size_t kLags = 60;

@@ -3,12 +3,21 @@
 
 #include <cstdio>
 #include <lab/program_id_t.hpp>
+#include <limits>
 #include <string>
 
 #include "common/experiment/program_messages.hpp"
 #include "common/programs/shipped_programs.hpp"
 
 namespace lab::test {
+
+/// A parameter of a program in SI units; nan if it has none of that name.
+inline double parameter(const Program& program, const std::string& name) {
+  for (const ProgramParameter& one : program.parameters) {
+    if (one.name == name) return one.value;
+  }
+  return std::numeric_limits<double>::quiet_NaN();
+}
 
 inline std::string quantity(double value, const char* unit) {
   char text[48];
@@ -22,20 +31,19 @@ inline std::string cmPerS(double si) { return quantity(si * 100, "cm/s"); }
 /// @param epsilon [s]
 /// @param eta [rad/s]
 inline Program abp(double v, double epsilon, double eta) {
-  return shippedProgram("abp",
-                        {{"v", cmPerS(v)},
-                         {"epsilon", quantity(epsilon, "s")},
-                         {"eta", quantity(eta, "rad/s")}},
-                        kWidestWheels);
+  return shippedProgram(
+      "abp",
+      {{"v", cmPerS(v)}, {"epsilon", quantity(epsilon, "s")}, {"eta", quantity(eta, "rad/s")}},
+      kWidestWheels);
 }
 
 /// @param va [m/s]
 /// @param V [m/s]
 /// @param epsilon [s]
 inline Program noisyAbp(double va, double V, double epsilon) {
-  return shippedProgram(
-      "noisy_abp", {{"va", cmPerS(va)}, {"V", cmPerS(V)}, {"epsilon", quantity(epsilon, "s")}},
-      kWidestWheels);
+  return shippedProgram("noisy_abp",
+                        {{"va", cmPerS(va)}, {"V", cmPerS(V)}, {"epsilon", quantity(epsilon, "s")}},
+                        kWidestWheels);
 }
 
 /// @param V [m/s]
@@ -49,11 +57,9 @@ inline Program bp(double V, double epsilon) {
 /// @param gamma [1/s]
 /// @param tau_t [s]
 inline Program rtp(double v, double gamma, double tau_t) {
-  return shippedProgram("rtp",
-                        {{"v", cmPerS(v)},
-                         {"gamma", quantity(gamma, "1/s")},
-                         {"tau_t", quantity(tau_t, "s")}},
-                        kWidestWheels);
+  return shippedProgram(
+      "rtp", {{"v", cmPerS(v)}, {"gamma", quantity(gamma, "1/s")}, {"tau_t", quantity(tau_t, "s")}},
+      kWidestWheels);
 }
 
 /// @param left [m/s]

@@ -189,6 +189,21 @@ std::string lightSteps(const RunRecord& record) {
   return html + "</details>\n";
 }
 
+std::string virtualSenses(const RunRecord& record) {
+  const Percentiles delays = senseDelays(record);
+  if (delays.count == 0) return {};
+  const Senses& senses = record.experimentOrDefault().senses;
+  Table table({"", ">values", ">median (ms)", ">95 % (ms)", ">99 % (ms)", ">longest (ms)"});
+  latencyRow(table, "exposure to robot", delays);
+  return fmt::format(
+             "<h2>Virtual senses</h2>\n<p>Delays of the numbers that the host computed from the "
+             "tracker's poses, from the exposure of the camera frame to their reception by a "
+             "robot. "
+             "The experiment asks for {} ms.</p>\n",
+             shortText(senses.delay * 1e3)) +
+         table.text();
+}
+
 std::string robots(const RunRecord& record) {
   if (record.robots.empty()) return {};
   Table table({">robot", "origin", ">reversals", ">tumbles", ">contact with a robot",

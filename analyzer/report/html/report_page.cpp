@@ -77,6 +77,7 @@ std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figur
     return page + "</body>\n</html>\n";
   }
   page += folded(html::lightSteps(record));
+  page += folded(html::virtualSenses(record));
   page += folded(html::lightBands(record));
   page += folded(html::robots(record));
   page += folded(html::losses(record));

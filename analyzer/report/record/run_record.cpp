@@ -212,4 +212,12 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   return record;
 }
 
+Percentiles senseDelays(const RunRecord& record) {
+  std::vector<double> delays;
+  for (const auto& [id, robot] : record.robots) {
+    delays.insert(delays.end(), robot.sense_delays_ms.begin(), robot.sense_delays_ms.end());
+  }
+  return percentilesOf(std::move(delays));
+}
+
 }  // namespace lab::report

@@ -14,6 +14,7 @@
 #include "analyzer/report/record/timelines.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/experiment/experiment.hpp"
+#include "common/math/percentiles.hpp"
 
 namespace lab::report {
 
@@ -172,5 +173,9 @@ struct ReadOptions {
 /// @throws ReportError if it was written under another contract version.
 [[nodiscard]] RunRecord readRun(const std::vector<std::filesystem::path>& files,
                                 const ReadOptions& options = {});
+
+/// Delays of the virtual senses of all robots, from the exposure of the frame to the reception by
+/// the robot [ms].
+[[nodiscard]] Percentiles senseDelays(const RunRecord& record);
 
 }  // namespace lab::report

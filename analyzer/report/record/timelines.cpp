@@ -8,6 +8,7 @@
 namespace lab::report {
 namespace {
 
+constexpr double kMsPerUs = 1e-3;
 constexpr int kGrid = 24;  // sampling points along each side of the arena
 constexpr std::int64_t kSilence_us =
     2'000'000;  // a robot without reports for longer is not assumed to run
@@ -94,6 +95,11 @@ void RobotTimelines::take(Robot& robot, const robot_state_t& state, std::int64_t
   record.stopped += flag(state, robot_state_t::FLAG_STOPPED);
   record.lease_expired += flag(state, robot_state_t::FLAG_LEASE_EXPIRED);
   extendPrograms(robot, state, fresh);
+  if (state.senses_utime != 0 && state.senses_utime != robot.senses_utime) {
+    record.sense_delays_ms.push_back(static_cast<float>(
+        static_cast<double>(state.senses_since_utime - state.senses_utime) * kMsPerUs));
+    robot.senses_utime = state.senses_utime;
+  }
   robot.instance = instance;
   robot.last_utime = state.utime;
   robot.epoch = state.program_epoch;

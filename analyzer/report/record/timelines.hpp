@@ -64,6 +64,9 @@ struct RobotRecord {
   std::int64_t lease_expired = 0;
   std::int64_t reversals = 0;
   std::int64_t tumbles = 0;
+  /// Delays of the virtual senses: from the exposure of the frame to the reception by the robot
+  /// [ms].
+  std::vector<float> sense_delays_ms;
   int boots = 0;  ///< starts of the robot, or of the service that reports for it
 };
 
@@ -86,6 +89,7 @@ class RobotTimelines {
     std::int32_t epoch = -1;
     std::int32_t reversal_count = 0;
     std::int32_t tumble_count = 0;
+    std::int64_t senses_utime = 0;
   };
 
   void take(Robot& robot, const robot_state_t& state, std::int64_t instance);

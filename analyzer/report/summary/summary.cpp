@@ -188,8 +188,8 @@ Json steps(const RunRecord& record) {
   return all;
 }
 
-Json latency(const Percentiles& percentiles) {
-  return {{"steps", percentiles.count},
+Json latency(const Percentiles& percentiles, const char* count = "steps") {
+  return {{count, percentiles.count},
           {"p50_ms", number(percentiles.p50)},
           {"p95_ms", number(percentiles.p95)},
           {"p99_ms", number(percentiles.p99)},
@@ -260,6 +260,9 @@ std::string summaryJson(const RunRecord& record) {
                      {"first_acted", latency(firstActedDelays(record.steps))},
                      {"last_acted", latency(lastActedDelays(record.steps))}};
   json["steps"] = steps(record);
+  if (const Percentiles delays = senseDelays(record); delays.count > 0) {
+    json["virtual_senses"] = latency(delays, "values");
+  }
   json["light_bands"] = lightBandsJson(record);
   json["losses"] = losses(record);
   if (!record.links.empty()) json["links"] = links(record);

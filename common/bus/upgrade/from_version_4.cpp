@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cstdint>
 #include <cstdio>
 #include <string>
 #include <utility>
@@ -27,49 +29,55 @@ Program shipped(const lab_v4::program_t& old) {
   const auto time = [](double si) { return text(si, 1, "s"); };
   switch (old.kind) {
     case lab_v4::program_t::ABP:
-      return shippedProgram("abp",
-                            {{"v", speed(old.v)},
-                             {"epsilon", time(old.epsilon)},
-                             {"eta", text(old.eta, 1, "rad/s")}},
-                            kWidestWheels);
+      return shippedProgram(
+          "abp",
+          {{"v", speed(old.v)}, {"epsilon", time(old.epsilon)}, {"eta", text(old.eta, 1, "rad/s")}},
+          kWidestWheels);
     case lab_v4::program_t::NOISY_ABP:
       return shippedProgram(
-          "noisy_abp",
-          {{"va", speed(old.va)}, {"V", speed(old.V)}, {"epsilon", time(old.epsilon)}},
+          "noisy_abp", {{"va", speed(old.va)}, {"V", speed(old.V)}, {"epsilon", time(old.epsilon)}},
           kWidestWheels);
     case lab_v4::program_t::BP:
       return shippedProgram("bp", {{"V", speed(old.V)}, {"epsilon", time(old.epsilon)}},
                             kWidestWheels);
     case lab_v4::program_t::RTP:
-      return shippedProgram("rtp",
-                            {{"v", speed(old.v)},
-                             {"gamma", text(old.gamma, 1, "1/s")},
-                             {"tau_t", time(old.tau_t)}},
-                            kWidestWheels);
-    case lab_v4::program_t::WHEELS:
       return shippedProgram(
-          "wheels", {{"left", speed(old.wheel_left)}, {"right", speed(old.wheel_right)}},
+          "rtp",
+          {{"v", speed(old.v)}, {"gamma", text(old.gamma, 1, "1/s")}, {"tau_t", time(old.tau_t)}},
           kWidestWheels);
-    default:
+    case lab_v4::program_t::WHEELS:
+      return shippedProgram("wheels",
+                            {{"left", speed(old.wheel_left)}, {"right", speed(old.wheel_right)}},
+                            kWidestWheels);
+    case lab_v4::program_t::NONE:
       return {};
+    default:
+      throw ExperimentError({"version 4 had no program of kind " + std::to_string(old.kind)});
   }
 }
 
+/// Whether two programs have the same bits: nan must be found again, too.
 bool equal(const lab_v4::program_t& a, const lab_v4::program_t& b) {
-  return a.kind == b.kind && a.v == b.v && a.va == b.va && a.V == b.V && a.epsilon == b.epsilon &&
-         a.eta == b.eta && a.gamma == b.gamma && a.tau_t == b.tau_t &&
-         a.wheel_left == b.wheel_left && a.wheel_right == b.wheel_right;
+  const auto bits = [](const lab_v4::program_t& p) {
+    return std::array{
+        std::bit_cast<std::uint64_t>(p.v),          std::bit_cast<std::uint64_t>(p.va),
+        std::bit_cast<std::uint64_t>(p.V),          std::bit_cast<std::uint64_t>(p.epsilon),
+        std::bit_cast<std::uint64_t>(p.eta),        std::bit_cast<std::uint64_t>(p.gamma),
+        std::bit_cast<std::uint64_t>(p.tau_t),      std::bit_cast<std::uint64_t>(p.wheel_left),
+        std::bit_cast<std::uint64_t>(p.wheel_right)};
+  };
+  return a.kind == b.kind && bits(a) == bits(b);
 }
 
-/// A program with parameters that no robot can run keeps its name and gets an impossible hash, so
-/// that its message is refused with a reason.
+/// A program that no robot can run gets an impossible hash, so that its message is refused with a
+/// reason.
 program_t compiled(const lab_v4::program_t& old) {
   try {
     return toMessage(shipped(old));
   } catch (const ExperimentError&) {
     program_t message{};
     message.id.hash = kImpossibleHash;
-    message.id.name = "impossible parameters";
+    message.id.name = "impossible program";
     return message;
   }
 }
@@ -128,6 +136,7 @@ robot_state_t convert(const lab_v4::robot_state_t& old) {
   message.origin = old.origin;
   message.uid = old.uid;
   message.program = convert(old.program).id;
+  message.phase = (old.flags & lab_v4::robot_state_t::FLAG_TUMBLING) != 0 ? 1 : 0;
   message.band = old.band;
   message.program_epoch = old.program_epoch;
   message.program_start_utime = old.program_start_utime;

@@ -67,8 +67,9 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"light_gain_error_percent",
             "standard deviation of the gains of the light sensors, drawn once for each"},
            {0, 30}, robot.light_gain_error);
-  v.number({"light_noise_percent", "standard deviation of a light reading, of full scale"}, {0, 10},
-           robot.light_noise);
+  v.number(
+      {"light_noise_percent", "standard deviation of a light reading, in percent of full scale"},
+      {0, 10}, robot.light_noise);
   v.number({"ir_range_cm", "range of the infrared sensors, from the rim"}, {0, 100},
            robot.ir_range);
   v.number({"status_rate_hz", "ROBOT_STATUS messages per second"}, {1, 200}, robot.status_rate);
@@ -104,12 +105,13 @@ void visitSerial(KeyVisitor& v, SerialLines& serial) {
 void visitRobot(KeyVisitor& v, RobotEntry& robot) {
   v.integer({"id", "the robot's number; with count, the first number", Need::kRequired}, 1,
             kLargestId, robot.id);
-  v.integer({"count", "this many robots, with consecutive ids"}, 1, kMostRobots, robot.count);
-  const Selector body(v,
-                      {"body",
-                       "what the robot is (bodies.md): sim and wire simulated, firmware the real "
-                       "program on a simulated chip, serial real, replay a recorded robot"},
-                      kBodies, robot.body);
+  v.integer({"count", "number of robots, which get consecutive ids"}, 1, kMostRobots, robot.count);
+  const Selector body(
+      v,
+      {"body",
+       "what the robot is (bodies.md); sim and wire: simulated; firmware: the real program on a "
+       "simulated chip; serial: a real robot; replay: a recorded robot"},
+      kBodies, robot.body);
   v.optionalNumber({.name = "x_cm",
                     .meaning = "where the robot starts: x_cm, y_cm and theta_deg together or none "
                                "of them, and only without count",
@@ -129,8 +131,8 @@ void visitRobot(KeyVisitor& v, RobotEntry& robot) {
                    {"log", "log, or folder of a run; path relative to the experiment file",
                     Need::kRequired}),
          {.most = 400}, robot.log);
-  v.integer(body.only({Body::kReplay},
-                      {.name = "recorded_id", .meaning = "the robot in that log; 0: the same id"}),
+  v.integer(body.only({Body::kReplay}, {.name = "recorded_id",
+                                        .meaning = "id of the robot in that log; 0: the same id"}),
             0, kLargestId, robot.recorded_id);
   v.number(body.only({Body::kReplay},
                      {"from_s", "time in that log's script at which the replay begins"}),
@@ -200,20 +202,22 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
   const auto painted = [&](Key key) { return tracker.only({Tracker::kCamera}, std::move(key)); };
   const auto modelled = [&](Key key) { return tracker.only({Tracker::kSimPoses}, std::move(key)); };
   v.text(painted({"camera",
-                  "sim: the one that sim_svc simulates; else a device, a movie, an address, or the "
-                  "word pipeline: the text of --camera-pipeline is used (docs/cameras.md)"}),
+                  "source of the pictures; sim: the camera that sim_svc simulates; pipeline: the "
+                  "GStreamer pipeline of --camera-pipeline; else a device, a movie or an address "
+                  "(docs/cameras.md)"}),
          {.most = 400}, camera.source);
   v.number({"fps", "frames per second"}, {1, 500}, camera.fps);
   std::int64_t width = camera.width;
   std::int64_t height = camera.height;
-  v.integer(painted({"width_px", "of the pictures"}), 160, 8192, width);
-  v.integer(painted({"height_px", "of the pictures"}), 120, 8192, height);
+  v.integer(painted({"width_px", "width of the pictures"}), 160, 8192, width);
+  v.integer(painted({"height_px", "height of the pictures"}), 120, 8192, height);
   camera.width = static_cast<int>(width);
   camera.height = static_cast<int>(height);
-  v.number(painted({"exposure_ms", "of a frame"}), {.low = 0, .high = 1000, .above_low = true},
-           camera.exposure);
-  v.number(painted({"gain", "of the simulated camera a factor, of a device in its own units"}),
-           {0, 1e6}, camera.gain);
+  v.number(painted({"exposure_ms", "exposure time of a frame"}),
+           {.low = 0, .high = 1000, .above_low = true}, camera.exposure);
+  v.number(
+      painted({"gain", "gain; for the simulated camera a factor, for a device in its own units"}),
+      {0, 1e6}, camera.gain);
   v.text(painted({.name = "calibration",
                   .meaning =
                       "camera.json of lab calibrate camera; if empty, that of the simulated camera",
@@ -224,18 +228,18 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
                "before the script each robot turns briefly, so that the tracker can identify it"}),
       camera.handshake);
   std::int64_t port = camera.debug_port;
-  v.integer(painted({"debug_port", "of the tracker's debug view on 127.0.0.1, 0: none"}), 0, 65535,
-            port);
+  v.integer(painted({"debug_port", "port of the tracker's debug view on 127.0.0.1, 0: none"}), 0,
+            65535, port);
   camera.debug_port = static_cast<int>(port);
   v.number(painted({"ambient",
                     "room light in the simulated picture, as a fraction of the projector's white"}),
            kShare, camera.ambient);
-  v.number(modelled({"position_noise_cm", "standard deviation of x and of y"}), {0, 5},
-           camera.position_noise);
-  v.number(modelled({"heading_noise_deg", "standard deviation of the heading"}), {0, 90},
-           camera.heading_noise);
-  v.number({"delay_ms", "from the exposure to the message, or to the simulated picture"}, {0, 5000},
-           camera.delay);
+  v.number(modelled({"position_noise_cm", "standard deviation of the errors of x and of y"}),
+           {0, 5}, camera.position_noise);
+  v.number(modelled({"heading_noise_deg", "standard deviation of the error of the heading"}),
+           {0, 90}, camera.heading_noise);
+  v.number({"delay_ms", "time from the exposure to the message, or to the simulated picture"},
+           {0, 5000}, camera.delay);
   v.number(modelled({"dropout", "probability that one robot is missing in one frame"}),
            {.low = 0, .high = 1, .below_high = true}, camera.dropout);
   v.number({"frame_loss", "probability that a whole simulated frame is missing"},
@@ -248,8 +252,8 @@ void visitTop(KeyVisitor& v, ExperimentForm& form) {
   std::int64_t seed = static_cast<std::int64_t>(e.seed);
   v.integer({"fileversion", "version of this format", Need::kRequired}, kFileVersion, kFileVersion,
             version);
-  v.text({"name", "of the run and of its folder", Need::kRequired}, {.most = 64, .as_folder = true},
-         e.name);
+  v.text({"name", "name of the run and of its folder", Need::kRequired},
+         {.most = 64, .as_folder = true}, e.name);
   v.text({"description", "free text"}, {.most = 4000}, e.description);
   v.integer({"seed", "all random numbers are derived from it"}, 0,
             std::numeric_limits<std::int64_t>::max(), seed);
@@ -275,8 +279,8 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
            "The arena: its corner is the origin, x runs along the width, y along the "
            "height"},
           [&] {
-            v.number({"width_cm", "along x"}, {10, 1000}, e.arena_width);
-            v.number({"height_cm", "along y"}, {10, 1000}, e.arena_height);
+            v.number({"width_cm", "size along x"}, {10, 1000}, e.arena_width);
+            v.number({"height_cm", "size along y"}, {10, 1000}, e.arena_height);
           });
   v.table(
       {"robot",

@@ -72,7 +72,7 @@ void visitImages(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
   if (sequence && file.applies == Applies::kYes) file.applies = Applies::kNo;
   file.condition += " and no files";
   v.text(file, {.most = 200}, layer.image);
-  v.number(applicableIf(sequence, "files", {"images_per_s", "of the sequence"}),
+  v.number(applicableIf(sequence, "files", {"images_per_s", "images of the sequence per second"}),
            {.low = 0, .high = light::kLargestRate, .above_low = true}, drive.image_rate);
   v.flag(applicableIf(sequence, "files",
                       {"loop", "the sequence repeats; false: its last image remains"}),
@@ -91,38 +91,44 @@ void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   v.optionalNumber(
       kind.only(kPlaced, {.name = "y_cm", .meaning = "see x_cm", .default_text = middle}), kPlace,
       entry.y);
-  v.number(kind.only({kHalfPlane, kLinearGradient, kStripes, kChecker, kImage, kNoise, kWave},
-                     {"angle_deg",
-                      "direction, counter-clockwise from x: towards the lit side, from intensity "
-                      "to intensity2 of a gradient, "
-                      "across the stripes, of the image's lower edge, of the wave's propagation"}),
-           kAngle, layer.angle);
+  v.number(
+      kind.only({kHalfPlane, kLinearGradient, kStripes, kChecker, kImage, kNoise, kWave},
+                {"angle_deg",
+                 "direction, counter-clockwise from x; half_plane: towards the lit side; "
+                 "linear_gradient: from intensity to intensity2; stripes: across the stripes; "
+                 "checker, noise: of the pattern; image: of its lower edge; wave: of propagation"}),
+      kAngle, layer.angle);
   v.number(
       kind.only({kDisk, kRing, kRadialGradient}, {"radius_cm", "outer radius", Need::kRequired}),
       kLength, layer.size);
-  v.number(
-      kind.only({kLinearGradient},
-                {"length_cm",
-                 "over which the light changes from intensity to intensity2, centred at x_cm, y_cm",
-                 Need::kRequired}),
-      kLength, layer.size);
+  v.number(kind.only({kLinearGradient}, {"length_cm",
+                                         "distance over which the light changes from intensity to "
+                                         "intensity2, centred at x_cm, y_cm",
+                                         Need::kRequired}),
+           kLength, layer.size);
   v.number(kind.only({kStripes, kChecker, kWave},
-                     {"period_cm", "of the stripes, of the wave; side of a checker's squares",
+                     {"period_cm",
+                      "period of the stripes or of the wave; for checker, the side of a square",
                       Need::kRequired}),
            kLength, layer.size);
   v.number(
       kind.only({kNoise}, {"patch_cm", "distance over which the pattern's correlation falls to 1/e",
                            Need::kRequired}),
       kLength, layer.size);
-  v.number(kind.only({kImage}, {"width_cm", "of the image", Need::kRequired}), kLength, layer.size);
+  v.number(kind.only({kImage}, {"width_cm", "width of the image", Need::kRequired}), kLength,
+           layer.size);
   v.number(kind.only({kRing, kRadialGradient},
-                     {"inner_radius_cm", "inner radius; up to it a radial gradient has intensity"}),
+                     {"inner_radius_cm",
+                      "inner radius; inside it a radial gradient has the value of intensity"}),
            {0, 1000}, layer.inner);
-  v.number(kind.only({kStripes},
-                     {"share", "fraction of a period that has intensity; the rest has intensity2",
-                      Need::kRequired}),
-           {.low = 0, .high = 1, .above_low = true, .below_high = true}, layer.inner);
-  v.number(kind.only({kImage}, {"height_cm", "of the image", Need::kRequired}), kLength,
+  v.number(
+      kind.only(
+          {kStripes},
+          {"share",
+           "fraction of a period that has the value of intensity; the rest has that of intensity2",
+           Need::kRequired}),
+      {.low = 0, .high = 1, .above_low = true, .below_high = true}, layer.inner);
+  v.number(kind.only({kImage}, {"height_cm", "height of the image", Need::kRequired}), kLength,
            layer.inner);
   v.number(kind.only({kHalfPlane, kDisk, kRing, kStripes, kChecker, kImage},
                      {"softness_cm", "width of the edges"}),
@@ -136,14 +142,14 @@ void visitIntensities(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
                            "instead of intensity: the middle of the light band that selects this "
                            "program"}),
          {.most = 32, .bare = true}, entry.program);
-  Key intensity{"intensity", "0 dark .. 1 projector white", Need::kRequired};
+  Key intensity{"intensity", "0: dark; 1: white of the projector", Need::kRequired};
   if (!entry.program.empty()) {
     intensity.applies = Applies::kNo;
     intensity.condition = "no program beside it";
   }
   v.number(intensity, kShare, layer.intensity);
   v.number(kind.only({kLinearGradient, kRadialGradient, kStripes, kChecker, kImage, kNoise, kWave},
-                     {"intensity2", "of the other end or part"}),
+                     {"intensity2", "intensity at the other end or in the other part"}),
            kShare, layer.intensity2);
 }
 
@@ -155,11 +161,13 @@ void visitMotion(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   v.number(kind.only(kPlaced, writtenIf(drive.vy != 0, {"vy_cm_s", "speed of the layer along y"})),
            speed, drive.vy);
   v.number(
-      kind.only(kPlaced, writtenIf(drive.spin != 0,
-                                   {"spin_deg_s", "turns about x_cm, y_cm, counter-clockwise"})),
+      kind.only(kPlaced,
+                writtenIf(drive.spin != 0,
+                          {"spin_deg_s",
+                           "rate at which the layer turns about x_cm, y_cm, counter-clockwise"})),
       kAngle, drive.spin);
-  v.number(kind.only({LayerKind::kWave}, {"speed_cm_s", "of the crests, along angle_deg"}), kSpeed,
-           entry.speed);
+  v.number(kind.only({LayerKind::kWave}, {"speed_cm_s", "speed of the crests, along angle_deg"}),
+           kSpeed, entry.speed);
   v.number(kind.only({LayerKind::kNoise},
                      {"change_per_s", "rate at which the pattern changes into an independent one"}),
            kRate, entry.change);
@@ -175,10 +183,10 @@ void visitWaveform(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
                                             "low; telegraph: switches at random times"}),
       kWaveforms, drive.waveform);
   const auto any = {kSine, kSquare, kTelegraph};
-  v.number(waveform.only(any, {"period_s",
-                               "of the waveform; of a telegraph twice the mean time between "
-                               "switches",
-                               Need::kRequired}),
+  v.number(waveform.only(
+               any, {"period_s",
+                     "period of the waveform; for telegraph, twice the mean time between switches",
+                     Need::kRequired}),
            kTime, drive.period);
   v.number(waveform.only(any, {"low", "intensity at the lower end"}), kShare, drive.low);
   v.number(
@@ -187,7 +195,9 @@ void visitWaveform(KeyVisitor& v, const Selector& kind, LayerSpec& layer) {
   // One key serves both: pattern and telegraph use different random streams.
   const bool noise = layer.kind == static_cast<std::int8_t>(LayerKind::kNoise);
   const bool telegraph = drive.waveform == kTelegraph;
-  Key seed = kind.only({LayerKind::kNoise}, {"seed", "which random pattern or telegraph"});
+  Key seed =
+      kind.only({LayerKind::kNoise},
+                {"seed", "selects the random pattern, or the random switching times of telegraph"});
   seed.condition += " or waveform = \"telegraph\"";
   if (telegraph) seed.applies = Applies::kYes;
   std::uint64_t value = noise ? layer.seed : drive.seed;
@@ -207,7 +217,9 @@ void visitFollow(KeyVisitor& v, const Selector& kind, light::Drive& drive) {
                            "angle_deg in the robot's frame; trail: a trail that robots deposit"})),
       kFollows, drive.follow);
   const auto both = {kRobots, kTrail};
-  v.integers(follow.only(both, {.name = "robots", .meaning = "which", .default_text = "every one"}),
+  v.integers(follow.only(both, {.name = "robots",
+                                .meaning = "ids of the robots that are followed",
+                                .default_text = "every one"}),
              1, kLargestId, {.fewest = 0, .most = light::kMostFollowed}, drive.robots);
   v.flag(follow.only({kRobots}, {"predict",
                                  "use the predicted pose at the time when the light arrives, "
@@ -215,33 +227,41 @@ void visitFollow(KeyVisitor& v, const Selector& kind, light::Drive& drive) {
          drive.predict);
   v.number(follow.only(both, {"stale_s", "a robot whose last pose is older is lost"}), kTime,
            drive.stale);
-  enumerate(v,
-            follow.only(both, {"when_lost",
-                               "remove: its copy disappears; hold: it remains where it was; safe: "
-                               "the safe light is shown until the robot is found again"}),
-            kWhenLost, drive.when_lost);
+  enumerate(
+      v,
+      follow.only(
+          both,
+          {"when_lost",
+           "what happens to the copy of a lost robot; remove: it disappears; hold: it remains "
+           "where it was; safe: the safe light is shown until the robot is found again"}),
+      kWhenLost, drive.when_lost);
   v.number(follow.only({kTrail}, {"rate_per_s", "intensity per second that a robot deposits"}),
            kRate, drive.rate);
-  v.number(follow.only({kTrail}, {"decay_per_s", "of the deposited trail"}), kRate, drive.decay);
-  v.number(follow.only({kTrail}, {"diffusion_cm2_s", "of the deposited trail"}),
-           {0, 1e4 * light::kLargestDiffusion}, drive.diffusion);
+  v.number(follow.only({kTrail}, {"decay_per_s", "decay rate of the deposited trail"}), kRate,
+           drive.decay);
+  v.number(
+      follow.only({kTrail}, {"diffusion_cm2_s", "diffusion coefficient of the deposited trail"}),
+      {0, 1e4 * light::kLargestDiffusion}, drive.diffusion);
 }
 
 void visitGate(KeyVisitor& v, light::Drive& drive) {
   using enum Gate;
   const Selector gate(
       v,
-      writtenIf(drive.gate != kOpen, {"gate",
-                                      "the layer is shown only while a robot runs the program, "
-                                      "is inside the circle, or outside"}),
+      writtenIf(drive.gate != kOpen,
+                {"gate",
+                 "the layer is shown only while a robot meets this condition; program: it runs "
+                 "gate_program; inside, outside: it is inside or outside the circle"}),
       kGates, drive.gate);
   std::int64_t robot = drive.gate_robot;
-  v.integer(gate.only({kProgram, kInside, kOutside},
-                      {"gate_robot",
-                       "which robot; 0: the followed one, or any if the layer follows none"}),
-            0, kLargestId, robot);
+  v.integer(
+      gate.only(
+          {kProgram, kInside, kOutside},
+          {"gate_robot",
+           "id of that robot; 0: the followed robot, or any robot if the layer follows none"}),
+      0, kLargestId, robot);
   drive.gate_robot = static_cast<std::int32_t>(robot);
-  v.text(gate.only({kProgram}, {"gate_program", "a program's name", Need::kRequired}),
+  v.text(gate.only({kProgram}, {"gate_program", "name of the program", Need::kRequired}),
          {.most = 32, .bare = true}, drive.gate_program);
   const auto circle = {kInside, kOutside};
   v.number(gate.only(circle, {"gate_x_cm", "the circle's middle", Need::kRequired}), kPlace,
@@ -259,7 +279,8 @@ void visitLayer(KeyVisitor& v, LayerEntry& entry) {
   auto layer_kind = static_cast<LayerKind>(layer.kind);
   auto blend = static_cast<Blend>(layer.blend);
   const Selector kind(v, {"kind", "what is painted", Need::kRequired}, kKinds, layer_kind);
-  enumerate(v, {"blend", "how it changes what the layers before it painted"}, kBlends, blend);
+  enumerate(v, {"blend", "how the layer changes what the layers before it painted"}, kBlends,
+            blend);
   layer.kind = static_cast<std::int8_t>(layer_kind);
   layer.blend = static_cast<std::int8_t>(blend);
   visitImages(v, kind, layer);

@@ -30,9 +30,10 @@ constexpr const char* kRelativeErrorPercent =
     "largest allowed standard error in percent of the value (5 is 5 %), from all data of the run "
     "so far";
 constexpr const char* kConditionRobot =
-    "id of one robot; without it an estimate or tumbles count all robots together, and robots says "
-    "how many must be in a region";
-constexpr const char* kRuleRobot = "id of one robot; without it all robots together";
+    "id of one robot; without this key an estimate or tumbles are those of all robots together, "
+    "and the key robots says how many must be in a region";
+constexpr const char* kRuleRobot =
+    "id of one robot; without this key the estimate is that of all robots together";
 const TextRule kEstimateRule{.most = 20, .bare = true};
 const TextRule kProgramRule{.most = 32, .bare = true};
 
@@ -62,8 +63,8 @@ void visitUntil(KeyVisitor& v, EndCondition& until) {
       v, writtenIf(until.region != kNone, {"region", "region in which a robot's centre must be"}),
       kRegions, until.region);
   const auto both = {kCircle, kRectangle};
-  Key who =
-      region.only(both, {"robots", "whether one robot must be there, or all at the same time"});
+  Key who = region.only(
+      both, {"robots", "whether one robot must be in the region, or all at the same time"});
   if (until.robot != 0 && who.applies == Applies::kYes) who.applies = Applies::kNo;
   who.condition += " and without robot";
   enumerate(v, who, kWho, until.who);
@@ -89,16 +90,15 @@ void visitStep(KeyVisitor& v, StepEntry& step) {
                     .default_text = "needed where there is no hold_s"},
                    {0, kLongestRun}, step.at);
   v.optionalNumber({"hold_s",
-                    "duration of the step, with until the longest one; either all steps have at_s "
-                    "or all have hold_s",
+                    "duration of the step; with until, the longest duration; either all steps have "
+                    "at_s or all have hold_s",
                     Need::kOptional, "-"},
                    {.low = 0, .high = kLongestRun, .above_low = true}, step.hold);
-  v.inLineTable(
-      {.name = "until",
-       .meaning =
-           "the step ends as soon as this condition is met; with hold_s, which is then the limit",
-       .default_text = "-"},
-      step.has_until, [&] { visitUntil(v, step.until); });
+  v.inLineTable({.name = "until",
+                 .meaning = "the step ends as soon as this condition is met; requires hold_s, "
+                            "which is then the limit",
+                 .default_text = "-"},
+                step.has_until, [&] { visitUntil(v, step.until); });
   enumerate(v,
             applicableIf(step.has_until, "until",
                          {"if_not",
@@ -107,10 +107,10 @@ void visitStep(KeyVisitor& v, StepEntry& step) {
             kIfNot, step.if_not);
   v.text(writtenIf(!step.back_to.empty(), {"back_to",
                                            "label of an earlier step, or of this one: the steps "
-                                           "from there to here are repeated; with hold_s"}),
+                                           "from there to this one are repeated; requires hold_s"}),
          {.most = 60}, step.back_to);
   v.integer(applicableIf(!step.back_to.empty(), "back_to",
-                         {"times", "how often they are shown in total", Need::kRequired}),
+                         {"times", "how often these steps are shown in total", Need::kRequired}),
             2, 100'000, step.times);
   v.number(
       {"ramp_s", "duration of the cross-fade from the previous step, at most that of the step"},
@@ -143,8 +143,8 @@ void visitStopRule(KeyVisitor& v, StopRule& rule) {
 void visitLight(KeyVisitor& v, ExperimentForm& form) {
   LightScript& light = form.common.light;
   v.number({"frame_rate_hz", "frames per second of the projector"}, {1, 500}, light.frame_rate);
-  v.number({"safe_intensity", "shown everywhere while no command is valid"}, kShare,
-           light.safe_intensity);
+  v.number({"safe_intensity", "intensity that is shown everywhere while no command is valid"},
+           kShare, light.safe_intensity);
   v.flag({"repeat", "the steps are repeated after the last one"}, light.repeat);
   v.optionalNumber({.name = "length_s",
                     .meaning = "end of the last step, which is the length of one pass; required "
@@ -174,7 +174,7 @@ void visitProjector(KeyVisitor& v, Projector& projector) {
                      "the pixels' values",
           .default_text = "empty"},
          {.most = 400}, projector.light_calibration);
-  v.number({"latency_ms", "from the display's swap of a picture to its light on the arena"},
+  v.number({"latency_ms", "time from the display's swap of a picture to its light on the arena"},
            {0, 1000}, projector.latency);
   v.flag({"overlay", "text over the picture: frame rate, command, calibration"}, projector.overlay);
   v.number({"sync_patch_cm",
@@ -183,8 +183,8 @@ void visitProjector(KeyVisitor& v, Projector& projector) {
            {0, kLargestPatch_cm}, projector.sync_patch);
   std::int64_t width = projector.width;
   std::int64_t height = projector.height;
-  v.integer({"width_px", "of the simulated projector's picture"}, 160, 8192, width);
-  v.integer({"height_px", "of the simulated projector's picture"}, 120, 8192, height);
+  v.integer({"width_px", "width of the simulated projector's picture"}, 160, 8192, width);
+  v.integer({"height_px", "height of the simulated projector's picture"}, 120, 8192, height);
   projector.width = static_cast<int>(width);
   projector.height = static_cast<int>(height);
   v.number({"keystone_percent",
@@ -196,10 +196,11 @@ void visitProjector(KeyVisitor& v, Projector& projector) {
   v.number({"offset_x_cm", "shift of the simulated projector's picture"}, {-50, 50},
            projector.offset_x);
   v.number({"offset_y_cm", "see offset_x_cm"}, {-50, 50}, projector.offset_y);
-  v.number({"gamma", "of the simulated projector: light is the pixel's value to this power"},
+  v.number({"gamma", "gamma of the simulated projector: light is the pixel's value to this power"},
            {0.2, 5}, projector.gamma);
-  v.number({"vignetting_percent", "by how much the corners of its picture are darker"}, {0, 80},
-           projector.vignetting);
+  v.number({"vignetting_percent",
+            "by how much the corners of the simulated projector's picture are darker"},
+           {0, 80}, projector.vignetting);
   v.number({"sheet_cm",
             "height above the floor of a white sheet that covers the simulated arena for "
             "calibration; 0: none"},

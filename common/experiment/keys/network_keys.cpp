@@ -39,10 +39,10 @@ void visitGateway(KeyVisitor& v, Gateway& gateway) {
   visitDomain(v, "ROS_DOMAIN_ID", gateway.domain);
   v.text({"name", "first part of every topic: /lab/robot1/pose"}, {.most = 32, .bare = true},
          gateway.name);
-  v.text(
-      {"mapping", "file that says which topics go out, how often and under which name; \"\": all"},
-      {.most = kLongestPath}, gateway.mapping);
-  v.text({"address", "of the network interface to use; \"\": nothing leaves this machine"},
+  v.text({"mapping",
+          "file that says which topics go out, how often and under which name; \"\": all topics"},
+         {.most = kLongestPath}, gateway.mapping);
+  v.text({"address", "address of the network interface to use; \"\": nothing leaves this machine"},
          {.most = kLongestAddress}, gateway.address);
   v.texts({"peers", "addresses of hosts that multicast does not reach"}, {.most = kLongestAddress},
           {.fewest = 0, .most = 32, .in_line = true}, gateway.peers);
@@ -72,8 +72,10 @@ void visitLink(KeyVisitor& v, Link& link) {
              "how the buses of several hosts are joined: by a gateway on each, or by LCM's "
              "own multicast (network.ttl)"},
             kJoins, link.join);
-  visitDomain(v, "DDS domain of the gateways, apart from ROS 2's", link.domain);
-  v.text({"address", "of this host as seen from the others; \"\": the one that ssh uses"},
+  visitDomain(
+      v, "DDS domain of the gateways; if gateway.ros is true it must differ from gateway.domain",
+      link.domain);
+  v.text({"address", "address of this host as seen from the others; \"\": the one that ssh uses"},
          {.most = kLongestAddress}, link.address);
   v.text({"security", "folder of DDS Security certificates (docs/security.md); \"\": none"},
          {.most = kLongestPath}, link.security);
@@ -90,11 +92,11 @@ void visitLink(KeyVisitor& v, Link& link) {
 
 void visitDashboard(KeyVisitor& v, Dashboard& dashboard) {
   v.text({"address",
-          "of this machine to listen on, \"0.0.0.0\": all of them; \"\": the page can be opened on "
-          "this machine only"},
+          "address on which the dashboard listens; \"0.0.0.0\": all addresses of this machine; "
+          "\"\": the page can be opened on this machine only"},
          {.most = kLongestAddress}, dashboard.address);
   std::int64_t port = dashboard.port;
-  v.integer({"port", "of the page; if it is in use, the next free one"}, 1024, 65535, port);
+  v.integer({"port", "port of the page; if it is in use, the next free one"}, 1024, 65535, port);
   dashboard.port = static_cast<int>(port);
   v.flag(
       {"control_from_elsewhere",
@@ -104,7 +106,7 @@ void visitDashboard(KeyVisitor& v, Dashboard& dashboard) {
 
 void visitHost(KeyVisitor& v, HostSpec& host) {
   v.text({"ssh", "argument of ssh, \"pi@robot-bench\"; \"\": NAME"}, {.most = 200}, host.ssh);
-  v.text({"address", "of that host as seen from this one; \"\": the one that ssh uses"},
+  v.text({"address", "address of that host as seen from this one; \"\": the one that ssh uses"},
          {.most = kLongestAddress}, host.address);
   v.text({"programs", "folder of the lab's programs there; \"\": searched in its PATH"},
          {.most = kLongestPath}, host.programs);

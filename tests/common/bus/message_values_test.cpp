@@ -8,6 +8,7 @@
 #include <lab/tracked_frame_t.hpp>
 #include <limits>
 
+#include "common/experiment/program_messages.hpp"
 #include "common/math/saturated.hpp"
 
 namespace lab::message_values_test {
@@ -22,10 +23,9 @@ robot_status_t status() {
   status.num_robots = 3;
   for (robot_state_t& state : status.robots) {
     state.utime = kNow;
-    state.program.kind = program_t::ABP;
-    state.program.v = 0.03;
-    state.program.epsilon = 0.5;
-    state.program.eta = 3;
+    state.program.hash = 0xFFFF'FFFF;
+    state.program.name = "abp";
+    state.phase = 7;
   }
   return status;
 }
@@ -49,14 +49,16 @@ TEST(MessageValues, NameFieldFoundAndExpected) {
   EXPECT_EQ(problem(frame), "utime: found -1, expected 0 to 4102444800000000");
 }
 
-TEST(MessageValues, RefuseProgramsThatAreNoNumbers) {
+TEST(MessageValues, RefuseHashesAndPhasesThatNoProgramHas) {
   EXPECT_EQ(problem(status()), "");
   robot_status_t dut = status();
-  dut.robots[2].program.epsilon = std::numeric_limits<double>::infinity();
-  EXPECT_EQ(problem(dut), "robots[2].program.parameter: found inf, expected -1e+12 to 1e+12");
+  dut.robots[2].program.hash = kImpossibleHash;
+  EXPECT_EQ(problem(dut), "robots[2].program.hash: found -1, expected 0 to 4294967295");
+  dut.robots[2].program.hash = 0x1'0000'0000;
+  EXPECT_EQ(problem(dut), "robots[2].program.hash: found 4294967296, expected 0 to 4294967295");
   dut = status();
-  dut.robots[2].program.kind = 77;
-  EXPECT_EQ(problem(dut), "robots[2].program.kind: found 77, expected 0 to 5");
+  dut.robots[2].phase = -1;
+  EXPECT_EQ(problem(dut), "robots[2].phase: found -1, expected 0 to 127");
 }
 
 TEST(MessageValues, NeverRefuseAStop) {

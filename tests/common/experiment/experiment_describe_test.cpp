@@ -6,6 +6,7 @@
 
 #include "common/experiment/experiment_log_size.hpp"
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab {
 namespace {
@@ -22,24 +23,27 @@ TEST(Description, ListsWhatWouldStart) {
   EXPECT_THAT(dut, HasSubstr("run           90 s, seed 1\n"));
   EXPECT_THAT(dut,
               HasSubstr("robots        6 simulated (1 to 6), 6 at given and 0 at random places\n"));
-  EXPECT_THAT(dut, HasSubstr("bp: Brownian, V = 7 cm/s, epsilon = 0.2 s\n"));
+  EXPECT_THAT(
+      dut, HasSubstr("bp: Brownian particle: both wheel speeds are drawn anew every epsilon, with "
+                     "mean 0, V = 7 cm/s, epsilon = 0.2 s\n"));
   EXPECT_THAT(dut, HasSubstr("light         3 steps, again every 90 s\n"));
   EXPECT_THAT(dut, HasSubstr("30 s half: ABP: light 0.5, abp\n"));
 }
 
-TEST(Description, DerivesTheCoefficientsOfThePaper) {
-  // D_r = epsilon eta^2 / 6, |v| + eta d / 2
+TEST(Description, GivesTheCoefficientsAndTheFastestWheelOfEachProgram) {
+  // |v| + eta d / 2
   EXPECT_THAT(describeExperiment(shipped("abp")),
-              HasSubstr("D_r = 0.75 rad^2/s; fastest wheel 14.25 of 27 cm/s"));
-  EXPECT_THAT(describeExperiment(shipped("abp"), [](const RobotProgram& p) { return p.v * 2; }),
-              HasSubstr("D_r = 0.75 rad^2/s, L_s = 6 cm; fastest wheel"));
-  // D_r = epsilon V^2 / (3 d^2), D_t = epsilon V^2 / 24, V + va
-  EXPECT_THAT(describeExperiment(shipped("noisy_abp")),
-              HasSubstr("D_r = 0.05926 rad^2/s, D_t = 0.4167 cm^2/s; fastest wheel 11 of"));
-  EXPECT_THAT(describeExperiment(shipped("bp")), HasSubstr("D = 0.4083 cm^2/s; fastest wheel 7 "));
-  // v^2 / (2 gamma (1 + gamma tau_t)), pi d / (2 tau_t)
-  EXPECT_THAT(describeExperiment(shipped("rtp")),
-              HasSubstr("mean run = 1.667 cm, D = 1.667 cm^2/s; fastest wheel 23.56 of"));
+              HasSubstr("\n                fastest wheel 14.25 of 27 cm/s\n"));
+  EXPECT_THAT(describeExperiment(shipped("abp"),
+                                 [](const Program& p) {
+                                   return "D_r of " + p.name + " with the law " + p.law.name;
+                                 }),
+              HasSubstr("  D_r of abp with the law abp; fastest wheel 14.25 of"));
+  // V + va
+  EXPECT_THAT(describeExperiment(shipped("noisy_abp")), HasSubstr("  fastest wheel 11 of"));
+  EXPECT_THAT(describeExperiment(shipped("bp")), HasSubstr("  fastest wheel 7 of"));
+  // pi d / (2 tau_t)
+  EXPECT_THAT(describeExperiment(shipped("rtp")), HasSubstr("  fastest wheel 23.56 of"));
 }
 
 TEST(Description, WarnsOfARunTooShortForItsProgram) {
@@ -48,12 +52,10 @@ TEST(Description, WarnsOfARunTooShortForItsProgram) {
   EXPECT_THAT(with("programs.abp.epsilon_s=20.001"),
               HasSubstr("epsilon = 20 s is more than a third of the run"));
   Experiment tumbling = small();
-  RobotProgram& program = tumbling.programs.begin()->second;
-  program.kind = ProgramKind::kRtp;
-  program.gamma = 0.01;
-  program.tau_t = 0.5;
+  Program& program = tumbling.programs.begin()->second;
+  program = test::rtp(0.05, 0.01, 0.5);
   EXPECT_THAT(describeExperiment(tumbling), HasSubstr("1/gamma = 100 s is more than a third"));
-  program.tau_t = 500;
+  program = test::rtp(0.05, 3, 500);
   EXPECT_THAT(describeExperiment(tumbling), HasSubstr("tau_t = 500 s is more than a third"));
 }
 
@@ -120,7 +122,7 @@ TEST(Description, ListsRangesOfIds) {
               HasSubstr("5 simulated (1, 5 to 7, 9)"));
 }
 
-TEST(Description, HasALineForEveryModel) {
+TEST(Description, HasALineForEveryProgram) {
   const std::string dut = describeExperiment(
       small("[programs.still]\nmodel = \"stand\"\n[programs.turn]\nmodel = \"wheels\"\nleft_cm_s = "
             "-4\nright_cm_s = 5\n[reversal]\non = \"never\"\n"));
@@ -129,6 +131,15 @@ TEST(Description, HasALineForEveryModel) {
   EXPECT_THAT(dut, HasSubstr("turn: constant wheel speeds, left = -4 cm/s, right = 5 cm/s\n"));
   EXPECT_THAT(dut, HasSubstr("fastest wheel 5 of 27"));
   EXPECT_THAT(dut, HasSubstr("reversal      never\n"));
+}
+
+TEST(Description, GivesEachParameterInItsUnit) {
+  const std::string dut = describeExperiment(small(
+      "[programs.mine]\nparameters = {v = \"20 mm/s\", r = \"3 cm\", a = \"90 deg\", area = "
+      "\"2 cm*cm\", n = \"2\"}\n[programs.mine.phases.run]\nforward = \"v\"\nhold = \"1 s\"\n"));
+
+  EXPECT_THAT(dut, HasSubstr("mine: v = 2 cm/s, r = 3 cm, a = 1.5707963267948966 rad, "));
+  EXPECT_THAT(dut, HasSubstr("area = 0.0002 m^2, n = 2\n"));
 }
 
 TEST(LogSize, GrowsWithTimeAndRobots) {

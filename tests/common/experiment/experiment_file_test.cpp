@@ -8,6 +8,7 @@
 
 #include "common/math/random.hpp"
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/programs.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/text_file.hpp"
 
@@ -42,9 +43,10 @@ heading_noise_deg = 90
 
   EXPECT_EQ(dut.name, "small");
   EXPECT_EQ(dut.duration, 60);
-  EXPECT_EQ(dut.programs.at("abp").v, 0.03);
-  EXPECT_EQ(dut.programs.at("abp").eta, 3);
-  EXPECT_EQ(dut.programs.at("rtp").kind, ProgramKind::kRtp);
+  EXPECT_EQ(test::parameter(dut.programs.at("abp"), "v"), 0.03);
+  EXPECT_EQ(test::parameter(dut.programs.at("abp"), "eta"), 3);
+  EXPECT_EQ(dut.programs.at("rtp").law.name, "rtp");
+  EXPECT_EQ(dut.programs.at("rtp").hash, test::rtp(0.05, 3, 0.5).hash);
   EXPECT_EQ(dut.camera.delay, 0.015);
   EXPECT_EQ(dut.camera.heading_noise, std::numbers::pi / 2);
 }

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab {
 namespace {
@@ -13,7 +14,7 @@ TEST(Overrides, ReplaceValuesOfTheFile) {
   const Experiment dut = small({}, {"duration_s=5", "programs.abp.v_cm_s = 4.5", "robots[0].id=7"});
 
   EXPECT_EQ(dut.duration, 5);
-  EXPECT_EQ(dut.programs.at("abp").v, 0.045);
+  EXPECT_EQ(test::parameter(dut.programs.at("abp"), "v"), 0.045);
   EXPECT_EQ(dut.robots[0].id, 7);
 }
 
@@ -22,7 +23,7 @@ TEST(Overrides, CreateMissingTables) {
                                     "programs.slow.V_cm_s=1", "programs.slow.epsilon_s=0.2"});
 
   EXPECT_EQ(dut.camera.fps, 25);
-  EXPECT_EQ(dut.programs.at("slow").V, 0.01);
+  EXPECT_EQ(test::parameter(dut.programs.at("slow"), "V"), 0.01);
 }
 
 TEST(Overrides, TakeABareWordAsText) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tests/support/experiment_samples.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::experiment_shipped_test {
 namespace {
@@ -44,14 +45,10 @@ TEST(ShippedExperiments, AreReadBackAsWritten) {
 }
 
 TEST(ShippedExperiments, HaveTheParametersOfThePaper) {
-  EXPECT_EQ(shipped("abp").programs.at("abp"),
-            (RobotProgram{.kind = ProgramKind::kAbp, .v = 0.03, .epsilon = 0.5, .eta = 3}));
-  EXPECT_EQ(shipped("noisy_abp").programs.at("noisy_abp"),
-            (RobotProgram{.kind = ProgramKind::kNoisyAbp, .va = 0.01, .V = 0.1, .epsilon = 0.1}));
-  EXPECT_EQ(shipped("bp").programs.at("bp"),
-            (RobotProgram{.kind = ProgramKind::kBp, .V = 0.07, .epsilon = 0.2}));
-  EXPECT_EQ(shipped("rtp").programs.at("rtp"),
-            (RobotProgram{.kind = ProgramKind::kRtp, .v = 0.05, .gamma = 3, .tau_t = 0.5}));
+  EXPECT_EQ(shipped("abp").programs.at("abp"), test::abp(0.03, 0.5, 3));
+  EXPECT_EQ(shipped("noisy_abp").programs.at("noisy_abp"), test::noisyAbp(0.01, 0.1, 0.1));
+  EXPECT_EQ(shipped("bp").programs.at("bp"), test::bp(0.07, 0.2));
+  EXPECT_EQ(shipped("rtp").programs.at("rtp"), test::rtp(0.05, 3, 0.5));
 }
 
 TEST(ShippedExperiments, SwitchTheLightThroughThreeBands) {

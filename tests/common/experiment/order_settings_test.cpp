@@ -1,14 +1,19 @@
 #include "common/experiment/order_settings.hpp"
 
-#include <gtest/gtest.h>
+#include <gmock/gmock.h>
 
-#include <limits>
-
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
+#include "robot/dynamics/byte_code.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab {
 namespace {
 
+using testing::AllOf;
+using testing::EndsWith;
+using testing::HasSubstr;
+using testing::StartsWith;
 using units::kNan;
 
 /// ABP below half light, RTP from there to full light.
@@ -22,17 +27,11 @@ robot_order_t table() {
   light_band_t abp{};
   abp.low = 0.1;
   abp.high = 0.5;
-  abp.program.kind = program_t::ABP;
-  abp.program.v = 0.03;
-  abp.program.epsilon = 0.5;
-  abp.program.eta = 3;
+  abp.program = toMessage(test::abp(0.03, 0.5, 3));
   light_band_t rtp{};
   rtp.low = 0.5;
   rtp.high = 1;
-  rtp.program.kind = program_t::RTP;
-  rtp.program.v = 0.05;
-  rtp.program.gamma = 3;
-  rtp.program.tau_t = 0.5;
+  rtp.program = toMessage(test::rtp(0.05, 3, 0.5));
   order.bands = {abp, rtp};
   order.num_bands = 2;
   return order;
@@ -45,10 +44,13 @@ std::string refusalOf(const robot_order_t& order) {
 TEST(OrderSettings, ConvertsAnOrderToTheRobotsIntegers) {
   const OrderSettings dut = settingsFrom(table(), dynamics::WheelLimits(), 0.02);
   ASSERT_EQ(dut.refusal, "");
-  EXPECT_EQ(dut.core.programs[0].speed_um_s, 30'000);
-  EXPECT_EQ(dut.core.programs[0].amplitude_um_s, 112'500);
-  EXPECT_EQ(dut.core.programs[0].hold_ms, 500U);
-  EXPECT_EQ(dut.core.programs[1].tumble_ms, 500U);
+  EXPECT_EQ(dut.core.programs[0], test::abp(0.03, 0.5, 3).hash);
+  EXPECT_EQ(dut.core.programs[1], test::rtp(0.05, 3, 0.5).hash);
+  ASSERT_EQ(dut.programs.size(), 2U);
+  EXPECT_EQ(dut.programs[0].code, test::abp(0.03, 0.5, 3).code);
+  EXPECT_EQ(dut.programs[1].id.name, "rtp");
+  EXPECT_EQ(dut.core.max_wheel_um_s, 270'000);
+  EXPECT_EQ(dut.core.half_wheel_base_um, 37'500);
   EXPECT_EQ(dut.core.light.hysteresis, 20);
   EXPECT_EQ(dut.core.reversal.distance_um, 400'000U);
   EXPECT_EQ(dut.core.sensor_period_ms, 20);
@@ -64,13 +66,57 @@ TEST(OrderSettings, ABandUpToFullLightContainsFullLightAndSharedEdgesBelongToThe
   EXPECT_EQ(dut.update(511, 511), 0);
 }
 
-TEST(OrderSettings, RefusesWhatTheWheelsCannotDo) {
+TEST(OrderSettings, AcceptsAProgramThatStands) {
   robot_order_t order = table();
-  order.bands[0].program.eta = 9;
-  EXPECT_NE(refusalOf(order).find("27"), std::string::npos) << refusalOf(order);
+  order.bands[0].program = {};
+
+  const OrderSettings dut = settingsFrom(order, dynamics::WheelLimits(), 0.02);
+
+  EXPECT_EQ(dut.refusal, "");
+  EXPECT_EQ(dut.core.programs[0], 0U);
+  EXPECT_NE(dut.core.programs[1], 0U);
 }
 
-TEST(OrderSettings, RefusesInvalidNumbersSensorsAndPrograms) {
+TEST(OrderSettings, RefusesByteCodeThatNoRobotCanExecute) {
+  robot_order_t order = table();
+  order.bands[1].program.code.pop_back();
+  EXPECT_THAT(refusalOf(order),
+              AllOf(StartsWith("program \"rtp\": its byte code has fault "), HasSubstr(" at byte "),
+                    EndsWith("send what this version's compiler writes")));
+  order = table();
+  order.bands[1].program.code.clear();
+  EXPECT_THAT(refusalOf(order), HasSubstr("its byte code has fault "));
+  order = table();
+  order.bands[1].program.code.assign(dynamics::kLargestProgram + 1, 0);
+  EXPECT_THAT(refusalOf(order), HasSubstr("its byte code has fault "));
+  // 65536 + a valid length: a size of 16 bits must not wrap.
+  order = table();
+  order.bands[1].program.code.resize(0x10000 + order.bands[1].program.code.size());
+  EXPECT_THAT(refusalOf(order), HasSubstr("its byte code has fault "));
+}
+
+TEST(OrderSettings, RefusesByteCodeWithAnotherHash) {
+  robot_order_t order = table();
+  order.bands[0].program.id.hash += 1;
+  EXPECT_EQ(refusalOf(order), "program \"abp\": its hash is not that of its byte code");
+  order.bands[0].program.id.hash = 0;
+  EXPECT_EQ(refusalOf(order), "program \"abp\": its hash is not that of its byte code");
+  // The same 32 bits in a number of 64.
+  order = table();
+  order.bands[0].program.id.hash += 0x1'0000'0000;
+  EXPECT_EQ(refusalOf(order), "program \"abp\": its hash is not that of its byte code");
+}
+
+TEST(OrderSettings, NoChangedByteOfAProgramIsAccepted) {
+  const robot_order_t order = table();
+  for (std::size_t i = 0; i < order.bands[1].program.code.size(); ++i) {
+    robot_order_t damaged = order;
+    damaged.bands[1].program.code[i] ^= 0x10;
+    EXPECT_NE(refusalOf(damaged), "") << "byte " << i;
+  }
+}
+
+TEST(OrderSettings, RefusesInvalidNumbersSensorsAndBands) {
   robot_order_t order = table();
   order.hysteresis = kNan;
   EXPECT_NE(refusalOf(order), "");
@@ -79,9 +125,6 @@ TEST(OrderSettings, RefusesInvalidNumbersSensorsAndPrograms) {
   EXPECT_NE(refusalOf(order), "");
   order = table();
   order.light_sensor = -1;
-  EXPECT_NE(refusalOf(order), "");
-  order = table();
-  order.bands[0].program.kind = 99;
   EXPECT_NE(refusalOf(order), "");
   order = table();
   order.bands[1].low = 0.4;

@@ -88,12 +88,11 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"[phases.run]\nhold = \"1 s\"\nforwards = \"1 cm/s\"\n",
               "p.toml:3:13: phases.run.forwards: found an unknown key, allowed here: set, forward, "
               "turn, left, right, hold, next, until, then; did you mean forward?"},
-        Wrong{
-            "parameter = {}\n[phases.run]\nhold = \"1 s\"\n",
-            "p.toml:1:13: parameter: found an unknown key, allowed here: description, parameters, "
-            "state, phases; did you mean parameters?"},
+        Wrong{"parameter = {}\n[phases.run]\nhold = \"1 s\"\n",
+              "p.toml:1:13: parameter: found an unknown key, allowed here: description, law, "
+              "parameters, state, phases; did you mean parameters?"},
         Wrong{"phases = 3\n", "p.toml:1:10: phases: found 3, allowed a table"},
-        Wrong{"description = \"nothing\"\n", "p.toml:1:1: phases: the program has no phase"},
+        Wrong{"description = \"nothing\"\n", "p.toml:1: phases: the program has no phase"},
         Wrong{"[phases.run]\nforward = \"1 cm/s\"\n", "p.toml:1:1: phases.run: has no hold"},
         Wrong{"[phases.run]\nforward = \"1 cm/s + 2 s\"\nhold = \"1 s\"\n",
               "p.toml:2:21: phases.run.forward: '2 s' is a number in s, expected a number in cm/s "

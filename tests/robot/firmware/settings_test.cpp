@@ -81,7 +81,8 @@ TEST(Settings, WriteOnlyBytesThatDiffer) {
   SettingsStore store(board);
   storeAll(board, store, settingsOf(1));
   storeAll(board, store, settingsOf(2));
-  // Bank 0 again: the magic twice, the sequence number, one byte of the uid, two bytes of the CRC.
+  // The third write goes to bank 0 again. It writes the magic twice, the sequence number, one byte
+  // of the uid and two bytes of the CRC.
   EXPECT_LE(storeAll(board, store, settingsOf(3)), 6);
 }
 
@@ -119,7 +120,7 @@ TEST(Settings, EverySingleBitErrorIsDetected) {
   }
 }
 
-/// Cuts the power while a byte is written, which may then have any value.
+/// Cuts the power while a byte is written. This byte may then have any value.
 class FailingBoard {
  public:
   FailingBoard(const BenchBoard& board, const Settings& settings, int cut_at, uint8_t garbage)

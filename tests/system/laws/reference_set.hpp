@@ -22,7 +22,7 @@ struct ReferenceSet {
   std::vector<double> angular_msd;  ///< [rad^2]
 };
 
-/// The number after "name": in the first line of a table; 0 if it is missing.
+/// The value of the key `name` in the first line of a table; 0 if it is missing.
 inline double numberIn(const std::string& header, const std::string& name) {
   const std::string key = "\"" + name + "\": ";
   const auto at = header.find(key);

@@ -43,11 +43,11 @@ TEST(ExperimentCheck, AllowsWheelsToReachTheirLimitExactly) {
               IsEmpty());
 }
 
-TEST(ExperimentCheck, AllowsEpsilonOfOneSensorPeriod) {
-  EXPECT_THAT(problemsOf("", {"programs.abp.epsilon_s=0.02"}), IsEmpty());
-  EXPECT_THAT(problemsOf("", {"programs.abp.epsilon_s=0.019"}), SizeIs(1));
-  EXPECT_THAT(problemsOf("", {"programs.abp.epsilon_s=0.019", "robot.sensor_period_ms=10"}),
-              IsEmpty());
+TEST(ExperimentCheck, AllowsHoldsOfOneMillisecondToOneHour) {
+  EXPECT_THAT(problemsOf("", {"programs.abp.epsilon_s=0.001"}), IsEmpty());
+  EXPECT_THAT(problemsOf("", {"programs.abp.epsilon_s=0.0004"}), SizeIs(1));
+  EXPECT_THAT(problemsOf("", {"programs.abp.epsilon_s=3600"}), IsEmpty());
+  EXPECT_THAT(problemsOf("", {"programs.abp.epsilon_s=3601"}), SizeIs(1));
 }
 
 TEST(ExperimentCheck, AllowsAsManyRobotsAsHaveRoom) {

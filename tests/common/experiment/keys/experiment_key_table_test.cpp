@@ -25,7 +25,12 @@ TEST(KeyTable, IsContainedInTheManual) {
 
 TEST(KeyTable, HasEveryKeyOfAWrittenFile) {
   const std::string tables = keyTables();
-  const std::string written = writeExperiment(small());
+  std::string written = writeExperiment(small());
+  // The keys of programs of motion have a page of their own.
+  const std::size_t parameters = written.find("\nparameters = {");
+  const std::size_t after_phase = written.find("\n[light_table]");
+  ASSERT_LT(parameters, after_phase);
+  written.erase(parameters, after_phase - parameters);
   std::size_t keys = 0;
   for (std::size_t at = 0; (at = written.find(" = ", at)) != std::string::npos; ++at) {
     const std::size_t begin = written.find_last_of("\n{ ", at - 1) + 1;
