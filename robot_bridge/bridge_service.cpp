@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_steps_t.hpp>
@@ -11,6 +12,7 @@
 #include "common/bus/channels.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/fixed_of.hpp"
 
 namespace lab::bridge {
 namespace {
@@ -73,6 +75,8 @@ BridgeService::BridgeService(const ServiceContext& context)
                                 [this](const robot_stop_t& stop) { handle(stop); });
   node_.subscribe<robot_calibration_t>(
       channels::kRobotCalibration, [this](const robot_calibration_t& request) { handle(request); });
+  node_.subscribe<robot_senses_t>(channels::kRobotSenses,
+                                  [this](const robot_senses_t& senses) { handle(senses); });
   const auto period_us = std::llround(1e6 / experiment_.hardware.status_rate);
   loop_.every(kTick_us, loop_.now() + kTick_us, [this] { tick(); });
   loop_.every(period_us, loop_.now() + period_us, [this] { publish(); });
@@ -137,6 +141,19 @@ void BridgeService::handle(const robot_calibration_t& request) {
   node_.publishCommand(channels::kCalibrationStatus, answer);
 }
 
+void BridgeService::handle(const robot_senses_t& senses) {
+  for (const sense_values_t& sensed : senses.robots) {
+    const auto robot = robots_.find(sensed.robot_id);
+    if (robot == robots_.end()) continue;
+    std::array<dynamics::Fixed, dynamics::kSenses> values{};
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i] = fixedOf(static_cast<double>(sensed.values[i]));
+    }
+    robot->second.link.sense(values, senses.utime, loop_.now());
+  }
+  port_manager_.flush();
+}
+
 void BridgeService::tick() {
   port_manager_.tick();
   const std::int64_t now = loop_.now();
@@ -159,8 +176,13 @@ void BridgeService::reportLines() {
     const RobotView& view = robot.link.view();
     stream_count_t row{};
     row.channel = "serial line";
-    row.sender = fmt::format("robot {} ({} restarts, {} commands sent again, {} given up)", id,
+    row.sender = fmt::format("robot {} ({} restarts, {} commands sent again, {} given up", id,
                              counters.reboots, counters.retries, counters.failed);
+    if (counters.programs_loaded > 0) {
+      row.sender += fmt::format(", {} programs loaded in {:.1f} s", counters.programs_loaded,
+                                static_cast<double>(counters.loading_us) * 1e-6);
+    }
+    row.sender += ')';
     row.instance = node_.identity().instance;
     row.received = counters.received;
     row.lost = view.telemetryLost() + view.stepsLost();

@@ -5,6 +5,7 @@
 #include <deque>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
+#include <lab/robot_senses_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <map>
 #include <memory>
@@ -18,8 +19,8 @@
 namespace lab::bridge {
 
 /// Publishes ROBOT_STATUS and ROBOT_STEPS for the robots with body = serial, wire or firmware, and
-/// executes ROBOT_COMMAND and ROBOT_STOP for them. Robots that were silent for more than a second
-/// are omitted.
+/// executes ROBOT_COMMAND, ROBOT_STOP and ROBOT_SENSES for them. Robots that were silent for more
+/// than a second are omitted.
 class BridgeService final : public Service {
  public:
   explicit BridgeService(const ServiceContext& context);
@@ -37,6 +38,7 @@ class BridgeService final : public Service {
   void handle(const robot_command_t& command);
   void handle(const robot_stop_t& stop);
   void handle(const robot_calibration_t& request);
+  void handle(const robot_senses_t& senses);
   void tick();
   void publish();
   void note(const std::string& text);

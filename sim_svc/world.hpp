@@ -107,8 +107,9 @@ class World {
 
   /// Makes a program known to all robots, which find it by its hash.
   /// @param code that dynamics::checkByteCode() accepts
-  void addProgram(std::uint32_t hash, const std::vector<std::uint8_t>& code) {
-    programs_->add(hash, code);
+  /// @return false if there is no room for it
+  bool addProgram(std::uint32_t hash, const std::vector<std::uint8_t>& code) {
+    return programs_->add(hash, code);
   }
 
   /// Gives an order to the core of robot i (not an external one): `give` is called with the core

@@ -26,14 +26,14 @@ constexpr uint8_t kOpcodes = kWheelSpeeds + 1;
 // and extreme operands, and a tenth more.
 const uint16_t kInstructions[kOpcodes] LAB_IN_FLASH = {
     0,
-    entry(0, 1, 110),   // kPushByte
-    entry(0, 2, 110),   // kPushShort
-    entry(0, 4, 110),   // kPushLong
-    entry(0, 1, 110),   // kPushPlain
-    entry(0, 0, 90),    // kPushForever
-    entry(0, 1, 110),   // kLoad
-    entry(1, 1, 110),   // kStore
-    entry(0, 1, 1900),  // kRead
+    entry(0, 1, 90),    // kPushByte
+    entry(0, 2, 90),    // kPushShort
+    entry(0, 4, 90),    // kPushLong
+    entry(0, 1, 90),    // kPushPlain
+    entry(0, 0, 70),    // kPushForever
+    entry(0, 1, 90),    // kLoad
+    entry(1, 1, 90),    // kStore
+    entry(0, 1, 1650),  // kRead
     0,
     0,
     0,
@@ -41,56 +41,56 @@ const uint16_t kInstructions[kOpcodes] LAB_IN_FLASH = {
     0,
     0,
     0,
-    entry(2, 0, 260),   // kAdd
-    entry(2, 0, 260),   // kSubtract
-    entry(2, 0, 500),   // kMultiply
-    entry(2, 0, 2200),  // kDivide
-    entry(1, 0, 100),   // kNegate
-    entry(1, 0, 100),   // kAbs
-    entry(1, 0, 100),   // kSign
-    entry(2, 0, 180),   // kMin
-    entry(2, 0, 180),   // kMax
-    entry(1, 0, 7500),  // kSqrt
-    entry(1, 0, 3300),  // kSin
-    entry(1, 0, 3300),  // kCos
-    entry(2, 0, 6700),  // kAtan2
+    entry(2, 0, 270),   // kAdd
+    entry(2, 0, 270),   // kSubtract
+    entry(2, 0, 560),   // kMultiply
+    entry(2, 0, 1460),  // kDivide
+    entry(1, 0, 90),    // kNegate
+    entry(1, 0, 90),    // kAbs
+    entry(1, 0, 90),    // kSign
+    entry(2, 0, 150),   // kMin
+    entry(2, 0, 150),   // kMax
+    entry(1, 0, 8090),  // kSqrt
+    entry(1, 0, 3070),  // kSin
+    entry(1, 0, 3070),  // kCos
+    entry(2, 0, 5700),  // kAtan2
     0,
     0,
     0,
-    entry(2, 0, 180),  // kLess
-    entry(2, 0, 180),  // kLessOrEqual
-    entry(2, 0, 180),  // kGreater
-    entry(2, 0, 180),  // kGreaterEqual
-    entry(2, 0, 180),  // kEqual
-    entry(2, 0, 180),  // kNotEqual
-    entry(2, 0, 180),  // kAnd
-    entry(2, 0, 180),  // kOr
-    entry(1, 0, 100),  // kNot
-    entry(3, 0, 120),  // kSelect
-    0,
-    0,
-    0,
-    0,
-    0,
-    0,
-    entry(2, 0, 1500),   // kUniform
-    entry(2, 0, 13500),  // kNormal
-    entry(1, 0, 2500),   // kExponential
-    entry(2, 0, 7000),   // kPareto
-    entry(1, 0, 900),    // kChance
-    entry(0, 4, 900),    // kChanceOf
-    entry(1, 0, 1300),   // kChoose
+    entry(2, 0, 160),  // kLess
+    entry(2, 0, 160),  // kLessOrEqual
+    entry(2, 0, 160),  // kGreater
+    entry(2, 0, 160),  // kGreaterEqual
+    entry(2, 0, 160),  // kEqual
+    entry(2, 0, 160),  // kNotEqual
+    entry(2, 0, 160),  // kAnd
+    entry(2, 0, 160),  // kOr
+    entry(1, 0, 90),   // kNot
+    entry(3, 0, 100),  // kSelect
     0,
     0,
     0,
     0,
     0,
     0,
+    entry(2, 0, 1440),   // kUniform
+    entry(2, 0, 13730),  // kNormal
+    entry(1, 0, 1810),   // kExponential
+    entry(2, 0, 5880),   // kPareto
+    entry(1, 0, 870),    // kChance
+    entry(0, 4, 860),    // kChanceOf
+    entry(1, 0, 1180),   // kChoose
     0,
     0,
     0,
-    entry(4, 0, 1200),  // kDrive
-    entry(4, 0, 1200),  // kWheelSpeeds
+    0,
+    0,
+    0,
+    0,
+    0,
+    0,
+    entry(4, 0, 1850),  // kDrive
+    entry(4, 0, 1850),  // kWheelSpeeds
 };
 
 Instruction instruction(uint8_t opcode) {

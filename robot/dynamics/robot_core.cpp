@@ -281,7 +281,9 @@ void RobotCore::startSelected(uint32_t now_ms) {
   odometry_.reset();
   program_time_ms_ = 0;
   phase_begin_ms_ = 0;
-  updateInputs();
+  if (report_.program != 0) {
+    updateInputs();
+  }
   machine_.start(program.code, program.size, inputs_, rng_);
   beginHold(now_ms);
 }

@@ -79,6 +79,7 @@ class Device {
 
   const dynamics::RobotCore& core() const { return core_; }
   const Settings& settings() const { return settings_; }
+  const ProgramStore& programs() const { return programs_; }
 
  private:
   /// Result of a command.

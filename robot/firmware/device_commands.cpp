@@ -75,6 +75,7 @@ void Device::handleCommand(const wire::Frame& frame, uint32_t now_ms, uint32_t c
     }
   }
   const Answer answer = execute(frame, now_ms);
+  finishUpdate(now_ms);  // the motors before the answer, which takes time to encode
   if (answer.status != wire::kUnknownType && answer.status != wire::kBadLength) {
     executed_.type = frame.type;
     executed_.seq = frame.seq;
@@ -365,19 +366,16 @@ bool Device::isUsed(uint32_t hash) const {
   return false;
 }
 
-/// A place for a new program: an empty one, or one whose program is in no slot. Otherwise kNoPlace.
+/// A place for a new program: the next one whose program is in no slot. kNoPlace: there is none.
 uint8_t Device::freePlace() const {
-  uint8_t found = ProgramStore::kNoPlace;
-  for (uint8_t place = 0; place < ProgramStore::kPlaces; ++place) {
-    const uint32_t hash = programs_.hash(place);
-    if (hash == 0) {
+  uint8_t place = programs_.lastWritten();
+  for (uint8_t i = 0; i < ProgramStore::kPlaces; ++i) {
+    place = place + 1 < ProgramStore::kPlaces ? static_cast<uint8_t>(place + 1) : 0;
+    if (programs_.hash(place) == 0 || !isUsed(programs_.hash(place))) {
       return place;
     }
-    if (!isUsed(hash)) {
-      found = place;
-    }
   }
-  return found;
+  return ProgramStore::kNoPlace;
 }
 
 Device::Answer Device::executeLoadBegin(const wire::Frame& frame) {

@@ -105,6 +105,7 @@ dynamics::ByteCodeFault ProgramStore::fault() const {
 
 void ProgramStore::write(uint8_t place) {
   hashes_[place] = 0;
+  last_written_ = place;
   target_ = place;
   next_ = 0;
 }
@@ -147,6 +148,19 @@ ProgramStore::Progress ProgramStore::step() {
   }
   hashes_[place] = collected_;
   return kWritten;
+}
+
+void encodeProgram(const uint8_t* code, uint8_t size, uint8_t place, uint8_t* image) {
+  uint8_t* at = image + ProgramStore::kAddress + place * ProgramStore::kPlaceSize;
+  const uint32_t hash = dynamics::programHash(code, size);
+  at[kMagicAt] = ProgramStore::kMagic;
+  at[kSizeAt] = size;
+  for (uint8_t i = 0; i < 4; ++i) {
+    at[kHashAt + i] = byteOf(hash, i);
+  }
+  for (uint8_t i = 0; i < size; ++i) {
+    at[ProgramStore::kHeaderSize + i] = code[i];
+  }
 }
 
 }  // namespace firmware

@@ -36,6 +36,10 @@ class ProgramStore final : public dynamics::ProgramSource {
   /// The hash of the program in a place; 0: none.
   uint32_t hash(uint8_t place) const { return hashes_[place]; }
 
+  /// The place that was written last; new programs go behind it, so that the places wear evenly and
+  /// the program that was loaded last is not the next to be overwritten.
+  uint8_t lastWritten() const { return last_written_; }
+
   /// The place of a program, or kNoPlace.
   uint8_t placeOf(uint32_t hash) const;
 
@@ -74,10 +78,14 @@ class ProgramStore final : public dynamics::ProgramSource {
   uint8_t copied_size_ = 0;
   uint8_t collected_size_ = 0;
   uint8_t target_ = kNoPlace;  ///< being written
-  uint8_t next_ = 0;           ///< step of the write, see step()
+  uint8_t last_written_ = kPlaces - 1;
+  uint8_t next_ = 0;  ///< step of the write, see step()
   uint8_t code_[dynamics::kLargestProgram] = {};
   uint8_t collection_[dynamics::kLargestProgram] = {};
 };
+
+/// Writes a program into a place of an EEPROM image (kStoreSize bytes).
+void encodeProgram(const uint8_t* code, uint8_t size, uint8_t place, uint8_t* image);
 
 }  // namespace firmware
 }  // namespace lab

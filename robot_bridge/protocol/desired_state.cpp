@@ -40,15 +40,14 @@ std::string DesiredState::convert(double wheel_base) {
   mode_ = order.mode;
   order_id_ = static_cast<std::uint8_t>(order_id_ % 255 + 1);
   if (mode_ == robot_order_t::DRIVE) {
-    driven_ = {};
-    driven_.kind = program_t::WHEELS;
-    driven_.wheel_left = order.wheel_left;
-    driven_.wheel_right = order.wheel_right;
+    wheel_left_ = order.wheel_left;
+    wheel_right_ = order.wheel_right;
   }
   // DRIVE works with any settings, but the robot must have some.
   const bool keeps_settings = mode_ != robot_order_t::TABLE && config_ != 0;
   if (!keeps_settings) {
     wanted_ = std::move(settings);
+    wanted_.core.robot_id = static_cast<std::uint16_t>(robot_id_);
     config_ = wire::configCrc(wanted_.core);
     rememberPrograms();
   }
@@ -57,11 +56,20 @@ std::string DesiredState::convert(double wheel_base) {
 
 void DesiredState::rememberPrograms() {
   std::erase_if(tables_, [this](const ProgramTable& table) { return table.config == config_; });
-  tables_.push_back({config_, wanted_.programs});
+  std::vector<program_id_t> programs;
+  for (const program_t& program : wanted_.programs) programs.push_back(program.id);
+  tables_.push_back({config_, std::move(programs)});
   if (tables_.size() > kTablesKept) tables_.pop_front();
 }
 
-program_t DesiredState::programOf(std::uint16_t config, std::uint8_t slot) const {
+const program_t* DesiredState::definition(std::uint32_t hash) const {
+  const auto found = std::find_if(
+      wanted_.programs.begin(), wanted_.programs.end(),
+      [hash](const program_t& program) { return program.id.hash == std::int64_t{hash}; });
+  return found == wanted_.programs.end() ? nullptr : &*found;
+}
+
+program_id_t DesiredState::programOf(std::uint16_t config, std::uint8_t slot) const {
   for (const ProgramTable& table : tables_) {
     if (table.config == config && slot < table.programs.size()) return table.programs[slot];
   }
@@ -76,8 +84,8 @@ wire::Order DesiredState::orderMessage(std::uint16_t config, std::int64_t now) c
   if (!standing_ && mode_ == robot_order_t::TABLE) order.mode = wire::Order::kTable;
   if (!standing_ && mode_ == robot_order_t::DRIVE) {
     order.mode = wire::Order::kDrive;
-    order.left_um_s = micrometres(driven_.wheel_left);
-    order.right_um_s = micrometres(driven_.wheel_right);
+    order.left_um_s = micrometres(wheel_left_);
+    order.right_um_s = micrometres(wheel_right_);
   }
   return order;
 }

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 #include <deque>
-#include <lab/program_t.hpp>
+#include <lab/program_id_t.hpp>
 #include <lab/robot_order_t.hpp>
 #include <optional>
 #include <string>
@@ -28,10 +28,11 @@ struct CommandKey {
 /// the previous one in force.
 class DesiredState {
  public:
+  /// @param robot_id what programs read as `id`
   /// @param max_wheel_speed [m/s]
   /// @param sensor_period [s]
-  DesiredState(double max_wheel_speed, double sensor_period)
-      : max_wheel_speed_(max_wheel_speed), sensor_period_(sensor_period) {}
+  DesiredState(std::int32_t robot_id, double max_wheel_speed, double sensor_period)
+      : robot_id_(robot_id), max_wheel_speed_(max_wheel_speed), sensor_period_(sensor_period) {}
 
   /// Stores the order of a ROBOT_COMMAND and extends the lease. @return whether it is a new one
   bool command(const CommandKey& key, std::int32_t lease_ms, const robot_order_t& order,
@@ -67,25 +68,27 @@ class DesiredState {
   [[nodiscard]] const dynamics::CoreSettings& settings() const { return wanted_.core; }
   [[nodiscard]] std::uint16_t config() const { return config_; }
 
+  /// The definition of a program of these settings; null if none of them has this hash.
+  [[nodiscard]] const program_t* definition(std::uint32_t hash) const;
+
   /// The ORDER message. @param config CRC of the settings in the robot
   [[nodiscard]] wire::Order orderMessage(std::uint16_t config, std::int64_t now) const;
 
   [[nodiscard]] bool leaseExpired(std::int64_t now) const { return now >= lease_end_; }
   [[nodiscard]] std::uint32_t leaseLeft_ms(std::int64_t now) const;
 
-  /// The program in a slot of the settings with this CRC; NONE if it is not known.
-  [[nodiscard]] program_t programOf(std::uint16_t config, std::uint8_t slot) const;
-  /// The wheel speeds of the last DRIVE order, as a program.
-  [[nodiscard]] const program_t& driven() const { return driven_; }
+  /// The program in a slot of the settings with this CRC; hash 0 if it is not known.
+  [[nodiscard]] program_id_t programOf(std::uint16_t config, std::uint8_t slot) const;
 
  private:
   struct ProgramTable {
     std::uint16_t config = 0;
-    std::vector<program_t> programs;
+    std::vector<program_id_t> programs;
   };
 
   void rememberPrograms();
 
+  std::int32_t robot_id_;
   double max_wheel_speed_;
   double sensor_period_;
   CommandKey received_;
@@ -99,7 +102,8 @@ class DesiredState {
   bool standing_ = false;
   std::uint16_t config_ = 0;
   std::uint8_t order_id_ = 0;
-  program_t driven_{};
+  double wheel_left_ = 0;            ///< [m/s] of the last DRIVE order
+  double wheel_right_ = 0;           ///< [m/s]
   std::deque<ProgramTable> tables_;  ///< the last ones; a robot may still report an older one
   std::int64_t lease_end_ = 0;       ///< [us]
 };

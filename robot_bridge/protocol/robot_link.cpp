@@ -22,14 +22,16 @@ constexpr std::int64_t kFirstPings_us = 200'000;  // until the rate of the clock
 constexpr int kFirstPings = 10;
 constexpr std::int64_t kAnswerTime_us = 150'000;  // at 38400 baud
 constexpr std::int64_t kShortestAnswerTime_us = 50'000;
-constexpr std::int64_t kStoring_us = 1'000'000;  // COMMIT takes 3.4 ms per byte
+constexpr std::int64_t kStoring_us = 1'000'000;  // the EEPROM takes 3.4 ms per byte
+constexpr std::int64_t kBusy_us = 100'000;
 constexpr std::int64_t kReferenceBaud = 38400;
 constexpr int kBitsPerByte = 10;
 
 }  // namespace
 
 RobotLink::RobotLink(const LinkSettings& settings)
-    : settings_(settings), desired_(settings.max_wheel_speed, settings.sensor_period) {}
+    : settings_(settings),
+      desired_(settings.id, settings.max_wheel_speed, settings.sensor_period) {}
 
 void RobotLink::note(const std::string& what) {
   notes_.push_back("robot " + std::to_string(settings_.id) + ": " + what);
@@ -85,6 +87,10 @@ void RobotLink::forgetState() {
   view_.reset();
   staged_.clear();
   config_ = 0;
+  loader_.forget();
+  clearing_ = false;
+  senses_ = {};
+  senses_sent_ = {};
   sender_.forget();
 }
 
@@ -131,6 +137,7 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
   wire::Pong pong;
   wire::Ack ack;
   wire::ParamValue param;
+  wire::Programs programs;
   const bool is_hello = wire::unpack(frame, hello);
   if (is_hello) handle(hello, now);
   heard_utime_ = now;
@@ -152,6 +159,8 @@ void RobotLink::receive(const wire::Frame& frame, std::int64_t now) {
     handle(ack, frame.seq);
   } else if (wire::unpack(frame, param)) {
     handle(param, frame.seq);
+  } else if (wire::unpack(frame, programs)) {
+    if (sender_.answer(wire::GetPrograms::kType, frame.seq)) loader_.learn(programs);
   }  // EVENT repeats what telemetry shows; other types come from a newer robot
   pump(now);
 }
@@ -169,6 +178,7 @@ void RobotLink::handle(const wire::Telemetry& telemetry, const wire::Frame& fram
   latest_robot_ms_ = telemetry.t_ms;
   view_.update(telemetry, frame.seq);
   config_ = telemetry.config;
+  if (senses_sent_[telemetry.senses_id].utime != 0) senses_ = senses_sent_[telemetry.senses_id];
   if (stop_.id != 0) {
     const bool stopped = (telemetry.flags & dynamics::kStopped) != 0;
     stop_.confirmed = telemetry.stop_id == stop_.id && stopped != stop_.release;
@@ -229,6 +239,12 @@ void RobotLink::finish(const wire::Frame& command, const wire::Ack& ack) {
       return finishApply(command, ack);
     case wire::Order::kType:
       return finishOrder(command, ack);
+    case wire::LoadBegin::kType:
+    case wire::LoadData::kType:
+    case wire::LoadEnd::kType:
+      return finishLoading(command, ack);
+    case wire::GetPrograms::kType:
+      return refuse(ack);  // the robot has no programs
     default:
       return finishStaging(command, ack);
   }
@@ -246,11 +262,37 @@ void RobotLink::finishStaging(const wire::Frame& command, const wire::Ack& ack) 
 void RobotLink::finishApply(const wire::Frame& command, const wire::Ack& ack) {
   if (ack.status == wire::kOk) {
     config_ = static_cast<std::uint16_t>(command.payload[0] | command.payload[1] << 8);
+    clearing_ = false;
     order_due_ = true;
   } else if (ack.status == wire::kWrongConfig) {
     staged_.clear();  // the staged settings are not the desired ones
+  } else if (ack.status == wire::kMissing) {
+    loader_.forget();
+    staged_.clear();
   } else {
     refuse(ack);
+  }
+}
+
+void RobotLink::finishLoading(const wire::Frame& command, const wire::Ack& ack) {
+  switch (loader_.finish(command, ack)) {
+    case ProgramLoader::Result::kGoesOn:
+      return;
+    case ProgramLoader::Result::kLoaded:
+      ++counters_.programs_loaded;
+      counters_.loading_us += heard_utime_ - loader_.begunUtime();
+      return;
+    case ProgramLoader::Result::kBusy:
+      wait_until_ = heard_utime_ + kBusy_us;
+      return;
+    case ProgramLoader::Result::kNoPlace:
+      if (!clearing_) {
+        clearing_ = true;
+        return;
+      }
+      return refuse(ack);
+    case ProgramLoader::Result::kFailed:
+      return refuse(ack);
   }
 }
 
@@ -300,6 +342,17 @@ void RobotLink::stop(std::int64_t seq, bool release, std::int64_t now) {
   pump(now);
 }
 
+void RobotLink::sense(const std::array<dynamics::Fixed, dynamics::kSenses>& values,
+                      std::int64_t utime, std::int64_t now) {
+  if (!plugged_ || identity_in_doubt_ || isStale(now)) return;
+  senses_id_ = static_cast<std::uint8_t>(senses_id_ % 255 + 1);
+  wire::SetSenses message;
+  message.id = senses_id_;
+  std::copy(values.begin(), values.end(), message.sense);
+  senses_sent_[senses_id_] = {utime, now + wire_us(wire::payloadSize<wire::SetSenses>())};
+  send(message, 0);
+}
+
 void RobotLink::calibrate(std::int64_t seq, std::int64_t instance,
                           const motor_calibration_t& requested, std::int64_t now) {
   const std::optional<wire::Ack>& failure = calibration_writer_.failure();
@@ -343,7 +396,7 @@ void RobotLink::sendCommand(const Message& message, std::int64_t now) {
 void RobotLink::sendCommand(wire::Frame& frame, std::int64_t now) {
   frame.seq = command_seq_++;
   const std::int64_t answer_time =
-      frame.type == wire::Commit::kType
+      frame.type == wire::Commit::kType || frame.type == wire::LoadEnd::kType
           ? kStoring_us
           : std::max(kShortestAnswerTime_us,
                      kAnswerTime_us * kReferenceBaud / std::int64_t{settings_.baud});
@@ -479,8 +532,35 @@ bool RobotLink::sendPreparation(std::int64_t now) {
   return false;
 }
 
-/// Sends the next settings message that the robot lacks, or APPLY.
+/// The desired settings, or those without programs while their places are needed.
+dynamics::CoreSettings RobotLink::nextSettings() const {
+  dynamics::CoreSettings settings = desired_.settings();
+  if (clearing_) std::fill(std::begin(settings.programs), std::end(settings.programs), 0U);
+  return settings;
+}
+
+/// Sends the next message that brings a missing program into the robot. @return whether one is
+/// missing
+bool RobotLink::sendProgram(std::int64_t now) {
+  for (const std::uint32_t hash : desired_.settings().programs) {
+    if (hash == 0 || loader_.has(hash)) continue;
+    const program_t* program = desired_.definition(hash);
+    if (program == nullptr) continue;  // no settings contain a hash without its program
+    if (!loader_.isKnown()) {
+      sendCommand(wire::GetPrograms(), now);
+    } else {
+      wire::Frame frame = loader_.next(hash, program->code, now);
+      sendCommand(frame, now);
+    }
+    return true;
+  }
+  return false;
+}
+
+/// Sends the next settings message or program that the robot lacks, or APPLY. Programs come after
+/// the staging of their slots, which keeps the robot from overwriting them.
 void RobotLink::sendSettings(std::int64_t now) {
+  const dynamics::CoreSettings settings = nextSettings();
   const auto sendIfNew = [&](const auto& message) {
     wire::Frame frame;
     wire::pack(message, 0, frame);
@@ -492,12 +572,13 @@ void RobotLink::sendSettings(std::int64_t now) {
     return !there;
   };
   for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
-    if (sendIfNew(wire::programMessage(desired_.settings(), slot))) return;
+    if (sendIfNew(wire::programMessage(settings, slot))) return;
   }
-  if (sendIfNew(wire::lightMessage(desired_.settings()))) return;
-  if (sendIfNew(wire::motionMessage(desired_.settings()))) return;
+  if (!clearing_ && sendProgram(now)) return;
+  if (sendIfNew(wire::lightMessage(settings))) return;
+  if (sendIfNew(wire::motionMessage(settings))) return;
   wire::Apply apply;
-  apply.config = desired_.config();
+  apply.config = wire::configCrc(settings);
   sendCommand(apply, now);
 }
 

@@ -1,8 +1,9 @@
 /// The host's side of the protocol with one robot, without input or output.
 #pragma once
 
+#include <array>
 #include <cstdint>
-#include <lab/program_t.hpp>
+#include <lab/program_id_t.hpp>
 #include <lab/robot_order_t.hpp>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "robot_bridge/protocol/clock_estimate.hpp"
 #include "robot_bridge/protocol/command_sender.hpp"
 #include "robot_bridge/protocol/desired_state.hpp"
+#include "robot_bridge/protocol/program_loader.hpp"
 #include "robot_bridge/protocol/robot_view.hpp"
 
 namespace lab::bridge {
@@ -38,15 +40,17 @@ struct LinkCounters {
   std::int64_t retries = 0;   ///< commands sent again
   std::int64_t failed = 0;    ///< commands given up until the next repetition of the order
   std::int64_t reboots = 0;
+  std::int64_t programs_loaded = 0;
+  std::int64_t loading_us = 0;     ///< all loading together
   std::int64_t round_trip_us = 0;  ///< of the last PING
 };
 
 /// Brings one robot into the desired state and keeps it there.
 ///
 /// There is no script of messages. Whenever the line is free, the first difference between the
-/// desired state and the robot's known state decides what is sent next: seed, parameters, settings,
-/// order. So a lost message, a replugged cable and a robot that lost its settings are handled in
-/// the same way. The robot's reports take precedence over what was sent to it.
+/// desired state and the robot's known state decides what is sent next: seed, parameters, programs,
+/// settings, order. So a lost message, a replugged cable and a robot that lost its settings are
+/// handled in the same way. The robot's reports take precedence over what was sent to it.
 ///
 /// While the lease of the last ROBOT_COMMAND runs, the robot gets an order at least five times a
 /// second, with the remaining lease. After a reboot the robot stands until a new order comes,
@@ -81,6 +85,11 @@ class RobotLink {
   /// A ROBOT_STOP for this robot.
   void stop(std::int64_t seq, bool release, std::int64_t now);
 
+  /// The virtual senses of this robot from a ROBOT_SENSES. Sent at once, and once only.
+  /// @param utime of the ROBOT_SENSES
+  void sense(const std::array<dynamics::Fixed, dynamics::kSenses>& values, std::int64_t utime,
+             std::int64_t now);
+
   /// A ROBOT_CALIBRATION that contains this robot.
   void calibrate(std::int64_t seq, std::int64_t instance, const motor_calibration_t& requested,
                  std::int64_t now);
@@ -105,12 +114,17 @@ class RobotLink {
   [[nodiscard]] std::int64_t stopSeq() const { return stop_.confirmed_seq; }
   /// Whether the last order was refused.
   [[nodiscard]] bool isRejected() const { return desired_.isRejected(); }
-  /// The program in a slot of the settings with this CRC; NONE if it is not known.
-  [[nodiscard]] program_t programOf(std::uint16_t config, std::uint8_t slot) const {
+  /// The program in a slot of the settings with this CRC; hash 0 if it is not known.
+  [[nodiscard]] program_id_t programOf(std::uint16_t config, std::uint8_t slot) const {
     return desired_.programOf(config, slot);
   }
-  /// The wheel speeds of the last DRIVE order, as a program.
-  [[nodiscard]] const program_t& driven() const { return desired_.driven(); }
+
+  /// The ROBOT_SENSES that the robot uses.
+  struct Senses {
+    std::int64_t utime = 0;        ///< of the message; 0: none yet
+    std::int64_t since_utime = 0;  ///< when the robot received it
+  };
+  [[nodiscard]] const Senses& senses() const { return senses_; }
 
   /// The motor calibration in the robot, once the last ROBOT_CALIBRATION is complete.
   [[nodiscard]] std::optional<motor_calibration_t> calibration() const {
@@ -143,6 +157,7 @@ class RobotLink {
   void finishStaging(const wire::Frame& command, const wire::Ack& ack);
   void finishApply(const wire::Frame& command, const wire::Ack& ack);
   void finishOrder(const wire::Frame& command, const wire::Ack& ack);
+  void finishLoading(const wire::Frame& command, const wire::Ack& ack);
   void refuse(const wire::Ack& ack);
   void verifyIdentity();
   [[nodiscard]] std::int32_t silence_ms(std::int64_t now) const;
@@ -155,6 +170,8 @@ class RobotLink {
   bool sendPreparation(std::int64_t now);
   bool sendWanted(std::int64_t now);
   void sendSettings(std::int64_t now);
+  bool sendProgram(std::int64_t now);
+  [[nodiscard]] dynamics::CoreSettings nextSettings() const;
   void sendOrder(std::int64_t now);
   void shortenLease(wire::Frame& command, std::int64_t now) const;
   void sendCalibration(std::int64_t now);
@@ -189,6 +206,11 @@ class RobotLink {
   double wheel_base_ = 0;            ///< [m] as reported by the robot; 0: not yet known
   std::vector<wire::Frame> staged_;  ///< those of the six settings messages that the robot has
   std::uint16_t config_ = 0;         ///< CRC of the settings in force in the robot; 0: none
+  ProgramLoader loader_;
+  bool clearing_ = false;  ///< its programs must be given up before it can take others
+  std::array<Senses, 256> senses_sent_{};  ///< by the id on the wire
+  std::uint8_t senses_id_ = 0;
+  Senses senses_;
 
   // Desired state.
   DesiredState desired_;

@@ -4,9 +4,10 @@
 #include <cstdint>
 #include <utility>
 
+#include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "robot/dynamics/light_table.hpp"
-#include "robot/dynamics/program.hpp"
+#include "robot/dynamics/machine.hpp"
 
 namespace lab::bridge {
 namespace {
@@ -57,9 +58,11 @@ std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin
   const bool in_table = telemetry.slot < dynamics::kSlots;
   if (in_table) {
     message.program = robot.programOf(telemetry.config, telemetry.slot);
-  } else if (telemetry.kind == dynamics::kWheels) {
-    message.program = robot.driven();
+    message.program.hash = state.program;  // what the robot says
+  } else if ((telemetry.flags & dynamics::kDriven) != 0) {
+    message.program.name = kDrivenByHost;
   }
+  message.phase = static_cast<std::int8_t>(telemetry.phase);
   message.band = static_cast<std::int8_t>(in_table ? telemetry.slot : -1);
   message.program_epoch = static_cast<std::int32_t>(snapshot->program_epoch);
   message.program_start_utime =
@@ -93,6 +96,8 @@ std::optional<robot_state_t> statusOf(const RobotLink& robot, std::int8_t origin
   }
   message.tumble_count = static_cast<std::int32_t>(snapshot->tumble_count);
   message.run_time = reported.runTime(snapshot->run_time_ms, clock.rate());
+  message.senses_utime = robot.senses().utime;
+  message.senses_since_utime = robot.senses().since_utime;
   message.battery = static_cast<float>(snapshot->battery);
   message.link_sent = static_cast<std::int32_t>(robot.counters().sent);
   message.link_received = static_cast<std::int32_t>(robot.counters().received);
@@ -109,10 +114,10 @@ robot_step_t stepOf(const RobotLink& robot, const RobotView::UnwrappedStep& long
   message.draw_count = static_cast<std::int32_t>(step.draw_count);
   message.program_epoch = static_cast<std::int32_t>(long_step.program_epoch);
   message.slot = static_cast<std::int8_t>(step.slot < dynamics::kSlots ? step.slot : -1);
-  message.kind = static_cast<std::int8_t>(step.kind);
+  message.phase = static_cast<std::int8_t>(step.phase);
   message.wheel_left = step.left_um_s * kMetresPerUm;
   message.wheel_right = step.right_um_s * kMetresPerUm;
-  message.duration = step.duration_ms == dynamics::kForever ? -1 : step.duration_ms * 1e-3;
+  message.duration = step.duration_ms == dynamics::kEndless ? -1 : step.duration_ms * 1e-3;
   message.rng = step.rng;
   return message;
 }

@@ -6,16 +6,19 @@
 namespace lab::bridge {
 namespace {
 
-bool inRun(const wire::Telemetry& telemetry) {
-  return telemetry.kind == dynamics::kRtp &&
-         (telemetry.flags & (dynamics::kTumbling | dynamics::kReversing)) == 0;
-}
-
 bool isTumbling(const wire::Telemetry& telemetry) {
   return (telemetry.flags & dynamics::kTumbling) != 0;
 }
 
 }  // namespace
+
+/// Whether the robot is in the first phase of a program.
+bool RobotView::inRun(const wire::Telemetry& telemetry) const {
+  const bool standing =
+      state_ && state_->program_epoch == telemetry.program_epoch && state_->program == 0;
+  return telemetry.slot < dynamics::kSlots && !standing &&
+         (telemetry.flags & (dynamics::kTumbling | dynamics::kReversing)) == 0;
+}
 
 void RobotView::reset() {
   RobotView fresh;

@@ -71,6 +71,7 @@ class RobotView {
 
  private:
   [[nodiscard]] bool fits(const wire::Telemetry& telemetry) const;
+  [[nodiscard]] bool inRun(const wire::Telemetry& telemetry) const;
   void countRunTime(const wire::Telemetry& telemetry);
 
   std::optional<wire::Telemetry> last_;

@@ -6,6 +6,7 @@
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "common/programs/fixed_of.hpp"
+#include "common/programs/program_library.hpp"
 #include "sim_svc/bodies/experiment_setup.hpp"
 
 namespace lab::sim {
@@ -54,6 +55,7 @@ std::string BusRobots::handle(const robot_command_t& command) {
         if (is_new) {
           converted->second =
               settingsFrom(order, {world_.settings().max_wheel_speed, wheel_base}, sensor_period_);
+          keepPrograms(converted->second);
         }
         if (!converted->second.refusal.empty()) refusal = converted->second.refusal;
         link.command_seq = command.seq;
@@ -69,12 +71,19 @@ std::string BusRobots::handle(const robot_command_t& command) {
   return refusal;
 }
 
+void BusRobots::keepPrograms(OrderSettings& settings) {
+  if (!settings.refusal.empty()) return;
+  for (const program_t& program : settings.programs) {
+    if (program.id.hash == 0) continue;
+    if (world_.addProgram(static_cast<std::uint32_t>(program.id.hash), program.code)) continue;
+    settings.refusal = "there were " + std::to_string(ProgramLibrary::kMost) +
+                       " different programs since the start of sim_svc, which keeps no more";
+  }
+}
+
 void BusRobots::execute(Link& link, const robot_order_t& order, const OrderSettings& settings) {
   link.rejected = !settings.refusal.empty();
   if (link.rejected) return;
-  for (const program_t& program : settings.programs) {
-    world_.addProgram(static_cast<std::uint32_t>(program.id.hash), program.code);
-  }
   dynamics::CoreSettings core_settings = settings.core;
   core_settings.robot_id = static_cast<std::uint16_t>(world_.id(link.body));
   switch (order.mode) {

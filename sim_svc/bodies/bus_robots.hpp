@@ -63,6 +63,8 @@ class BusRobots {
     std::uint32_t saturations = 0;
   };
 
+  /// Makes the programs of an order known to the robots, or refuses the order.
+  void keepPrograms(OrderSettings& settings);
   void execute(Link& link, const robot_order_t& order, const OrderSettings& settings);
   [[nodiscard]] robot_state_t stateOf(Link& link, std::int64_t origin_utime);
 

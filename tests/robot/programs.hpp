@@ -122,4 +122,19 @@ inline language::ProgramText wheelsText(int left, int right) {
   return programText({wheelPhase(speed(left), speed(right), "forever")});
 }
 
+/// A valid program of exactly this size (17 to 176 bytes), different for every number: it negates a
+/// speed many times.
+inline std::vector<std::uint8_t> programOfSize(std::uint8_t size, std::uint8_t number) {
+  using namespace dynamics;
+  std::vector<std::uint8_t> evaluation{kPushByte, number};
+  evaluation.resize(size - 13U, kNegate);
+  evaluation.insert(evaluation.end(), {kPushByte, 0, kPushShort, 0, 1, kPushPlain, 0, kDrive});
+  std::vector<std::uint8_t> code{kByteCodeFormat, 1, 0,
+                                 static_cast<std::uint8_t>(evaluation.size())};
+  code.insert(code.end(), evaluation.begin(), evaluation.end());
+  code.push_back(0);
+  EXPECT_EQ(checkByteCode(code.data(), size).fault, kValidByteCode);
+  return code;
+}
+
 }  // namespace lab

@@ -21,7 +21,9 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/programs/shipped_programs.hpp"
 #include "common/serial/memory_serial.hpp"
 #include "robot_bridge/bridge_service.hpp"
 #include "tests/support/wire_robot.hpp"
@@ -129,17 +131,13 @@ eta_rad_s = 3
     order.reverse_speed = 0.1;
     light_band_t abp{};
     abp.high = 0.5;
-    abp.program.kind = program_t::ABP;
-    abp.program.v = 0.03;
-    abp.program.epsilon = 0.5;
-    abp.program.eta = 3;
+    abp.program = toMessage(
+        shippedProgram("abp", {{"v", "3 cm/s"}, {"epsilon", "0.5 s"}, {"eta", "3 rad/s"}}));
     light_band_t rtp{};
     rtp.low = 0.5;
     rtp.high = 1;
-    rtp.program.kind = program_t::RTP;
-    rtp.program.v = 0.05;
-    rtp.program.gamma = 3;
-    rtp.program.tau_t = 0.5;
+    rtp.program =
+        toMessage(shippedProgram("rtp", {{"v", "5 cm/s"}, {"gamma", "3 1/s"}, {"tau_t", "0.5 s"}}));
     order.bands = {abp, rtp};
     order.num_bands = 2;
     return order;

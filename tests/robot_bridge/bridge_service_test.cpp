@@ -23,7 +23,7 @@ TEST_F(BridgeServiceTest, FindsARobotAndReportsIt) {
   EXPECT_FALSE(last.contains(2));
   EXPECT_EQ(last[1].uid, simulatedUid(1));
   EXPECT_EQ(last[1].origin, robot_state_t::SIM);
-  EXPECT_EQ(last[1].program.kind, program_t::NONE);
+  EXPECT_EQ(last[1].program.hash, 0);
   EXPECT_EQ(last[1].command_seq, 0);
 }
 
@@ -35,7 +35,8 @@ TEST_F(BridgeServiceTest, DrivesAtTheOrderedSpeedAndEchoesTheOrder) {
   runCommanded(2);
   EXPECT_EQ(last[1].command_seq, 7);
   EXPECT_EQ(last[1].command_instance, 1);
-  EXPECT_EQ(last[1].program.kind, program_t::WHEELS);
+  EXPECT_EQ(last[1].program.hash, 0);
+  EXPECT_EQ(last[1].program.name, kDrivenByHost);
   EXPECT_NEAR(last[1].wheel_left, 0.1, 1e-9);
   EXPECT_NEAR(last[1].wheel_right, 0.05, 1e-9);
   EXPECT_EQ(robot.left(), 94);
@@ -48,15 +49,16 @@ TEST_F(BridgeServiceTest, RunsTheTableThatTheLightSelects) {
   start();
   command(table({1}), 1);
   runCommanded(4);
-  EXPECT_EQ(last[1].program.kind, program_t::ABP);
+  EXPECT_EQ(last[1].program.name, "abp");
+  EXPECT_EQ(last[1].program.hash, table({1}).bands[0].program.id.hash);
   EXPECT_EQ(last[1].band, 0);
   EXPECT_NEAR(last[1].light_front, 200 / 1023.0, 1e-6);
   const std::int32_t epoch = last[1].program_epoch;
   const std::int64_t switched = loop.now();
   robot.sensors().light_front = robot.sensors().light_back = 800;
   runCommanded(1);
-  EXPECT_EQ(last[1].program.kind, program_t::RTP);
-  EXPECT_EQ(last[1].program.tau_t, 0.5);
+  EXPECT_EQ(last[1].program.name, "rtp");
+  EXPECT_EQ(last[1].program.hash, table({1}).bands[1].program.id.hash);
   EXPECT_EQ(last[1].band, 1);
   EXPECT_EQ(last[1].program_epoch, epoch + 1);
   EXPECT_NEAR(static_cast<double>(last[1].program_start_utime - switched), 10'000, 15'000);
@@ -144,7 +146,7 @@ TEST_F(BridgeServiceTest, ReportsEveryDraw) {
   for (std::size_t i = 0; i < steps.size(); ++i) {
     EXPECT_EQ(steps[i].draw_count, static_cast<std::int32_t>(i) + 1);
     if (steps[i].slot < 0) continue;  // standing, before it had settings
-    EXPECT_EQ(steps[i].kind, program_t::ABP);
+    EXPECT_EQ(steps[i].phase, 0);
     EXPECT_EQ(steps[i].duration, 0.5);
   }
   EXPECT_EQ(static_cast<std::uint32_t>(steps.back().rng), robot.device().core().rng().digest());
@@ -261,7 +263,8 @@ TEST_F(BridgeServiceTest, WorksWithARobotThatAnswersSlowly) {
   command(table({1}), 1);
   runCommanded(30);
   EXPECT_EQ(last[1].command_seq, 1);
-  EXPECT_EQ(last[1].program.kind, program_t::ABP);
+  EXPECT_EQ(last[1].program.name, "abp");
+  EXPECT_EQ(last[1].program.hash, table({1}).bands[0].program.id.hash);
 }
 
 TEST_F(BridgeServiceTest, SeedsAreDerivedFromTheExperimentAndNeverRepeat) {
@@ -282,14 +285,58 @@ TEST_F(BridgeServiceTest, SeedsAreDerivedFromTheExperimentAndNeverRepeat) {
   EXPECT_EQ(robot.device().core().rng().digest(), digestOf("program restart 2"));
 }
 
+TEST_F(BridgeServiceTest, LoadsTheProgramsOnceAndReportsHowLongItTook) {
+  WireRobot& robot = addRobot(1);
+  robot.sensors().light_front = robot.sensors().light_back = 200;
+  std::string line;
+  other.subscribe<service_status_t>(channels::kServiceStatus, [&](const service_status_t& status) {
+    for (const stream_count_t& row : status.received) {
+      if (row.channel == "serial line" && row.sender.starts_with("robot 1 ")) line = row.sender;
+    }
+  });
+  start();
+  command(table({1}), 1);
+  runCommanded(4);
+  EXPECT_THAT(line, testing::HasSubstr(", 2 programs loaded in "));
+  EXPECT_EQ(last[1].program.name, "abp");
+  // They survive a restart of the robot.
+  robot.boot(wire::kResetPower);
+  runCommanded(2);
+  command(table({1}), 2);
+  runCommanded(4);
+  EXPECT_EQ(last[1].program.name, "abp");
+  EXPECT_THAT(line, testing::HasSubstr(", 2 programs loaded in "));
+}
+
+TEST_F(BridgeServiceTest, SensesReachTheProgramAndTheirTimesTheStatus) {
+  addRobot(1).sensors().light_front = 200;
+  start();
+  command(table({1}), 1);
+  runCommanded(3);
+  EXPECT_EQ(last[1].senses_utime, 0);
+  robot_senses_t senses{};
+  senses.robots.resize(1);
+  senses.robots[0].robot_id = 1;
+  senses.robots[0].values[5] = 2.5F;
+  senses.num_robots = 1;
+  senses.utime = loop.now() - 40'000;
+  const std::int64_t sent = loop.now();
+  other.publish(channels::kRobotSenses, senses);
+  bus.deliver();
+  runCommanded(0.4);
+  EXPECT_GT(last[1].senses_utime, 0);
+  EXPECT_NEAR(static_cast<double>(last[1].senses_since_utime - sent), 10'900, 1'000);
+}
+
 TEST_F(BridgeServiceTest, SendsTheSameSettingsAsASimulatedRobotGets) {
   WireRobot& robot = addRobot(1);
   start();
   command(table({1}), 1);
   runCommanded(3);
-  const OrderSettings requested =
+  OrderSettings requested =
       settingsFrom(table({1}), {experiment.hardware.max_wheel_speed, experiment.hardware.diameter},
                    experiment.hardware.sensor_period);
+  requested.core.robot_id = 1;
   EXPECT_TRUE(robot.device().core().settings() == requested.core);
 }
 
@@ -382,8 +429,9 @@ TEST_F(BridgeServiceTest, StoresACalibrationAndReportsTheStoredValues) {
   run(3);
   command(table({1}), 1);
   runCommanded(3);
-  const OrderSettings with_own = settingsFrom(
-      table({1}), {experiment.hardware.max_wheel_speed, 0.0781}, experiment.hardware.sensor_period);
+  OrderSettings with_own = settingsFrom(table({1}), {experiment.hardware.max_wheel_speed, 0.0781},
+                                        experiment.hardware.sensor_period);
+  with_own.core.robot_id = 1;
   EXPECT_TRUE(robot.device().core().settings() == with_own.core);
 }
 

@@ -98,7 +98,8 @@ void record(const std::filesystem::path& path) {
     robot_state_t state{};
     state.robot_id = 8;
     state.utime = utime;
-    state.program.kind = program_t::BP;
+    state.program.hash = 77;
+    state.program.name = "bp";
     status.robots = {state};
     status.num_robots = 1;
     write(channels::kRobotStatus, status);
@@ -168,12 +169,13 @@ TEST_F(BodiesTest, EachBodyUsesItsOwnChannels) {
   run(0.9);
   EXPECT_THAT(idsOf(statuses.back()), ElementsAre(1, 4)) << "robot_bridge handles the wire robot";
   EXPECT_EQ(statuses.back().robots[1].origin, robot_state_t::REPLAY);
-  EXPECT_EQ(statuses.back().robots[1].program.kind, program_t::BP);
+  EXPECT_EQ(statuses.back().robots[1].program.hash, 77);
+  EXPECT_EQ(statuses.back().robots[1].program.name, "bp");
   EXPECT_THAT(idsOf(frames.back()), ElementsAre(1, 2, 4))
       << "the real camera tracks the real robot";
   EXPECT_THAT(idsOf(truths.back()), ElementsAre(1, 2, 4));
   EXPECT_EQ(truth(4).x, 0.9);
-  EXPECT_EQ(truth(2).program, program_t::NONE);
+  EXPECT_EQ(truth(2).program, 0);
   ASSERT_FALSE(host.all<wire::Hello>().empty());
   EXPECT_EQ(host.all<wire::Hello>()[0].uid, simulatedUid(2));
 }

@@ -11,7 +11,10 @@
 #include "common/bus/memory_bus.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 #include "common/loop/virtual_loop.hpp"
+#include "common/programs/program_library.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::sim::sim_service_test {
 namespace {
@@ -108,7 +111,8 @@ TEST_F(SimServiceTest, PublishesAtExactMultiplesOfItsPeriodsAndDelaysTheTracker)
 
 TEST_F(SimServiceTest, RobotsStandUntilTheyAreCommanded) {
   run(2);
-  EXPECT_EQ(last().program.kind, program_t::NONE);
+  EXPECT_EQ(last().program.hash, 0);
+  EXPECT_EQ(last().program.name, "");
   EXPECT_EQ(frames.front().robots[0].x, frames.back().robots[0].x);
 }
 
@@ -117,7 +121,8 @@ TEST_F(SimServiceTest, DrivesAtTheOrderedSpeedAndEchoesTheOrder) {
   const std::size_t before = frames.size();
   run(0.5);
   EXPECT_EQ(last().command_seq, 5);
-  EXPECT_EQ(last().program.kind, program_t::WHEELS);
+  EXPECT_EQ(last().program.hash, 0);
+  EXPECT_EQ(last().program.name, "driven");
   // Frames of the last 30 ms are still delayed.
   const tracked_frame_t& frame = frames.back();
   const double driven_s = static_cast<double>(frame.utime - frames.at(before).utime) * 1e-6;
@@ -130,6 +135,52 @@ TEST_F(SimServiceTest, AnOrderBeyondTheWheelLimitIsRefusedAndReported) {
   run(0.1);
   EXPECT_NE(last().flags & robot_state_t::FLAG_REJECTED, 0);
   EXPECT_EQ(last().wheel_left, 0);
+}
+
+TEST_F(SimServiceTest, AnOrderWithByteCodeThatIsNoneIsRefusedAndReported) {
+  robot_order_t order = lightTableCommand(experiment).orders.at(0);
+  order.bands[0].program.code[0] ^= 0xFF;
+  command(order, 6);
+  run(0.1);
+  EXPECT_NE(last().flags & robot_state_t::FLAG_REJECTED, 0);
+  EXPECT_EQ(last().program.hash, 0);
+}
+
+TEST_F(SimServiceTest, ReportsThePhaseOfARobotAndItsTumbles) {
+  const Program program = test::rtp(0.02, 3, 1);
+  robot_order_t order = lightTableCommand(experiment).orders.at(0);
+  order.bands[0].program = toMessage(program);
+  for (int i = 0; i < 20; ++i) {
+    command(order, 1);
+    run(0.5);
+  }
+  int tumbling = 0;
+  for (const robot_status_t& status : statuses) {
+    for (const robot_state_t& robot : status.robots) {
+      const bool second = robot.phase == 1;
+      EXPECT_EQ((robot.flags & robot_state_t::FLAG_TUMBLING) != 0, second);
+      if (!second) continue;
+      ++tumbling;
+      EXPECT_EQ(robot.program_left, -robot.program_right) << "a tumble is on the spot";
+      EXPECT_EQ(robot.program.hash, program.hash);
+    }
+  }
+  EXPECT_GT(tumbling, 0);
+  EXPECT_GT(last().tumble_count, 0);
+  EXPECT_LT(last().run_time, 10 - last().tumble_count + 1);
+}
+
+TEST_F(SimServiceTest, AnOrderWithMoreProgramsThanItCanKeepIsRefusedAndReported) {
+  robot_order_t order = lightTableCommand(experiment).orders.at(0);
+  for (std::size_t i = 0; i <= ProgramLibrary::kMost; ++i) {
+    const double speed = 1e-5 * static_cast<double>(i + 1);
+    order.bands[0].program = toMessage(test::wheels(speed, speed));
+    command(order, static_cast<std::int64_t>(i + 1));
+  }
+  run(0.1);
+  EXPECT_NE(last().flags & robot_state_t::FLAG_REJECTED, 0);
+  EXPECT_NEAR(last().wheel_left, 1e-5 * ProgramLibrary::kMost, 1e-5)
+      << "it keeps the program before";
 }
 
 TEST_F(SimServiceTest, StopsWhenTheHostIsSilentForItsLease) {
@@ -172,7 +223,9 @@ TEST_F(SimServiceTest, TheProjectedLightSelectsTheProgramWithinASensorPeriod) {
   other.publish(channels::kLightStatus, status);
   run(0.1);
   for (const robot_state_t& robot : statuses.back().robots) {
-    EXPECT_EQ(robot.program.kind, program_t::ABP);
+    EXPECT_EQ(robot.program.hash, experiment.programs.at("abp").hash);
+    EXPECT_EQ(robot.program.name, "abp");
+    EXPECT_EQ(robot.phase, 0);
     EXPECT_LE(robot.program_start_utime - shown, 20'000);
     EXPECT_NEAR((robot.program_left + robot.program_right) / 2, 0.03, 1e-9);
   }
@@ -204,13 +257,13 @@ TEST_F(SimServiceTest, AnnouncedLightIsSwitchedAtItsTime) {
   announce(now + 140'000, 0.1);
   run(0.2);
   for (const robot_state_t& robot : statuses.back().robots) {
-    EXPECT_EQ(robot.program.kind, program_t::NONE) << "dark again";
+    EXPECT_EQ(robot.program.hash, 0) << "dark again";
   }
   std::int64_t first = 0;
   std::int64_t last = 0;
   for (const robot_status_t& status : statuses) {
     for (const robot_state_t& robot : status.robots) {
-      if (robot.program.kind != program_t::ABP) continue;
+      if (robot.program.name != "abp") continue;
       if (first == 0) first = robot.program_start_utime;
       last = robot.utime;
     }

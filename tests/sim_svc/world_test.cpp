@@ -180,7 +180,7 @@ TEST(World, LightSwitchesTheProgramWithinOneSensorPeriod) {
   table.light.count = 2;
   table.light.bands[0] = {0, 512, 0};
   table.light.bands[1] = {512, 1024, 1};
-  table.programs[1] = rtpProgram(0.05, 1, 0.5);
+  table.programs[1] = always(rtpProgram(0.05, 1, 0.5)).programs[0];
   table.reversal.enabled = false;
   startAll(dut, table);
   dut.advanceTo(2 * kSecond);

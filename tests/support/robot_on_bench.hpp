@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -12,6 +13,7 @@
 #include "robot/firmware/device.hpp"
 #include "robot/wire/config.hpp"
 #include "robot/wire/fields.hpp"
+#include "tests/robot/programs.hpp"
 
 namespace lab::firmware {
 
@@ -36,12 +38,15 @@ class BenchBoard final : public Board {
   uint8_t readStore(uint16_t address) const override { return store.at(address); }
   void writeStore(uint16_t address, uint8_t byte) override {
     ++store_writes;
+    store_busy_ms_ = store_write_ms;
     if (!store_dead) store.at(address) = byte;
   }
+  bool storeBusy() const override { return store_busy_ms_ > 0; }
   uint16_t stackLeft() const override { return 320; }
 
   /// Advances by 1 ms. @return the bytes that the UART sent
   std::vector<uint8_t> passMs() {
+    store_busy_ms_ -= 1;
     credit_ += kBytesPerMs;
     std::vector<uint8_t> bytes;
     while (!queue_.empty() && credit_ >= 1) {
@@ -59,6 +64,7 @@ class BenchBoard final : public Board {
   int16_t right = 99;
   int motor_changes = 0;
   int store_writes = 0;
+  double store_write_ms = 0;  ///< how long a write takes; 3.4 on the chip
   bool store_dead = false;
   std::array<uint8_t, 1024> store = [] {
     std::array<uint8_t, 1024> blank{};
@@ -69,6 +75,7 @@ class BenchBoard final : public Board {
  private:
   std::deque<uint8_t> queue_;
   double credit_ = 0;
+  double store_busy_ms_ = 0;
 };
 
 /// A frame from the robot and the time at which it was complete.
@@ -125,15 +132,19 @@ class RobotOnBench {
     for (uint8_t i = 0; i < size; ++i) device_->receive(now_, 250, bytes[i]);
   }
 
-  /// Sends a command and runs for 60 ms. @return the answer; a missing answer is a test failure
+  /// Sends a command, runs for 60 ms, and up to `ms` until the answer comes. @return the answer; a
+  /// missing answer is a test failure
   template <class Message>
-  wire::Ack command(const Message& message) {
-    const std::size_t before = heard_.size();
+  wire::Ack command(const Message& message, uint32_t ms = 60) {
+    std::size_t at = heard_.size();
     const uint8_t seq = send(message);
     run(60);
-    for (std::size_t i = before; i < heard_.size(); ++i) {
-      wire::Ack ack;
-      if (heard_[i].frame.seq == seq && wire::unpack(heard_[i].frame, ack)) return ack;
+    for (uint32_t waited = 60; waited <= ms; ++waited) {
+      for (; at < heard_.size(); ++at) {
+        wire::Ack ack;
+        if (heard_[at].frame.seq == seq && wire::unpack(heard_[at].frame, ack)) return ack;
+      }
+      if (waited < ms) run(1);
     }
     ADD_FAILURE() << "no answer to type " << int{Message::kType};
     return {};
@@ -167,10 +178,38 @@ class RobotOnBench {
     return codes;
   }
 
-  /// Sends the settings and applies them. @return the answer to APPLY
+  /// Loads a program. @return the answer to the last message sent
+  wire::Ack load(const std::vector<uint8_t>& code) {
+    const auto size = static_cast<uint8_t>(code.size());
+    const uint32_t hash = dynamics::programHash(code.data(), size);
+    wire::Ack ack = command(wire::LoadBegin{hash, size});
+    for (std::size_t at = 0; at < code.size() && ack.status == wire::kOk; at += 32) {
+      wire::LoadData data;
+      data.offset = static_cast<uint8_t>(at);
+      std::copy(code.begin() + static_cast<std::ptrdiff_t>(at),
+                code.begin() + static_cast<std::ptrdiff_t>(std::min(at + 32, code.size())),
+                data.code);
+      ack = command(data);
+    }
+    return ack.status == wire::kOk ? command(wire::LoadEnd{hash}, 1000) : ack;
+  }
+
+  /// Writes a program into the EEPROM, to be found at the next boot.
+  void store(uint8_t place, uint32_t hash) {
+    const std::vector<uint8_t>& code = testPrograms().code(hash);
+    encodeProgram(code.data(), static_cast<uint8_t>(code.size()), place, board_.store.data());
+  }
+
+  /// Stages the programs, loads those that the robot lacks, sends the other settings and applies
+  /// them. @return the answer to APPLY
   wire::Ack configure(const dynamics::CoreSettings& settings) {
     for (uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
       EXPECT_EQ(command(wire::programMessage(settings, slot)).status, wire::kOk);
+    }
+    for (const uint32_t hash : settings.programs) {
+      if (hash != 0 && device_->programs().placeOf(hash) == ProgramStore::kNoPlace) {
+        EXPECT_EQ(load(testPrograms().code(hash)).status, wire::kOk);
+      }
     }
     EXPECT_EQ(command(wire::lightMessage(settings)).status, wire::kOk);
     EXPECT_EQ(command(wire::motionMessage(settings)).status, wire::kOk);
@@ -221,20 +260,16 @@ inline dynamics::CoreSettings twoPrograms() {
   s.light.count = 2;
   s.light.bands[0] = dynamics::LightBand{0, 512, 0};
   s.light.bands[1] = dynamics::LightBand{512, 1024, 1};
-  s.programs[0].kind = dynamics::kAbp;
-  s.programs[0].speed_um_s = 60000;
-  s.programs[0].amplitude_um_s = 112500;
-  s.programs[0].hold_ms = 500;
-  s.programs[1].kind = dynamics::kRtp;
-  s.programs[1].speed_um_s = 50000;
-  s.programs[1].mean_run_us = 1000000;
-  s.programs[1].tumble_ms = 500;
-  s.programs[1].tumble_amplitude_um_s = 235619;
+  s.programs[0] = hashOf(abpText("6 cm/s", "0.5 s", "3 rad/s"));
+  s.programs[1] = hashOf(rtpText("5 cm/s", "1 1/s", "0.5 s"));
   return s;
 }
 
 /// Boots and configures a robot with twoPrograms(); it runs ABP under a lease.
 inline void startPrograms(RobotOnBench& robot, uint32_t lease_ms) {
+  const dynamics::CoreSettings settings = twoPrograms();
+  robot.store(0, settings.programs[0]);
+  robot.store(1, settings.programs[1]);
   robot.boot();
   EXPECT_EQ(robot.configure(twoPrograms()).status, wire::kOk);
   EXPECT_EQ(robot.command(robot.order(wire::Order::kTable, lease_ms)).status, wire::kOk);

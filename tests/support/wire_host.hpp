@@ -1,7 +1,9 @@
 /// The host side of a robot's serial line, for tests.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -9,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "common/programs/program.hpp"
 #include "common/serial/serial.hpp"
 #include "robot/wire/config.hpp"
 #include "robot/wire/messages.hpp"
@@ -32,7 +35,26 @@ class WireHost {
     if (taken != size) throw SerialError("the line is full");
   }
 
-  /// Applies settings and seed, and switches on the step log.
+  /// Loads a program. The robot has it a second later.
+  void load(const Program& program) {
+    wire::LoadBegin begin;
+    begin.hash = program.hash;
+    begin.size = static_cast<std::uint8_t>(program.code.size());
+    send(begin);
+    for (std::size_t at = 0; at < program.code.size(); at += wire::LoadData::kBytes) {
+      wire::LoadData data;
+      data.offset = static_cast<std::uint8_t>(at);
+      const std::size_t end = std::min(at + wire::LoadData::kBytes, program.code.size());
+      std::copy(program.code.begin() + static_cast<std::ptrdiff_t>(at),
+                program.code.begin() + static_cast<std::ptrdiff_t>(end), data.code);
+      send(data);
+    }
+    wire::LoadEnd load_end;
+    load_end.hash = program.hash;
+    send(load_end);
+  }
+
+  /// Applies settings and seed, and switches on the step log. The robot must have the programs.
   void configure(const dynamics::CoreSettings& settings, std::uint64_t seed) {
     for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
       send(wire::programMessage(settings, slot));

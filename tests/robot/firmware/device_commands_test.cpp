@@ -76,8 +76,8 @@ TEST(Commands, WithUnknownTypeOrWrongLengthAreRefused) {
       frame.type = static_cast<uint8_t>(type);
       frame.seq = size;
       frame.size = size;
-      const bool known = type == 0x01 || type == 0x02 || (type >= 0x10 && type <= 0x19);
-      const uint8_t lengths[] = {34, 24, 17, 2, 16, 2, 8, 5, 1, 0};
+      const bool known = type == 0x01 || type == 0x02 || (type >= 0x10 && type <= 0x1E);
+      const uint8_t lengths[] = {5, 24, 23, 2, 16, 2, 8, 5, 1, 0, 5, 33, 4, 0, 33};
       const uint8_t right = type == 1 ? 8 : type == 2 ? 0 : lengths[known ? type - 0x10 : 0];
       if (known && size == right) continue;
       robot.heard().clear();
@@ -158,6 +158,9 @@ TEST(Apply, AppliesAllSettingsOrNone) {
   RobotOnBench robot;
   robot.boot();
   const dynamics::CoreSettings settings = twoPrograms();
+  for (const uint32_t hash : {settings.programs[0], settings.programs[1]}) {
+    EXPECT_EQ(robot.load(testPrograms().code(hash)).status, wire::kOk);
+  }
   robot.command(wire::programMessage(settings, 0));
   robot.command(wire::programMessage(settings, 1));
   wire::Apply apply;
@@ -179,14 +182,14 @@ TEST(Apply, WithTheSameSettingsChangesNothing) {
   EXPECT_EQ(robot.device().core().report().program_epoch, epoch);
 }
 
-TEST(Apply, RefusesSettingsBeyondTheWheelLimit) {
+TEST(Apply, RefusesSettingsWithAFault) {
   RobotOnBench robot;
   startPrograms(robot, 60000);
   dynamics::CoreSettings fast = twoPrograms();
-  fast.programs[0].amplitude_um_s = 250000;
+  fast.max_wheel_um_s = -1;
   const wire::Ack ack = robot.configure(fast);
   EXPECT_EQ(ack.status, wire::kBadValue);
-  EXPECT_EQ(ack.detail, wire::kTooFast);
+  EXPECT_EQ(ack.detail, wire::kBadLimits);
   EXPECT_TRUE(robot.device().core().settings() == twoPrograms());
   EXPECT_FALSE(robot.stands());
 }
@@ -206,7 +209,7 @@ TEST(Order, IsRefusedForOtherSettingsAndDoesNotRenewTheLease) {
   wire::Order order = robot.order(wire::Order::kDrive, 60000, 9);
   ++order.config;
   EXPECT_EQ(robot.command(order).status, wire::kWrongConfig);
-  EXPECT_EQ(robot.device().core().report().kind, dynamics::kAbp);
+  EXPECT_EQ(robot.device().core().report().program, twoPrograms().programs[0]);
   robot.run(500);
   EXPECT_TRUE(robot.stands());
   EXPECT_EQ(robot.last<wire::Telemetry>().order_id, 1);
@@ -218,7 +221,7 @@ TEST(Order, WithAnUnknownModeIsRefused) {
   const wire::Ack ack = robot.command(robot.order(3, 60000));
   EXPECT_EQ(ack.status, wire::kBadValue);
   EXPECT_EQ(ack.detail, 1);
-  EXPECT_EQ(robot.device().core().report().kind, dynamics::kAbp);
+  EXPECT_EQ(robot.device().core().report().program, twoPrograms().programs[0]);
 }
 
 TEST(Order, DrivesTheWheels) {

@@ -76,8 +76,7 @@ TEST(Stop, LatchesAtOnceInEveryState) {
     EXPECT_TRUE(robot.stands());
   }
   dynamics::CoreSettings other = twoPrograms();
-  other.programs[0].kind = dynamics::kWheels;
-  other.programs[0].left_um_s = 100000;
+  other.programs[0] = hashOf(wheelsText(100000, 0));
   EXPECT_EQ(robot.configure(other).status, wire::kOk);
   EXPECT_EQ(robot.command(robot.order(wire::Order::kTable, 60000)).status, wire::kOk);
   robot.sensors().light_front = robot.sensors().light_back = 900;
@@ -147,7 +146,8 @@ TEST(Stop, IsExecutedAgainWhenItIsRepeated) {
 TEST(Stop, IsAnsweredBeforeWaitingReports) {
   RobotOnBench robot;
   dynamics::CoreSettings busy = twoPrograms();
-  busy.programs[0].hold_ms = 3;  // more draws than the line can carry
+  busy.programs[0] =
+      hashOf(abpText("6 cm/s", "3 ms", "3 rad/s"));  // more draws than the line can carry
   robot.boot();
   robot.configure(busy);
   wire::SetParam fast;

@@ -54,7 +54,7 @@ TEST(Telemetry, ContainsSensorsAndMotion) {
   const uint16_t expected[8] = {300, 301, 1018, 1019, 1020, 1021, 1022, 1023};
   EXPECT_THAT(telemetry.sensors, testing::ElementsAreArray(expected));
   EXPECT_EQ(telemetry.slot, 0);
-  EXPECT_EQ(telemetry.kind, dynamics::kAbp);
+  EXPECT_EQ(telemetry.phase, 0);
 }
 
 TEST(State, IsSentAtEachChangeBeforeTheTelemetryThatShowsIt) {
@@ -92,6 +92,7 @@ TEST(State, IsRepeatedFourTimesASecond) {
   const wire::State state = robot.last<wire::State>();
   EXPECT_EQ(state.program_epoch, static_cast<uint16_t>(report.program_epoch));
   EXPECT_EQ(state.program_start_ms, report.program_start_ms);
+  EXPECT_EQ(state.program, twoPrograms().programs[0]);
 }
 
 TEST(State, ReportsReversals) {
@@ -115,8 +116,9 @@ TEST(Steps, AreTheDrawsOfTheCore) {
     RobotOnBench robot;
     robot.boot();
     dynamics::CoreSettings settings = twoPrograms();
-    settings.programs[1].mean_run_us = 30000;  // runs of 0 ms among them
-    settings.programs[1].tumble_ms = 20;
+    language::ProgramText fast = rtpText("5 cm/s", "33 1/s", "0.5 s");
+    fast.phases[1].hold = "20 ms";  // and runs of 0 ms among them
+    settings.programs[1] = hashOf(fast);
     robot.sensors().light_front = robot.sensors().light_back = light;
     robot.configure(settings);
     wire::SetSeed seed;
@@ -128,21 +130,24 @@ TEST(Steps, AreTheDrawsOfTheCore) {
     robot.run(30000);
 
     dynamics::Rng rng(7);
-    dynamics::Program program;
-    program.start(settings.programs[light == 100 ? 0 : 1]);
+    const std::vector<uint8_t>& code = testPrograms().code(settings.programs[light == 100 ? 0 : 1]);
+    const dynamics::MachineInputs inputs;
+    dynamics::Machine machine;
+    machine.start(code.data(), static_cast<uint8_t>(code.size()), inputs, rng);
     const std::vector<wire::Step> steps = robot.all<wire::Step>();
     ASSERT_GT(steps.size(), 50U);
     uint32_t at = steps[0].t_ms;
     uint32_t draw = draws_before + 1;
     std::size_t next = 0;
     while (next < steps.size()) {
-      const dynamics::Hold hold = program.next(rng);
+      const dynamics::PhaseResult hold = machine.next(inputs, rng);
       if (steps[next].draw_count == draw) {  // else it was lost, as the gap shows
         EXPECT_EQ(steps[next].t_ms, at);
         EXPECT_EQ(steps[next].left_um_s, hold.left_um_s);
         EXPECT_EQ(steps[next].right_um_s, hold.right_um_s);
         EXPECT_EQ(steps[next].duration_ms, hold.duration_ms);
         EXPECT_EQ(steps[next].rng, rng.digest());
+        EXPECT_EQ(steps[next].phase, machine.phase());
         ++next;
       }
       at += hold.duration_ms;
@@ -158,7 +163,7 @@ TEST(Steps, BeyondTheLinesCapacityAreCountedAndLeaveAGap) {
   RobotOnBench robot;
   robot.boot();
   dynamics::CoreSettings settings = twoPrograms();
-  settings.programs[0].hold_ms = 2;
+  settings.programs[0] = hashOf(abpText("6 cm/s", "2 ms", "3 rad/s"));
   robot.configure(settings);
   robot.command(param(wire::kTelemetryPeriod, 10));  // exceeds the line's capacity by itself
   robot.command(robot.order(wire::Order::kTable, 60000));

@@ -15,15 +15,13 @@ namespace {
 
 using dynamics::CoreSettings;
 using dynamics::LightBand;
-using dynamics::ProgramKind;
 
-/// Valid settings: one program of each moving kind, two bands.
+/// Valid settings: three programs, two bands.
 CoreSettings good() {
   CoreSettings settings;
-  settings.programs[0] = {dynamics::kAbp, 50000, 100000, 1000, 0, 0, 0, 0, 0};
-  settings.programs[1] = {dynamics::kBp, 0, 70000, 200, 0, 0, 0, 0, 0};
-  settings.programs[2] = {dynamics::kRtp, 50000, 0, 0, 333333, 500, 235619, 0, 0};
-  settings.programs[3] = {dynamics::kWheels, 0, 0, 0, 0, 0, 0, -100000, 100000};
+  settings.programs[0] = 0x12345678;
+  settings.programs[1] = 0x9ABCDEF0;
+  settings.programs[2] = 0xFFFFFFFF;
   settings.light.count = 2;
   settings.light.bands[0] = LightBand{0, 500, 2};
   settings.light.bands[1] = LightBand{500, 1024, 0};
@@ -34,6 +32,8 @@ CoreSettings good() {
   settings.reversal.ir_margin = 9;
   settings.max_wheel_um_s = 260000;
   settings.sensor_period_ms = 10;
+  settings.robot_id = 300;
+  settings.half_wheel_base_um = 40000;
   return settings;
 }
 
@@ -70,7 +70,7 @@ TEST(Staging, IgnoresANonexistentSlot) {
     CoreSettings settings = good();
     SetProgram message = programMessage(settings, 0);
     message.slot = static_cast<std::uint8_t>(slot);
-    message.speed_um_s = 1;
+    message.hash = 1;
     stage(message, settings);
     EXPECT_TRUE(settings == good()) << slot;
   }
@@ -87,21 +87,16 @@ TEST(ConfigCrc, IsTheCrcOfTheSixPayloadsInTheirOrder) {
   for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) add(programMessage(settings, slot));
   add(lightMessage(settings));
   add(motionMessage(settings));
-  EXPECT_EQ(payloads.size(), 4U * 34U + 24U + 17U);
+  EXPECT_EQ(payloads.size(), 4U * 5U + 24U + 23U);
   EXPECT_EQ(configCrc(settings), crcByTheBook(payloads));
 }
 
 TEST(ConfigCrc, ChangesWithEverySetting) {
   const std::vector<std::function<void(CoreSettings&)>> changes{
-      [](CoreSettings& s) { s.programs[0].kind = dynamics::kNoisyAbp; },
-      [](CoreSettings& s) { ++s.programs[0].speed_um_s; },
-      [](CoreSettings& s) { ++s.programs[1].amplitude_um_s; },
-      [](CoreSettings& s) { ++s.programs[1].hold_ms; },
-      [](CoreSettings& s) { ++s.programs[2].mean_run_us; },
-      [](CoreSettings& s) { ++s.programs[2].tumble_ms; },
-      [](CoreSettings& s) { ++s.programs[2].tumble_amplitude_um_s; },
-      [](CoreSettings& s) { ++s.programs[3].left_um_s; },
-      [](CoreSettings& s) { ++s.programs[3].right_um_s; },
+      [](CoreSettings& s) { ++s.programs[0]; },
+      [](CoreSettings& s) { ++s.programs[1]; },
+      [](CoreSettings& s) { ++s.programs[2]; },
+      [](CoreSettings& s) { ++s.programs[3]; },
       [](CoreSettings& s) { ++s.light.count; },
       [](CoreSettings& s) { s.light.reading = dynamics::kBackLight; },
       [](CoreSettings& s) { ++s.light.hysteresis; },
@@ -114,6 +109,8 @@ TEST(ConfigCrc, ChangesWithEverySetting) {
       [](CoreSettings& s) { ++s.reversal.ir_margin; },
       [](CoreSettings& s) { ++s.max_wheel_um_s; },
       [](CoreSettings& s) { ++s.sensor_period_ms; },
+      [](CoreSettings& s) { ++s.robot_id; },
+      [](CoreSettings& s) { ++s.half_wheel_base_um; },
       [](CoreSettings& s) { std::swap(s.programs[0], s.programs[1]); }};
   for (std::size_t i = 0; i < changes.size(); ++i) {
     CoreSettings settings = good();
@@ -141,41 +138,11 @@ struct Case {
   std::function<void(CoreSettings&)> change;
 };
 
-constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
 constexpr std::int32_t kLeast = std::numeric_limits<std::int32_t>::min();
 
 const std::vector<Case> kCases{
     {"no change", kNoFault, [](CoreSettings&) {}},
-    {"kind 6", kBadKind, [](CoreSettings& s) { s.programs[1].kind = static_cast<ProgramKind>(6); }},
-    {"kind 255", kBadKind,
-     [](CoreSettings& s) { s.programs[3].kind = static_cast<ProgramKind>(255); }},
-    {"an unused program may hold anything", kNoFault,
-     [](CoreSettings& s) { s.programs[0] = {dynamics::kNone, kMost, kLeast, 0, 0, 0, 0, 0, 0}; }},
-    {"hold 0", kBadTime, [](CoreSettings& s) { s.programs[0].hold_ms = 0; }},
-    {"hold 1 h", kNoFault, [](CoreSettings& s) { s.programs[0].hold_ms = 3600000; }},
-    {"hold beyond 1 h", kBadTime, [](CoreSettings& s) { s.programs[0].hold_ms = 3600001; }},
-    {"mean run 0", kBadTime, [](CoreSettings& s) { s.programs[2].mean_run_us = 0; }},
-    {"mean run 100 s", kNoFault, [](CoreSettings& s) { s.programs[2].mean_run_us = 100000000; }},
-    {"mean run beyond 100 s", kBadTime,
-     [](CoreSettings& s) { s.programs[2].mean_run_us = 100000001; }},
-    {"tumble 0", kBadTime, [](CoreSettings& s) { s.programs[2].tumble_ms = 0; }},
-    {"tumble beyond 1 h", kBadTime, [](CoreSettings& s) { s.programs[2].tumble_ms = 3600001; }},
-    {"ABP at the limit", kNoFault, [](CoreSettings& s) { s.programs[0].speed_um_s = 160000; }},
-    {"ABP over it by v", kTooFast, [](CoreSettings& s) { s.programs[0].speed_um_s = 160001; }},
-    {"ABP over it backwards", kTooFast,
-     [](CoreSettings& s) { s.programs[0].speed_um_s = -160001; }},
-    {"ABP over it by its amplitude", kTooFast,
-     [](CoreSettings& s) { s.programs[0].amplitude_um_s = -210001; }},
-    {"ABP at the end of the range", kTooFast,
-     [](CoreSettings& s) { s.programs[0].amplitude_um_s = kMost; }},
-    {"ABP at the other end", kTooFast,
-     [](CoreSettings& s) { s.programs[0].amplitude_um_s = kLeast; }},
-    {"BP over it", kTooFast, [](CoreSettings& s) { s.programs[1].amplitude_um_s = 260001; }},
-    {"RTP runs too fast", kTooFast, [](CoreSettings& s) { s.programs[2].speed_um_s = 260001; }},
-    {"RTP tumbles too fast", kTooFast,
-     [](CoreSettings& s) { s.programs[2].tumble_amplitude_um_s = -260001; }},
-    {"left wheel", kTooFast, [](CoreSettings& s) { s.programs[3].left_um_s = kLeast; }},
-    {"right wheel", kTooFast, [](CoreSettings& s) { s.programs[3].right_um_s = 260001; }},
+    {"any program", kNoFault, [](CoreSettings& s) { s.programs[1] = 1; }},
     {"bands overlap", kBadBands, [](CoreSettings& s) { s.light.bands[1].low = 499; }},
     {"band empty", kBadBands, [](CoreSettings& s) { s.light.bands[0].high = 0; }},
     {"band beyond the converter", kBadBands, [](CoreSettings& s) { s.light.bands[1].high = 1025; }},
@@ -198,6 +165,10 @@ const std::vector<Case> kCases{
     {"fastest wheel 0", kBadLimits, [](CoreSettings& s) { s.max_wheel_um_s = 0; }},
     {"fastest wheel negative", kBadLimits, [](CoreSettings& s) { s.max_wheel_um_s = kLeast; }},
     {"fastest wheel beyond 5 m/s", kBadLimits, [](CoreSettings& s) { s.max_wheel_um_s = 5000001; }},
+    {"wheel base 0", kBadLimits, [](CoreSettings& s) { s.half_wheel_base_um = 0; }},
+    {"wheel base negative", kBadLimits, [](CoreSettings& s) { s.half_wheel_base_um = kLeast; }},
+    {"wheel base 2 m", kNoFault, [](CoreSettings& s) { s.half_wheel_base_um = 1000000; }},
+    {"wheel base beyond 2 m", kBadLimits, [](CoreSettings& s) { s.half_wheel_base_um = 1000001; }},
     {"sensor period 0", kBadLimits, [](CoreSettings& s) { s.sensor_period_ms = 0; }},
     {"sensor period beyond 1 s", kBadLimits, [](CoreSettings& s) { s.sensor_period_ms = 1001; }}};
 

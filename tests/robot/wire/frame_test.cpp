@@ -14,7 +14,7 @@ const Frame kSome = frameOf(0x14, 7, {1, 0, 2, 0, 0, 3});
 
 TEST(Encode, WritesAFrameComputedByHand) {
   // Raw 01 02 05 00, its CRC-16/X-25 0x2B65, one zero at offset 3.
-  EXPECT_EQ(encoded(frameOf(0x02, 5, {})), (Bytes{0, 4, 1, 2, 5, 3, 0x65, 0x2B, 0}));
+  EXPECT_EQ(encoded(frameOf(0x02, 5, {})), (Bytes{0, 4, 2, 2, 5, 3, 0xA8, 0x0E, 0}));
 }
 
 TEST(Encode, NeverWritesAZeroBetweenTheFirstAndTheLastByte) {
@@ -131,17 +131,17 @@ TEST(Decoder, DropsAnEndlessFrameAndReadsTheNextOne) {
 
 TEST(Decoder, AcceptsFortyBytesAndRefusesFortyOne) {
   Decoder dut;
-  EXPECT_EQ(received(dut, sealed(Bytes{1, 9, 9, 40} + Bytes(40, 7))).size(), 1U);
-  EXPECT_EQ(received(dut, sealed(Bytes{1, 9, 9, 40} + Bytes(40, 0))).size(), 1U);
-  EXPECT_EQ(received(dut, sealed(Bytes{1, 9, 9, 41} + Bytes(41, 7))).size(), 0U);
-  EXPECT_EQ(received(dut, sealed(Bytes{1, 9, 9, 41} + Bytes(41, 0))).size(), 0U);
+  EXPECT_EQ(received(dut, sealed(Bytes{2, 9, 9, 40} + Bytes(40, 7))).size(), 1U);
+  EXPECT_EQ(received(dut, sealed(Bytes{2, 9, 9, 40} + Bytes(40, 0))).size(), 1U);
+  EXPECT_EQ(received(dut, sealed(Bytes{2, 9, 9, 41} + Bytes(41, 7))).size(), 0U);
+  EXPECT_EQ(received(dut, sealed(Bytes{2, 9, 9, 41} + Bytes(41, 0))).size(), 0U);
   EXPECT_EQ(dut.counts().malformed, 2);
 }
 
 TEST(Decoder, RefusesALengthThatDiffersFromThePayload) {
   Decoder dut;
   for (int said = 0; said < 256; ++said) {
-    const Bytes raw = Bytes{1, 9, 9, static_cast<std::uint8_t>(said)} + Bytes(5, 7);
+    const Bytes raw = Bytes{2, 9, 9, static_cast<std::uint8_t>(said)} + Bytes(5, 7);
     EXPECT_EQ(received(dut, sealed(raw)).size(), said == 5 ? 1U : 0U) << said;
   }
   EXPECT_EQ(dut.counts().malformed, 255);
@@ -157,7 +157,7 @@ TEST(Decoder, RefusesFramesShorterThanHeaderAndCrc) {
   EXPECT_EQ(dut.counts().crc, 0);
   // In a frame without length, a byte of the CRC is in its place and may have any value.
   for (unsigned i = 0; i < 65536; ++i) {
-    const Bytes raw{1, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i & 0xFFU)};
+    const Bytes raw{2, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i & 0xFFU)};
     ASSERT_TRUE(received(dut, sealed(raw)).empty()) << i;
   }
 }

@@ -91,7 +91,7 @@ inline Bytes sealed(const Bytes& raw) {
 }
 
 inline Bytes encodedByTheBook(const Frame& frame) {
-  return sealed(Bytes{1, frame.type, frame.seq, frame.size} +
+  return sealed(Bytes{2, frame.type, frame.seq, frame.size} +
                 Bytes(frame.payload, frame.payload + frame.size));
 }
 

@@ -72,8 +72,9 @@ class Sequences {
         return sealed(draws_.bytes(draws_.below(60)));
       case 3: {  // a header that fits and any payload
         const std::size_t size = draws_.below(kMaxPayload + 4);
-        return sealed(Bytes{1, type(), draws_.byte(), static_cast<std::uint8_t>(size)} +
-                      draws_.bytes(size));
+        return sealed(
+            Bytes{kProtocolVersion, type(), draws_.byte(), static_cast<std::uint8_t>(size)} +
+            draws_.bytes(size));
       }
       case 4: {  // one frame, changed
         Bytes bytes = encoded(frame());

@@ -66,7 +66,7 @@ TEST(LineErrors, InUpToTwoBitsAreAlwaysDetectedOutsideTheStuffing) {
   Decoder decoder;
   Tally tally;
   for (const Frame& frame : drawnFrames(draws)) {
-    Bytes raw = Bytes{1, frame.type, frame.seq, frame.size} +
+    Bytes raw = Bytes{kProtocolVersion, frame.type, frame.seq, frame.size} +
                 Bytes(frame.payload, frame.payload + frame.size);
     const std::uint16_t crc = crcByTheBook(raw);
     raw = raw + Bytes{static_cast<std::uint8_t>(crc & 0xFFU), static_cast<std::uint8_t>(crc >> 8)};
@@ -94,7 +94,8 @@ TEST(LineErrors, OfAnyKindBehindAValidHeaderPassOnceIn65536) {
   Tally tally;
   for (std::uint64_t i = 0; i < 4 * triesOr(1000000); ++i) {
     const std::size_t size = draws.below(12);
-    const Bytes raw = Bytes{1, 0x95, 3, static_cast<std::uint8_t>(size)} + draws.bytes(size + 2);
+    const Bytes raw =
+        Bytes{kProtocolVersion, 0x95, 3, static_cast<std::uint8_t>(size)} + draws.bytes(size + 2);
     spoil(decoder, Frame{}, stuffed(raw), tally);
   }
   tally.print("right header, the rest drawn");

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <set>
 #include <string>
@@ -116,8 +117,8 @@ TEST(Messages, HaveTheDocumentedSizes) {
   forEachMessage([&](const char*, const auto& message) {
     sizes.push_back(payloadSize<std::remove_cvref_t<decltype(message)>>());
   });
-  EXPECT_EQ(sizes, (std::vector<int>{8,  0,  34, 24, 17, 2,  16, 2,  8, 5, 1, 0,  //
-                                     14, 25, 3,  32, 30, 28, 27, 11, 5}));
+  EXPECT_EQ(sizes, (std::vector<int>{8,  0,  5, 24, 23, 2,  16, 2,  8, 5, 1, 0, 5, 33, 4, 0, 33,  //
+                                     14, 25, 3, 33, 34, 28, 27, 11, 5, 24}));
 }
 
 TEST(Messages, HaveUniqueTypesThatShowTheDirection) {
@@ -128,9 +129,9 @@ TEST(Messages, HaveUniqueTypesThatShowTheDirection) {
     EXPECT_TRUE(names.insert(name).second) << name;
   });
   EXPECT_FALSE(types.contains(0));
-  // The high bit means robot to host: 12 commands without it, 9 answers and reports with it.
-  EXPECT_EQ(std::distance(types.begin(), types.lower_bound(0x80)), 12);
-  EXPECT_EQ(std::distance(types.lower_bound(0x80), types.end()), 9);
+  // The high bit means robot to host: 17 commands without it, 10 answers and reports with it.
+  EXPECT_EQ(std::distance(types.begin(), types.lower_bound(0x80)), 17);
+  EXPECT_EQ(std::distance(types.lower_bound(0x80), types.end()), 10);
 }
 
 TEST(Messages, AreAllKnownToForEachMessage) {
@@ -174,6 +175,31 @@ TEST(Messages, TruncateCountsToTenBits) {
   EXPECT_EQ(back.sensors[0], 0);
   EXPECT_EQ(back.sensors[1], 1023);
   EXPECT_EQ(back.sensors[2], 0);
+}
+
+/// Whether the fields lie in memory in the order in which they are visited.
+struct MemoryOrder {
+  const void* last = nullptr;
+  bool ascends = true;
+  template <class Field>
+  void operator()(const Field& field) {
+    ascends = ascends && std::less<const void*>()(last, &field);
+    last = &field;
+  }
+  template <std::uint8_t N>
+  void counts10(const std::uint16_t (&values)[N]) {
+    (*this)(values[0]);
+  }
+};
+
+// The chip copies messages whole unless they are declared as reordered.
+TEST(Messages, HaveTheirFieldsInMemoryInTheOrderOfTheWire) {
+  forEachMessage([](const char* name, const auto& message) {
+    using Message = std::remove_cvref_t<decltype(message)>;
+    MemoryOrder order;
+    Message::fields(message, order);
+    EXPECT_EQ(order.ascends, !Reordered<Message>::kValue) << name;
+  });
 }
 
 }  // namespace

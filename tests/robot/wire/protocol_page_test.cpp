@@ -156,19 +156,19 @@ std::vector<int> numbersBelow(const std::string& heading, std::size_t nth = 0) {
 TEST(ProtocolPage, ListsEveryNumberOfTheEnums) {
   EXPECT_EQ(numbersBelow("### 0x83 ACK", 1),
             (std::vector<int>{kOk, kUnknownType, kBadLength, kBadValue, kWrongConfig, kBusy,
-                              kStoreFailed}));
+                              kStoreFailed, kMissing, kNoPlace, kBadProgram}));
   EXPECT_EQ(numbersBelow("### 0x94 EVENT", 1),
             (std::vector<int>{kBooted, kLeaseOver, kStopLatched, kStopReleased, kWatchdogRestart,
-                              kSettingsDefault, kSettingsStored}));
-  EXPECT_EQ(numbersBelow("### 0x90 TELEMETRY", 1),
-            (std::vector<int>{dynamics::kReversing, dynamics::kStopped, dynamics::kLeaseExpired,
-                              dynamics::kSaturated, dynamics::kTumbling, dynamics::kDriven,
-                              dynamics::kNoLightBand, dynamics::kUnconfigured}));
+                              kSettingsDefault, kSettingsStored, kProgramStored}));
+  EXPECT_EQ(
+      numbersBelow("### 0x90 TELEMETRY", 1),
+      (std::vector<int>{dynamics::kReversing, dynamics::kStopped, dynamics::kLeaseExpired,
+                        dynamics::kSaturated, dynamics::kTumbling, dynamics::kDriven,
+                        dynamics::kNoLightBand, dynamics::kUnconfigured, dynamics::kNoProgram}));
   EXPECT_EQ(numbersBelow("### Parameters"),
             (std::vector<int>{kUid, kGainLeft, kGainRight, kDeadBandLeft, kDeadBandRight,
                               kWheelBase, kTelemetryPeriod, kStepLog}));
-  EXPECT_EQ(numbersBelow("### Settings"),
-            (std::vector<int>{kBadKind, kBadTime, kTooFast, kBadBands, kBadReversal, kBadLimits}));
+  EXPECT_EQ(numbersBelow("### Settings"), (std::vector<int>{kBadBands, kBadReversal, kBadLimits}));
 }
 
 TEST(ProtocolPage, GivesVersionSchemaAndCheckValue) {
@@ -236,7 +236,7 @@ TEST(ProtocolPage, GivesTheLoadOfTheLine) {
   });
   for (const Row& row : tableBelow("## Load of the line")) {
     std::smatch match;
-    const std::regex name("[A-Z]{4,}");
+    const std::regex name("[A-Z_]{4,}");
     ASSERT_TRUE(std::regex_search(row[0], match, name)) << row[0];
     const int bytes = std::stoi(row[1]) * frame_of.at(match[0]);
     EXPECT_EQ(row[2], std::to_string(bytes)) << row[0];

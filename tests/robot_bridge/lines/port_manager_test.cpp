@@ -184,11 +184,11 @@ TEST_F(PortManagerTest, ADeviceThatIsNoRobotIsReportedOnce) {
 }
 
 TEST_F(PortManagerTest, ReportsBothProtocolVersionsIfTheyDiffer) {
-  const auto newer = addStranger("newer", ofVersion(2));
+  const auto older = addStranger("older", ofVersion(1));  // firmware with built-in models
   run(25);
   ASSERT_THAT(notes, SizeIs(1));
-  EXPECT_THAT(notes[0], AllOf(HasSubstr("newer: a robot with protocol version 2"),
-                              HasSubstr("this lab has version 1")));
+  EXPECT_THAT(notes[0], AllOf(HasSubstr("older: a robot with protocol version 1"),
+                              HasSubstr("this lab has version 2"), HasSubstr("flash")));
 }
 
 TEST_F(PortManagerTest, ReportsBothSchemasIfTheyDiffer) {

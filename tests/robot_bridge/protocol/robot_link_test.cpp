@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "common/experiment/program_messages.hpp"
+#include "common/programs/shipped_programs.hpp"
 #include "robot/wire/config.hpp"
 
 namespace lab::bridge {
@@ -64,7 +66,15 @@ class RobotLinkTest : public testing::Test {
           value.id = get.id;
           value.value = 80'000;  // [um] the wheel base
           receive(value, frame.seq);
+        } else if (frame.type == wire::GetPrograms::kType) {
+          receive(stored, frame.seq);
+        } else if (frame.type == wire::LoadBegin::kType && places == 0) {
+          acknowledge(frame, wire::kNoPlace);
         } else {
+          wire::Apply apply;
+          if (wire::unpack(frame, apply)) places = 5;  // the settings in force are others now
+          wire::LoadEnd end;
+          if (wire::unpack(frame, end)) stored.hash[--places] = end.hash;
           acknowledge(frame);
         }
       }
@@ -100,6 +110,8 @@ class RobotLinkTest : public testing::Test {
     return found;
   }
 
+  wire::Programs stored;  ///< what the robot has
+  int places = 5;         ///< without a program in use
   std::int64_t now = kStartTime;
   RobotLink dut{LinkSettings{}};
 };
@@ -131,6 +143,104 @@ TEST_F(RobotLinkTest, SendsSettingsThenAppliesThemThenOrders) {
                           wire::SetProgram::kType, wire::SetLight::kType, wire::SetMotion::kType,
                           wire::Apply::kType, wire::Order::kType));
   EXPECT_EQ(dut.commandSeq(), 7) << "the acknowledged ORDER confirms the command";
+}
+
+/// One band with a program of more than 32 bytes.
+robot_order_t tableOf(const std::string& name) {
+  robot_order_t order{};
+  order.mode = robot_order_t::TABLE;
+  light_band_t band{};
+  band.high = 1;
+  band.program = toMessage(shippedProgram(name));
+  order.bands = {band};
+  order.num_bands = 1;
+  return order;
+}
+
+TEST_F(RobotLinkTest, LoadsAMissingProgramAfterStagingItAndBeforeItApplies) {
+  plug();
+  answerAll();
+  const robot_order_t order = tableOf("rtp");
+  const std::size_t size = order.bands[0].program.code.size();
+  ASSERT_GT(size, 32U);
+  ASSERT_LE(size, 64U);
+  command(1, order);
+  EXPECT_THAT(answerAll(),
+              ElementsAre(wire::SetProgram::kType, wire::SetProgram::kType, wire::SetProgram::kType,
+                          wire::SetProgram::kType, wire::GetPrograms::kType, wire::LoadBegin::kType,
+                          wire::LoadData::kType, wire::LoadData::kType, wire::LoadEnd::kType,
+                          wire::SetLight::kType, wire::SetMotion::kType, wire::Apply::kType,
+                          wire::Order::kType));
+  EXPECT_EQ(stored.hash[4], order.bands[0].program.id.hash);
+  EXPECT_EQ(dut.counters().programs_loaded, 1);
+  // The robot keeps it: another table with the same program loads nothing.
+  robot_order_t other = order;
+  other.hysteresis = 0.1;
+  command(2, other);
+  EXPECT_THAT(answerAll(),
+              ElementsAre(wire::SetLight::kType, wire::Apply::kType, wire::Order::kType));
+}
+
+TEST_F(RobotLinkTest, AProgramThatTheRobotHasIsNotLoaded) {
+  plug();
+  answerAll();
+  const robot_order_t order = tableOf("rtp");
+  stored.hash[2] = static_cast<std::uint32_t>(order.bands[0].program.id.hash);
+  command(1, order);
+  EXPECT_THAT(answerAll(), Not(Contains(wire::LoadBegin::kType)));
+  EXPECT_EQ(dut.commandSeq(), 1);
+}
+
+TEST_F(RobotLinkTest, GivesUpTheProgramsInForceIfTheRobotHasNoPlaceForAnother) {
+  plug();
+  answerAll();
+  places = 0;
+  command(1, tableOf("abp"));
+  const std::vector<int> types = answerAll();
+  // Without programs, then with the new one.
+  EXPECT_EQ(std::count(types.begin(), types.end(), wire::Apply::kType), 2);
+  EXPECT_EQ(dut.counters().programs_loaded, 1);
+  EXPECT_EQ(dut.commandSeq(), 1);
+  EXPECT_FALSE(dut.isRejected());
+}
+
+TEST_F(RobotLinkTest, AProgramThatTheRobotRefusesIsReported) {
+  plug();
+  answerAll();
+  command(1, tableOf("abp"));
+  for (int i = 0; i < 100 && !dut.isRejected(); ++i) {
+    for (const wire::Frame& frame : takeSent()) {
+      if (frame.type == wire::GetPrograms::kType) {
+        receive(stored, frame.seq);
+      } else {
+        acknowledge(frame, frame.type == wire::LoadEnd::kType ? wire::kBadProgram : wire::kOk);
+      }
+    }
+  }
+  EXPECT_TRUE(dut.isRejected());
+  EXPECT_THAT(dut.takeNotes(), Contains(HasSubstr("refuses its settings")));
+}
+
+TEST_F(RobotLinkTest, SensesAreSentAtOnceAndReportedWhenTheRobotHasThem) {
+  plug();
+  answerAll();
+  command(1, drive(0.1));
+  takeSent();
+  std::array<dynamics::Fixed, dynamics::kSenses> values{};
+  values[3] = 12345;
+  dut.sense(values, 777, now);
+  wire::SetSenses senses;
+  std::vector<wire::Frame> sent = takeSent();
+  ASSERT_EQ(sent.size(), 1U) << "although an answer is awaited";
+  ASSERT_TRUE(wire::unpack(sent[0], senses));
+  EXPECT_EQ(senses.sense[3], 12345);
+  EXPECT_EQ(dut.senses().utime, 0);
+  wire::Telemetry telemetry;
+  telemetry.senses_id = senses.id;
+  receive(telemetry, 0);
+  EXPECT_EQ(dut.senses().utime, 777);
+  EXPECT_NEAR(static_cast<double>(dut.senses().since_utime - now), 10'900, 100)
+      << "42 bytes on the line";
 }
 
 TEST_F(RobotLinkTest, StandingNeedsNoSettings) {

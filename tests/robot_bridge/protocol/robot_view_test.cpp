@@ -11,7 +11,7 @@ class RobotViewTest : public testing::Test {
     wire::Telemetry message;
     message.t_ms = t_ms;
     message.flags = flags;
-    message.kind = kind;
+    message.slot = 0;
     message.program_epoch = epoch;
     seq = static_cast<std::uint8_t>(seq + 1 + skipped);
     dut.update(message, seq);
@@ -20,6 +20,7 @@ class RobotViewTest : public testing::Test {
     wire::State message;
     message.t_ms = t_ms;
     message.program_epoch = epoch;
+    message.program = 77;
     message.reversal_count = reversals;
     message.reversal_start_ms = reversal_start;
     message.reversal_end_ms = reversal_end;
@@ -35,7 +36,6 @@ class RobotViewTest : public testing::Test {
 
   RobotView dut;
   std::uint8_t seq = 0;
-  std::uint8_t kind = dynamics::kAbp;
   std::uint16_t epoch = 0;
   std::uint16_t reversals = 0;
   std::uint32_t reversal_start = 0;
@@ -111,7 +111,6 @@ TEST_F(RobotViewTest, CountsLostTelemetry) {
 }
 
 TEST_F(RobotViewTest, CountsRunsAndTumblesBetweenTheReports) {
-  kind = dynamics::kRtp;
   state();
   counters(0, 5000);
   telemetry(0);
@@ -133,7 +132,6 @@ TEST_F(RobotViewTest, CountsRunsAndTumblesBetweenTheReports) {
 }
 
 TEST_F(RobotViewTest, RunTimeAndTumblesNeverDecrease) {
-  kind = dynamics::kRtp;
   state();
   counters(0, 0);
   telemetry(0);

@@ -61,6 +61,12 @@ struct Bench {
 
   void follow() { outer.advanceTo(loop.now() - start); }
   void run(double seconds) { loop.runUntil(loop.now() + std::llround(seconds * 1e6)); }
+  /// Loads the program into the robot, and makes it the one for any light.
+  void configure(WireHost& host, const Program& program, std::uint64_t seed) {
+    host.load(program);
+    run(1);
+    host.configure(always(program), seed);
+  }
 
   VirtualLoop loop;
   std::int64_t start = loop.now();
@@ -97,7 +103,7 @@ TEST_F(ChipRobotsTest, DriveAtTheOrderedSpeed) {
   Bench bench(idealHardware(), chipAt(0.3, 0.45, 0));
   WireHost host(bench.ports, "robot_07");
   bench.run(0.2);
-  host.configure(always(abpProgram()), 1);
+  bench.configure(host, abpProgram(), 1);
   bench.run(0.3);
   const dynamics::Pose before = bench.world.pose(0);
   host.order.mode = wire::Order::kDrive;
@@ -112,7 +118,7 @@ TEST_F(ChipRobotsTest, DriveAtTheOrderedSpeed) {
 
 TEST_F(ChipRobotsTest, DrawTheSameAsABusRobotWithTheSameSeed) {
   constexpr std::uint64_t kSeed = 11;
-  const auto program = always(abpProgram(0.03, 0.1, 3));
+  const Program program = abpProgram(0.03, 0.1, 3);
   WorldSettings settings;
   settings.seed = kSeed;
   settings.arena = {20, 20};
@@ -122,25 +128,25 @@ TEST_F(ChipRobotsTest, DrawTheSameAsABusRobotWithTheSameSeed) {
   World bus(settings, setups);
   const StepLight light(0.6, 0.5, 0.5);
   bus.setLight(&light);
-  startAll(bus, program);
+  startAll(bus, always(program));
   std::vector<dynamics::WheelSpeedsUmS> on_bus;
   std::uint32_t draws = 0;
   while (on_bus.size() < 100) {
     bus.step(1000);
     const dynamics::CoreReport report = bus.core(0).report();
-    if (report.kind == dynamics::kAbp && report.draw_count != draws) on_bus.push_back(report.held);
+    if (report.program == program.hash && report.draw_count != draws) on_bus.push_back(report.held);
     draws = report.draw_count;
   }
 
   Bench bench(settings, chipAt(10, 10, 0));
   WireHost host(bench.ports, "robot_07");
   bench.run(1.2);
-  host.configure(program, deriveSeed(kSeed, 7, "program"));
+  bench.configure(host, program, deriveSeed(kSeed, 7, "program"));
   host.run(60'000);
   bench.run(12);
   std::vector<dynamics::WheelSpeedsUmS> on_chip;
   for (const wire::Step& step : host.all<wire::Step>()) {
-    if (step.kind == dynamics::kAbp) on_chip.push_back({step.left_um_s, step.right_um_s});
+    if (step.slot == 0) on_chip.push_back({step.left_um_s, step.right_um_s});
   }
   ASSERT_GE(on_chip.size(), 100U);
   for (std::size_t i = 0; i < 100; ++i) {
@@ -156,7 +162,7 @@ TEST_F(ChipRobotsTest, TwoRunsAreIdenticalToTheByte) {
     WireHost host(bench.ports, "robot_07");
     WireHost other(bench.ports, "robot_08");
     bench.run(1.2);
-    host.configure(always(abpProgram(0.05)), 3);
+    bench.configure(host, abpProgram(0.05), 3);
     host.run(60'000);
     bench.run(8);
     std::vector<std::uint8_t> bytes = host.bytes;
@@ -172,7 +178,7 @@ TEST_F(ChipRobotsTest, StandAndAreSwitchedOnAgainWhenTheEmulatorEnds) {
   Bench bench(idealHardware(), chipAt(0.3, 0.45, 0));
   WireHost host(bench.ports, "robot_07");
   bench.run(0.2);
-  host.configure(always(wheelsProgram(0.05, 0.05)), 1);
+  bench.configure(host, wheelsProgram(0.05, 0.05), 1);
   host.run(60'000);
   bench.run(1);
   const double x = bench.world.pose(0).x;

@@ -66,7 +66,9 @@ class ReplayRobotTest : public testing::Test {
       state.utime = utime + 3000;
       state.robot_id = 3;
       state.origin = robot_state_t::SIM;
-      state.program.kind = program_t::RTP;
+      state.program.hash = 77;
+      state.program.name = "rtp";
+      state.phase = 1;
       state.program_start_utime = kScript + 10;
       state.command_seq = 9;
       state.stop_seq = 8;
@@ -120,7 +122,9 @@ TEST_F(ReplayRobotTest, ReportsStatesWithShiftedTimesAndWithoutCommands) {
   ASSERT_TRUE(state);
   EXPECT_EQ(state->robot_id, 21);
   EXPECT_EQ(state->origin, robot_state_t::REPLAY);
-  EXPECT_EQ(state->program.kind, program_t::RTP);
+  EXPECT_EQ(state->program.hash, 77);
+  EXPECT_EQ(state->program.name, "rtp");
+  EXPECT_EQ(state->phase, 1);
   EXPECT_EQ(state->tumble_count, 150 + 49)
       << "the state after the frame at 1 s is still in the future";
   EXPECT_EQ(state->utime, kLive + 980'000 + 3000);

@@ -46,6 +46,12 @@ struct Bench {
 
   void follow() { outer.advanceTo(loop.now() - start); }
   void run(double seconds) { loop.runUntil(loop.now() + std::llround(seconds * 1e6)); }
+  /// Loads the program into the robot, and makes it the one for any light.
+  void configure(WireHost& host, const Program& program, std::uint64_t seed) {
+    host.load(program);
+    run(1);
+    host.configure(always(program), seed);
+  }
 
   VirtualLoop loop;
   std::int64_t start = loop.now();
@@ -110,7 +116,7 @@ TEST(WireRobots, ABusyLineCarriesWholeFramesAtItsSpeed) {
 TEST(WireRobots, DriveAtTheOrderedSpeed) {
   Bench bench(idealHardware(), wireRobotAt(0.3, 0.45, 0));
   WireHost host(bench.ports, "robot_07");
-  host.configure(always(abpProgram()), 1);
+  bench.configure(host, abpProgram(), 1);
   bench.run(0.2);
   const dynamics::Pose before = bench.world.pose(0);
   host.order.mode = wire::Order::kDrive;
@@ -130,7 +136,7 @@ TEST(WireRobots, DrawTheSameAsABusRobotWithTheSameSeed) {
   WorldSettings settings;
   settings.seed = kSeed;
   settings.arena = {20, 20};
-  const auto program = always(abpProgram(0.03, 0.1, 3));
+  const Program program = abpProgram(0.03, 0.1, 3);
 
   std::vector<dynamics::WheelSpeedsUmS> on_bus;
   std::vector<RobotSetup> setups = wireRobotAt(10, 10, 0);
@@ -138,24 +144,24 @@ TEST(WireRobots, DrawTheSameAsABusRobotWithTheSameSeed) {
   World bus(settings, setups);
   const StepLight light(0.6, 0.5, 0.5);
   bus.setLight(&light);
-  startAll(bus, program);
+  startAll(bus, always(program));
   std::uint32_t draws = 0;
   while (on_bus.size() < 300) {
     bus.step(1000);
     const dynamics::CoreReport report = bus.core(0).report();
-    if (report.kind == dynamics::kAbp && report.draw_count != draws) on_bus.push_back(report.held);
+    if (report.program == program.hash && report.draw_count != draws) on_bus.push_back(report.held);
     draws = report.draw_count;
   }
 
   Bench bench(settings, wireRobotAt(10, 10, 0));
   WireHost host(bench.ports, "robot_07");
   bench.run(1.1);  // until it is switched on
-  host.configure(program, deriveSeed(kSeed, 7, "program"));
+  bench.configure(host, program, deriveSeed(kSeed, 7, "program"));
   host.run(60'000);
   bench.run(35);
   std::vector<dynamics::WheelSpeedsUmS> on_wire;
   for (const wire::Step& step : host.all<wire::Step>()) {
-    if (step.kind == dynamics::kAbp) on_wire.push_back({step.left_um_s, step.right_um_s});
+    if (step.slot == 0) on_wire.push_back({step.left_um_s, step.right_um_s});
   }
   ASSERT_GE(on_wire.size(), 300U);
   for (std::size_t i = 0; i < 300; ++i) {
@@ -171,7 +177,7 @@ TEST(WireRobots, ChangeTheirMotorsAtTimesOfTheirOwnClock) {
   Bench bench(settings, wireRobotAt(10, 10, 0));
   WireHost host(bench.ports, "robot_07");
   bench.run(1.1);
-  host.configure(always(abpProgram(0.03, 0.1, 3)), 5);
+  bench.configure(host, abpProgram(0.03, 0.1, 3), 5);
   host.run(60'000);
   // The true turning rate changes with each draw: every 100 ms of the robot's clock.
   std::vector<std::int64_t> changes;
@@ -194,10 +200,13 @@ TEST(WireRobots, ChangeTheirMotorsAtTimesOfTheirOwnClock) {
 
 TEST(WireRobots, SwitchProgramsByTheLightAndReverseFromARobotAhead) {
   Bench bench(idealHardware(), wireRobotAt(0.6, 0.45, 0));
-  dynamics::CoreSettings settings = always(wheelsProgram(0.05, 0.05));
+  const Program program = wheelsProgram(0.05, 0.05);
+  dynamics::CoreSettings settings = always(program);
   settings.reversal.distance_um = 50000;
   bench.world.moveKinematicDisk(bench.world.addKinematicDisk(), {0.75, 0.45});
   WireHost host(bench.ports, "robot_07");
+  host.load(program);
+  bench.run(1);
   host.configure(settings, 1);
   host.run(60'000);
   bench.run(5);
@@ -209,7 +218,7 @@ TEST(WireRobots, SwitchProgramsByTheLightAndReverseFromARobotAhead) {
 TEST(WireRobots, AResetKeepsOnlyTheStoredSettings) {
   Bench bench;
   WireHost host(bench.ports, "robot_07");
-  host.configure(always(wheelsProgram(0.02, 0.02)), 1);
+  bench.configure(host, wheelsProgram(0.02, 0.02), 1);
   host.run(60'000);
   bench.run(1);
   const double x = bench.world.pose(0).x;
@@ -237,7 +246,7 @@ TEST(WireRobots, TwoRunsAreIdenticalToTheByte) {
     }
     bench.run(1.1);
     for (const auto& host : hosts) {
-      host->configure(always(abpProgram(0.05)), 3);
+      bench.configure(*host, abpProgram(0.05), 3);
       host->run(60'000);
     }
     bench.run(20);

@@ -13,8 +13,7 @@ double msOf(std::uint64_t cycle) { return static_cast<double>(cycle) / kCyclesPe
 
 /// A busy robot: a draw with STEP every 40 ms, telemetry at 50 Hz.
 void driveUnderFullTelemetry(RobotOnChip& robot) {
-  dynamics::CoreSettings settings = fourPrograms();
-  settings.programs[0].hold_ms = 40;
+  const dynamics::CoreSettings settings = fourPrograms({.abp = "40 ms"});
   robot.light(lightOfSlot(0));
   robot.start();
   robot.configure(settings);
@@ -140,9 +139,7 @@ TEST(ChipFailsafe, AHangingProgramIsRestartedStandsAndReportsIt) {
     EXPECT_TRUE(robot.changes().empty());
     EXPECT_EQ(robot.last<wire::Telemetry>()->config, 0);
     EXPECT_EQ(robot.command(robot.order(wire::Order::kTable)).status, wire::kWrongConfig);
-    dynamics::CoreSettings settings = fourPrograms();
-    settings.programs[0].hold_ms = 40;
-    robot.configure(settings);
+    robot.configure(fourPrograms({.abp = "40 ms"}));
     EXPECT_TRUE(robot.changes().empty());
   }
   EXPECT_LE(slowest, 300);

@@ -17,9 +17,7 @@ constexpr double kHighestLoad = 0.5;
 /// Maximum load: short draws with STEP, telemetry at 50 Hz, changing light and walls, and a host
 /// that sends all kinds of messages, with an order five times a second.
 void exercise(RobotOnChip& robot, int seconds) {
-  dynamics::CoreSettings settings = fourPrograms();
-  for (unsigned slot = 0; slot < 3; ++slot) settings.programs[slot].hold_ms = 30;
-  settings.programs[3].mean_run_us = 60000;
+  dynamics::CoreSettings settings = fourPrograms({"30 ms", "30 ms", "30 ms", "17 1/s", "500 ms"});
   settings.reversal.enabled = true;
   settings.reversal.distance_um = 5000;
   robot.start();

@@ -20,15 +20,14 @@ Trace traceOf(double slice_ms, std::uint64_t run_limit, std::uint64_t seed, bool
   ChipSettings settings;
   settings.run_limit = run_limit;
   settings.profile = profile;
-  RobotOnChip robot(settings);
+  const dynamics::CoreSettings core = fourPrograms({.abp = "50 ms"});
+  RobotOnChip robot(settings, storeWithPrograms(core));
   robot.chip().switchOn();
-  robot.run(20, slice_ms);
+  robot.run(60, slice_ms);
   const auto send = [&](const auto& message) {
     robot.send(message);
     robot.run(40, slice_ms);
   };
-  dynamics::CoreSettings core = fourPrograms();
-  core.programs[0].hold_ms = 50;
   for (std::uint8_t slot = 0; slot < 4; ++slot) send(wire::programMessage(core, slot));
   send(wire::lightMessage(core));
   send(wire::motionMessage(core));

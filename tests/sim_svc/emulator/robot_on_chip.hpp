@@ -3,17 +3,21 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "robot/firmware/program_store.hpp"
 #include "robot/firmware/settings.hpp"
 #include "robot/wire/config.hpp"
 #include "robot/wire/fields.hpp"
 #include "sim_svc/emulator/chip.hpp"
+#include "tests/robot/programs.hpp"
 
 namespace lab::emulator {
 
@@ -36,6 +40,18 @@ inline std::vector<std::uint8_t> storeWithUid(std::uint32_t uid) {
   firmware::Settings settings;
   settings.uid = uid;
   return storeWith(settings);
+}
+
+/// A robot that has the programs of these settings in its EEPROM.
+inline std::vector<std::uint8_t> storeWithPrograms(const dynamics::CoreSettings& settings) {
+  std::vector<std::uint8_t> image = storeWithUid(kTestUid);
+  for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
+    if (settings.programs[slot] == 0) continue;
+    const std::vector<std::uint8_t>& code = testPrograms().code(settings.programs[slot]);
+    firmware::encodeProgram(code.data(), static_cast<std::uint8_t>(code.size()), slot,
+                            image.data());
+  }
+  return image;
 }
 
 /// A frame and the time at which its last stop bit ended.
@@ -132,10 +148,46 @@ class RobotOnChip {
     return {0, 255, 255};
   }
 
-  /// Stages and applies settings, which the chip must accept.
+  /// What the chip says of its programs.
+  wire::Programs programs() {
+    const double begin = ms_;
+    send(wire::GetPrograms{});
+    for (int i = 0; i < 200 && all<wire::Programs>(begin).empty(); ++i) run(1, 1);
+    const auto found = all<wire::Programs>(begin);
+    if (found.empty()) {
+      ADD_FAILURE() << "no answer to GET_PROGRAMS";
+      return {};
+    }
+    return found.back().message;
+  }
+
+  /// Loads a program. @return the answer to the last message sent
+  wire::Ack load(const std::vector<std::uint8_t>& code) {
+    const auto size = static_cast<std::uint8_t>(code.size());
+    const std::uint32_t hash = dynamics::programHash(code.data(), size);
+    wire::Ack ack = command(wire::LoadBegin{hash, size});
+    for (std::size_t at = 0; at < code.size() && ack.status == wire::kOk; at += 32) {
+      wire::LoadData data;
+      data.offset = static_cast<std::uint8_t>(at);
+      std::copy(code.begin() + static_cast<std::ptrdiff_t>(at),
+                code.begin() + static_cast<std::ptrdiff_t>(std::min(at + 32, code.size())),
+                data.code);
+      ack = command(data);
+    }
+    return ack.status == wire::kOk ? command(wire::LoadEnd{hash}, 2000) : ack;
+  }
+
+  /// Loads the missing programs, stages and applies settings, which the chip must accept.
   void configure(const dynamics::CoreSettings& settings) {
     for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
       EXPECT_EQ(command(wire::programMessage(settings, slot)).status, wire::kOk);
+    }
+    const wire::Programs stored = programs();
+    for (const std::uint32_t hash : settings.programs) {
+      if (hash != 0 && std::find(std::begin(stored.hash), std::end(stored.hash), hash) ==
+                           std::end(stored.hash)) {
+        EXPECT_EQ(load(testPrograms().code(hash)).status, wire::kOk);
+      }
     }
     EXPECT_EQ(command(wire::lightMessage(settings)).status, wire::kOk);
     EXPECT_EQ(command(wire::motionMessage(settings)).status, wire::kOk);
@@ -199,26 +251,25 @@ class RobotOnChip {
   std::uint16_t config_ = 0;
 };
 
+/// How often the programs of fourPrograms() draw.
+struct Holds {
+  std::string abp = "500 ms";
+  std::string noisy_abp = "100 ms";
+  std::string bp = "200 ms";
+  std::string gamma = "3 1/s";
+  std::string tumble = "500 ms";
+};
+
 /// The four programs of the paper in four light bands: dark to bright ABP, noisy ABP, BP, RTP.
-inline dynamics::CoreSettings fourPrograms() {
+inline dynamics::CoreSettings fourPrograms(const Holds& epsilon = {}) {
   using namespace dynamics;
   CoreSettings settings;
-  settings.programs[0].kind = kAbp;
-  settings.programs[0].speed_um_s = 50000;
-  settings.programs[0].amplitude_um_s = 112500;
-  settings.programs[0].hold_ms = 500;
-  settings.programs[1].kind = kNoisyAbp;
-  settings.programs[1].speed_um_s = 10000;
-  settings.programs[1].amplitude_um_s = 100000;
-  settings.programs[1].hold_ms = 100;
-  settings.programs[2].kind = kBp;
-  settings.programs[2].amplitude_um_s = 70000;
-  settings.programs[2].hold_ms = 200;
-  settings.programs[3].kind = kRtp;
-  settings.programs[3].speed_um_s = 50000;
-  settings.programs[3].mean_run_us = 333333;
-  settings.programs[3].tumble_ms = 500;
-  settings.programs[3].tumble_amplitude_um_s = 235619;
+  settings.programs[0] = hashOf(abpText("5 cm/s", epsilon.abp, "3 rad/s"));
+  settings.programs[1] = hashOf(wheelNoiseText("1 cm/s", "10 cm/s", epsilon.noisy_abp));
+  settings.programs[2] = hashOf(wheelNoiseText("0 cm/s", "7 cm/s", epsilon.bp));
+  language::ProgramText rtp = rtpText("5 cm/s", epsilon.gamma, "0.5 s");
+  rtp.phases[1].hold = epsilon.tumble;
+  settings.programs[3] = hashOf(rtp);
   settings.light.count = 4;
   for (std::uint8_t i = 0; i < 4; ++i) {
     settings.light.bands[i].low = static_cast<std::uint16_t>(256 * i);

@@ -15,8 +15,8 @@ namespace lab::emulator {
 /// The firmware on the host, with a line of unlimited speed.
 class HostRobot final : public firmware::Board {
  public:
-  HostRobot() : device_(*this, firmware::BootFacts{}) {
-    const auto image = storeWithUid(kTestUid);
+  explicit HostRobot(const std::vector<std::uint8_t>& image)
+      : device_(*this, firmware::BootFacts{}) {
     std::copy(image.begin(), image.end(), store_.begin());
     device_.boot(0);
   }
@@ -61,15 +61,9 @@ class HostRobot final : public firmware::Board {
   std::uint8_t seq_ = 0;
 };
 
-/// Programs with draws as fast as the line can transmit them: a STEP takes 11 ms at 38400 baud. The
-/// amplitude of the short tumble is reduced to stay within the speed limit, which only scales
-/// speeds.
+/// Programs with draws as fast as the line can transmit them: a STEP takes 11 ms at 38400 baud.
 inline dynamics::CoreSettings fastPrograms() {
-  dynamics::CoreSettings settings = fourPrograms();
-  for (unsigned slot = 0; slot < 3; ++slot) settings.programs[slot].hold_ms = 20;
-  settings.programs[3].mean_run_us = 30000;
-  settings.programs[3].tumble_ms = 20;
-  return settings;
+  return fourPrograms({"20 ms", "20 ms", "20 ms", "33 1/s", "20 ms"});
 }
 
 /// The commands for both before the draws begin.
@@ -104,7 +98,7 @@ inline std::vector<wire::Step> fromTheFirst(const std::vector<wire::Step>& steps
 }
 
 inline std::vector<wire::Step> stepsOfChip(unsigned slot, std::uint32_t seed, std::size_t count) {
-  RobotOnChip robot;
+  RobotOnChip robot({}, storeWithPrograms(fastPrograms()));
   robot.light(lightOfSlot(slot));
   robot.chip().switchOn();
   robot.run(100);
@@ -124,7 +118,7 @@ inline std::vector<wire::Step> stepsOfChip(unsigned slot, std::uint32_t seed, st
 }
 
 inline std::vector<wire::Step> stepsOfHost(unsigned slot, std::uint32_t seed, std::size_t count) {
-  HostRobot robot;
+  HostRobot robot(storeWithPrograms(fastPrograms()));
   dynamics::Sensors sensors;
   sensors.light_front = sensors.light_back = lightOfSlot(slot);
   robot.tick(sensors);

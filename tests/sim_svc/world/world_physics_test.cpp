@@ -21,7 +21,7 @@ struct Mean {
 
 /// Mean of `observe` between two times over many robots, in an arena too large to meet a wall.
 Mean overRobots(
-    const dynamics::ProgramParams& program, double from_s, double to_s,
+    const Program& program, double from_s, double to_s,
     const std::function<double(const dynamics::Pose&, const dynamics::Pose&)>& observe) {
   WorldSettings settings;
   settings.pwm_steps = false;

@@ -92,8 +92,10 @@ class WorldReversalFromRobots : public ::testing::Test {
     World world(idealHardware(), {{1, dynamics::Pose{0.4, 0.45, 0}, false},
                                   {2, dynamics::Pose{0.8, 0.45, 0}, false}});
     world.setReversesFromRobots(0, robots_seen);
-    world.order(0, [](dynamics::RobotCore& core, std::uint32_t now_ms) {
-      core.configure(now_ms, always(wheelsProgram(0.05, 0.05)));
+    const Program program = wheelsProgram(0.05, 0.05);
+    world.addProgram(program.hash, program.code);
+    world.order(0, [&program](dynamics::RobotCore& core, std::uint32_t now_ms) {
+      core.configure(now_ms, always(program));
       core.renewLease(now_ms, dynamics::RobotCore::kNoEventMs);
     });
     world.advanceTo(8 * kSecond);
