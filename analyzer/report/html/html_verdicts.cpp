@@ -108,9 +108,9 @@ std::vector<std::string> verdictCells(const Finding& finding) {
                   escapeHtml(finding.name)),
       fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
                   escapeHtml(parametersText(*finding.pool))),
-      fmt::format("<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
-                  result.law.known() && result.no_verdict.empty() ? verdictClass(verdict.kind)
-                                                                  : "no law"),
+      fmt::format(
+          "<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
+          result.law.known() && result.no_verdict.empty() ? verdictClass(verdict.kind) : "no law"),
       decided ? fmt::format("{:.1f}", std::abs(verdict.max_z)) : "–",
       groupedText(verdict.judged),
       durationText(result.observed)};
@@ -156,7 +156,7 @@ std::string verdictTable(const std::vector<Finding>& findings) {
   std::string html = "<h2>Is it the motion that was programmed?</h2>\n";
   if (findings.empty()) {
     return html +
-           "<p>No robot was tracked while it ran a program that has a law, "
+           "<p>No robot was tracked while it ran a program of motion, "
            "so there is nothing to compare.</p>\n";
   }
   Table table({"program", "model", "verdict", ">largest deviation (standard errors)",
