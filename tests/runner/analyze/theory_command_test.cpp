@@ -107,10 +107,13 @@ TEST(LabTheory, ReportsWrongArgumentsInOneLine) {
     EXPECT_EQ(lines(output.text).size(), 1U) << output.text;
     EXPECT_NE(output.text.find(text), std::string::npos) << output.text;
   };
-  refuses("brown V_cm_s=3", "found program brown, allowed abp, noisy_abp, bp, rtp");
-  refuses("abp v_cm_s=3 epsilon_s=0.25", "eta_rad_s: found nothing, allowed 0 to 1000");
-  refuses("abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=-1", "eta_rad_s: found -1, allowed 0 to 1000");
-  refuses("abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=1 V_cm_s=3", "V_cm_s: found 3, allowed only with");
+  refuses("brown V_cm_s=3", "model: found \"brown\", allowed a file");
+  refuses("levy",
+          "found program levy, allowed programs with a law in closed form (abp, noisy_abp, "
+          "bp, rtp) or with formulas of their own. Reports compare it with simulated films.");
+  refuses("phototaxis", "The program reads light");
+  refuses("abp epsilon_s=-1", "hold: holds for -1 s, expected 1 ms to 3600 s");
+  refuses("abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=1 V_cm_s=3", "V_cm_s: found an unknown key");
   refuses("abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=1 eta=1", "eta: found an unknown key");
   refuses("bp V_cm_s=3 epsilon_s=0.2 --lags 1,x", "--lags: found \"x\"");
   refuses("bp V_cm_s=3 epsilon_s=0.2 --lags 1,-2", "--lags: found -2, allowed above 0");
