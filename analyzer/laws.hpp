@@ -6,6 +6,7 @@
 
 #include "analyzer/laws/closed_forms.hpp"
 #include "analyzer/laws/law.hpp"
+#include "analyzer/laws/law_of.hpp"
 
 namespace lab::analysis {
 

@@ -243,8 +243,7 @@ void SimService::sampleTruth() {
     pose.x = state.pose.x;
     pose.y = state.pose.y;
     pose.theta = state.pose.theta;
-    pose.program =
-        state.external ? external_robots_.program(i) : std::int64_t{state.core.program};
+    pose.program = state.external ? external_robots_.program(i) : std::int64_t{state.core.program};
     pose.contact_robot = state.contact_robot ? 1 : 0;
     pose.contact_wall = state.contact_wall ? 1 : 0;
     truth.robots.push_back(pose);

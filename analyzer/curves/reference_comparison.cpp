@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <vector>
 
 #include "analyzer/curves/estimates.hpp"
 #include "analyzer/laws/numerics.hpp"

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "analyzer/bootstrap/film_reference.hpp"
 #include "analyzer/curves/curves.hpp"
 

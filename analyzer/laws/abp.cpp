@@ -1,4 +1,8 @@
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "analyzer/laws/forms.hpp"
 #include "analyzer/laws/held_noise_law.hpp"

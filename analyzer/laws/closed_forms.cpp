@@ -1,6 +1,7 @@
 #include "analyzer/laws/closed_forms.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 
 #include "analyzer/laws/forms.hpp"

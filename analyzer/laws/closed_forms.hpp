@@ -2,6 +2,8 @@
 /// list of forms.hpp.
 #pragma once
 
+#include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>

@@ -1,6 +1,8 @@
 #include "analyzer/laws/held_noise_law.hpp"
 
+#include <memory>
 #include <utility>
+#include <vector>
 
 namespace lab::analysis {
 

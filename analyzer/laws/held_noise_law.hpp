@@ -1,5 +1,9 @@
 #pragma once
 
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "analyzer/laws/held_noise.hpp"
 #include "analyzer/laws/law.hpp"
 

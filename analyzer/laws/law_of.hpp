@@ -1,6 +1,7 @@
 /// From a program to its law: the only place that knows both.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 #include "analyzer/laws/law.hpp"

@@ -1,5 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "analyzer/laws/bp_kurtosis.hpp"
 #include "analyzer/laws/forms.hpp"

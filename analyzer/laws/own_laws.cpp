@@ -1,6 +1,8 @@
 #include "analyzer/laws/own_laws.hpp"
 
 #include <cmath>
+#include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "robot/language/formula.hpp"

@@ -1,6 +1,7 @@
 /// The laws of programs that name no closed form: their own formulas, or simulated films.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 

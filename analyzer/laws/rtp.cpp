@@ -1,6 +1,10 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
+#include <optional>
+#include <string>
+#include <vector>
 
 #include "analyzer/laws/forms.hpp"
 #include "analyzer/laws/persistent_msd.hpp"

@@ -340,10 +340,10 @@ struct Gateway {
   std::string mapping;             ///< path as in the file, empty: the built-in mapping
   std::string address;             ///< of the interface to use, empty: this machine only
   std::vector<std::string> peers;  ///< addresses of hosts that multicast does not reach
-  std::string configuration;  ///< path of a Cyclone DDS XML file that replaces the built-in one
-  std::string security;       ///< folder of certificates, as in the file; empty: none
-  bool commands = false;      ///< whether ROS 2 may drive robots and light
-  bool load_programs = false;       ///< whether it may send texts of programs
+  std::string configuration;   ///< path of a Cyclone DDS XML file that replaces the built-in one
+  std::string security;        ///< folder of certificates, as in the file; empty: none
+  bool commands = false;       ///< whether ROS 2 may drive robots and light
+  bool load_programs = false;  ///< whether it may send texts of programs
   bool unsecured_commands = false;  ///< accept commands from other hosts without DDS Security
   std::vector<std::int32_t> command_robots;  ///< robots that it may drive, empty: all
   double command_timeout = 0.4;  ///< [s] a driven robot stands after this time without a command

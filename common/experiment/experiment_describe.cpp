@@ -75,6 +75,9 @@ std::string describePrograms(const Experiment& e, const ProgramCoefficients& coe
             rounded(program.fastest_wheel * 100) + " of " +
             centimetreText(e.hardware.max_wheel_speed) + " cm/s";
     text += line("", "  " + more);
+    for (const std::string& warning : program.warnings) {
+      text += line("", "  warning: " + warning);
+    }
     if (const std::string slow = slowness(program, e.duration); !slow.empty()) {
       text += line("", "  " + slow);
     }

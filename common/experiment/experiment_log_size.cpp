@@ -115,8 +115,8 @@ bool isDriven(const LightStep& step) {
                              [](const LayerSpec& layer) { return !light::isStill(layer.drive); });
 }
 
-/// About the largest number of draws per second that robots on the wire report: all run the program that
-/// draws most often.
+/// About the largest number of draws per second that robots on the wire report: all run the program
+/// that draws most often.
 double stepsPerSecond(const Experiment& experiment) {
   double busiest = 0;
   for (const auto& [name, program] : experiment.programs) {

@@ -37,7 +37,7 @@ struct StepGroup {
 /// Whether the run can end before its duration is over, by its script or by a stop rule.
 [[nodiscard]] bool mayEndEarly(const Experiment& experiment);
 
-/// A condition as text without full stop: "D_r of abp is known to 5 %".
+/// A condition as text without full stop: "D_r of slow is known to 5 %".
 [[nodiscard]] std::string conditionText(const EndCondition& until);
 
 /// Iterates over the steps of a script in the order in which they are shown, with the repetitions

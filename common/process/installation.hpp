@@ -10,11 +10,11 @@ namespace lab {
 
 struct Installation {
   bool packaged = false;
-  std::string command;                    ///< what users type: "active-lab", "./lab"
-  std::filesystem::path programs;         ///< folder of the services' programs
-  std::filesystem::path experiments;      ///< folder of the shipped experiments; may not exist
-  std::filesystem::path clone;            ///< folder of the clone; empty for a package
-  bool may_build = true;  ///< whether this user may write the build folder of the clone
+  std::string command;                ///< what users type: "active-lab", "./lab"
+  std::filesystem::path programs;     ///< folder of the services' programs
+  std::filesystem::path experiments;  ///< folder of the shipped experiments; may not exist
+  std::filesystem::path clone;        ///< folder of the clone; empty for a package
+  bool may_build = true;              ///< whether this user may write the build folder of the clone
 
   /// How to get a missing file of this software.
   /// @param name "dds_gateway", "robot_firmware.hex"

@@ -12,9 +12,8 @@ namespace lab {
 [[nodiscard]] inline dynamics::Fixed fixedOf(double value) {
   if (std::isnan(value)) return 0;
   const double scaled = std::round(value * dynamics::kOne);
-  return static_cast<dynamics::Fixed>(
-      std::clamp(scaled, static_cast<double>(dynamics::kSmallest),
-                 static_cast<double>(dynamics::kLargest)));
+  return static_cast<dynamics::Fixed>(std::clamp(scaled, static_cast<double>(dynamics::kSmallest),
+                                                 static_cast<double>(dynamics::kLargest)));
 }
 
 }  // namespace lab

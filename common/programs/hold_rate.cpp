@@ -1,5 +1,7 @@
 #include "common/programs/hold_rate.hpp"
 
+#include <cstdint>
+
 #include "robot/dynamics/machine.hpp"
 
 namespace lab {

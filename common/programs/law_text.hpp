@@ -8,7 +8,7 @@ namespace lab {
 
 /// What the file of a program says of its law (docs/programs.md).
 struct LawText {
-  /// Name of a closed form ("abp"); empty: none is named.
+  /// Name of a closed form (analyzer/laws/); empty: none is named.
   std::string name;
   /// Parameters of the closed form with their values, SI units.
   std::vector<std::pair<std::string, double>> parameters;

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
@@ -22,8 +24,7 @@ double toSi(double value, const language::Dimension& dimension) {
 
 /// "m/s"; "rad/s" where the program's text says so, because angles have no dimension.
 std::string siUnit(const language::Dimension& dimension, const std::string& text) {
-  const bool angle =
-      text.find("rad") != std::string::npos || text.find("deg") != std::string::npos;
+  const bool angle = text.find("rad") != std::string::npos || text.find("deg") != std::string::npos;
   if (angle && dimension == language::kRate) return "rad/s";
   if (angle && dimension == language::kPure) return "rad";
   std::string unit = language::unitText(dimension);
@@ -70,8 +71,7 @@ ProgramFile readProgram(std::string_view text, const std::string& file, const st
                         const dynamics::WheelLimits& limits) {
   const keys::TomlDocument document(text, file, {});
   keys::Problems problems([&](const std::string& path) { return document.place(path); });
-  ProgramFile program =
-      readProgramTable(document, document.root(), "", name, limits, {}, problems);
+  ProgramFile program = readProgramTable(document, document.root(), "", name, limits, {}, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
   return program;
 }
@@ -91,9 +91,8 @@ Program toProgram(const ProgramFile& file) {
   }
   for (const language::PhaseFacts& phase : compiled.phases) {
     program.phases.push_back(phase.name);
-    program.fastest_wheel =
-        std::max({program.fastest_wheel, phase.left.magnitude() / kCmPerMetre,
-                  phase.right.magnitude() / kCmPerMetre});
+    program.fastest_wheel = std::max({program.fastest_wheel, phase.left.magnitude() / kCmPerMetre,
+                                      phase.right.magnitude() / kCmPerMetre});
   }
   for (const auto& [key, text] : file.text.law) {
     if (key == "name") program.law.name = text;
@@ -107,6 +106,9 @@ Program toProgram(const ProgramFile& file) {
       program.law.parameters.emplace_back(parameter.name,
                                           toSi(parameter.value, parameter.dimension));
     }
+  }
+  for (const language::Problem& warning : compiled.warnings) {
+    program.warnings.push_back(warning.key + ": " + warning.message);
   }
   findInputs(program);
   return program;

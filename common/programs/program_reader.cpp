@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -104,9 +106,8 @@ class ProgramReader {
     } else if (node.is_table()) {
       readNamed(node, "law", program.law);
     } else {
-      problem("law",
-              "found " + displayText(node) +
-                  ", allowed the name of a closed form, as \"abp\", or a table (docs/programs.md)");
+      problem("law", "found " + displayText(node) +
+                         ", allowed the name of a closed form, or a table (docs/programs.md)");
     }
   }
 

@@ -37,8 +37,12 @@ const char* bodyName(Body body) {
 
 /// "epsilon" as "ε".
 std::string greek(std::string name) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kLetters{
-      {{"epsilon", "ε"}, {"omega", "ω"}, {"gamma", "γ"}, {"eta", "η"}, {"tau_", "τ"}, {"tau", "τ"}}};
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 6> kLetters{{{"epsilon", "ε"},
+                                                                                   {"omega", "ω"},
+                                                                                   {"gamma", "γ"},
+                                                                                   {"eta", "η"},
+                                                                                   {"tau_", "τ"},
+                                                                                   {"tau", "τ"}}};
   for (const auto& [word, letter] : kLetters) {
     if (name.starts_with(word)) return name.replace(0, word.size(), letter);
   }

@@ -60,7 +60,7 @@ class RunInfo {
   std::optional<Experiment> experiment_;
   std::vector<std::string> names_;
   std::vector<std::int64_t> hashes_;  ///< of the same programs
-  std::string text_;                 ///< the experiment file as TOML
+  std::string text_;                  ///< the experiment file as TOML
   std::string run_;
   std::string version_;
   std::string runner_;

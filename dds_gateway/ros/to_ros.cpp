@@ -141,7 +141,7 @@ const ros::OccupancyGrid& LightGrid::paint(const light::CompiledField& field, st
 }
 
 const ros::Analysis& AnalysisMessage::make(const analysis_t& analysis,
-                                         const std::string& program_text) {
+                                           const std::string& program_text) {
   source_ = analysis;
   text_ = program_text;
   curves_.clear();

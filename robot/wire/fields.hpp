@@ -110,8 +110,8 @@ struct Reordered {
   static constexpr bool kValue = false;
 };
 
-/// Whether a message has the same bytes in memory and on the wire. The chip aligns nothing, so there
-/// it is true for most messages, and copying them whole saves more than a kilobyte of flash.
+/// Whether a message has the same bytes in memory and on the wire. The chip aligns nothing, so
+/// there it is true for most messages, and copying them whole saves more than a kilobyte of flash.
 template <class Message>
 constexpr bool sameInMemory() {
 #ifdef __AVR__

@@ -11,7 +11,6 @@
 
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/laws.hpp"
-#include "analyzer/laws/law_of.hpp"
 #include "analyzer/theory_table.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"

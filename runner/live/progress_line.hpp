@@ -29,7 +29,7 @@ class ProgressLine {
   std::int64_t last_shown_us_ = 0;
 };
 
-/// "12 s left | light blue | 3 robots seen | 2 ABP, 1 BP | 0 lost"
+/// "12 s left | light blue | 3 robots seen | 2 slow, 1 fast | 0 lost"
 [[nodiscard]] std::string progressText(const Progress& progress);
 
 }  // namespace lab::runner

@@ -4,6 +4,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <filesystem>
 #include <iterator>
 #include <numbers>
 #include <string_view>
@@ -37,10 +38,10 @@ Source sourceOf(const std::string& named) {
   }
   if (auto text = shippedProgramToml(named)) return {"programs/" + named + ".toml", *text};
   const std::vector<std::string> names = shippedProgramNames();
-  throw UserError(fmt::format("no program {}: looked for the file {} and among the shipped ones: "
-                              "{}{}",
-                              named, fs::absolute(file).string(), fmt::join(names, ", "),
-                              didYouMean(named, names)));
+  throw UserError(fmt::format(
+      "no program {}: looked for the file {} and among the shipped ones: "
+      "{}{}",
+      named, fs::absolute(file).string(), fmt::join(names, ", "), didYouMean(named, names)));
 }
 
 void printLines(std::string_view text) {

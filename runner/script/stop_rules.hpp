@@ -29,7 +29,7 @@ class StopRules {
   /// Text for the report if the run ends without meeting the rules.
   [[nodiscard]] std::string unmet() const;
 
-  /// Progress and remaining time of each rule: "D_r of abp 7.3 %, wanted 5 %: about 12 min".
+  /// Progress and remaining time of each rule: "D_r of slow 7.3 %, wanted 5 %: about 12 min".
   [[nodiscard]] std::string progress() const;
 
  private:

@@ -67,9 +67,8 @@ void SenseSender::take(const tracked_frame_t& frame) {
   if (send_utime <= loop_.now()) {
     node_.publish(channels::kRobotSenses, message);
   } else {
-    loop_.at(send_utime, [this, message]() mutable {
-      node_.publish(channels::kRobotSenses, message);
-    });
+    loop_.at(send_utime,
+             [this, message]() mutable { node_.publish(channels::kRobotSenses, message); });
   }
 }
 

@@ -54,8 +54,8 @@ bool checkOpenSteps(const ExperimentForm& form, Problems& problems) {
 
 /// The names of the estimates that the analyzer computes (analyzer/curves/estimates.cpp). Which of
 /// them a program has depends on its law.
-constexpr std::array<std::string_view, 10> kEstimates{
-    "D", "D_r", "D_slope", "D_t", "L_s", "V", "gamma", "tau_r", "v", "v_a"};
+constexpr std::array<std::string_view, 10> kEstimates{"D", "D_r",   "D_slope", "D_t", "L_s",
+                                                      "V", "gamma", "tau_r",   "v",   "v_a"};
 
 template <typename Names>
 std::string listed(const Names& names) {

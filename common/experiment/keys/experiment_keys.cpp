@@ -24,15 +24,15 @@ const std::array<Choice, 5> kBodies = {{choiceOf("sim", Body::kSim), choiceOf("w
 const std::array<Choice, 3> kSensors = {{choiceOf("mean", LightSensor::kMean),
                                          choiceOf("front", LightSensor::kFront),
                                          choiceOf("back", LightSensor::kBack)}};
-const std::array<Choice, 9> kSenseKinds = {{choiceOf("neighbours", SenseKind::kNeighbours),
-                                        choiceOf("density", SenseKind::kDensity),
-                                        choiceOf("mean_heading", SenseKind::kMeanHeading),
-                                        choiceOf("nearest_distance", SenseKind::kNearestDistance),
-                                        choiceOf("nearest_bearing", SenseKind::kNearestBearing),
-                                        choiceOf("place_distance", SenseKind::kPlaceDistance),
-                                        choiceOf("place_bearing", SenseKind::kPlaceBearing),
-                                        choiceOf("gradient", SenseKind::kGradient),
-                                        choiceOf("gradient_bearing", SenseKind::kGradientBearing)}};
+const std::array<Choice, 9> kSenseKinds = {
+    {choiceOf("neighbours", SenseKind::kNeighbours), choiceOf("density", SenseKind::kDensity),
+     choiceOf("mean_heading", SenseKind::kMeanHeading),
+     choiceOf("nearest_distance", SenseKind::kNearestDistance),
+     choiceOf("nearest_bearing", SenseKind::kNearestBearing),
+     choiceOf("place_distance", SenseKind::kPlaceDistance),
+     choiceOf("place_bearing", SenseKind::kPlaceBearing),
+     choiceOf("gradient", SenseKind::kGradient),
+     choiceOf("gradient_bearing", SenseKind::kGradientBearing)}};
 const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
                                            choiceOf("walls", ReverseOn::kWalls),
                                            choiceOf("any", ReverseOn::kAny)}};
@@ -294,13 +294,13 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
             [&](RobotEntry& robot) { visitRobot(v, robot); });
   std::vector<std::string> names;
   for (const auto& [name, program] : e.programs) names.push_back(name);
-  v.namedTables({"programs", "What robots can do; choose NAME freely", Need::kRequired},
-                {.most = 32, .bare = true}, {.fewest = 1, .most = 100}, names,
-                [&](const std::string& name) {
-                  v.program(name, wheelLimits(e.hardware), e.programs[name]);
-                });
-  v.table({"senses", "Numbers that the host writes for programs, which read them as sense(0) to "
-                     "sense(7)"},
+  v.namedTables(
+      {"programs", "What robots can do; choose NAME freely", Need::kRequired},
+      {.most = 32, .bare = true}, {.fewest = 1, .most = 100}, names,
+      [&](const std::string& name) { v.program(name, wheelLimits(e.hardware), e.programs[name]); });
+  v.table({"senses",
+           "Numbers that the host writes for programs, which read them as sense(0) to "
+           "sense(7)"},
           [&] { visitSenses(v, e.senses); });
   v.table({"light_table", "Which light selects which program"},
           [&] { visitLightTable(v, e.light_table); });

@@ -29,7 +29,7 @@ struct Key {
   Need need = Need::kOptional;
   std::string default_text = {};  ///< for the docs, if the default is not a plain value
   Applies applies = Applies::kYes;
-  std::string condition = {};  ///< when it is allowed, "model = \"abp\" or \"rtp\""
+  std::string condition = {};  ///< when it is allowed, "body = \"wire\" or \"serial\""
 };
 
 /// Allowed numbers, in the file's unit.

@@ -210,8 +210,8 @@ class TomlReader final : public KeyVisitor {
                Program& program) override {
     Scope& scope = scopes_.back();
     for (const auto& [key, node] : *scope.table) scope.known.emplace_back(key.str());
-    program = toProgram(readProgramTable(document_, *scope.table, scope.path, name, limits,
-                                         model_of_, problems_));
+    program = toProgram(
+        readProgramTable(document_, *scope.table, scope.path, name, limits, model_of_, problems_));
   }
 
   /// Call this after all keys have been visited.

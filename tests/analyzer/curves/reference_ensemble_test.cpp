@@ -1,6 +1,7 @@
 // The rate of false alarms of verdicts by simulated references.
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 
 #include "analyzer/curves/reference_comparison.hpp"

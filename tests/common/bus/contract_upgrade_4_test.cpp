@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <lab/analysis_t.hpp>
 #include <lab/robot_command_t.hpp>

@@ -1,8 +1,10 @@
 // Programs of motion in experiment files (docs/programs.md).
 #include <gmock/gmock.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "common/experiment/program_messages.hpp"
 #include "common/programs/program_library.hpp"

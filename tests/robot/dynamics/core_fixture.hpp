@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "robot/dynamics/robot_core.hpp"
 #include "tests/robot/programs.hpp"
 

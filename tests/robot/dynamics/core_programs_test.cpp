@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <vector>
 
 #include "robot/dynamics/robot_core.hpp"
 #include "tests/robot/dynamics/core_fixture.hpp"

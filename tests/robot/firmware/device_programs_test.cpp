@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 
 #include <cstdlib>
+#include <iostream>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "tests/support/robot_on_bench.hpp"

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -25,9 +26,7 @@ constexpr int kRobots = 100;
 class Wave : public LightSampler {
  public:
   [[nodiscard]] double at(double x, double /*y*/) const override { return of(x); }
-  static double of(double x) {
-    return 0.5 + 0.5 * std::cos(2 * std::numbers::pi * x / kPeriod);
-  }
+  static double of(double x) { return 0.5 + 0.5 * std::cos(2 * std::numbers::pi * x / kPeriod); }
 };
 
 double speedAt(double x) { return kSlowest + (kFastest - kSlowest) * Wave::of(x); }
@@ -60,10 +59,11 @@ TEST(SpeedByLight, GivesADensityProportionalToOneOverTheSpeed) {
   const Wave light;
   World world(settings, robots(kRobots));
   world.setLight(&light);
-  startAll(world, always(shippedProgram("speed_by_light", {{"v_min", "2 cm/s"},
-                                                           {"v_max", "8 cm/s"},
-                                                           {"eta", "5 rad/s"},
-                                                           {"epsilon", "0.02 s"}})));
+  startAll(
+      world,
+      always(shippedProgram(
+          "speed_by_light",
+          {{"v_min", "2 cm/s"}, {"v_max", "8 cm/s"}, {"eta", "5 rad/s"}, {"epsilon", "0.02 s"}})));
   // A robot forgets its place within the time of diffusion across half a period, about 10 s.
   constexpr std::int64_t kForget = 100 * kSecond;
   constexpr int kSamples = 1500;

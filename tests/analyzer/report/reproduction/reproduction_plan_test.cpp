@@ -2,7 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <set>
+#include <string>
+#include <vector>
 
 #include "analyzer/laws/law_of.hpp"
 #include "analyzer/laws/paper_figures.hpp"
