@@ -172,9 +172,10 @@ class Comparison {
       const Moments of = moments(films, column);
       const double noise = std::abs(one.noise) / expected;
       const double floor = angular ? 0 : options_.systematic_floor;
+      const double of_reference =
+          of.sigma / scales_[column] / std::sqrt(static_cast<double>(films.size()));
       const double sigma =
-          std::hypot(std::hypot(of.sigma, of.sigma / std::sqrt(static_cast<double>(films.size()))),
-                     std::hypot(floor, kOffsetError * noise));
+          std::hypot(std::hypot(of.sigma, of_reference), std::hypot(floor, kOffsetError * noise));
       if (std::isfinite(of.sigma) && of.sigma > 0) one.sigma = of.sigma * (expected + one.noise);
       one.z = (normalised(measured[column]) - of.mean) / sigma;
       one.judged = std::isfinite(one.z) && sigma < kMostScatter && column != reference;
