@@ -299,7 +299,7 @@ std::vector<std::string> headlines(const RunRecord& record) {
                     record.experimentOrDefault().arena_height * kCm));
   } else if (!any) {
     lines.emplace_back(
-        "no robot was tracked while it ran a program that has a law (ABP, noisy ABP, BP, RTP): "
+        "no robot was tracked while it ran a program of motion: "
         "nothing to compare");
   }
   if (record.poses) {
