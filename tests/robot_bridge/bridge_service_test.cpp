@@ -337,6 +337,35 @@ TEST_F(BridgeServiceTest, FourProgramsReplaceFourOthersThoughARobotHasFivePlaces
   }
 }
 
+TEST_F(BridgeServiceTest, ARobotRunsItsOldProgramUntilTheNewOneIsLoaded) {
+  WireRobotOptions options;
+  options.delay_us = 60'000;  // loading takes more than the lease
+  WireRobot& robot = addRobot(1, options);
+  robot.sensors().light_front = robot.sensors().light_back = 200;
+  start();
+  command(table({1}), 1);
+  runCommanded(8);
+  ASSERT_EQ(last[1].command_seq, 1);
+  const std::uint32_t epoch = robot.report().program_epoch;
+  robot_order_t next = table({1});
+  next.bands[0].program = toMessage(shippedProgram("run_reverse"));
+  next.bands[1].program = toMessage(shippedProgram("levy"));
+  commanded.orders = {next};
+  command(next, 2);
+  commanded.lease_ms = 500;
+  bool lease_over = false;
+  for (int i = 0; i < 40 && last[1].command_seq != 2; ++i) {
+    runCommanded(0.2);
+    commanded.lease_ms = 500;
+    lease_over = lease_over || (robot.report().flags & dynamics::kLeaseExpired) != 0;
+  }
+  EXPECT_EQ(last[1].command_seq, 2);
+  runCommanded(0.4);
+  EXPECT_EQ(last[1].program.name, "run_reverse");
+  EXPECT_FALSE(lease_over);
+  EXPECT_EQ(robot.report().program_epoch, epoch + 1) << "it changed once, and never stood";
+}
+
 TEST_F(BridgeServiceTest, SensesReachTheProgramAndTheirTimesTheStatus) {
   addRobot(1).sensors().light_front = 200;
   start();
