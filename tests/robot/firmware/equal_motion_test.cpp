@@ -2,10 +2,13 @@
 // every hold and every motor command is the same.
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <cstdlib>
 #include <deque>
 #include <iostream>
+#include <memory>
 #include <random>
+#include <string>
 #include <vector>
 
 #include "common/programs/shipped_programs.hpp"

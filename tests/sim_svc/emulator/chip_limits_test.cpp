@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <iostream>
+#include <string>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <iostream>
+#include <vector>
 
 #include "common/math/random.hpp"
 #include "tests/sim_svc/emulator/chip_programs_of_any_bytes.hpp"

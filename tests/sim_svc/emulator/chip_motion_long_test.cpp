@@ -1,3 +1,8 @@
+#include <gtest/gtest.h>
+
+#include <iostream>
+#include <string>
+
 #include "common/programs/shipped_programs.hpp"
 #include "tests/sim_svc/emulator/chip_motion.hpp"
 #include "tests/sim_svc/emulator/chip_programs_of_any_bytes.hpp"
