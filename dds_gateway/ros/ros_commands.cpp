@@ -233,7 +233,8 @@ void RosCommands::everySecond() {
       const auto answer = static_cast<Answer>(i);
       const bool fine = answer == Answer::kTaken || answer == Answer::kClamped ||
                         answer == Answer::kOwned || answer == Answer::kLabHolds ||
-                        answer == Answer::kStopped;
+                        answer == Answer::kStopped ||
+                        answer == Answer::kBadProgram;  // load() has noted the reason
       if (!fine && subscription->count(answer) > 0) {
         node_.noteError(subscription->topic() + ": refused: " + textOf(answer));
       }

@@ -119,7 +119,7 @@ template <>
 const RosType& rosType<Analysis>() {
   static constexpr RosType kType{
       &active_lab_msgs_msg_dds__Analysis__desc, "active_lab_msgs/msg/Analysis",
-      "RIHS01_ae8644491d164e5fcc51f1a4a94e7f2ea90cc5196860c7ec63f10082af84f2a1"};
+      "RIHS01_35c406b0e70bc9a2ee6d6e4268ee5d56a73e23f99e364f28845ab9cc195a52c6"};
   return kType;
 }
 

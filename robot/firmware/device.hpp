@@ -177,6 +177,8 @@ class Device {
   uint32_t draws_recorded_ = 0;
   dynamics::WheelSpeedsUmS driven_wheels_;  ///< the speeds that the duties were computed for
   bool recalibrated_ = true;                ///< the duties must be computed again
+  uint32_t full_left_ = 0;                  ///< speed at full duty [um/s]
+  uint32_t full_right_ = 0;
   int16_t duty_left_ = 0;
   int16_t duty_right_ = 0;
 

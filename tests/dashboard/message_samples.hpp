@@ -14,6 +14,7 @@
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/program_messages.hpp"
 
 namespace lab::dashboard {
 
@@ -57,7 +58,7 @@ layers = [{kind = "uniform", intensity = 0.2}]
                          "two_programs");
 }
 
-inline robot_state_t stateOf(std::int32_t id, const program_t& program = {}) {
+inline robot_state_t stateOf(std::int32_t id, const program_id_t& program = {}) {
   robot_state_t state{};
   state.robot_id = id;
   state.origin = robot_state_t::SIM;
@@ -107,8 +108,7 @@ inline analysis_t poolOf(const std::string& program, std::int64_t utime) {
   analysis.sender = "analyzer";
   analysis.instance = 1;
   analysis.robot_id = analysis_t::POOL;
-  analysis.program.kind = program_t::ABP;
-  analysis.program_name = program;
+  analysis.program = toId(experimentForTests().programs.at(program));
   analysis.observed = 12.5;
   analysis.verdict = analysis_t::AGREES;
   analysis.max_z = 1.5;

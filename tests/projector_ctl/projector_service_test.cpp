@@ -21,6 +21,7 @@
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
+#include "tests/support/programs.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace lab::projector {
@@ -368,9 +369,9 @@ TEST_F(ProjectorServiceTest, RefusesTooManyLayersAndNonFiniteNumbersWithOneMessa
 
 TEST_F(ProjectorServiceTest, GatesByTheExperimentsNamesOfPrograms) {
   experiment.robots.emplace_back().id = 3;
-  RobotProgram spec;
-  spec.v = 0.05;
-  experiment.programs["a_name"] = spec;
+  Program spec = test::abp(0.05, 0.5, 3);
+  spec.name = "same";
+  experiment.programs["other"] = test::rtp(0.05, 3, 0.5);
   experiment.programs["same"] = spec;
   start();
   Node robots{bus, loop, {"sim_svc", 2, 77}};
@@ -393,8 +394,12 @@ TEST_F(ProjectorServiceTest, GatesByTheExperimentsNamesOfPrograms) {
   runTo(1);
   EXPECT_EQ(statuses.back().last_refusal, "");
   EXPECT_EQ(statuses.back().layers.size(), 0U);
-  robot.program = toMessage(spec);
-  runTo(1.1);
+  robot.program = toId(experiment.programs.at("other"));
+  runTo(1.5);
+  EXPECT_EQ(statuses.back().layers.size(), 0U);
+  robot.program = toId(spec);
+  robot.program.name = "a name of another experiment";
+  runTo(1.6);
   EXPECT_EQ(statuses.back().layers.size(), 1U);
 }
 

@@ -6,9 +6,9 @@ import time
 
 WIDTH, HEIGHT, RADIUS = 120.0, 90.0, 3.75
 PROGRAMS = [
-    {"name": "abp", "model": "abp", "text": "v 3 cm/s, epsilon 0.5 s, eta 3 rad/s", "color": 0, "rgb": "#0072B2"},
-    {"name": "rtp", "model": "rtp", "text": "v 8 cm/s, gamma 1 /s, tau_t 0.2 s", "color": 1, "rgb": "#D55E00"},
-    {"name": "bp", "model": "bp", "text": "V 7 cm/s, epsilon 0.2 s", "color": 2, "rgb": "#009E73"},
+    {"name": "abp", "description": "constant speed, random turning", "text": "v 3 cm/s, ε 0.5 s, η 3 rad/s", "color": 0, "rgb": "#0072B2"},
+    {"name": "rtp", "description": "run and tumble", "text": "v 8 cm/s, γ 1 1/s, τt 0.2 s", "color": 1, "rgb": "#D55E00"},
+    {"name": "bp", "description": "Brownian", "text": "V 7 cm/s, ε 0.2 s", "color": 2, "rgb": "#009E73"},
 ]
 SPEED = [3.0, 8.0, 1.0]
 TURN = [0.75, 1.2, 3.0]  # [rad^2/s]
@@ -273,8 +273,7 @@ class World:
                        "sigma": [0.03] * 24,
                        "value": [draw.gauss(e, 0.03) for e in exact], "paper": [None] * 24,
                        "windows": [100] * 24, "biased": [0] * 24})
-        return {"program": PROGRAMS[k]["name"], "model": PROGRAMS[k]["model"],
-                "observed_s": 6 * self.life,
+        return {"program": PROGRAMS[k]["name"], "observed_s": 6 * self.life,
                 "segments": 12, "reversals": 8, "contact_share": 0.031, "verdict": ["agrees",
                                                                                     "undecided",
                                                                                     "disagrees"][k],
@@ -323,7 +322,7 @@ class World:
         if what == "robot":
             return {"id": robot["id"], "origin": robot["origin"],
                     "program": PROGRAMS[robot["program"]]["name"],
-                    "program_running": {"model": "abp", "v_cm_s": 3.0, "gamma_per_s": 0.0},
+                    "phase": ["run", "tumble", "run"][robot["program"]],
                     "x_cm": round(robot["x"], 1), "y_cm": round(robot["y"], 1),
                     "theta_deg": round(math.degrees(robot["a"]) % 360, 1), "sigma_cm": 0.03,
                     "sigma_theta_deg": 0.57, "confidence": 0.9, "seen_age_s": 0.0, "age_s": 0.0,

@@ -282,7 +282,7 @@ TEST(LabView, MeasuresTheHeadingCorrelation) {
   Bench bench;
   bench.start(1, kNow);
   const Experiment experiment = experimentForTests();
-  const program_t swim = toMessage(experiment.programs.at("swim"));
+  const program_id_t swim = toId(experiment.programs.at("swim"));
   Random random(5);
   constexpr int kRobots = 10;
   std::vector<double> theta(kRobots);
@@ -332,7 +332,7 @@ TEST(LabView, UsesBoundedMemoryDuringADay) {
   Bench bench;
   bench.start(1, kNow);
   const Experiment experiment = experimentForTests();
-  const program_t tumble = toMessage(experiment.programs.at("tumble"));
+  const program_id_t tumble = toId(experiment.programs.at("tumble"));
   std::size_t at_noon = 0;
   const auto size = [&bench](std::int64_t now) {
     std::size_t sum = 0;

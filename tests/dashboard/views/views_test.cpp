@@ -22,9 +22,7 @@ struct Sheet {
   RunInfo run_info;
 };
 
-program_t programNamed(const char* name) {
-  return toMessage(experimentForTests().programs.at(name));
-}
+program_id_t programNamed(const char* name) { return toId(experimentForTests().programs.at(name)); }
 
 TEST(RunInfo, DescribesTheExperimentInCentimetres) {
   const Sheet s;
@@ -36,6 +34,9 @@ TEST(RunInfo, DescribesTheExperimentInCentimetres) {
   EXPECT_EQ(json["programs"][1]["name"], "tumble");
   EXPECT_EQ(json["programs"][1]["color"], 1);
   EXPECT_EQ(json["programs"][1]["rgb"], "#D55E00");
+  EXPECT_EQ(json["programs"][0]["text"], "v 4 cm/s, ε 0.2 s, η 3 rad/s");
+  EXPECT_EQ(json["programs"][1]["text"], "v 4 cm/s, γ 0.5 1/s, τt 0.5 s");
+  EXPECT_NE(json["programs"][1]["description"], "");
   EXPECT_EQ(json["bands"][0]["program"], "swim");
   EXPECT_NE(json["file"].get<std::string>().find("two_programs"), std::string::npos);
 }
@@ -110,8 +111,8 @@ TEST(RobotsView, ReportsTheStatesOfRobots) {
   EXPECT_EQ(row["stopped"], true);
   const Json one = Json::parse(dut.robotJson(7, kNow).value());
   EXPECT_EQ(one["wheel_left_cm_s"], 5);
-  EXPECT_EQ(one["program_running"]["v_cm_s"], 4);
   EXPECT_EQ(one["program"], "swim");
+  EXPECT_EQ(one["phase"], "run");
   EXPECT_EQ(one["x_cm"], nullptr);
   dut.take(frameOf(kNow, {poseOf(7, 0.123456, 1e300), poseOf(7, 0.5, 0.5)}), kNow);
   dut.take(frameOf(kNow, {poseOf(7, 0.123456, 0.2, 1)}), kNow);
@@ -119,6 +120,31 @@ TEST(RobotsView, ReportsTheStatesOfRobots) {
   EXPECT_NE(text.find("\"x_cm\":12.3,"), std::string::npos) << text;
   EXPECT_NE(text.find("\"theta_deg\":57.3,"), std::string::npos) << text;
   EXPECT_FALSE(dut.robotJson(8, kNow));
+}
+
+TEST(RobotsView, NamesTheProgramAndItsPhase) {
+  const Sheet s;
+  RobotsView dut(s.run_info);
+  const auto answer = [&dut](const program_id_t& program, std::int8_t phase) {
+    robot_state_t state = stateOf(7, program);
+    state.phase = phase;
+    dut.take(statusOf({state}), kNow);
+    const Json robot = Json::parse(dut.robotJson(7, kNow).value());
+    return robot["program"].get<std::string>() + "/" + robot["phase"].get<std::string>();
+  };
+  EXPECT_EQ(answer(programNamed("tumble"), 0), "tumble/run");
+  EXPECT_EQ(answer(programNamed("tumble"), 1), "tumble/tumble");
+  EXPECT_EQ(answer(programNamed("tumble"), 2), "tumble/") << "it has two phases";
+  EXPECT_EQ(answer(program_id_t{}, 0), "standing/");
+  program_id_t other{};
+  other.name = "driven";
+  EXPECT_EQ(answer(other, 0), "driven/");
+  other.hash = 5;
+  other.name = "of ROS 2";
+  EXPECT_EQ(answer(other, 0), "of ROS 2/");
+  // The experiment's name counts, not that of the message.
+  other.hash = programNamed("swim").hash;
+  EXPECT_EQ(answer(other, 0), "swim/run");
 }
 
 TEST(TracksView, KeepsOnePositionPer200msForAMinute) {
@@ -159,7 +185,6 @@ TEST(CurvesView, ConvertsAPoolToCentimetres) {
   EXPECT_TRUE(dut.takeChanged().empty());
   const Json json = Json::parse(toText(analysisJson(*dut.pool("swim"))));
   EXPECT_EQ(json["verdict"], "agrees");
-  EXPECT_EQ(json["model"], "ABP");
   EXPECT_EQ(json["curves"][0]["value"], Json({100, 200}));
   EXPECT_EQ(json["curves"][0]["unit"], "cm²");
   EXPECT_EQ(json["curves"][0]["biased"], Json({0, 1}));

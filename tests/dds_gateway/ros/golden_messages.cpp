@@ -115,14 +115,12 @@ GoldenMessage analysis() {
   fill<decltype(curve.windows), std::int32_t>(curve.windows, {9, 4});
   fillBools(curve.biased, {false, true});
   const Estimate estimate{text("D_r"), text("rad^2/s"), 0.5, 0.1, 0.3, 0.7, kNan, text("fit")};
-  Analysis message{header(), -1,  text("abp"), {1, .1, .2, .3, .4, .5, .6, .7, .8, .9},
-                   60,       3,   1,           0.25,
-                   1,        1.5, {},          {}};
+  Analysis message{header(), -1, text("abp"), {0x89ABCDEF, text("law = 1\n")}, 60, 3, 1, 0.25, 1,
+                   1.5,      {}, {}};
   fill<decltype(message.curves), Curve>(message.curves, {curve});
   fill<decltype(message.estimates), Estimate>(message.estimates, {estimate});
   Cdr bytes;
-  header(bytes).i32(-1).text("abp").u8(1);
-  for (const double one : {.1, .2, .3, .4, .5, .6, .7, .8, .9}) bytes.f64(one);
+  header(bytes).i32(-1).text("abp").u32(0x89ABCDEF).text("law = 1\n");
   bytes.f64(60).i32(3).i32(1).f64(0.25).u8(1).f64(1.5);
   bytes.u32(1).text("msd").text("m^2");
   for (int i = 0; i < 5; ++i) bytes.u32(2).f32(0.5F).f32(2);

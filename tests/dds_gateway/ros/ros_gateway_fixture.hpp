@@ -222,7 +222,7 @@ class RosGatewayFixture {
   }
   /// Whether the robot runs its program by the lab's light table.
   [[nodiscard]] bool inScript(std::int32_t id) {
-    return states_[id].program.kind == program_t::ABP && states_[id].robot_id == id;
+    return states_[id].program.name == "abp" && states_[id].robot_id == id;
   }
 
   /// The last /diagnostics within `seconds`, as "name: message {key: value}" lines.

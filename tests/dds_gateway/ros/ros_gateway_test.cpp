@@ -292,6 +292,42 @@ TEST(RosGateway, ProgramsAndLightFollowTheirCommands) {
   EXPECT_TRUE(dut.spin(3, [&] { return light->release == 1; }));
 }
 
+constexpr char kCreep[] = "[phases.creep]\nforward = \"1 cm/s\"\nhold = \"1 s\"\n";
+
+TEST(RosGateway, ATextOfAProgramIsCompiledAndRuns) {
+  RosGatewayFixture dut(withGatewayLine("load_programs = true").c_str(), true);
+  RosWriter<ros::String> program(dut.domain(), "/lab/robot1/program");
+  ASSERT_TRUE(dut.spin(10, [&] { return program.matching().peers > 0 && dut.inScript(1); }));
+  std::string creep = kCreep;
+  program.write({creep.data()});
+  EXPECT_TRUE(dut.spin(3, [&] { return dut.driven(1, 0.01); }));
+  EXPECT_EQ(dut.state(1).program.name, "ros");
+  EXPECT_NE(dut.state(1).program.hash, 0);
+  EXPECT_TRUE(dut.inScript(2));
+
+  std::string wrong = "[phases.creep]\nforward = \"1 s\"\nhold = \"1 s\"\n";
+  program.write({wrong.data()});
+  EXPECT_TRUE(dut.spin(3, [&] {
+    return dut.lastError().find("program of ROS 2 refused: ROS 2:2:12: phases.creep.forward: ") ==
+           0;
+  })) << dut.lastError();
+  std::string fast = "[phases.creep]\nforward = \"30 cm/s\"\nhold = \"1 s\"\n";
+  program.write({fast.data()});
+  EXPECT_FALSE(dut.spin(0.5, [&] { return !dut.driven(1, 0.01); })) << "it keeps its program";
+}
+
+TEST(RosGateway, ATextOfAProgramIsRefusedUnlessTheExperimentAllowsIt) {
+  RosGatewayFixture dut(kTwoRobots, true);
+  RosWriter<ros::String> program(dut.domain(), "/lab/robot1/program");
+  ASSERT_TRUE(dut.spin(10, [&] { return program.matching().peers > 0 && dut.inScript(1); }));
+  std::string creep = kCreep;
+  program.write({creep.data()});
+  EXPECT_TRUE(dut.spin(3, [&] {
+    return dut.lastError().find("gateway.load_programs") != std::string::npos;
+  })) << dut.lastError();
+  EXPECT_TRUE(dut.inScript(1));
+}
+
 /// The output of a gateway that ends with "bad input"; empty if it ends otherwise.
 std::string refusal(const std::string& experiment, const std::string& name, const std::string& file,
                     const std::string& options = "") {

@@ -55,7 +55,7 @@ analysis_t analysisOf(std::int32_t robot, double d_r) {
   analysis_t analysis{};
   analysis.utime = kThen;
   analysis.robot_id = robot;
-  analysis.program_name = "abp 2";
+  analysis.program.name = "abp 2";
   curve_t curve{};
   curve.name = "msd";
   curve.unit = "m^2";

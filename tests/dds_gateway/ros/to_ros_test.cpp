@@ -148,9 +148,8 @@ TEST(ToRos, AnalysisKeepsEveryNumber) {
   analysis_t source{};
   source.utime = 5'000'000;
   source.robot_id = analysis_t::POOL;
-  source.program_name = "abp";
-  source.program.kind = program_t::ABP;
-  source.program.V = 0.5;
+  source.program.name = "abp";
+  source.program.hash = 0xFEDC'BA98;
   source.verdict = analysis_t::AGREES;
   source.max_z = 2.5;
   curve_t curve{};
@@ -166,11 +165,11 @@ TEST(ToRos, AnalysisKeepsEveryNumber) {
   source.estimates = {estimate, estimate};
 
   AnalysisMessage dut("lab/arena");
-  const ros::Analysis& message = dut.make(source);
+  const ros::Analysis& message = dut.make(source, "law = \"abp\"\n");
   EXPECT_EQ(message.robot_id, -1);
   EXPECT_STREQ(message.program_name, "abp");
-  EXPECT_EQ(message.program.kind, 1);
-  EXPECT_EQ(message.program.v_noise, 0.5);
+  EXPECT_EQ(message.program.hash, 0xFEDC'BA98U);
+  EXPECT_STREQ(message.program.text, "law = \"abp\"\n");
   EXPECT_EQ(message.verdict, 1);
   EXPECT_EQ(message.max_z, 2.5);
   ASSERT_EQ(message.curves._length, 1U);
@@ -211,7 +210,7 @@ TEST(ToRos, ReceivedTextsBecomeValidUtf8) {
   EXPECT_STREQ(status.values._buffer[0].value, "e\uFFFD");
 
   analysis_t source{};
-  source.program_name = "a\xFF";
+  source.program.name = "a\xFF";
   source.curves.resize(1);
   source.curves[0].name = "b\xFF";
   source.curves[0].unit = "c\xFF";
@@ -220,8 +219,9 @@ TEST(ToRos, ReceivedTextsBecomeValidUtf8) {
   source.estimates[0].unit = "e\xFF";
   source.estimates[0].note = "f\xFF";
   AnalysisMessage maker("lab/arena");
-  const ros::Analysis& message = maker.make(source);
+  const ros::Analysis& message = maker.make(source, "g\xFF");
   EXPECT_STREQ(message.program_name, "a\uFFFD");
+  EXPECT_STREQ(message.program.text, "g\uFFFD");
   EXPECT_STREQ(message.curves._buffer[0].name, "b\uFFFD");
   EXPECT_STREQ(message.curves._buffer[0].unit, "c\uFFFD");
   EXPECT_STREQ(message.estimates._buffer[0].name, "d\uFFFD");

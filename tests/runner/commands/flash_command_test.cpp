@@ -121,7 +121,7 @@ class RobotThread {
 TEST_F(FlashTest, FlashesARobotAndAssignsItsUid) {
   const RobotThread robot(folder_ / "ports");
   EXPECT_THAT(flashed(kDone),
-              testing::ContainsRegex("firmware 1\\.0, .*uid = [0-9]+ .new, stored"));
+              testing::ContainsRegex("firmware 2\\.0, .*uid = [0-9]+ .new, stored"));
   EXPECT_EQ(called(), "-q -p m328p -c arduino -P " + options_.port + " -b 57600 -D -U flash:w:" +
                           (folder_ / "bin/robot_firmware.hex").string() + ":i");
   // A second time the robot keeps its uid.

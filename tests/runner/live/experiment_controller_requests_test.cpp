@@ -289,7 +289,7 @@ TEST_F(ExperimentControllerRequests, StopRulesApplyDuringAPause) {
   goTo(5);
   analysis_t message{};
   message.robot_id = analysis_t::POOL;
-  message.program = toMessage(experiment_.programs.at("abp"));
+  message.program = toId(experiment_.programs.at("abp"));
   message.estimates.resize(1);
   message.num_estimates = 1;
   message.estimates[0].name = "D_r";

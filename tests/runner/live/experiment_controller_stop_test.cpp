@@ -61,7 +61,7 @@ class ExperimentControllerStop : public testing::Test {
       analysis_t message{};
       message.utime = loop.now();
       message.robot_id = analysis_t::POOL;
-      message.program = toMessage(experiment.programs.at("abp"));
+      message.program = toId(experiment.programs.at("abp"));
       message.estimates.resize(1);
       message.num_estimates = 1;
       message.estimates[0].name = "D_r";

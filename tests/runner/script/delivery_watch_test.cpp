@@ -8,14 +8,14 @@ namespace {
 constexpr std::int64_t kInstance = 7;
 constexpr std::int64_t kSeq = 3;
 
-program_t abp() {
-  program_t program{};
-  program.kind = program_t::ABP;
-  program.v = 0.03;
+program_id_t abp() {
+  program_id_t program{};
+  program.hash = 77;
+  program.name = "abp";
   return program;
 }
 
-DeliveryWatch watching(const std::optional<program_t>& expected, std::size_t robots = 1) {
+DeliveryWatch watching(const std::optional<program_id_t>& expected, std::size_t robots = 1) {
   experiment_event_t step{};
   step.commanded_utime = 1000;
   return {step, kInstance, kSeq, expected, robots};
@@ -30,7 +30,7 @@ light_status_t shown(std::int64_t utime, std::int64_t seq = kSeq) {
 }
 
 /// One robot that runs `program` since `start`, sampled at `utime`.
-robot_status_t running(std::int32_t id, const program_t& program, std::int64_t start,
+robot_status_t running(std::int32_t id, const program_id_t& program, std::int64_t start,
                        std::int64_t utime) {
   robot_status_t status{};
   robot_state_t robot{};
@@ -45,11 +45,11 @@ robot_status_t running(std::int32_t id, const program_t& program, std::int64_t s
 
 TEST(DeliveryWatch, IsCompleteWhenTheLightIsShownAndEveryRobotActed) {
   DeliveryWatch dut = watching(abp());
-  dut.take(running(1, program_t{}, 0, 1500));
+  dut.take(running(1, program_id_t{}, 0, 1500));
   EXPECT_FALSE(dut.complete());
   dut.take(shown(2000));
   EXPECT_FALSE(dut.complete());
-  dut.take(running(1, program_t{}, 0, 2010));
+  dut.take(running(1, program_id_t{}, 0, 2010));
   EXPECT_FALSE(dut.complete());
   dut.take(running(1, abp(), 2015, 2030));
   EXPECT_TRUE(dut.complete());
@@ -67,7 +67,7 @@ TEST(DeliveryWatch, WaitsForTheSlowestRobot) {
   EXPECT_FALSE(dut.complete()) << "no robot has reported yet";
   dut.take(running(1, abp(), 2010, 2020));
   EXPECT_FALSE(dut.complete());
-  dut.take(running(2, program_t{}, 0, 2020));
+  dut.take(running(2, program_id_t{}, 0, 2020));
   EXPECT_FALSE(dut.complete());
   dut.take(running(2, abp(), 2040, 2060));
   EXPECT_TRUE(dut.complete());
@@ -140,7 +140,7 @@ TEST(DeliveryWatch, IsNotSeenByALaterChangeOfThePatch) {
 
 TEST(DeliveryWatch, ExpectsNoRobotToActUnderNonUniformLight) {
   DeliveryWatch dut = watching(std::nullopt);
-  dut.take(running(1, program_t{}, 0, 2010));
+  dut.take(running(1, program_id_t{}, 0, 2010));
   dut.take(shown(2000));
   EXPECT_TRUE(dut.complete());
 }

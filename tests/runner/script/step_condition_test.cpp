@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/experiment/program_messages.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::runner::step_condition_test {
 namespace {
@@ -19,11 +20,9 @@ Experiment threeRobots() {
     experiment.robots.back().id = id;
   }
   for (const char* name : {"abp", "slow"}) {
-    RobotProgram& program = experiment.programs[name];
-    program.kind = ProgramKind::kAbp;
-    program.v = name[0] == 'a' ? 0.03 : 0.01;
-    program.epsilon = 0.5;
-    program.eta = 3;
+    Program& program = experiment.programs[name];
+    program = test::abp(name[0] == 'a' ? 0.03 : 0.01, 0.5, 3);
+    program.name = name;
   }
   return experiment;
 }
@@ -73,7 +72,7 @@ analysis_t analysis(const Experiment& experiment, const char* program, std::int3
   analysis_t message{};
   message.utime = kBegin + 5;
   message.robot_id = robot;
-  message.program = toMessage(experiment.programs.at(program));
+  message.program = toId(experiment.programs.at(program));
   message.estimates.resize(2);
   message.num_estimates = 2;
   message.estimates[0].name = "v";

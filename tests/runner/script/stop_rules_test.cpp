@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include "common/experiment/program_messages.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::runner::stop_rules_test {
 namespace {
@@ -24,11 +25,7 @@ StopRule rule(const char* estimate, double error, std::int32_t robot = 0, double
 
 Experiment experimentWith(const std::vector<StopRule>& rules, StopOn on = StopOn::kAll) {
   Experiment experiment;
-  RobotProgram& program = experiment.programs["abp"];
-  program.kind = ProgramKind::kAbp;
-  program.v = 0.03;
-  program.epsilon = 0.5;
-  program.eta = 3;
+  experiment.programs["abp"] = test::abp(0.03, 0.5, 3);
   experiment.stop_when = rules;
   experiment.stop_on = on;
   return experiment;
@@ -39,7 +36,7 @@ analysis_t analysis(const Experiment& experiment, double seconds, double d_r_err
   analysis_t message{};
   message.utime = kBegin + static_cast<std::int64_t>(seconds * kSecond);
   message.robot_id = robot;
-  message.program = toMessage(experiment.programs.at("abp"));
+  message.program = toId(experiment.programs.at("abp"));
   message.estimates.resize(2);
   message.num_estimates = 2;
   message.estimates[0].name = "v";
