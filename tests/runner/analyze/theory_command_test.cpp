@@ -100,6 +100,13 @@ TEST(LabTheory, PrintsRunAndTumbleAtItsDefaultLags) {
   }
 }
 
+TEST(LabTheory, TakesMissingParametersFromTheShippedProgram) {
+  const Output all = lab("theory abp v_cm_s=5 epsilon_s=0.5 eta_rad_s=3 --lags 0.3,7");
+  const Output one = lab("theory abp epsilon_s=0.5 --lags 0.3,7");
+  ASSERT_EQ(lines(all.text).size(), 3U) << all.text;
+  EXPECT_EQ(one.text, all.text);
+}
+
 TEST(LabTheory, ReportsWrongArgumentsInOneLine) {
   const auto refuses = [](const std::string& arguments, const std::string& text) {
     const Output output = lab("theory " + arguments);
@@ -112,8 +119,13 @@ TEST(LabTheory, ReportsWrongArgumentsInOneLine) {
           "found program levy, allowed programs with a law in closed form (abp, noisy_abp, "
           "bp, rtp) or with formulas of their own. Reports compare it with simulated films.");
   refuses("phototaxis", "The program reads light");
-  refuses("abp epsilon_s=-1", "hold: holds for -1 s, expected 1 ms to 3600 s");
-  refuses("abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=1 V_cm_s=3", "V_cm_s: found an unknown key");
+  refuses("abp epsilon_s=-1", "phases.run.hold: holds for -1 s, expected 1 ms to 3600 s");
+  refuses("abp epsilon_cm=1", "phases.run.hold: the value is a number in cm, expected");
+  refuses("abp v_cm_s=fast", "v_cm_s: found \"fast\", allowed a number in cm/s");
+  refuses(
+      "abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=1 V_cm_s=3",
+      "V_cm_s: found an unknown key, allowed with model = \"abp\": description, parameters, or a "
+      "parameter with its unit: v, epsilon, eta");
   refuses("abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=1 eta=1", "eta: found an unknown key");
   refuses("bp V_cm_s=3 epsilon_s=0.2 --lags 1,x", "--lags: found \"x\"");
   refuses("bp V_cm_s=3 epsilon_s=0.2 --lags 1,-2", "--lags: found -2, allowed above 0");
