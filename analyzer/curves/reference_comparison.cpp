@@ -47,6 +47,11 @@ class Comparison {
     for (std::size_t i = 0; i < lags_; ++i) {
       shape_.push_back(films_.expected(true, i));
     }
+    for (std::size_t column = 0; column < 2 * lags_; ++column) {
+      point(column).exact = films_.expected(column >= lags_, column % lags_);
+      scales_.push_back(errorScale(films.curves(), observed_, segments_, tau(column)));
+      if (mayBeJudged(column)) columns_.push_back(column);
+    }
   }
 
   void run() {
@@ -60,6 +65,9 @@ class Comparison {
     if (calibrated) {
       relate(now, *reference);
       for (Ratios& film : each) relate(film, *reference);
+    }
+    for (Ratios& film : each) {
+      for (const std::size_t column : columns_) film[column] = normalised(film[column]);
     }
     fill(now, each, calibrated ? reference : std::nullopt);
   }
@@ -91,15 +99,17 @@ class Comparison {
   [[nodiscard]] Ratios ofFilm(int film) const {
     const SimulatedCurves& simulated = films_.curves();
     const double offset = 4 * films_.plan().sigma * films_.plan().sigma;
-    std::vector<double> angular;
-    for (std::size_t i = 0; i < lags_; ++i) angular.push_back(simulated.value(film, lags_ + i));
-    const double angular_offset =
-        films_.plan().sigma_theta > 0 ? headingOffset(angular, shape_) : 0;
-    Ratios ratios(2 * lags_);
-    for (std::size_t i = 0; i < lags_; ++i) {
-      const double scale = errorScale(simulated, observed_, segments_, simulated.lags[i]);
-      ratios[i] = 1 + scale * ((simulated.value(film, i) - offset) / films_.expected(false, i) - 1);
-      ratios[lags_ + i] = 1 + scale * ((angular[i] - angular_offset) / shape_[i] - 1);
+    double angular_offset = 0;
+    if (films_.plan().sigma_theta > 0) {
+      std::vector<double> angular;
+      for (std::size_t i = 0; i < lags_; ++i) angular.push_back(simulated.value(film, lags_ + i));
+      angular_offset = headingOffset(angular, shape_);
+    }
+    Ratios ratios(2 * lags_, kNan);
+    for (const std::size_t column : columns_) {
+      const double value =
+          simulated.value(film, column) - (column < lags_ ? offset : angular_offset);
+      ratios[column] = 1 + scales_[column] * (value / point(column).exact - 1);
     }
     return ratios;
   }
@@ -120,7 +130,8 @@ class Comparison {
     double least = 0;
     for (std::size_t i = 0; i < lags_; ++i) {
       const double noise = std::abs(result_.msd[i].noise) / films_.expected(false, i);
-      if (!mayBeJudged(i) || !(noise < kTolerance) || !std::isfinite(measured[i])) continue;
+      const bool usable = std::ranges::binary_search(columns_, i);
+      if (!usable || !(noise < kTolerance) || !std::isfinite(measured[i])) continue;
       const double sigma = std::hypot(moments(films, i).sigma, kOffsetError * noise);
       if (best && sigma >= least) continue;
       best = i;
@@ -142,7 +153,7 @@ class Comparison {
     double sum = 0;
     double squares = 0;
     for (const Ratios& film : films) {
-      const double value = normalised(film[column]);
+      const double value = film[column];
       sum += value;
       squares += value * value;
     }
@@ -150,27 +161,27 @@ class Comparison {
     return {sum / n, std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)))};
   }
 
+  /// @param films normalised
   void fill(const Ratios& measured, const std::vector<Ratios>& films,
             std::optional<std::size_t> reference) const {
     std::vector<double> largest(films.size(), 0);
-    for (std::size_t column = 0; column < 2 * lags_; ++column) {
+    for (const std::size_t column : columns_) {
       CurvePoint& one = point(column);
       const bool angular = column >= lags_;
-      const double expected = films_.expected(angular, column % lags_);
+      const double expected = one.exact;
       const Moments of = moments(films, column);
       const double noise = std::abs(one.noise) / expected;
       const double floor = angular ? 0 : options_.systematic_floor;
+      const double of_reference =
+          of.sigma / scales_[column] / std::sqrt(static_cast<double>(films.size()));
       const double sigma =
-          std::hypot(std::hypot(of.sigma, of.sigma / std::sqrt(static_cast<double>(films.size()))),
-                     std::hypot(floor, kOffsetError * noise));
-      one.exact = expected;
+          std::hypot(std::hypot(of.sigma, of_reference), std::hypot(floor, kOffsetError * noise));
       if (std::isfinite(of.sigma) && of.sigma > 0) one.sigma = of.sigma * (expected + one.noise);
       one.z = (normalised(measured[column]) - of.mean) / sigma;
-      one.judged = mayBeJudged(column) && std::isfinite(one.z) && sigma < kMostScatter &&
-                   column != reference;
+      one.judged = std::isfinite(one.z) && sigma < kMostScatter && column != reference;
       if (!one.judged) continue;
       for (std::size_t film = 0; film < films.size(); ++film) {
-        const double z = std::abs(normalised(films[film][column]) - of.mean) / sigma;
+        const double z = std::abs(films[film][column] - of.mean) / sigma;
         largest[film] = std::max(largest[film], z);
       }
     }
@@ -192,7 +203,9 @@ class Comparison {
   double segments_ = 1;
   bool enough_draws_ = false;
   bool noise_known_ = false;
-  std::vector<double> shape_;  ///< Expected angular MSD.
+  std::vector<double> shape_;         ///< Expected angular MSD.
+  std::vector<std::size_t> columns_;  ///< That may be judged, ascending.
+  std::vector<double> scales_;        ///< From the error of a film to that of the measured time.
 };
 
 }  // namespace

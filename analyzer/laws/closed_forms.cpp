@@ -9,7 +9,11 @@
 namespace lab::analysis {
 
 const std::vector<ClosedForm>& closedForms() {
-  static const std::vector<ClosedForm> forms{abpForm(), noisyAbpForm(), bpForm(), rtpForm()};
+  static const std::vector<ClosedForm> forms = [] {
+    std::vector<ClosedForm> all;
+    for (const auto form : kForms) all.push_back(form());
+    return all;
+  }();
   return forms;
 }
 

@@ -1,5 +1,5 @@
-/// The laws that are known in closed form. A new one is a file with its class, and one line in the
-/// list of closed_forms.cpp.
+/// The laws that are known in closed form. A new one is a file with its class, and its name in the
+/// list of forms.hpp.
 #pragma once
 
 #include <functional>

@@ -1,5 +1,7 @@
-/// The list of closed forms; each one is in a file of its own. Internal to closed_forms.cpp.
+/// The list of closed forms; each one is in a file of its own.
 #pragma once
+
+#include <array>
 
 #include "analyzer/laws/closed_forms.hpp"
 
@@ -9,5 +11,8 @@ namespace lab::analysis {
 [[nodiscard]] ClosedForm noisyAbpForm();
 [[nodiscard]] ClosedForm bpForm();
 [[nodiscard]] ClosedForm rtpForm();
+
+/// In the order of messages.
+inline constexpr std::array kForms{&abpForm, &noisyAbpForm, &bpForm, &rtpForm};
 
 }  // namespace lab::analysis

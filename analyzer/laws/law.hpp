@@ -122,6 +122,8 @@ class Law {
   [[nodiscard]] virtual bool equals(const Law& other) const;
 
   [[nodiscard]] virtual std::string title() const { return name_; }  ///< For people.
+  /// What the motion is compared with: "agrees with ...".
+  [[nodiscard]] virtual std::string reference() const { return "the exact law"; }
   /// The statistics; nullptr if they do not exist (a duration of 0).
   /// @param turning the angles of turns; laws without turns ignore it
   [[nodiscard]] virtual std::shared_ptr<const LawCurves> curves(const Turning& turning) const;

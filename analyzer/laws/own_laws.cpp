@@ -146,6 +146,7 @@ class FormulaLaw : public ProgramCodeLaw {
     return same != nullptr && ProgramCodeLaw::equals(other) && text_ == same->text_;
   }
   [[nodiscard]] std::string title() const override { return "own formulas"; }
+  [[nodiscard]] std::string reference() const override { return "the program's formulas"; }
   [[nodiscard]] std::shared_ptr<const LawCurves> curves(const Turning&) const override {
     return curves_;
   }
@@ -163,6 +164,7 @@ class SimulatedLaw : public ProgramCodeLaw {
   using ProgramCodeLaw::ProgramCodeLaw;
 
   [[nodiscard]] std::string title() const override { return "simulated reference"; }
+  [[nodiscard]] std::string reference() const override { return "the simulated reference"; }
   [[nodiscard]] bool isSimulated() const override { return true; }
 };
 

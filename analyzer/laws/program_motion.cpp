@@ -39,6 +39,8 @@ class ProgramMotion : public Motion {
     return drive();
   }
 
+  [[nodiscard]] int holds() const { return holds_; }  ///< Begun.
+
   Arc next(Random& /*random*/) override {
     if (left_ms_ == 0) begin();
     if (next_scan_ms_ == time_ms_ && machine_.canBeInterrupted()) {
@@ -60,6 +62,7 @@ class ProgramMotion : public Motion {
   }
 
   void begin() {
+    ++holds_;
     phase_begin_ms_ = time_ms_;
     updateInputs();
     const dynamics::PhaseResult hold = machine_.next(inputs_, rng_);
@@ -94,6 +97,7 @@ class ProgramMotion : public Motion {
   dynamics::MachineInputs inputs_;
   dynamics::Odometry odometry_;
   dynamics::Rng rng_;
+  int holds_ = 0;
   std::uint32_t scan_ms_ = 20;
   std::uint32_t next_scan_ms_ = 0;
   std::uint32_t left_ms_ = 0;  ///< Of the hold.
@@ -123,19 +127,20 @@ std::unique_ptr<Motion> programMotion(const ByteCode& code, const RobotBody& bod
 }
 
 double meanHold(const ByteCode& code, const RobotBody& body) {
-  constexpr int kHolds = 4000;
+  constexpr int kMostArcs = 20000;
+  constexpr int kMostHolds = 4000;
   RobotBody ideal = body;
   ideal.clock_error = 0;
   ProgramMotion motion(code, ideal);
   Random random(1);
   double time = 0;
-  double last = motion.first(random).duration;
-  for (int i = 0; i < kHolds; ++i) {
-    if (last >= kForever) return std::numeric_limits<double>::infinity();
-    time += last;
-    last = motion.next(random).duration;
+  Arc arc = motion.first(random);
+  for (int i = 0; i < kMostArcs && motion.holds() <= kMostHolds; ++i) {
+    if (arc.duration >= kForever) return std::numeric_limits<double>::infinity();
+    time += arc.duration;
+    arc = motion.next(random);
   }
-  return time / kHolds;
+  return time / motion.holds();
 }
 
 }  // namespace lab::analysis

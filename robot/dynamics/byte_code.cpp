@@ -89,8 +89,8 @@ const uint16_t kInstructions[kOpcodes] LAB_IN_FLASH = {
     0,
     0,
     0,
-    entry(4, 0, 1850),  // kDrive
-    entry(4, 0, 1850),  // kWheelSpeeds
+    entry(4, 0, 2110),  // kDrive
+    entry(4, 0, 2110),  // kWheelSpeeds
 };
 
 Instruction instruction(uint8_t opcode) {
@@ -199,6 +199,17 @@ uint8_t instructionSize(uint8_t opcode) {
 }
 
 uint16_t instructionCost(uint8_t opcode) { return instruction(opcode).cost; }
+
+uint16_t blockCost(const uint8_t* block) {
+  const uint8_t* const end = block + 1 + block[0];
+  uint16_t cost = 0;
+  for (const uint8_t* at = block + 1; at < end;) {
+    const Instruction step = instruction(*at);
+    cost = static_cast<uint16_t>(cost + step.cost);
+    at += 1 + step.operands;
+  }
+  return cost;
+}
 
 uint32_t programHash(const uint8_t* code, uint8_t size) {
   uint32_t crc = 0xFFFFFFFFUL;

@@ -133,6 +133,9 @@ uint8_t instructionSize(uint8_t opcode);
 /// The most cycles that an instruction takes on the robot; 0: there is no such instruction.
 uint16_t instructionCost(uint8_t opcode);
 
+/// The most cycles that a block of a valid program takes; `block` points to its length.
+uint16_t blockCost(const uint8_t* block);
+
 /// The CRC-32 (IEEE 802.3) of a program, by which host and robot name it; never 0.
 uint32_t programHash(const uint8_t* code, uint8_t size);
 

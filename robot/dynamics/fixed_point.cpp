@@ -193,7 +193,7 @@ Fixed exp2Fixed(uint32_t exponent, bool& saturated) {
     saturated = true;
     return kLargest;
   }
-  const uint32_t part = (exponent & 0xFFFFUL) << 15;  // in units of 2^-31
+  const uint32_t part = static_cast<uint32_t>(exponent & 0xFFFFUL) << 15;  // in units of 2^-31
   const uint32_t slope = static_cast<uint32_t>(polynomial(kExponential, 5, part));
   // 2^part in units of 2^-31: 1 + part * slope, below 2.
   const uint64_t rise = (static_cast<uint64_t>(part) * slope) >> 30;

@@ -196,10 +196,18 @@ void Machine::start(const uint8_t* code, uint8_t size, const MachineInputs& inpu
   for (uint8_t i = 0; i < kStates; ++i) {
     states_[i] = 0;
   }
-  if (size_ != 0) {
-    run(2, inputs, rng);
-    count();
+  arrears_ = 0;
+  if (size_ == 0) {
+    return;
   }
+  uint8_t at = blockPosition(code_, 1);
+  for (uint8_t phase = 0; phase < code_[1]; ++phase) {
+    costs_[phase] = static_cast<uint8_t>((blockCost(code_ + at) >> 8) + 1U);
+    at = static_cast<uint8_t>(at + 1U + code_[at]);
+    at = static_cast<uint8_t>(at + 1U + code_[at]);
+  }
+  run(2, inputs, rng);
+  count();
 }
 
 PhaseResult Machine::next(const MachineInputs& inputs, Rng& rng) {
@@ -227,6 +235,7 @@ PhaseResult Machine::next(const MachineInputs& inputs, Rng& rng) {
 
   const Fixed hold = stack_[2];
   if (hold == kLargest && !saturated_) {
+    arrears_ = 0;
     count();
     return result;
   }
@@ -242,8 +251,28 @@ PhaseResult Machine::next(const MachineInputs& inputs, Rng& rng) {
     result.duration_ms = 1;
     saturated_ = true;
   }
+  if (lengthen(result.duration_ms)) {
+    saturated_ = true;
+  }
   count();
   return result;
+}
+
+// Makes the hold long enough for the computing so far.
+bool Machine::lengthen(uint32_t& duration_ms) {
+  arrears_ = static_cast<uint16_t>(arrears_ + costs_[phase_] + kHoldOverhead);
+  uint16_t needed_ms = 0;
+  if (arrears_ > kComputingInArrears) {
+    needed_ms = static_cast<uint16_t>((arrears_ - kComputingInArrears + kComputingPerMs - 1U) /
+                                      kComputingPerMs);
+  }
+  const bool too_short = duration_ms < needed_ms;
+  if (too_short) {
+    duration_ms = needed_ms;
+  }
+  const bool pays_all = duration_ms > static_cast<uint16_t>(arrears_ / kComputingPerMs);
+  arrears_ = pays_all ? 0 : static_cast<uint16_t>(arrears_ - duration_ms * kComputingPerMs);
+  return too_short;
 }
 
 bool Machine::interrupted(const MachineInputs& inputs, Rng& rng) {

@@ -40,6 +40,15 @@ constexpr uint32_t kLongestHoldMs = 3600000UL;
 /// program could keep the robot busy for ever.
 constexpr uint8_t kZeroHolds = 8;
 
+/// A robot spends at most this share of its time on evaluations, in units of 256 cycles a
+/// millisecond: half of 8 MHz. Without this limit, holds that are shorter than their evaluation
+/// would leave no time to obey. A hold that is too short for the evaluations so far is lengthened.
+constexpr uint8_t kComputingPerMs = 16;
+/// So much may be in arrears: 15 ms of computing.
+constexpr uint16_t kComputingInArrears = 480;
+/// What beginning a hold costs besides its evaluation: setting the motors, reporting.
+constexpr uint8_t kHoldOverhead = 32;
+
 /// Executes a program of motion. It runs on the robot, in the simulator and on the host, with the
 /// same result to the last bit.
 class Machine {
@@ -62,8 +71,8 @@ class Machine {
   Fixed state(uint8_t index) const { return states_[index % kStates]; }
 
   /// The number of blocks since boot with a result that was limited to the largest number, a
-  /// division by zero, an impossible draw, or a hold beyond 0 ms to one hour; and of holds of 0 ms
-  /// that were lengthened.
+  /// division by zero, an impossible draw, or a hold beyond 0 ms to one hour; and of holds that
+  /// were lengthened.
   uint32_t saturationCount() const { return saturations_; }
 
   /// Whether that number grew since the last call.
@@ -76,6 +85,7 @@ class Machine {
  private:
   void run(uint8_t block, const MachineInputs& inputs, Rng& rng);
   uint8_t phaseNumber(Fixed plain);
+  bool lengthen(uint32_t& duration_ms);
   void count() {
     saturations_ += saturated_ ? 1U : 0U;
     grew_ = grew_ || saturated_;
@@ -88,9 +98,11 @@ class Machine {
   uint8_t interruption_ = 0;  ///< Position of the present interruption block.
   uint8_t zero_holds_ = 0;
   bool interruptible_ = false;
-  bool wheel_speeds_ = false;  ///< The speeds on the stack are those of the wheels.
-  bool saturated_ = false;     ///< In the present block.
-  bool grew_ = false;          ///< See takeSaturated().
+  bool wheel_speeds_ = false;           ///< The speeds on the stack are those of the wheels.
+  bool saturated_ = false;              ///< In the present block.
+  bool grew_ = false;                   ///< See takeSaturated().
+  uint8_t costs_[kLargestPhases] = {};  ///< of the evaluations, in units of 256 cycles
+  uint16_t arrears_ = 0;                ///< computing not yet paid by holds, in the same unit
   Fixed states_[kStates] = {};
   Fixed stack_[kLargestStack] = {};
   uint32_t saturations_ = 0;

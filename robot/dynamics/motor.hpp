@@ -68,12 +68,17 @@ inline bool operator==(const WheelCalibration& a, const WheelCalibration& b) {
   return a.gain_ppm == b.gain_ppm && a.dead_band == b.dead_band;
 }
 
-/// The signed duty at which a calibrated wheel has the speed um_s, rounded to nearest and limited
-/// to 255. Without dead band and with gain 1 it equals dutyForSpeed(um_s, max_um_s).
-inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s, const WheelCalibration& wheel) {
+/// The speed of a calibrated wheel at full duty, for a positive nominal one.
+inline uint32_t fullSpeed(int32_t max_um_s, const WheelCalibration& wheel) {
+  return static_cast<uint32_t>(static_cast<uint64_t>(max_um_s) *
+                               static_cast<uint32_t>(wheel.gain_ppm) / 1000000U);
+}
+
+/// The signed duty at which a calibrated wheel with this fullSpeed() has the speed um_s, rounded to
+/// nearest and limited to 255. Without dead band and with gain 1 it equals
+/// dutyForSpeed(um_s, max_um_s).
+inline int16_t dutyOfWheel(int32_t um_s, uint32_t full, const WheelCalibration& wheel) {
   const uint32_t size = absoluteSpeed(um_s);
-  const uint64_t full =
-      static_cast<uint64_t>(max_um_s) * static_cast<uint32_t>(wheel.gain_ppm) / 1000000U;
   if (size == 0 || full == 0) {
     return 0;
   }
@@ -81,12 +86,15 @@ inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s, const WheelCalibrati
   uint32_t duty = static_cast<uint32_t>(kMaxDuty);
   if (size < full) {
     // 5 m/s * 255 fits in 32 bits.
-    const uint32_t limit = static_cast<uint32_t>(full);
-    const uint32_t above = (size * range + limit / 2U) / limit;
+    const uint32_t above = (size * range + full / 2U) / full;
     duty = above == 0 ? 0 : above + wheel.dead_band;
   }
   const int16_t result = static_cast<int16_t>(duty);
   return um_s < 0 ? static_cast<int16_t>(-result) : result;
+}
+
+inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s, const WheelCalibration& wheel) {
+  return dutyOfWheel(um_s, fullSpeed(max_um_s, wheel), wheel);
 }
 
 }  // namespace dynamics

@@ -144,11 +144,14 @@ void Device::driveMotors() {
       wheels.right == driven_wheels_.right) {
     return;
   }
-  recalibrated_ = false;
+  if (recalibrated_) {
+    recalibrated_ = false;
+    full_left_ = dynamics::fullSpeed(core_.settings().max_wheel_um_s, settings_.left);
+    full_right_ = dynamics::fullSpeed(core_.settings().max_wheel_um_s, settings_.right);
+  }
   driven_wheels_ = wheels;
-  const int32_t max_um_s = core_.settings().max_wheel_um_s;
-  const int16_t left = dynamics::dutyForSpeed(wheels.left, max_um_s, settings_.left);
-  const int16_t right = dynamics::dutyForSpeed(wheels.right, max_um_s, settings_.right);
+  const int16_t left = dynamics::dutyOfWheel(wheels.left, full_left_, settings_.left);
+  const int16_t right = dynamics::dutyOfWheel(wheels.right, full_right_, settings_.right);
   if (left != duty_left_ || right != duty_right_) {
     duty_left_ = left;
     duty_right_ = right;

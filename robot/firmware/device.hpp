@@ -26,6 +26,9 @@ inline bool reached(uint32_t now_ms, uint32_t due_ms) {
   return static_cast<int32_t>(now_ms - due_ms) >= 0;
 }
 
+/// Internal status of an answer: it follows when the command is complete.
+constexpr uint8_t kLater = 255;
+
 constexpr uint16_t kHelloPeriodMs = 1000;
 constexpr uint16_t kStatePeriodMs = 250;
 constexpr uint16_t kCountersPeriodMs = 1000;
@@ -50,7 +53,7 @@ struct BootFacts {
 /// once. Reports are sent one at a time while the queue is empty, so that an answer waits for at
 /// most one other frame.
 ///
-/// This is one class in three files. Its parts share most of the state, and classes of their own
+/// This is one class in four files. Its parts share most of the state, and classes of their own
 /// would need references to each other, which cost flash and RAM on the chip.
 class Device {
  public:
@@ -116,6 +119,11 @@ class Device {
   LAB_NOINLINE Answer executeStop(const wire::Frame& frame, uint32_t now_ms);
   LAB_NOINLINE Answer executeSetSeed(const wire::Frame& frame);
   LAB_NOINLINE Answer executeSetParam(const wire::Frame& frame, uint32_t now_ms);
+  bool readParam(uint8_t id, int32_t& value) const;
+  bool writeParam(uint8_t id, int32_t value, uint32_t now_ms);
+  void seed(uint32_t high, uint32_t low);
+
+  // device_storing.cpp
   LAB_NOINLINE Answer executeCommit(const wire::Frame& frame);
   LAB_NOINLINE Answer executeLoadBegin(const wire::Frame& frame);
   LAB_NOINLINE Answer executeLoadData(const wire::Frame& frame);
@@ -125,9 +133,6 @@ class Device {
   bool isUsed(uint32_t hash) const;
   void answerLater(const wire::Frame& frame);
   LAB_NOINLINE void continueStoring(uint32_t now_ms);
-  bool readParam(uint8_t id, int32_t& value) const;
-  bool writeParam(uint8_t id, int32_t value, uint32_t now_ms);
-  void seed(uint32_t high, uint32_t low);
 
   // device_reports.cpp
   LAB_NOINLINE void report(uint32_t now_ms);
@@ -177,6 +182,8 @@ class Device {
   uint32_t draws_recorded_ = 0;
   dynamics::WheelSpeedsUmS driven_wheels_;  ///< the speeds that the duties were computed for
   bool recalibrated_ = true;                ///< the duties must be computed again
+  uint32_t full_left_ = 0;                  ///< speed at full duty [um/s]
+  uint32_t full_right_ = 0;
   int16_t duty_left_ = 0;
   int16_t duty_right_ = 0;
 

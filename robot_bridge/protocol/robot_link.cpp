@@ -447,6 +447,7 @@ void RobotLink::pump(std::int64_t now) {
     }
     return;
   }
+  keepRunning(now);
   if (sender_.isWaiting()) return;
   sendPing(now);
   // A silent robot may be in its bootloader, which bytes would keep from starting the program.
@@ -461,6 +462,21 @@ void RobotLink::sendStop(std::int64_t now) {
   stop.id = stop_.id;
   stop.action = stop_.release ? wire::Stop::kRelease : wire::Stop::kStop;
   send(stop, stop_.id);
+}
+
+/// Loading programs takes seconds. Until their settings are in force, a robot that runs programs
+/// goes on with those that it has. The order is not answered for: another one follows.
+void RobotLink::keepRunning(std::int64_t now) {
+  const std::optional<RobotSnapshot>& snapshot = view_.snapshot();
+  const bool replaces = desired_.needsSettings() && config_ != 0 && config_ != desired_.config();
+  if (!replaces || !snapshot || snapshot->telemetry.slot >= dynamics::kSlots || !mayOrder(now) ||
+      isStale(now) || now - ordered_utime_ < kOrderPeriod_us) {
+    return;
+  }
+  ordered_utime_ = now;
+  wire::Order order = desired_.orderMessage(config_, now);
+  order.id = 0;  // it is not the order that the robot is to confirm
+  send(order, command_seq_++);
 }
 
 void RobotLink::sendPing(std::int64_t now) {
@@ -482,11 +498,16 @@ void RobotLink::sendNextCommand(std::int64_t now) {
   sendCalibration(now);
 }
 
+/// Whether there is an order that the robot may get. Until it has confirmed its stop, it is sent
+/// nothing that could move it.
+bool RobotLink::mayOrder(std::int64_t now) const {
+  const bool stopping = stop_.id != 0 && !stop_.release && !stop_.confirmed;
+  return desired_.hasOrder() && !desired_.leaseExpired(now) && !desired_.isRefused() && !stopping;
+}
+
 /// Sends settings or order if the robot needs them. @return whether something was sent
 bool RobotLink::sendWanted(std::int64_t now) {
-  if (!desired_.hasOrder() || desired_.leaseExpired(now) || desired_.isRefused()) return false;
-  // Until the robot has confirmed its stop, it is sent nothing that could move it.
-  if (stop_.id != 0 && !stop_.release && !stop_.confirmed) return false;
+  if (!mayOrder(now)) return false;
   if (desired_.needsSettings() && config_ != desired_.config()) {
     sendSettings(now);
     return true;

@@ -169,6 +169,8 @@ class RobotLink {
   void sendNextCommand(std::int64_t now);
   bool sendPreparation(std::int64_t now);
   bool sendWanted(std::int64_t now);
+  void keepRunning(std::int64_t now);
+  [[nodiscard]] bool mayOrder(std::int64_t now) const;
   void sendSettings(std::int64_t now);
   bool sendProgram(std::int64_t now);
   [[nodiscard]] dynamics::CoreSettings nextSettings() const;

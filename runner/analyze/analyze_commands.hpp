@@ -33,7 +33,7 @@ ExitCode analyze(const AnalyzeOptions& options);
 ExitCode reportOfRun(const std::filesystem::path& directory);
 
 struct TheoryOptions {
-  std::string program;            ///< abp, noisy_abp, bp, rtp
+  std::string program;            ///< whose law is known in closed form
   std::vector<std::string> set;   ///< key=value: its parameters, as in experiment files
   std::string lags;               ///< [s] separated by commas, empty: 0.01 to 1000
   double exposure_ms = 0;         ///< of a camera frame
@@ -41,8 +41,8 @@ struct TheoryOptions {
   double noise_deg = 0;           ///< of the heading
   std::optional<double> phase_s;  ///< from the begin of a window to the next draw
   std::optional<int> phases;      ///< number of phases of the hold on which frames fall
-  std::string turning_deg;        ///< LOW,HIGH of an RTP's turning angles, empty: -180,180
-  bool kurtosis = false;          ///< one more column (BP)
+  std::string turning_deg;        ///< LOW,HIGH of the angles of turns, empty: -180,180
+  bool kurtosis = false;          ///< one more column
 };
 ExitCode theory(const TheoryOptions& options);
 

@@ -21,7 +21,7 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
   command->add_flag("--stitch,!--no-stitch", options->stitch,
                     "Join the motion before and after reversals (default: yes)");
   command->add_option("--program", options->program,
-                      "Poses: program of all robots: abp, noisy_abp, bp, rtp (default: not known)");
+                      "Poses: program of all robots, a shipped one (default: not known)");
   addSettings(*command, options->set, "Poses: parameter of the program, as v_cm_s=3 (repeatable)")
       ->type_name("NAME=VALUE");
   command
@@ -44,7 +44,8 @@ void addReportOfRun(CLI::App& app, Chosen& chosen) {
 void addTheory(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<TheoryOptions>();
   CLI::App* command = app.add_subcommand("theory", summaryOf("theory"));
-  command->add_option("MODEL", options->program, "abp, noisy_abp, bp, rtp")->required();
+  command->add_option("MODEL", options->program, "A program whose law is known in closed form")
+      ->required();
   // "KEY=VALUE" as a name is refused by CLI11 from 2.3 on.
   command
       ->add_option("SETTING", options->set,
@@ -69,8 +70,9 @@ void addTheory(CLI::App& app, Chosen& chosen) {
                    "--phase-s before a draw (default: 1)")
       ->check(CLI::Range(1, 100000));
   command->add_option("--turning-deg", options->turning_deg,
-                      "LOW,HIGH of an rtp's turning angles (default: -180,180)");
-  command->add_flag("--kurtosis", options->kurtosis, "Add a column with the kurtosis (bp)");
+                      "LOW,HIGH of the angles of turns between runs (default: -180,180)");
+  command->add_flag("--kurtosis", options->kurtosis,
+                    "Add a column with the kurtosis, where the law gives it");
   command->callback([&chosen, options] { chosen = [options] { return theory(*options); }; });
 }
 

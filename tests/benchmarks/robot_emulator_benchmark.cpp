@@ -12,6 +12,8 @@
 #include <vector>
 
 #include "common/math/random.hpp"
+#include "common/programs/shipped_programs.hpp"
+#include "robot/firmware/program_store.hpp"
 #include "robot/firmware/settings.hpp"
 #include "robot/wire/config.hpp"
 #include "robot/wire/fields.hpp"
@@ -33,11 +35,15 @@ std::shared_ptr<const emulator::FirmwareImage> program() {
 /// A host that answers at once.
 class Host {
  public:
-  explicit Host(Chip& chip) : chip_(chip) {
+  explicit Host(Chip& chip, const Program& program = {}) : chip_(chip) {
     std::vector<std::uint8_t> store(firmware::kStoreSize);
     firmware::Settings settings;
     settings.uid = 1;
     firmware::encodeStore(settings, store.data());
+    if (program.hash != 0) {
+      firmware::encodeProgram(program.code.data(), static_cast<std::uint8_t>(program.code.size()),
+                              0, store.data());
+    }
     chip_.loadEeprom(store);
     chip_.switchOn();
     run(100);
@@ -131,17 +137,15 @@ void robotsPerCore(benchmark::State& state) {
   constexpr double kSliceMs = 2;
   const auto robots = static_cast<std::size_t>(state.range(0));
   dynamics::CoreSettings settings;
-  settings.programs[0].kind = dynamics::kAbp;
-  settings.programs[0].speed_um_s = 50000;
-  settings.programs[0].amplitude_um_s = 112500;
-  settings.programs[0].hold_ms = 500;
+  const Program abp = shippedProgram("abp");
+  settings.programs[0] = abp.hash;
   settings.light.count = 1;
   settings.light.bands[0].high = dynamics::kLightCounts;
   std::vector<std::unique_ptr<Chip>> chips;
   std::vector<std::unique_ptr<Host>> hosts;
   for (std::size_t i = 0; i < robots; ++i) {
     chips.push_back(std::make_unique<Chip>(program()));
-    hosts.push_back(std::make_unique<Host>(*chips.back()));
+    hosts.push_back(std::make_unique<Host>(*chips.back(), abp));
     Host& host = *hosts.back();
     for (std::uint8_t slot = 0; slot < dynamics::kSlots; ++slot) {
       host.ask(wire::programMessage(settings, slot));

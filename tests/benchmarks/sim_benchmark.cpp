@@ -8,7 +8,7 @@
 #include <optional>
 #include <vector>
 
-#include "robot/dynamics/robot_program.hpp"
+#include "common/programs/shipped_programs.hpp"
 #include "sim_svc/world.hpp"
 
 namespace {
@@ -26,24 +26,21 @@ class TwoHalves : public lab::sim::LightSampler {
   double edge_;
 };
 
-CoreSettings abpAndRtp() {
-  lab::dynamics::RobotProgram abp;
-  abp.kind = lab::dynamics::kAbp;
-  abp.v = 0.03;
-  abp.epsilon = 0.5;
-  abp.eta = 3;
-  lab::dynamics::RobotProgram rtp;
-  rtp.kind = lab::dynamics::kRtp;
-  rtp.v = 0.05;
-  rtp.gamma = 1;
-  rtp.tau_t = 0.5;
+/// The programs of dark and bright light.
+std::vector<lab::Program> abpAndRtp() {
+  return {lab::shippedProgram("abp", {{"v", "3 cm/s"}, {"epsilon", "0.5 s"}, {"eta", "3 rad/s"}}),
+          lab::shippedProgram("rtp", {{"v", "5 cm/s"}, {"gamma", "1 1/s"}, {"tau_t", "0.5 s"}})};
+}
+
+CoreSettings settingsOf(const std::vector<lab::Program>& programs) {
   CoreSettings settings;
   settings.light.count = 2;
   settings.light.bands[0] = {0, 512, 0};
   settings.light.bands[1] = {512, 1024, 1};
   settings.light.hysteresis = 20;
-  settings.programs[0] = lab::dynamics::toProgramParams(abp).params;
-  settings.programs[1] = lab::dynamics::toProgramParams(rtp).params;
+  for (std::size_t slot = 0; slot < programs.size(); ++slot) {
+    settings.programs[slot] = programs[slot].hash;
+  }
   return settings;
 }
 
@@ -57,9 +54,12 @@ void runWorld(benchmark::State& state, int robots, double scale) {
   World world(settings, setups);
   const TwoHalves light(settings.arena.width / 2);
   world.setLight(&light);
+  const std::vector<lab::Program> programs = abpAndRtp();
+  for (const lab::Program& program : programs) world.addProgram(program.hash, program.code);
+  const CoreSettings core_settings = settingsOf(programs);
   for (std::size_t i = 0; i < world.size(); ++i) {
-    world.order(i, [](auto& core, auto now_ms) {
-      core.configure(now_ms, abpAndRtp());
+    world.order(i, [&core_settings](auto& core, auto now_ms) {
+      core.configure(now_ms, core_settings);
       core.renewLease(now_ms, lab::dynamics::RobotCore::kNoEventMs);
     });
   }

@@ -308,6 +308,64 @@ TEST_F(BridgeServiceTest, LoadsTheProgramsOnceAndReportsHowLongItTook) {
   EXPECT_THAT(line, testing::HasSubstr(", 2 programs loaded in "));
 }
 
+TEST_F(BridgeServiceTest, FourProgramsReplaceFourOthersThoughARobotHasFivePlaces) {
+  WireRobot& robot = addRobot(1);
+  robot.sensors().light_front = robot.sensors().light_back = 900;
+  start();
+  const auto four = [](const char* speed) {
+    robot_order_t order = table({1});
+    order.bands.clear();
+    for (int band = 0; band < 4; ++band) {
+      light_band_t next{};
+      next.low = band / 4.0;
+      next.high = (band + 1) / 4.0;
+      next.program = toMessage(
+          shippedProgram("abp", {{"v", speed}, {"epsilon", std::to_string(band + 1) + " s"}}));
+      order.bands.push_back(next);
+    }
+    order.num_bands = 4;
+    return order;
+  };
+  std::int64_t seq = 0;
+  for (const char* speed : {"3 cm/s", "4 cm/s", "5 cm/s"}) {
+    const robot_order_t order = four(speed);
+    command(order, ++seq);
+    runCommanded(8);
+    EXPECT_EQ(last[1].command_seq, seq);
+    EXPECT_EQ(last[1].program.hash, order.bands[3].program.id.hash) << speed;
+    EXPECT_FALSE(last[1].flags & robot_state_t::FLAG_REJECTED);
+  }
+}
+
+TEST_F(BridgeServiceTest, ARobotRunsItsOldProgramUntilTheNewOneIsLoaded) {
+  WireRobotOptions options;
+  options.delay_us = 60'000;  // loading takes more than the lease
+  WireRobot& robot = addRobot(1, options);
+  robot.sensors().light_front = robot.sensors().light_back = 200;
+  start();
+  command(table({1}), 1);
+  runCommanded(8);
+  ASSERT_EQ(last[1].command_seq, 1);
+  const std::uint32_t epoch = robot.report().program_epoch;
+  robot_order_t next = table({1});
+  next.bands[0].program = toMessage(shippedProgram("run_reverse"));
+  next.bands[1].program = toMessage(shippedProgram("levy"));
+  commanded.orders = {next};
+  command(next, 2);
+  commanded.lease_ms = 500;
+  bool lease_over = false;
+  for (int i = 0; i < 40 && last[1].command_seq != 2; ++i) {
+    runCommanded(0.2);
+    commanded.lease_ms = 500;
+    lease_over = lease_over || (robot.report().flags & dynamics::kLeaseExpired) != 0;
+  }
+  EXPECT_EQ(last[1].command_seq, 2);
+  runCommanded(0.4);
+  EXPECT_EQ(last[1].program.name, "run_reverse");
+  EXPECT_FALSE(lease_over);
+  EXPECT_EQ(robot.report().program_epoch, epoch + 1) << "it changed once, and never stood";
+}
+
 TEST_F(BridgeServiceTest, SensesReachTheProgramAndTheirTimesTheStatus) {
   addRobot(1).sensors().light_front = 200;
   start();

@@ -64,6 +64,7 @@ struct CurveData {
   bool has_judged = false;
   bool has_open = false;
   bool has_law = false;
+  std::string law_title;
   bool has_paper = false;
   bool has_robots = false;
   double largest_z = kLimitZ;
@@ -109,6 +110,7 @@ std::string CurveData::text() const {
 
 CurveData collect(const Finding& finding, const Quantity& quantity) {
   CurveData data;
+  data.law_title = finding.pool->result.law->reference().substr(std::string("the ").size());
   for (const CurvePoint& point : finding.pool->result.curves.*quantity.curve) {
     if (drawable(point)) data.add(point, quantity.factor);
   }
@@ -156,8 +158,8 @@ std::string upperPanel(const CurveData& data, const Quantity& quantity) {
                     style::kVermillion));
   }
   if (data.has_law) {
-    plots.push_back(fmt::format("$law using 1:2 with lines lw 1.6 lc rgb '{}' title 'exact law'",
-                                style::kBlue));
+    plots.push_back(fmt::format("$law using 1:2 with lines lw 1.6 lc rgb '{}' title \"{}\"",
+                                style::kBlue, data.law_title));
   }
   return script + fmt::format("{}\n", fmt::join(plots, ", "));
 }

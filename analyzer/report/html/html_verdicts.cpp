@@ -156,7 +156,7 @@ std::string verdictTable(const std::vector<Finding>& findings) {
   std::string html = "<h2>Is it the motion that was programmed?</h2>\n";
   if (findings.empty()) {
     return html +
-           "<p>No robot was tracked while it ran a program that has a law, "
+           "<p>No robot was tracked while it ran a program of motion, "
            "so there is nothing to compare.</p>\n";
   }
   Table table({"program", "model", "verdict", ">largest deviation (standard errors)",

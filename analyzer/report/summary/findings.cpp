@@ -97,21 +97,13 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
   return findings;
 }
 
-namespace {
-
-std::string lawWords(const ProgramResult& result) {
-  return result.law->isSimulated() ? "the simulated reference" : "the exact law";
-}
-
-}  // namespace
-
 std::string verdictText(const ProgramResult& result) {
   if (!result.law.known() || !result.no_verdict.empty()) return "no law to compare with";
   switch (result.verdict.kind) {
     case VerdictKind::kAgrees:
-      return "agrees with " + lawWords(result);
+      return "agrees with " + result.law->reference();
     case VerdictKind::kDisagrees:
-      return "deviates from " + lawWords(result);
+      return "deviates from " + result.law->reference();
     default:
       return "undecided";
   }
@@ -133,7 +125,7 @@ std::string verdictReason(const ProgramResult& result) {
   return fmt::format(
       "The largest deviation from {} at {} is {:.1f} standard errors ({} at {} s). By "
       "chance alone one run in a hundred exceeds 3.2. From 4 on, the motion deviates.",
-      lawWords(result), countText(verdict.judged, "judged lag"), std::abs(verdict.max_z),
+      result.law->reference(), countText(verdict.judged, "judged lag"), std::abs(verdict.max_z),
       verdict.angular ? "angular MSD" : "MSD", shortText(verdict.tau));
 }
 
@@ -299,7 +291,7 @@ std::vector<std::string> headlines(const RunRecord& record) {
                     record.experimentOrDefault().arena_height * kCm));
   } else if (!any) {
     lines.emplace_back(
-        "no robot was tracked while it ran a program that has a law (ABP, noisy ABP, BP, RTP): "
+        "no robot was tracked while it ran a program of motion: "
         "nothing to compare");
   }
   if (record.poses) {

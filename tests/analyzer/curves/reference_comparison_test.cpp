@@ -49,6 +49,33 @@ TEST(SimulatedReference, FindsASpeedOrTurningRateFivePercentWrongInAnHour) {
   }
 }
 
+TEST(SimulatedReference, JudgesThePoolAndEachRobot) {
+  FilmOptions options;
+  options.duration = 900;
+  const Program program = withoutLaw("resetting");
+  const ProgramLaw law = lawOf(program, bodyFor(options));
+  std::vector<BlockData> films;
+  for (const std::uint64_t seed : {11U, 12U, 13U}) {
+    films.push_back(filmOf(program, law, seed, options));
+  }
+  BlockData pooled;
+  std::vector<ProgramResult> robots;
+  std::vector<const BlockData*> data;
+  for (const BlockData& film : films) {
+    pooled.pool(film);
+    robots.push_back(analyse(law, film, {}, {}, Depth::kFull));
+    data.push_back(&film);
+  }
+  ProgramResult pool = analyse(law, pooled, {}, {}, Depth::kFull);
+  addBootstrapResults(pool, pooled, robots, data, {});
+  EXPECT_EQ(pool.verdict.kind, VerdictKind::kAgrees) << pool.verdict.max_z;
+  for (const ProgramResult& robot : robots) {
+    EXPECT_EQ(robot.verdict.kind, VerdictKind::kAgrees) << robot.verdict.max_z;
+    // Three robots are measured more precisely than one.
+    EXPECT_GT(robot.curves.msd[30].sigma, 1.4 * pool.curves.msd[30].sigma);
+  }
+}
+
 TEST(SimulatedReference, IsMadeInSlicesForLiveResults) {
   AnalysisConfig config;
   config.frame_period = 0.05;

@@ -112,6 +112,8 @@ TEST(ProgramMotion, LooksAtTheConditionOfAHold) {
   EXPECT_NEAR(running, 20, 1e-9);
   EXPECT_GE(standing, 19 * 3.0);
   EXPECT_LE(standing, 19 * 3.02);
+  // A hold counts once, however often its condition is looked at.
+  EXPECT_NEAR(lawOf(waiting(), kPaperWheelBase)->drawTime(), 2, 0.05);
 }
 
 Program withFormulas() {

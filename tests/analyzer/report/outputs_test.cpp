@@ -9,9 +9,12 @@
 #include <string>
 #include <vector>
 
+#include "analyzer/laws/law_of.hpp"
 #include "analyzer/report/html/report_page.hpp"
+#include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/summary/summary.hpp"
 #include "analyzer/report/summary/trajectories.hpp"
+#include "common/programs/shipped_programs.hpp"
 #include "tests/analyzer/report/synthetic_lab.hpp"
 
 namespace lab::report {
@@ -30,6 +33,31 @@ const RunRecord& smallRun() {
   static const RunRecord record =
       recordOf(syntheticExperiment(2, 60, 20, {paperAbp(), paperRtp()}, 15));
   return record;
+}
+
+analysis::ProgramResult resultOf(const Program& program, analysis::VerdictKind verdict) {
+  analysis::ProgramResult result;
+  result.law = analysis::lawOf(program, analysis::kPaperWheelBase);
+  result.no_verdict = result.law->whyNoVerdict();
+  result.verdict = {verdict, 2.5, 0.5, false, 40};
+  return result;
+}
+
+TEST(Verdict, NamesItsReference) {
+  using analysis::VerdictKind;
+  const auto exact = resultOf(shippedProgram("abp"), VerdictKind::kAgrees);
+  EXPECT_EQ(verdictText(exact), "agrees with the exact law");
+  const auto simulated = resultOf(shippedProgram("levy"), VerdictKind::kDisagrees);
+  EXPECT_EQ(verdictText(simulated), "deviates from the simulated reference");
+  EXPECT_THAT(verdictReason(simulated),
+              testing::StartsWith("The largest deviation from the simulated reference at 40 judged "
+                                  "lags is 2.5 standard errors"));
+}
+
+TEST(Verdict, SaysWhyThereIsNone) {
+  const auto dut = resultOf(shippedProgram("phototaxis"), analysis::VerdictKind::kUndecided);
+  EXPECT_EQ(verdictText(dut), "no law to compare with");
+  EXPECT_THAT(verdictReason(dut), testing::StartsWith("The program reads light"));
 }
 
 TEST(Trajectories, BeginsWithTheColumnsOfTrackpy) {

@@ -289,6 +289,30 @@ TEST(Machine, ZeroHoldsAreLimited) {
   EXPECT_EQ(machine.saturationCount(), 1U);
 }
 
+TEST(Machine, HoldsAreLongEnoughForTheirEvaluations) {
+  // Two normal draws take 27 000 cycles, 3.4 ms, for each hold of 1 ms.
+  const Bytes draw{kPushByte, 5, kPushByte, 1, kNormal};
+  const Bytes code =
+      joined({{kByteCodeFormat, 1, 0},
+              block(joined({draw, draw, {kPushShort, 0, 0, kPushPlain, 0, kWheelSpeeds}})),
+              {0}});
+  ASSERT_EQ(check(code).fault, kValidByteCode);
+  Machine machine;
+  Rng rng(1);
+  const MachineInputs inputs;
+  machine.start(code.data(), static_cast<uint8_t>(code.size()), inputs, rng);
+  uint64_t time_ms = 0;
+  constexpr int kHolds = 10000;
+  for (int i = 0; i < kHolds; ++i) {
+    const uint32_t ms = machine.next(inputs, rng).duration_ms;
+    EXPECT_LE(ms, 12U);
+    time_ms += ms;
+  }
+  const double computing_ms = kHolds * (blockCost(code.data() + 3) + 256.0 * kHoldOverhead) / 8000;
+  EXPECT_NEAR(computing_ms / static_cast<double>(time_ms), 0.5, 0.03);
+  EXPECT_GT(machine.saturationCount(), 9000U);
+}
+
 TEST(Machine, AConditionEndsAHoldAndChoosesThePhase) {
   const Bytes drive{kPushByte, 5, kPushByte, 0, kPushForever, kPushPlain, 0, kDrive};
   const Bytes back{kPushByte, 0xFB, kPushByte, 0, kPushByte, 1, kPushPlain, 0, kDrive};

@@ -114,7 +114,11 @@ TEST(LabTheory, ReportsWrongArgumentsInOneLine) {
     EXPECT_EQ(lines(output.text).size(), 1U) << output.text;
     EXPECT_NE(output.text.find(text), std::string::npos) << output.text;
   };
-  refuses("brown V_cm_s=3", "found program brown, allowed abp, noisy_abp, bp, rtp");
+  refuses("brown V_cm_s=3", "model: found \"brown\", allowed a file");
+  refuses("levy",
+          "found program levy, allowed programs with a law in closed form (abp, noisy_abp, "
+          "bp, rtp) or with formulas of their own. Reports compare it with simulated films.");
+  refuses("phototaxis", "The program reads light");
   refuses("abp epsilon_s=-1", "phases.run.hold: holds for -1 s, expected 1 ms to 3600 s");
   refuses("abp epsilon_cm=1", "phases.run.hold: the value is a number in cm, expected");
   refuses("abp v_cm_s=fast", "v_cm_s: found \"fast\", allowed a number in cm/s");

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <iostream>
+#include <string>
 
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 
@@ -96,6 +97,39 @@ TEST(ChipLimits, AFullLineInBothDirectionsLosesNothing) {
   // Answers may be dropped while the line to the host is full, but all frames must be received.
   EXPECT_EQ(counters->frames_received, sent + 2);  // and those of start() and above
   EXPECT_GT(acks.size(), 100U);
+}
+
+/// Cycles awake per second with holds of this length.
+double awake(const std::string& hold, int log) {
+  ChipSettings settings;
+  settings.profile = true;
+  RobotOnChip robot(settings);
+  robot.start();
+  robot.configure(fourPrograms({.abp = hold}));
+  robot.light(lightOfSlot(0));
+  robot.command(robot.order(wire::Order::kTable));
+  robot.command(wire::SetParam{wire::kStepLog, log});
+  robot.command(wire::SetParam{wire::kTelemetryPeriod, 0});
+  robot.run(1000);
+  const ChipCounts before = robot.chip().counts();
+  robot.run(10000);
+  const ChipCounts after = robot.chip().counts();
+  return static_cast<double>((after.cycles_run - before.cycles_run) -
+                             (after.cycles_asleep - before.cycles_asleep)) /
+         10;
+}
+
+TEST(ChipLimits, BeginningAHoldTakesNoMoreThanItIsCharged) {
+  // The evaluation: two pushed numbers, a parameter, a draw, a hold, a phase.
+  const std::uint32_t hash = fourPrograms({.abp = "20 ms"}).programs[0];
+  const unsigned charged =
+      dynamics::blockCost(testPrograms().code(hash).data() + 3) + 256U * dynamics::kHoldOverhead;
+  // The line carries at most 100 STEPs a second, whatever the holds.
+  const double cycles = (awake("20 ms", 0) - awake("10 s", 0)) / 50;
+  std::cout << "a hold takes " << cycles << " cycles, with its STEP "
+            << (awake("20 ms", 1) - awake("10 s", 1)) / 50 << "; " << charged << " are charged\n";
+  EXPECT_LE(cycles, charged);
+  EXPECT_GE(3 * cycles, charged);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Runs every instruction of programs of motion on the chip, for instruction_costs_test.cpp. Port B
 // shows 0x80 when a block begins, and the opcode when it has ended; first without the instruction,
-// then with it, on the same operands. 0x81 is the end.
+// then with it, on the same operands. 0x7F is a whole evaluation near the largest cost, 0x81 the
+// end.
 #include <avr/io.h>
 
 #include "robot/dynamics/machine.hpp"
@@ -10,6 +11,7 @@ using namespace lab::dynamics;
 namespace {
 
 constexpr uint8_t kRepetitions = 60;
+constexpr uint8_t kWorstEvaluation = 0x7F;
 
 struct Case {
   uint8_t opcode;
@@ -61,7 +63,7 @@ uint8_t* pushLong(uint8_t* at, uint32_t value) {
   return at;
 }
 
-uint8_t code[40];
+uint8_t code[kLargestProgram + 4];
 Machine machine;
 Rng rng;
 MachineInputs inputs;
@@ -82,9 +84,46 @@ void run(const Case& one, uint8_t repetition, bool with) {
     }
   }
   *length = static_cast<uint8_t>(at - length - 1);
+  *at++ = 0;  // no evaluation
+  *at++ = 0;
   PORTB = 0x80;
   machine.start(code, sizeof code, inputs, rng);
   PORTB = one.opcode;
+}
+
+/// An evaluation near the largest cost that is allowed: the instruction as often as it fits.
+void runWorst(uint8_t opcode, uint8_t taken) {
+  uint8_t* at = code;
+  *at++ = kByteCodeFormat;
+  *at++ = 1;
+  *at++ = 0;
+  uint8_t* const length = at++;
+  at = pushLong(at, randomBits());
+  uint32_t cost = 5UL * instructionCost(kPushLong) + instructionCost(kDrive);
+  for (;;) {
+    const uint32_t step = instructionCost(opcode) + (taken == 2 ? instructionCost(kPushShort) : 0U);
+    if (cost + step > kLargestCost) {
+      break;
+    }
+    cost += step;
+    if (taken == 2) {
+      *at++ = kPushShort;
+      *at++ = static_cast<uint8_t>(randomBits());
+      *at++ = static_cast<uint8_t>(randomBits() & 0x3FU);
+    }
+    *at++ = opcode;
+  }
+  at = pushLong(at, randomBits());
+  at = pushLong(at, randomBits());
+  *at++ = kPushPlain;
+  *at++ = 0;
+  *at++ = kDrive;
+  *length = static_cast<uint8_t>(at - length - 1);
+  *at++ = 0;
+  machine.start(code, static_cast<uint8_t>(at - code), inputs, rng);
+  PORTB = 0x80;
+  PORTC = static_cast<uint8_t>(machine.next(inputs, rng).duration_ms);
+  PORTB = kWorstEvaluation;
 }
 
 void runEvaluation(uint8_t opcode) {
@@ -130,6 +169,11 @@ int main() {
   for (uint8_t repetition = 0; repetition < kRepetitions; ++repetition) {
     runEvaluation(kDrive);
     runEvaluation(kWheelSpeeds);
+    runWorst(kSqrt, 1);
+    runWorst(kNormal, 2);
+    runWorst(kAtan2, 2);
+    runWorst(kPareto, 2);
+    runWorst(kDivide, 2);
   }
   PORTB = 0x81;
   for (;;) {

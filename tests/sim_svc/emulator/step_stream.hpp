@@ -3,63 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
-#include "robot/firmware/device.hpp"
+#include "tests/robot/firmware/host_robot.hpp"
 #include "tests/sim_svc/emulator/robot_on_chip.hpp"
 
 namespace lab::emulator {
-
-/// The firmware on the host, with a line of unlimited speed.
-class HostRobot final : public firmware::Board {
- public:
-  explicit HostRobot(const std::vector<std::uint8_t>& image)
-      : device_(*this, firmware::BootFacts{}) {
-    std::copy(image.begin(), image.end(), store_.begin());
-    device_.boot(0);
-  }
-
-  void setMotors(std::int16_t, std::int16_t) override {}
-  bool send(const std::uint8_t* bytes, std::uint8_t size) override {
-    wire::Step step;
-    for (std::uint8_t i = 0; i < size; ++i) {
-      if (decoder_.push(bytes[i]) && wire::unpack(decoder_.frame(), step)) steps_.push_back(step);
-    }
-    return true;
-  }
-  bool lineIdle() const override { return true; }
-  std::uint8_t readStore(std::uint16_t address) const override { return store_.at(address); }
-  void writeStore(std::uint16_t address, std::uint8_t byte) override { store_.at(address) = byte; }
-  std::uint16_t stackLeft() const override { return 100; }
-
-  /// Runs for one millisecond.
-  void tick(const dynamics::Sensors& sensors) {
-    ++now_;
-    if (device_.scanDue(now_)) device_.sense(now_, sensors);
-    device_.tick(now_);
-  }
-
-  template <class Message>
-  void receive(const Message& message) {
-    wire::Frame frame;
-    wire::pack(message, ++seq_, frame);
-    std::uint8_t bytes[wire::kMaxFrame];
-    const std::uint8_t size = wire::encode(frame, bytes);
-    for (std::uint8_t i = 0; i < size; ++i) device_.receive(now_, 0, bytes[i]);
-  }
-
-  std::vector<wire::Step>& steps() { return steps_; }
-
- private:
-  firmware::Device device_;
-  std::array<std::uint8_t, 1024> store_{};
-  wire::Decoder decoder_;
-  std::vector<wire::Step> steps_;
-  std::uint32_t now_ = 0;
-  std::uint8_t seq_ = 0;
-};
 
 /// Programs with draws as fast as the line can transmit them: a STEP takes 11 ms at 38400 baud.
 inline dynamics::CoreSettings fastPrograms() {
@@ -118,7 +68,7 @@ inline std::vector<wire::Step> stepsOfChip(unsigned slot, std::uint32_t seed, st
 }
 
 inline std::vector<wire::Step> stepsOfHost(unsigned slot, std::uint32_t seed, std::size_t count) {
-  HostRobot robot(storeWithPrograms(fastPrograms()));
+  firmware::HostRobot robot(storeWithPrograms(fastPrograms()));
   dynamics::Sensors sensors;
   sensors.light_front = sensors.light_back = lightOfSlot(slot);
   robot.tick(sensors);
