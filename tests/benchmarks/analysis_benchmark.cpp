@@ -14,6 +14,8 @@
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
+#include "common/experiment/program_messages.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -21,14 +23,7 @@ namespace {
 constexpr double kFramePeriod = 0.01;  // [s]
 constexpr double kMaxLag = 100;        // [s]
 
-ProgramLaw program() {
-  ProgramLaw law;
-  law.kind = ProgramKind::kAbp;
-  law.v = 0.03;
-  law.eta = 3;
-  law.epsilon = 0.5;
-  return law;
-}
+ProgramLaw program() { return lawOf(test::abp(0.03, 0.5, 3), kPaperWheelBase); }
 
 /// A recording of an active Brownian robot with a removed reversal every `piece` frames.
 std::vector<Sample> film(int frames, int piece) {
@@ -154,14 +149,12 @@ class Crowd {
     frame_.num_robots = status_.num_robots = robots;
     frame_.robots.resize(headings_.size());
     status_.robots.resize(headings_.size());
+    const program_id_t abp = toId(test::abp(0.03, 0.5, 3));
     for (std::size_t i = 0; i < headings_.size(); ++i) {
       robot_state_t& state = status_.robots[i];
       state.robot_id = frame_.robots[i].robot_id = static_cast<std::int32_t>(i) + 1;
       frame_.robots[i].confidence = 1;
-      state.program.kind = program_t::ABP;
-      state.program.v = 0.03;
-      state.program.epsilon = 0.5;
-      state.program.eta = 3;
+      state.program = abp;
       state.program_epoch = 1;
       state.program_start_utime = kStart;
     }
@@ -196,7 +189,9 @@ class Crowd {
 /// One second of 100 robots at 100 frames/s after ten minutes: frames, telemetry and the results
 /// that the analyzer publishes once per second. The time includes the simulated robots.
 void BM_SecondOfHundredRobots(benchmark::State& state) {
-  AnalysisFeed feed{Experiment{}};
+  Experiment experiment;
+  experiment.programs["abp"] = test::abp(0.03, 0.5, 3);
+  AnalysisFeed feed{experiment};
   Crowd crowd(100);
   for (int i = 0; i < 60000; ++i) crowd.feed(feed);
   for (auto _ : state) {

@@ -21,7 +21,8 @@ robot_status_t statusOf(std::int64_t robots) {
   for (std::int32_t id = 0; id < robots; ++id) {
     lab::robot_state_t robot{};
     robot.robot_id = id;
-    robot.program.kind = lab::program_t::ABP;
+    robot.program.hash = 0x89ABCDEF;
+    robot.program.name = "abp";
     robot.wheel_left = 0.1;
     status.robots.push_back(robot);
   }

@@ -13,6 +13,7 @@
 #include "common/bus/channels.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "dashboard/views/lab_view.hpp"
+#include "tests/support/programs.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -40,12 +41,7 @@ Experiment crowd() {
   Experiment experiment;
   experiment.name = "crowd";
   experiment.duration = 60;
-  RobotProgram swim;
-  swim.kind = ProgramKind::kAbp;
-  swim.v = 0.04;
-  swim.epsilon = 0.2;
-  swim.eta = 3;
-  experiment.programs = {{"swim", swim}};
+  experiment.programs["swim"] = test::abp(0.04, 0.2, 3);
   experiment.light_table.bands = {{0, 1, "swim"}};
   for (int id = 1; id <= kRobots; ++id) {
     RobotSpec robot;
@@ -57,7 +53,7 @@ Experiment crowd() {
 
 /// The packets of one second, tick by tick, of robots on circles.
 std::vector<std::vector<Sent>> second(std::int64_t number) {
-  static const program_t kSwim = toMessage(crowd().programs.at("swim"));
+  static const program_id_t kSwim = toId(crowd().programs.at("swim"));
   std::vector<std::vector<Sent>> ticks(kTicks);
   for (int tick = 0; tick < kTicks; ++tick) {
     const std::int64_t seq = number * kTicks + tick + 1;

@@ -175,7 +175,8 @@ MeasuredCurves emptyCurves(const Set& set) {
 
 void measure(const Set& set, int films, std::uint64_t seed) {
   std::vector<int> lags;
-  const double hold = set.law.epsilon * set.fps;
+  const double epsilon = set.law->parameter("epsilon");
+  const double hold = epsilon * set.fps;
   for (double frames = 1; frames < 8.2 * hold; frames *= 1.15) {
     const int lag = static_cast<int>(std::lround(frames));
     if (lags.empty() || lag > lags.back()) lags.push_back(lag);
@@ -184,7 +185,7 @@ void measure(const Set& set, int films, std::uint64_t seed) {
   std::sort(lags.begin(), lags.end());
   lags.erase(std::unique(lags.begin(), lags.end()), lags.end());
 
-  Film film{emptyCurves(set), set.angular, set.law.epsilon};
+  Film film{emptyCurves(set), set.angular, epsilon};
   MeasuredCurves& curves = film.curves;
   for (const int lag : lags) {
     curves.lags.push_back(lag * curves.frame_period);
@@ -192,7 +193,7 @@ void measure(const Set& set, int films, std::uint64_t seed) {
   }
   const RecordingPlan plan{set.law, kHour, curves.frame_period, set.sigma, set.sigma_theta, 0};
   const double truth =
-      set.angular ? 2 * rotationalDiffusivity(set.law) : 4 * translationalDiffusivity(set.law);
+      set.angular ? 2 * set.law->rotationalDiffusivity() : 4 * set.law->translationalDiffusivity();
   const std::vector<Estimator> list = estimators();
   std::vector<Scatter> scatter(list.size());
   Scatter fitted;
@@ -221,7 +222,7 @@ void measure(const Set& set, int films, std::uint64_t seed) {
       covered += estimate.low95 <= estimate.theory && estimate.theory <= estimate.high95 ? 1 : 0;
     }
   }
-  const double draws = kHour / set.law.epsilon * (set.angular ? 1 : 2);
+  const double draws = kHour / epsilon * (set.angular ? 1 : 2);
   std::printf(
       "\n%s; limit %.2f %%\n\n| estimator | bias, %% | sd, %% | 95 %% interval covers, %% |\n"
       "|---|---|---|---|\n",
@@ -232,20 +233,11 @@ void measure(const Set& set, int films, std::uint64_t seed) {
 }
 
 ProgramLaw abp(double eta, double epsilon) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kAbp;
-  law.v = 0.03;
-  law.eta = eta;
-  law.epsilon = epsilon;
-  return law;
+  return closedForm("abp", {{"v", 0.03}, {"epsilon", epsilon}, {"eta", eta}}, kPaperWheelBase);
 }
 
 ProgramLaw bp(double amplitude, double epsilon) {
-  ProgramLaw law;
-  law.kind = ProgramKind::kBp;
-  law.V = amplitude;
-  law.epsilon = epsilon;
-  return law;
+  return closedForm("bp", {{"V", amplitude}, {"epsilon", epsilon}}, kPaperWheelBase);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <lab/robot_status_t.hpp>
+#include <lab/robot_steps_t.hpp>
 #include <map>
 #include <set>
 #include <string>
@@ -97,17 +98,31 @@ next = "left"
 )");
   const fs::path directory = labRun(file.string(), "--no-report");
   std::map<std::int32_t, std::set<std::pair<int, long>>> seen;  // phase, wheel speed in um/s
+  std::set<std::int32_t> named;
   readLog({directory / "log.lcmlog"}, [&](const Packet& packet) {
     robot_status_t status{};
-    if (packet.channel != channels::kRobotStatus || !decode(packet.data, status)) return;
-    for (const robot_state_t& state : status.robots) {
-      if (state.program.name != "zigzag") continue;
-      seen[state.robot_id].emplace(state.phase, std::lround(state.program_left * 1e6));
+    if (packet.channel == channels::kRobotStatus && decode(packet.data, status)) {
+      for (const robot_state_t& state : status.robots) {
+        if (state.program.name != "zigzag") continue;
+        named.insert(state.robot_id);
+        // A robot on the wire reports its phase more often than the speeds of its program.
+        if (state.robot_id == 1) {
+          seen[1].emplace(state.phase, std::lround(state.program_left * 1e6));
+        }
+      }
+    }
+    robot_steps_t steps{};
+    if (packet.channel == channels::kRobotSteps && decode(packet.data, steps)) {
+      for (const robot_step_t& step : steps.steps) {
+        if (step.slot < 0) continue;
+        seen[step.robot_id].emplace(step.phase, std::lround(step.wheel_left * 1e6));
+      }
     }
   });
   const std::set<std::pair<int, long>> expected{{0, 30000 - 18750}, {1, 30000 + 18750}};
   EXPECT_EQ(seen[1], expected);
   EXPECT_EQ(seen[2], expected);
+  EXPECT_THAT(named, testing::ElementsAre(1, 2));
 }
 
 }  // namespace
