@@ -48,12 +48,12 @@ inline ReferenceSet readReferenceSet(const std::string& name) {
   set.fps = numberIn(header, "fps");
   const double v = numberIn(header, "v") * kCentimetre;
   const double va = numberIn(header, "va") * kCentimetre;
-  const double V = numberIn(header, "V") * kCentimetre;
+  const double width = numberIn(header, "V") * kCentimetre;
   const double epsilon = numberIn(header, "eps");
   set.program = kind("ABP")   ? test::abp(v, epsilon, numberIn(header, "eta"))
                 : kind("RTP") ? test::rtp(v, numberIn(header, "gam"), numberIn(header, "tt"))
-                : va == 0     ? test::bp(V, epsilon)
-                              : test::noisyAbp(va, V, epsilon);
+                : va == 0     ? test::bp(width, epsilon)
+                              : test::noisyAbp(va, width, epsilon);
   set.law = analysis::lawOf(set.program, analysis::kPaperWheelBase);
   for (const std::vector<std::string>& row : analysis::readTable(name + ".csv")) {
     set.lags.push_back(static_cast<int>(std::lround(std::stod(row.at(0)) * set.fps)));
