@@ -105,6 +105,9 @@ class ProgramReader {
       program.law.emplace_back("name", *name);
     } else if (node.is_table()) {
       readNamed(node, "law", program.law);
+      if (program.law.empty()) {
+        problem("law", "found an empty table, allowed a name or formulas (docs/programs.md)");
+      }
     } else {
       problem("law", "found " + displayText(node) +
                          ", allowed the name of a closed form, or a table (docs/programs.md)");

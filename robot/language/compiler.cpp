@@ -34,6 +34,11 @@ std::string number(double value) {
   return text;
 }
 
+bool isWholeMs(double seconds) {
+  const double ms = seconds * kMsPerSecond;
+  return std::abs(ms - std::round(ms)) <= kWholeMs;
+}
+
 bool isName(std::string_view text) {
   const auto letter = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
@@ -222,6 +227,18 @@ class Compiler {
 
   /// The parameters of the closed form. Without any, they are the program's own.
   void checkLaw() {
+    const auto given = [&](const char* key) {
+      return std::ranges::any_of(text_.law, [&](const NamedText& one) { return one.first == key; });
+    };
+    const bool closed_form = given("name");
+    if (text_.law.empty()) {
+      return;
+    }
+    if (!closed_form && !given("msd") && !given("angular_msd")) {
+      error("law", 0,
+            "has no formula that can be judged, expected msd or angular_msd (D and D_r are only "
+            "shown), or the name of a closed form");
+    }
     bool mapped = false;
     for (const auto& [name, text] : text_.law) {
       if (name == "name") {
@@ -233,6 +250,12 @@ class Compiler {
       }
       mapped = true;
       const std::string key = "law." + name;
+      if (!closed_form) {
+        error(key, 0,
+              "found an unknown key, allowed: msd, angular_msd, D, D_r; or name, and then the "
+              "parameters of the closed form");
+        continue;
+      }
       const std::optional<CheckedExpression> value = read(key, text);
       if (!value) {
         continue;
@@ -453,6 +476,11 @@ class Compiler {
     const Interval& range = hold.range;
     if (hold.constant && (range.low < kShortestHold || range.high > kLongestHold)) {
       error(key, 0, "holds for " + number(range.low) + " s, expected 1 ms to 3600 s, or forever");
+    } else if (hold.constant && !isWholeMs(range.low)) {
+      const double ms = range.low * kMsPerSecond;
+      error(key, 0,
+            "holds for " + number(ms) + " ms, expected whole milliseconds such as " +
+                number(std::max(1.0, std::round(ms))) + " ms: robots count milliseconds");
     } else if (range.high < kShortestHold) {
       error(key, 0,
             "is never longer than " + number(range.high * 1000) + " ms, expected at least 1 ms");

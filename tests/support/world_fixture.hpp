@@ -62,8 +62,13 @@ inline std::vector<RobotSetup> robotAt(double x, double y, double theta) {
   return {{1, dynamics::Pose{x, y, theta}, false}};
 }
 
-inline void startAll(World& world, const dynamics::CoreSettings& settings) {
+/// Makes the programs of always() known to the world.
+inline void addPrograms(World& world) {
   for (const Program& program : programsInUse()) world.addProgram(program.hash, program.code);
+}
+
+inline void startAll(World& world, const dynamics::CoreSettings& settings) {
+  addPrograms(world);
   for (std::size_t i = 0; i < world.size(); ++i) {
     world.order(i, [&](dynamics::RobotCore& core, std::uint32_t now_ms) {
       core.configure(now_ms, settings);

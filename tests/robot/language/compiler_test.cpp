@@ -229,6 +229,21 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"hold always below a millisecond",
               [](ProgramText& p) { run(p).hold = "uniform(0, 0.4 ms)"; }, "phases.run.hold",
               "is never longer than 0.4 ms"},
+        Wrong{"hold of a third of a millisecond more",
+              [](ProgramText& p) { run(p).hold = "33.3 ms"; }, "phases.run.hold",
+              "holds for 33.3 ms, expected whole milliseconds such as 33 ms"},
+        Wrong{"hold of half a millisecond", [](ProgramText& p) { run(p).hold = "0.5 ms"; },
+              "phases.run.hold", "expected whole milliseconds such as 1 ms"},
+        Wrong{"unknown key of a law",
+              [](ProgramText& p) {
+                p.law = {{"msd", "v*v*tau*tau"}, {"D_t", "v*v*epsilon"}};
+              },
+              "law.D_t", "found an unknown key, allowed: msd, angular_msd, D, D_r"},
+        Wrong{"law that cannot be judged",
+              [](ProgramText& p) {
+                p.law = {{"D", "v*v*epsilon"}};
+              },
+              "law", "has no formula that can be judged, expected msd or angular_msd"},
         Wrong{"hold too long", [](ProgramText& p) { run(p).hold = "3601 s"; }, "phases.run.hold",
               "holds for 3601 s"},
         Wrong{"negative hold", [](ProgramText& p) { run(p).hold = "uniform(-1 s, 1 s)"; },

@@ -47,6 +47,7 @@ class Crowd {
       : settings_(settings),
         world_(worldOf(settings), places),
         random_(deriveSeed(settings.seed, 0, "crowd")) {
+    sim::addPrograms(world_);
     for (std::size_t i = 0; i < world_.size(); ++i) {
       world_.setReversesFromRobots(i, false);
       world_.order(i, [&](auto& it, auto now_ms) {
@@ -124,8 +125,10 @@ class Crowd {
   void exchange(std::size_t i, std::size_t j) { std::swap(who_[i], who_[j]); }
 
   void order(std::size_t i, double left, double right) {
+    const Program program = sim::wheelsProgram(left, right);
+    world_.addProgram(program.hash, program.code);
     world_.order(i, [&](auto& core, auto now_ms) {
-      core.configure(now_ms, sim::always(sim::wheelsProgram(left, right)));
+      core.configure(now_ms, sim::always(program));
       core.renewLease(now_ms, dynamics::RobotCore::kNoEventMs);
     });
   }
