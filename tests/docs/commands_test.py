@@ -293,9 +293,8 @@ class Manual(unittest.TestCase):
         """Starts a lab that runs in parallel with the block."""
         companion = self.folder.start("exec " + block.mark("beside"))
         until = time.monotonic() + 60
-        # Not any "running": the head of the output may name another running lab. Without a label of
-        # the light the script has not begun, and `lab pause` is refused.
-        while not re.search(r"^running  .*\| light [^-|]", output_of(companion), re.MULTILINE):
+        # Not any "running": the head of the output may name another running lab.
+        while not re.search(r"^running  ", output_of(companion), re.MULTILINE):
             if companion.poll() is not None or time.monotonic() > until:
                 _, output = end(self.folder, companion)
                 self.fail(f"{block.place}: did not come up: {block.mark('beside')}\n{output}")
