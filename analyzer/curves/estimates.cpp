@@ -87,7 +87,11 @@ Estimator::Estimator(const ProgramLaw& law, const BlockData& data) : law_(law) {
   first_lag_ = lag_times_.front();
   const bool dense = data.lags.size() > 2 && data.lags[0] == 1 && data.lags[2] == 3;
   third_lag_ = dense ? 2 : 0;
-  const double turn = held_ ? held_->hold : runs_.value_or(RunsAndTurns{}).turn_time;
+  const double change = law->changeTime();
+  const double turn = held_                  ? held_->hold
+                      : runs_                ? runs_->turn_time
+                      : std::isfinite(change) ? change
+                                              : 0;
   hold_ = nearestLag(data.lags, turn / data.frame_period);
   two_holds_ = nearestLag(data.lags, 2 * turn / data.frame_period);
   const double persistence = law->persistenceTime();
@@ -376,6 +380,22 @@ std::vector<Estimate> estimate(const ProgramLaw& law, const BlockData& data) {
     return {};
   }
   return Report(law, data).all();
+}
+
+std::vector<std::string> estimateNames(const ProgramLaw& law) {
+  if (!law.known()) return {"v"};
+  std::vector<std::string> names;
+  if (law->held()) names.emplace_back("D_r");
+  names.push_back(law->speedName());
+  if (law->drawnWheels()) names.insert(names.end(), {"V", "D_t"});
+  if (law->runs()) names.insert(names.end(), {"gamma", "tau_r"});
+  constexpr MeasuredMotion kAny{1, 1, 1, 1, units::kNan};
+  if (law->measured(kAny)) {
+    names.emplace_back("D");
+    if (law->constantSpeed()) names.emplace_back("L_s");
+  }
+  if (!std::isnan(law->persistenceTime())) names.emplace_back("D_slope");
+  return names;
 }
 
 }  // namespace lab::analysis

@@ -49,8 +49,9 @@ std::string estimateText(const Estimate& estimate) {
       std::isfinite(estimate.theory)
           ? fmt::format("; programmed {}", shortText(estimate.theory * unit.factor))
           : "";
-  return fmt::format("{} = {} {} (95 %: {} to {}{})", estimate.name,
-                     valueText(estimate.value * unit.factor, error), unit.text,
+  return fmt::format("{} = {}{}{} (95 %: {} to {}{})", estimate.name,
+                     valueText(estimate.value * unit.factor, error),
+                     unit.text.empty() ? "" : " ", unit.text,
                      valueText(estimate.low95 * unit.factor, error),
                      valueText(estimate.high95 * unit.factor, error), programmed);
 }
@@ -208,15 +209,14 @@ std::string paperComparison(const ProgramResult& result) {
 
 std::string parametersText(const analysis::FeedResult& result) {
   std::vector<std::string> parts;
-  const auto add = [&parts](const char* symbol, double value, double factor, const char* unit) {
-    parts.push_back(fmt::format("{} = {} {}", symbol, shortText(value * factor), unit));
-  };
   const std::vector<analysis::LawParameter>& known = result.result.law->parameters();
   for (const ProgramParameter& parameter : result.definition.parameters) {
     const auto same = std::ranges::find(known, parameter.name, &analysis::LawParameter::name);
     const DisplayUnit unit = displayUnit(parameter.unit);
-    add(same == known.end() ? parameter.name.c_str() : same->symbol.c_str(), parameter.value,
-        unit.factor, unit.text == "1/s" ? "/s" : unit.text.c_str());
+    const std::string& symbol = same == known.end() ? parameter.name : same->symbol;
+    parts.push_back(fmt::format("{} = {}{}{}", symbol, shortText(parameter.value * unit.factor),
+                                unit.text.empty() ? "" : " ",
+                                unit.text == "1/s" ? "/s" : unit.text));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }
