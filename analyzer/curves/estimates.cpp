@@ -199,9 +199,16 @@ class Report {
   }
 
   std::vector<Estimate> all() {
+    list();
+    holdTime();
+    return std::move(list_);
+  }
+
+ private:
+  void list() {
     if (!law_.known()) {
       direct(kSpeed, "v", "m/s", kNan, "forward displacement over time");
-      return std::move(list_);
+      return;
     }
     if (law_->held()) {
       direct(kRotationalDiffusivity, "D_r", "rad^2/s", law_->rotationalDiffusivity(),
@@ -217,13 +224,23 @@ class Report {
     }
     if (const auto runs = law_->runs()) tumbling(*runs);
     derived();
-    if (std::isnan(law_->persistenceTime())) return std::move(list_);
+    if (std::isnan(law_->persistenceTime())) return;
     direct(kSlopeDiffusivity, "D_slope", "m^2/s", ExactLaw(law_).diffusivity(),
            "slope of the MSD from 5 to 10 persistence times, intercept free");
-    return std::move(list_);
   }
 
- private:
+  /// The time between draws, from when the turning rate changes.
+  void holdTime() {
+    const std::optional<HoldPeriod> hold = holdPeriod(data_.holds);
+    if (!hold) return;
+    const double half = studentQuantile(HoldSpectra::kGroups - 1) * hold->sigma;
+    list_.push_back({std::isnan(law_->parameter("epsilon")) ? "hold" : "epsilon", "s", hold->value,
+                     hold->sigma, hold->value - half, hold->value + half, hold->programmed,
+                     hold->blocks,
+                     "when the turning rate changes (line in a spectrum of the headings); the "
+                     "robots' clocks may be wrong by 0.5 %"});
+  }
+
   Replicates replicate(Quantity quantity) const {
     return jackknife(groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity)),
                      [this](const BlockSums& sums) {

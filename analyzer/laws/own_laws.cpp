@@ -63,6 +63,9 @@ class ProgramCodeLaw : public Law {
   [[nodiscard]] double drawTime() const override { return hold_.mean; }
   [[nodiscard]] double changeTime() const override { return hold_.mean; }
   [[nodiscard]] double longestChange() const override { return 8 * hold_.mean; }
+  [[nodiscard]] double steadyHold() const override {
+    return hold_.turning_scatter > 0 ? hold_.constant : 0;
+  }
   [[nodiscard]] double relativeAngularError(double tau, double observed) const override {
     return std::sqrt((4 * tau / 3 + hold_.turning_scatter) / observed);
   }

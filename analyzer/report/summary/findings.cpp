@@ -124,10 +124,13 @@ std::string verdictReason(const ProgramResult& result) {
         countText(verdict.judged, "lag"));
   }
   return fmt::format(
-      "The largest deviation from {} at {} is {:.1f} standard errors ({} at {} s). By "
+      "The largest deviation from {} at {} is {:.1f} standard errors ({} {} s). By "
       "chance alone one run in a hundred exceeds 3.2. From 4 on, the motion deviates.",
       result.law->reference(), countText(verdict.judged, "judged lag"), std::abs(verdict.max_z),
-      verdict.angular ? "angular MSD" : "MSD", shortText(verdict.tau));
+      verdict.hold      ? "time between draws, measured"
+      : verdict.angular ? "angular MSD at"
+                        : "MSD at",
+      shortText(verdict.tau));
 }
 
 std::vector<std::string> caveats(const ProgramResult& result) {

@@ -73,7 +73,9 @@ Json result(const analysis::ProgramResult& result, bool whole) {
       judged ? kVerdicts.at(static_cast<std::size_t>(result.verdict.kind)) : "no law";
   json["max_z"] = number(result.verdict.max_z);
   json["max_z_lag_s"] = number(result.verdict.tau);
-  json["max_z_curve"] = result.verdict.angular ? "angular_msd" : "msd";
+  json["max_z_curve"] = result.verdict.hold      ? "hold"
+                        : result.verdict.angular ? "angular_msd"
+                                                 : "msd";
   json["judged_lags"] = result.verdict.judged;
   if (result.law->isSimulated()) json["reference"] = "simulated";
   if (!result.no_verdict.empty()) json["no_verdict"] = result.no_verdict;
