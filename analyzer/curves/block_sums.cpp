@@ -69,6 +69,7 @@ BlockSums& BlockSums::operator-=(const BlockSums& other) {
 }
 
 void BlockData::pool(const BlockData& other) {
+  holds.pool(other.holds);
   if (lags.empty()) {
     *this = other;
     return;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "analyzer/bootstrap/recording_gaps.hpp"
+#include "analyzer/curves/hold_period.hpp"
 
 namespace lab::analysis {
 
@@ -51,6 +52,7 @@ struct BlockData {
   std::vector<double> lag_times;  ///< Sum of the true durations of the windows, per lag, s.
   std::vector<std::vector<BlockSums>> tracks;  ///< The blocks of each robot, in time order.
   SegmentLengths segments;
+  HoldSpectra holds{};  ///< Of programs whose holds are all equally long (Law::steadyHold).
 
   /// Adds the robots of another data set. Their blocks remain separate.
   void pool(const BlockData& other);

@@ -144,6 +144,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   if (!(observed > 0)) {
     return result;
   }
+  result.hold = holdPeriod(data.holds);
   const std::size_t n = data.lags.size();
   const BlockSums total = data.total();
   const Estimator estimator(law, data);
@@ -234,6 +235,12 @@ Verdict judge(const Curves& curves) {
         verdict.angular = angular;
       }
     }
+  }
+  if (curves.hold && verdict.judged >= kMinJudged && std::abs(curves.hold->z) > verdict.max_z) {
+    verdict.max_z = std::abs(curves.hold->z);
+    verdict.tau = curves.hold->value;
+    verdict.angular = true;
+    verdict.hold = true;
   }
   if (verdict.judged >= kMinJudged) {
     verdict.kind = verdict.max_z < kLimitZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
 #include "analyzer/curves/estimates.hpp"
+#include "analyzer/curves/hold_period.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
 #include "analyzer/laws.hpp"
 #include "common/math/units.hpp"
@@ -29,6 +31,7 @@ struct CurvePoint {
 struct Curves {
   std::vector<CurvePoint> msd;
   std::vector<CurvePoint> angular_msd;
+  std::optional<HoldPeriod> hold;  ///< Of programs that draw a turning rate at equal intervals.
 };
 
 struct CurveOptions {
@@ -72,11 +75,13 @@ struct Verdict {
   double max_z = 0;      ///< Largest |z| over the judged lags of both curves.
   double tau = 0;        ///< The lag of max_z, s.
   bool angular = false;  ///< max_z is in the angular MSD.
+  bool hold = false;     ///< max_z is that of the hold time, and tau the measured hold time.
   int judged = 0;        ///< Number of judged lags.
 };
 
 /// Judges by the largest |z|, because the lags are strongly correlated and the sum of z^2 has no
-/// known distribution. The largest |z| exceeds 3.2 in 1 % of recordings of the true law; below 4
+/// known distribution. The measured hold time counts as one more lag: the curves hardly depend on
+/// it if the diffusivities are right. The largest |z| exceeds 3.2 in 1 % of recordings of the true law; below 4
 /// the motion agrees. Undecided with fewer than five judged lags.
 [[nodiscard]] Verdict judge(const Curves& curves);
 

@@ -87,7 +87,11 @@ Estimator::Estimator(const ProgramLaw& law, const BlockData& data) : law_(law) {
   first_lag_ = lag_times_.front();
   const bool dense = data.lags.size() > 2 && data.lags[0] == 1 && data.lags[2] == 3;
   third_lag_ = dense ? 2 : 0;
-  const double turn = held_ ? held_->hold : runs_.value_or(RunsAndTurns{}).turn_time;
+  const double change = law->changeTime();
+  const double turn = held_                  ? held_->hold
+                      : runs_                ? runs_->turn_time
+                      : std::isfinite(change) ? change
+                                              : 0;
   hold_ = nearestLag(data.lags, turn / data.frame_period);
   two_holds_ = nearestLag(data.lags, 2 * turn / data.frame_period);
   const double persistence = law->persistenceTime();
@@ -195,9 +199,16 @@ class Report {
   }
 
   std::vector<Estimate> all() {
+    list();
+    holdTime();
+    return std::move(list_);
+  }
+
+ private:
+  void list() {
     if (!law_.known()) {
       direct(kSpeed, "v", "m/s", kNan, "forward displacement over time");
-      return std::move(list_);
+      return;
     }
     if (law_->held()) {
       direct(kRotationalDiffusivity, "D_r", "rad^2/s", law_->rotationalDiffusivity(),
@@ -213,13 +224,23 @@ class Report {
     }
     if (const auto runs = law_->runs()) tumbling(*runs);
     derived();
-    if (std::isnan(law_->persistenceTime())) return std::move(list_);
+    if (std::isnan(law_->persistenceTime())) return;
     direct(kSlopeDiffusivity, "D_slope", "m^2/s", ExactLaw(law_).diffusivity(),
            "slope of the MSD from 5 to 10 persistence times, intercept free");
-    return std::move(list_);
   }
 
- private:
+  /// The time between draws, from when the turning rate changes.
+  void holdTime() {
+    const std::optional<HoldPeriod> hold = holdPeriod(data_.holds);
+    if (!hold) return;
+    const double half = studentQuantile(HoldSpectra::kGroups - 1) * hold->sigma;
+    list_.push_back({std::isnan(law_->parameter("epsilon")) ? "hold" : "epsilon", "s", hold->value,
+                     hold->sigma, hold->value - half, hold->value + half, hold->programmed,
+                     hold->blocks,
+                     "when the turning rate changes (line in a spectrum of the headings); the "
+                     "robots' clocks may be wrong by 0.5 %"});
+  }
+
   Replicates replicate(Quantity quantity) const {
     return jackknife(groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity)),
                      [this](const BlockSums& sums) {
@@ -376,6 +397,22 @@ std::vector<Estimate> estimate(const ProgramLaw& law, const BlockData& data) {
     return {};
   }
   return Report(law, data).all();
+}
+
+std::vector<std::string> estimateNames(const ProgramLaw& law) {
+  if (!law.known()) return {"v"};
+  std::vector<std::string> names;
+  if (law->held()) names.emplace_back("D_r");
+  names.push_back(law->speedName());
+  if (law->drawnWheels()) names.insert(names.end(), {"V", "D_t"});
+  if (law->runs()) names.insert(names.end(), {"gamma", "tau_r"});
+  constexpr MeasuredMotion kAny{1, 1, 1, 1, units::kNan};
+  if (law->measured(kAny)) {
+    names.emplace_back("D");
+    if (law->constantSpeed()) names.emplace_back("L_s");
+  }
+  if (!std::isnan(law->persistenceTime())) names.emplace_back("D_slope");
+  return names;
 }
 
 }  // namespace lab::analysis

@@ -90,4 +90,7 @@ class Estimator {
 /// All estimates of a program with their theoretical values, in the order of display.
 [[nodiscard]] std::vector<Estimate> estimate(const ProgramLaw& law, const BlockData& data);
 
+/// The names of the estimates that a program has, before anything is measured.
+[[nodiscard]] std::vector<std::string> estimateNames(const ProgramLaw& law);
+
 }  // namespace lab::analysis

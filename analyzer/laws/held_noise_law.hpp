@@ -42,6 +42,7 @@ class HeldNoiseLaw : public Law {
   [[nodiscard]] double changeTime() const override { return hold_; }
   [[nodiscard]] double longestChange() const override { return 8 * hold_; }
   [[nodiscard]] double kinkSpacing() const override { return hold_; }
+  [[nodiscard]] double steadyHold() const override { return hold_; }
 
  protected:
   [[nodiscard]] double hold() const { return hold_; }

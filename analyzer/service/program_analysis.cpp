@@ -5,7 +5,16 @@
 namespace lab::analysis {
 
 ProgramAnalysis::ProgramAnalysis(const ProgramLaw& law, double frame_period, double max_lag)
-    : law_(law), accumulator_(makeLagGrid(frame_period, max_lag, law), frame_period) {}
+    : law_(law), accumulator_(makeLagGrid(frame_period, max_lag, law), frame_period) {
+  const double hold = law->steadyHold();
+  if (HoldPeriodFinder::resolves(hold, frame_period)) holds_.emplace(hold, frame_period);
+}
+
+BlockData ProgramAnalysis::data() const {
+  BlockData data = accumulator_.data();
+  if (holds_) data.holds = holds_->spectra();
+  return data;
+}
 
 ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const ProgramTally& tally,
                       const CurveOptions& options, Depth depth) {

@@ -7,6 +7,7 @@
 
 #include "analyzer/curves/curves.hpp"
 #include "analyzer/curves/estimates.hpp"
+#include "analyzer/curves/hold_period.hpp"
 #include "analyzer/curves/join_comparison.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
 #include "analyzer/fits/kurtosis_hypothesis.hpp"
@@ -67,9 +68,10 @@ class ProgramAnalysis {
     accumulator_.add(sample);
     if (joins_) joins_->add(sample);
     if (runs_) runs_->add(sample);
+    if (holds_) holds_->add(sample);
   }
 
-  [[nodiscard]] BlockData data() const { return accumulator_.data(); }
+  [[nodiscard]] BlockData data() const;
   [[nodiscard]] const ProgramLaw& law() const { return law_; }
   /// nullopt: not enabled.
   [[nodiscard]] const std::optional<JoinAccumulator>& joins() const { return joins_; }
@@ -80,6 +82,7 @@ class ProgramAnalysis {
   MsdAccumulator accumulator_;
   std::optional<JoinAccumulator> joins_;
   std::optional<RunFinder> runs_;
+  std::optional<HoldPeriodFinder> holds_;
 };
 
 /// Curves, estimates and verdict of block data. `tally` is the sum over its robots.

@@ -58,6 +58,14 @@ void refuseOtherVersion(const keys::TomlDocument& document) {
                                          " (another version of the lab wrote this file)");
 }
 
+void refuseProgram(const keys::TomlDocument& document, const std::string& name) {
+  const toml::table& root = document.root();
+  if (!root.contains("phases") || root.contains("fileversion")) return;
+  refuse(name, "found a program of motion, allowed an experiment file; ./lab program check " + name +
+                   " checks it, and an experiment uses it as model = \"" +
+                   std::filesystem::path(name).filename().string() + "\" in [programs.NAME]");
+}
+
 /// A shipped program, or a file beside the experiment file.
 ModelLookup modelsBeside(const std::optional<std::filesystem::path>& directory) {
   return [directory](const std::string& model) -> std::optional<language::ProgramText> {
@@ -75,8 +83,8 @@ ModelLookup modelsBeside(const std::optional<std::filesystem::path>& directory) 
 }  // namespace
 
 Experiment loadExperiment(const std::filesystem::path& file,
-                          const std::vector<std::string>& overrides) {
-  return parseExperiment(readFile(file), file.string(), overrides, file.parent_path());
+                          const std::vector<std::string>& overrides, const LawKnowledge& laws) {
+  return parseExperiment(readFile(file), file.string(), overrides, file.parent_path(), laws);
 }
 
 Experiment loadRecordedExperiment(const std::filesystem::path& file) {
@@ -85,21 +93,23 @@ Experiment loadRecordedExperiment(const std::filesystem::path& file) {
 
 Experiment parseExperiment(std::string_view text, const std::string& name,
                            const std::vector<std::string>& overrides,
-                           const std::optional<std::filesystem::path>& directory) {
+                           const std::optional<std::filesystem::path>& directory,
+                           const LawKnowledge& laws) {
   refuseSize(name, text.size());
   if (text.find_first_not_of(" \t\r\n") == std::string_view::npos) {
     refuse(name, "found an empty file, allowed an experiment (docs/experiments.md)");
   }
   const keys::TomlDocument document(text, name, overrides);
   refuseOtherVersion(document);
+  refuseProgram(document, name);
   keys::Problems problems([&](const std::string& path) { return document.place(path); });
-  keys::ExperimentForm form = keys::readForm(document, modelsBeside(directory), problems);
+  keys::ExperimentForm form = keys::readForm(document, modelsBeside(directory), laws, problems);
   keys::checkShorthand(form, problems);
   keys::expandShorthand(form);
   keys::checkRobots(form, problems);
   keys::checkCamera(form, directory, problems);
-  keys::checkLight(form, directory, problems);
-  keys::checkStopRules(form, problems);
+  keys::checkLight(form, directory, laws, problems);
+  keys::checkStopRules(form, laws, problems);
   keys::checkNetworks(form, directory, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
   return keys::toExperiment(form);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
+#include "analyzer/law_knowledge.hpp"
 #include "analyzer/laws.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/projector_file.hpp"
@@ -21,7 +22,7 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 
 ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
-  const Experiment experiment = loadExperiment(file, set);
+  const Experiment experiment = loadExperiment(file, set, analysis::lawKnowledge());
   if (experiment.camera.tracker == Tracker::kCamera) {
     static_cast<void>(cameraInForce(experiment, file.parent_path()));
   }

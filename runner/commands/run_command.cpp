@@ -9,6 +9,7 @@
 #include <optional>
 #include <system_error>
 
+#include "analyzer/law_knowledge.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/process/child_process.hpp"
@@ -82,7 +83,7 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
                     "leave it out");
   }
   const std::vector<std::string> set = settingsOf(options);
-  Experiment experiment = loadExperiment(options.file, set);
+  Experiment experiment = loadExperiment(options.file, set, analysis::lawKnowledge());
   adopt(options.sources, experiment);
   if (options.report) {
     requireProgram("gnuplot", "gnuplot-nox");
@@ -122,7 +123,8 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
 }
 
 std::vector<std::string> programsOfRun(const RunOptions& options) {
-  const Experiment experiment = loadExperiment(options.file, settingsOf(options));
+  const Experiment experiment =
+      loadExperiment(options.file, settingsOf(options), analysis::lawKnowledge());
   std::vector<std::string> programs = neededPrograms(experiment, options.virtual_time);
   if (options.virtual_time) programs.emplace_back("lab-run-virtual");
   if (options.report) programs.emplace_back(kReporter);

@@ -1,7 +1,9 @@
 #include "analyzer/report/html/html_verdicts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
@@ -40,6 +42,11 @@ std::string intervalText(const Estimate& estimate) {
                      valueText(estimate.high95 * factor, half));
 }
 
+const char* verdictWord(const ProgramResult& result) {
+  const bool judged = result.law.known() && result.no_verdict.empty();
+  return judged ? verdictClass(result.verdict.kind) : "no law";
+}
+
 std::string robotTable(const Finding& finding) {
   std::vector<std::string> columns{">robot", ">free motion", ">reversals", "verdict",
                                    ">largest deviation (standard errors)"};
@@ -55,7 +62,8 @@ std::string robotTable(const Finding& finding) {
     std::vector<std::string> cells{
         std::to_string(result.robot), durationText(result.observed),
         std::to_string(result.reversals),
-        fmt::format("<span class=\"{0}\">{0}</span>", verdictClass(result.verdict.kind)),
+        fmt::format("<span class=\"{}\">{}</span>", verdictClass(result.verdict.kind),
+                    verdictWord(result)),
         decided ? fmt::format("{:.1f}", std::abs(result.verdict.max_z)) : "–"};
     for (const Estimate& estimate : result.estimates) {
       const double factor = displayUnit(estimate.unit).factor;
@@ -109,8 +117,7 @@ std::vector<std::string> verdictCells(const Finding& finding) {
       fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
                   escapeHtml(parametersText(*finding.pool))),
       fmt::format(
-          "<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
-          result.law.known() && result.no_verdict.empty() ? verdictClass(verdict.kind) : "no law"),
+          "<b class=\"{}\">{}</b>", verdictClass(verdict.kind), verdictWord(result)),
       decided ? fmt::format("{:.1f}", std::abs(verdict.max_z)) : "–",
       groupedText(verdict.judged),
       durationText(result.observed)};
@@ -123,6 +130,21 @@ std::vector<std::string> verdictCells(const Finding& finding) {
     cells.insert(cells.end(), 3, "–");
   }
   return cells;
+}
+
+/// "the exact law or the simulated reference": what the programs are compared with.
+std::string referencesText(const std::vector<Finding>& findings) {
+  std::vector<std::string> references;
+  for (const Finding& finding : findings) {
+    const ProgramResult& result = finding.pool->result;
+    if (!result.law.known() || !result.no_verdict.empty()) continue;
+    const std::string reference = result.law->reference();
+    if (std::ranges::find(references, reference) == references.end()) {
+      references.push_back(reference);
+    }
+  }
+  if (references.empty()) return "the law of the program";
+  return fmt::format("{}", fmt::join(references, " or "));
 }
 
 }  // namespace
@@ -163,9 +185,10 @@ std::string verdictTable(const std::vector<Finding>& findings) {
                ">judged lags", ">free motion", ">measured", ">95 % interval", ">programmed"});
   for (const Finding& finding : findings) table.row(verdictCells(finding));
   return html + table.text() +
-         "<p class=\"soft\">The verdict compares the measured MSD and angular MSD with the exact "
-         "law of the program: the motion agrees if no judged lag deviates by 4 standard errors or "
-         "more. By chance alone one run in a hundred exceeds 3.2.</p>\n";
+         "<p class=\"soft\">The verdict compares the measured MSD and angular MSD with " +
+         referencesText(findings) +
+         ": the motion agrees if no judged lag deviates by 4 standard errors or more. By chance "
+         "alone one run in a hundred exceeds 3.2.</p>\n";
 }
 
 std::string programCards(const std::vector<Finding>& findings) {

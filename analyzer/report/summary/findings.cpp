@@ -49,8 +49,9 @@ std::string estimateText(const Estimate& estimate) {
       std::isfinite(estimate.theory)
           ? fmt::format("; programmed {}", shortText(estimate.theory * unit.factor))
           : "";
-  return fmt::format("{} = {} {} (95 %: {} to {}{})", estimate.name,
-                     valueText(estimate.value * unit.factor, error), unit.text,
+  return fmt::format("{} = {}{}{} (95 %: {} to {}{})", estimate.name,
+                     valueText(estimate.value * unit.factor, error),
+                     unit.text.empty() ? "" : " ", unit.text,
                      valueText(estimate.low95 * unit.factor, error),
                      valueText(estimate.high95 * unit.factor, error), programmed);
 }
@@ -123,10 +124,13 @@ std::string verdictReason(const ProgramResult& result) {
         countText(verdict.judged, "lag"));
   }
   return fmt::format(
-      "The largest deviation from {} at {} is {:.1f} standard errors ({} at {} s). By "
+      "The largest deviation from {} at {} is {:.1f} standard errors ({} {} s). By "
       "chance alone one run in a hundred exceeds 3.2. From 4 on, the motion deviates.",
       result.law->reference(), countText(verdict.judged, "judged lag"), std::abs(verdict.max_z),
-      verdict.angular ? "angular MSD" : "MSD", shortText(verdict.tau));
+      verdict.hold      ? "time between draws, measured"
+      : verdict.angular ? "angular MSD at"
+                        : "MSD at",
+      shortText(verdict.tau));
 }
 
 std::vector<std::string> caveats(const ProgramResult& result) {
@@ -208,15 +212,14 @@ std::string paperComparison(const ProgramResult& result) {
 
 std::string parametersText(const analysis::FeedResult& result) {
   std::vector<std::string> parts;
-  const auto add = [&parts](const char* symbol, double value, double factor, const char* unit) {
-    parts.push_back(fmt::format("{} = {} {}", symbol, shortText(value * factor), unit));
-  };
   const std::vector<analysis::LawParameter>& known = result.result.law->parameters();
   for (const ProgramParameter& parameter : result.definition.parameters) {
     const auto same = std::ranges::find(known, parameter.name, &analysis::LawParameter::name);
     const DisplayUnit unit = displayUnit(parameter.unit);
-    add(same == known.end() ? parameter.name.c_str() : same->symbol.c_str(), parameter.value,
-        unit.factor, unit.text == "1/s" ? "/s" : unit.text.c_str());
+    const std::string& symbol = same == known.end() ? parameter.name : same->symbol;
+    parts.push_back(fmt::format("{} = {}{}{}", symbol, shortText(parameter.value * unit.factor),
+                                unit.text.empty() ? "" : " ",
+                                unit.text == "1/s" ? "/s" : unit.text));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }

@@ -66,12 +66,16 @@ Json curve(const std::vector<CurvePoint>& points, const std::string& si_unit, bo
 
 Json result(const analysis::ProgramResult& result, bool whole) {
   constexpr std::array kVerdicts{"undecided", "agrees", "disagrees"};
+  const bool judged = result.law.known() && result.no_verdict.empty();
   Json json;
   json["robots"] = result.robots;
-  json["verdict"] = kVerdicts.at(static_cast<std::size_t>(result.verdict.kind));
+  json["verdict"] =
+      judged ? kVerdicts.at(static_cast<std::size_t>(result.verdict.kind)) : "no law";
   json["max_z"] = number(result.verdict.max_z);
   json["max_z_lag_s"] = number(result.verdict.tau);
-  json["max_z_curve"] = result.verdict.angular ? "angular_msd" : "msd";
+  json["max_z_curve"] = result.verdict.hold      ? "hold"
+                        : result.verdict.angular ? "angular_msd"
+                                                 : "msd";
   json["judged_lags"] = result.verdict.judged;
   if (result.law->isSimulated()) json["reference"] = "simulated";
   if (!result.no_verdict.empty()) json["no_verdict"] = result.no_verdict;
@@ -86,7 +90,7 @@ Json result(const analysis::ProgramResult& result, bool whole) {
   if (result.fit) json["fit"] = fitJson(*result.fit);
   if (result.runs) json["runs"] = runsJson(*result.runs, whole);
   if (whole) json["joins"] = joinsJson(result);
-  if (result.kurtosis) json["brownian"] = kurtosisJson(*result.kurtosis);
+  if (result.kurtosis) json["kurtosis"] = kurtosisJson(*result.kurtosis);
   json["msd"] = curve(result.curves.msd, "m^2", whole);
   json["angular_msd"] = curve(result.curves.angular_msd, "rad^2", whole);
   return json;

@@ -147,15 +147,16 @@ void visitSense(KeyVisitor& v, SenseSpec& sense) {
                     SenseKind::kNearestDistance, SenseKind::kNearestBearing},
                    {"radius_cm", "robots within this distance count, centre to centre"}),
            kLength, sense.radius);
-  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"x_cm", "the place"}),
+  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"x_cm", "the place, inside the arena", Need::kRequired}),
            kPlace, sense.x);
-  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"y_cm", "see x_cm"}),
+  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"y_cm", "see x_cm", Need::kRequired}),
            kPlace, sense.y);
 }
 
 void visitSenses(KeyVisitor& v, Senses& senses) {
   v.number({"rate_hz", "values per second"}, {0.1, 50}, senses.rate);
-  v.number({"delay_ms", "from the exposure of the tracker's frame to the sending of the values"},
+  v.number({"delay_ms", "from the exposure of the tracker's frame to the sending of the values; 0: as "
+            "soon as the tracker has them, else a frame or more"},
            {0, 60000}, senses.delay);
   visitList(v, {"values", "what the host computes from the tracker's poses"},
             {.fewest = 0, .most = dynamics::kSenses, .in_line = true}, senses.values,

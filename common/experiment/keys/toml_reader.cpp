@@ -6,6 +6,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/experiment/keys/experiment_key_table.hpp"
@@ -19,9 +20,11 @@ namespace {
 
 class TomlReader final : public KeyVisitor {
  public:
-  TomlReader(const TomlDocument& document, const ModelLookup& model_of, Problems& problems)
+  TomlReader(const TomlDocument& document, const ModelLookup& model_of, LawCheck check_law,
+             Problems& problems)
       : document_(document),
         model_of_(model_of),
+        check_law_(std::move(check_law)),
         problems_(problems),
         scopes_{{&document.root(), "", {}, {}}} {}
 
@@ -210,8 +213,8 @@ class TomlReader final : public KeyVisitor {
                Program& program) override {
     Scope& scope = scopes_.back();
     for (const auto& [key, node] : *scope.table) scope.known.emplace_back(key.str());
-    program = toProgram(
-        readProgramTable(document_, *scope.table, scope.path, name, limits, model_of_, problems_));
+    program = toProgram(readProgramTable(document_, *scope.table, scope.path, name,
+                                         {limits, model_of_, check_law_}, problems_));
   }
 
   /// Call this after all keys have been visited.
@@ -341,16 +344,34 @@ class TomlReader final : public KeyVisitor {
 
   const TomlDocument& document_;
   const ModelLookup& model_of_;
+  LawCheck check_law_;
   Problems& problems_;
   std::vector<Scope> scopes_;
 };
 
+/// The lags that the file asks for; programs come before these keys, which are checked later.
+LagRange lagsOf(const toml::table& root) {
+  const Experiment usual;
+  const double fps = root["camera"]["fps"].value_or(usual.camera.fps);
+  const double longest = root["analysis"]["max_lag_s"].value_or(usual.analysis.max_lag);
+  LagRange lags;
+  if (fps > 0) lags.shortest = 1 / fps;
+  if (longest > lags.shortest) lags.longest = longest;
+  return lags;
+}
+
 }  // namespace
 
 ExperimentForm readForm(const TomlDocument& document, const ModelLookup& model_of,
-                        Problems& problems) {
+                        const LawKnowledge& laws, Problems& problems) {
   ExperimentForm form;
-  TomlReader reader(document, model_of, problems);
+  LawCheck check_law;
+  if (laws.problems) {
+    check_law = [&laws, lags = lagsOf(document.root())](const auto& text, const auto& compiled) {
+      return laws.problems(text, compiled, lags);
+    };
+  }
+  TomlReader reader(document, model_of, std::move(check_law), problems);
   visitKeys(reader, form);
   reader.finish();
   return form;
