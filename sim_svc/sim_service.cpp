@@ -200,9 +200,9 @@ void SimService::paintFrame(std::int64_t exposure) {
   std::vector<PaintedRobot> robots;
   for (std::size_t i = 0; i < world_.size(); ++i) {
     const dynamics::Pose pose = world_.pose(i);
-    const Motion motion = world_.motion(i);
-    robots.push_back({pose.x, pose.y, pose.theta, motion.speed * std::cos(pose.theta),
-                      motion.speed * std::sin(pose.theta), motion.turn});
+    const Velocity velocity = world_.velocity(i);
+    robots.push_back(
+        {pose.x, pose.y, pose.theta, velocity.linear.x, velocity.linear.y, velocity.turn});
   }
   kinematic_robots_.addPainted(exposure, experiment_.camera.exposure, robots);
   camera_->take(tracker_.frame().frame, exposure, std::move(robots));

@@ -26,13 +26,30 @@ std::vector<dynamics::Pose> place(const WorldSettings& settings,
   return placeRobots(places, settings.arena, settings.radius, settings.seed);
 }
 
+// The farthest that a robot can move by itself in a time [s]: 1.5 is the largest wheel gain, see
+// factor(), and displace() keeps the noise within 5 standard deviations.
+double largestMove(const WorldSettings& settings, double time) {
+  return std::max(1.5 * settings.max_wheel_speed * time,
+                  5 * settings.speed_noise * std::sqrt(time));
+}
+
+// Robots that push each other overlap during a step. With moves of at most half a radius the sides
+// on which they touch are certain.
+WorldSettings withShortTicks(WorldSettings settings) {
+  if (settings.contact == ContactRule::kStop) return settings;
+  const double most = settings.radius / 2;
+  while (settings.tick_us > 1 &&
+         largestMove(settings, static_cast<double>(settings.tick_us) * 1e-6) > most) {
+    settings.tick_us = (settings.tick_us + 1) / 2;
+  }
+  return settings;
+}
+
 DiskArenaSettings diskSettings(const WorldSettings& settings) {
-  const double tick = static_cast<double>(settings.tick_us) * 1e-6;
-  // 1.5 is the largest wheel gain, see factor(); the clamp of displace() enforces the 5 sigma.
   const double largest_move =
-      std::max(1.5 * settings.max_wheel_speed * tick, 5 * settings.speed_noise * std::sqrt(tick)) +
-      1e-6;
-  return {settings.arena, settings.radius, settings.ir_range, largest_move};
+      largestMove(settings, static_cast<double>(settings.tick_us) * 1e-6) + 1e-6;
+  return {settings.arena,   settings.radius,           settings.ir_range, largest_move,
+          settings.contact, settings.contact_friction, settings.slip};
 }
 
 // Limited, because the bounds of the neighbour lists assume a largest speed.
@@ -43,8 +60,8 @@ double factor(Random& random, double error) {
 }  // namespace
 
 World::World(const WorldSettings& settings, const std::vector<RobotSetup>& robots)
-    : settings_(settings),
-      disks_(diskSettings(settings), place(settings, robots)),
+    : settings_(withShortTicks(settings)),
+      disks_(diskSettings(settings_), place(settings, robots)),
       sensors_({settings.radius, settings.ir_range, settings.light_offset, settings.light_noise}) {
   for (const RobotSetup& robot : robots) {
     addRobot(robot);
@@ -113,6 +130,7 @@ void World::step(std::int64_t dt_us) {
   for (std::size_t i = 0; i < size(); ++i) {
     advanceRobot(i, from, to);
   }
+  disks_.endStep(to - from);
 }
 
 void World::advanceTo(std::int64_t time_us) {
@@ -136,7 +154,7 @@ void World::advanceRobot(std::size_t i, double from, double to) {
   if (settings_.speed_noise > 0 || settings_.turn_noise > 0) {
     addNoise(i, to - from);
   }
-  disks_.relistIfMoved(i);
+  disks_.endMoves(i);
 }
 
 void World::handleEvent(std::size_t i) {

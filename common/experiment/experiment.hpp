@@ -95,24 +95,31 @@ struct Reversal {
   bool operator==(const Reversal&) const = default;
 };
 
+/// What simulated robots do at contact.
+enum class Contact : std::int8_t { kSlide = 0, kStop = 1 };
+
 /// The hardware of the robots. Errors apply to simulated bodies, and no other part knows them.
 struct RobotHardware {
-  double diameter = 0.075;           ///< [m] and wheel base d
-  double max_wheel_speed = 0.27;     ///< [m/s]
-  bool pwm_steps = true;             ///< wheel speeds rounded to 256 levels; false: ideal wheels
-  double clock_error = 0.005;        ///< [1] standard deviation of the robots' clock rates
-  double wheel_gain_error = 0;       ///< [1] standard deviation of each wheel's gain
-  double wheel_base_error = 0;       ///< [1] standard deviation of the distance between the wheels
-  double motor_dead_band = 0;        ///< [1] fraction of full duty up to which a wheel stands
-  double speed_noise = 0;            ///< [m/sqrt(s)] random forward displacement, off by default
-  double turn_noise = 0;             ///< [rad/sqrt(s)] random rotation, off by default
-  double sensor_period = 0.02;       ///< [s]
-  double light_gain_error = 0;       ///< [1] standard deviation of each light sensor's gain
-  double light_noise = 0;            ///< [1] standard deviation of a light reading, of full scale
-  double ir_range = 0.05;            ///< [m] from the rim
-  double status_rate = 50;           ///< [1/s]
-  double lease = 1.0;                ///< [s] robots stop after this time without a command
-  double free_run = 0;               ///< [s] replaces the lease if it is longer
+  double diameter = 0.075;        ///< [m] and wheel base d
+  double max_wheel_speed = 0.27;  ///< [m/s]
+  bool pwm_steps = true;          ///< wheel speeds rounded to 256 levels; false: ideal wheels
+  double clock_error = 0.005;     ///< [1] standard deviation of the robots' clock rates
+  double wheel_gain_error = 0;    ///< [1] standard deviation of each wheel's gain
+  double wheel_base_error = 0;    ///< [1] standard deviation of the distance between the wheels
+  double motor_dead_band = 0;     ///< [1] fraction of full duty up to which a wheel stands
+  double speed_noise = 0;         ///< [m/sqrt(s)] random forward displacement, off by default
+  double turn_noise = 0;          ///< [rad/sqrt(s)] random rotation, off by default
+  Contact contact = Contact::kSlide;
+  double contact_friction = 0.2;  ///< [1] between rims, and between rim and wall
+  double slip_across = 1;         ///< [1] mobility across the wheels, of that along them
+  double slip_turn = 1;           ///< [1] mobility of the rim in turning, of that along the wheels
+  double sensor_period = 0.02;    ///< [s]
+  double light_gain_error = 0;    ///< [1] standard deviation of each light sensor's gain
+  double light_noise = 0;         ///< [1] standard deviation of a light reading, of full scale
+  double ir_range = 0.05;         ///< [m] from the rim
+  double status_rate = 50;        ///< [1/s]
+  double lease = 1.0;             ///< [s] robots stop after this time without a command
+  double free_run = 0;            ///< [s] replaces the lease if it is longer
   bool resume_after_reboot = false;  ///< a robot on the wire continues after a reboot
   std::string motors;                ///< calibration file of simulated robots: path as in the file
 

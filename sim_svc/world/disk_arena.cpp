@@ -17,52 +17,67 @@ Vec hiddenPosition(std::size_t kinematic_body) {
 
 bool isHidden(Vec centre) { return centre.x <= -1e6; }
 
+constexpr double kPushTime = 0.01;       // [s] that a push out of a kinematic disk is taken to last
+constexpr double kLeastProgress = 1e-6;  // [m] of such a push
+
 }  // namespace
 
 DiskArena::DiskArena(const DiskArenaSettings& settings, const std::vector<dynamics::Pose>& robots)
     : settings_(settings),
       contact_distance_(2 * settings.radius + kContactGap),
       skin_(settings.radius),
-      robots_(robots.size()) {
+      robots_(robots.size()),
+      sliding_({settings.arena, settings.radius, settings.largest_move, settings.friction,
+                settings.mobility}),
+      contacts_(robots.size()) {
   for (const dynamics::Pose& pose : robots) {
-    Body body;
+    DiskBody body;
     body.theta = pose.theta;
     body.heading = {std::cos(pose.theta), std::sin(pose.theta)};
     bodies_.push_back(body);
     centres_.push_back({pose.x, pose.y});
   }
+  if (slides()) from_ = centres_;
   listNeighbours();
 }
 
 void DiskArena::beginStep() {
   ++steps_;
-  if (visible_kinematic_ == 0) return;
+  if (slides() || visible_kinematic_ == 0) return;
   for (std::size_t body = robots_; body < bodies_.size(); ++body) {
     pushRobotsOut(body);
   }
 }
 
 void DiskArena::setMotion(std::size_t i, Motion motion) {
-  Body& body = bodies_[i];
+  DiskBody& body = bodies_[i];
   body.motion = motion;
   body.heading = {std::cos(body.theta), std::sin(body.theta)};
 }
 
-Motion DiskArena::motion(std::size_t i) const {
-  const Motion motion = bodies_[i].motion;
-  return {touchesRobot(i) || touchesWall(i) ? 0 : motion.speed, motion.turn};
+Velocity DiskArena::velocity(std::size_t i) const {
+  const DiskBody& body = bodies_[i];
+  const bool touches = touchesRobot(i) || touchesWall(i);
+  const double speed = touches && !slides() ? 0 : body.motion.speed;
+  Velocity velocity{{speed * body.heading.x, speed * body.heading.y}, body.motion.turn};
+  if (!touches || !slides()) return velocity;
+  const Velocity& slip = contacts_[i].slip;
+  velocity.linear = {velocity.linear.x + slip.linear.x, velocity.linear.y + slip.linear.y};
+  velocity.turn += slip.turn;
+  return velocity;
 }
 
 void DiskArena::moveFor(std::size_t i, double dt) {
   if (!isMoving(i)) return;
-  Body& body = bodies_[i];
+  DiskBody& body = bodies_[i];
   const dynamics::Arc arc = dynamics::makeArcOf(body.motion.speed, body.motion.turn, dt);
   const Vec along = body.heading;
-  const Vec move =
-      stopAtContact(i, {along.x * arc.dx - along.y * arc.dy, along.y * arc.dx + along.x * arc.dy});
+  Vec move = {along.x * arc.dx - along.y * arc.dy, along.y * arc.dx + along.x * arc.dy};
+  if (!slides()) move = stopAtContact(i, move);
   centres_[i].x += move.x;
   centres_[i].y += move.y;
   body.theta += arc.dtheta;
+  body.turned += arc.dtheta;
   // Rotating the heading is cheaper than cos and sin of theta; setMotion() removes the rounding
   // errors that this accumulates.
   body.heading = {along.x * arc.cos_turn - along.y * arc.sin_turn,
@@ -70,13 +85,59 @@ void DiskArena::moveFor(std::size_t i, double dt) {
 }
 
 void DiskArena::displace(std::size_t i, double forward, double rotation) {
-  Body& body = bodies_[i];
+  DiskBody& body = bodies_[i];
   forward = std::clamp(forward, -settings_.largest_move, settings_.largest_move);
-  const Vec move = stopAtContact(i, {forward * body.heading.x, forward * body.heading.y});
+  Vec move = {forward * body.heading.x, forward * body.heading.y};
+  if (!slides()) move = stopAtContact(i, move);
   centres_[i].x += move.x;
   centres_[i].y += move.y;
   body.theta += rotation;
+  body.turned += rotation;
   body.heading = {std::cos(body.theta), std::sin(body.theta)};
+}
+
+void DiskArena::endMoves(std::size_t i) {
+  if (!slides()) relistIfMoved(i);
+}
+
+void DiskArena::endStep(double dt) {
+  if (!slides()) return;
+  sliding_.resolve(moved(), dt);
+  applyContacts(dt);
+  for (std::size_t i = 0; i < robots_; ++i) bodies_[i].turned = 0;
+  std::copy(centres_.begin(), centres_.end(), from_.begin());
+  const double farthest = skin_ * skin_ / 4;
+  for (std::size_t i = 0; i < robots_; ++i) {
+    if (squared({centres_[i].x - listed_at_[i].x, centres_[i].y - listed_at_[i].y}) > farthest) {
+      listNeighbours();
+      return;
+    }
+  }
+}
+
+MovedDisks DiskArena::moved() const { return {robots_, from_, centres_, bodies_, &neighbours_}; }
+
+void DiskArena::applyContacts(double dt) {
+  for (const ContactShift& shift : sliding_.shifts()) {
+    Vec& centre = centres_[shift.robot];
+    DiskBody& body = bodies_[shift.robot];
+    centre.x += shift.shift.x;
+    centre.y += shift.shift.y;
+    if (shift.rotation != 0) {
+      body.theta += shift.rotation;
+      body.heading = {std::cos(body.theta), std::sin(body.theta)};
+    }
+    contacts_[shift.robot].slip = {{shift.shift.x / dt, shift.shift.y / dt}, shift.rotation / dt};
+  }
+  for (const Touch& touched : sliding_.touches()) {
+    if (touched.other == Touch::kWall) {
+      touch(contacts_[touched.robot].wall);
+      continue;
+    }
+    touch(contacts_[touched.robot].robot);
+    if (touched.other < robots_) touch(contacts_[touched.other].robot);
+    collisions_ += touched.begun ? 1 : 0;
+  }
 }
 
 // The part of `move` up to the first contact, which is counted.
@@ -101,10 +162,10 @@ Vec DiskArena::stopAtContact(std::size_t i, Vec move) {
     return move;
   }
   if (touched == i) {
-    touch(bodies_[i].wall_contact);
+    touch(contacts_[i].wall);
   } else {
-    const bool begun = touch(bodies_[i].robot_contact);
-    touch(bodies_[touched].robot_contact);
+    const bool begun = touch(contacts_[i].robot);
+    touch(contacts_[touched].robot);
     collisions_ += begun ? 1 : 0;
   }
   return {share * move.x, share * move.y};
@@ -119,7 +180,7 @@ bool DiskArena::touch(Contact& contact) const {
 }
 
 void DiskArena::relistIfMoved(std::size_t i) {
-  const Vec listed_at = bodies_[i].listed_at;
+  const Vec listed_at = listed_at_[i];
   const Vec moved = {centres_[i].x - listed_at.x, centres_[i].y - listed_at.y};
   if (squared(moved) > skin_ * skin_ / 4) {
     listNeighbours();
@@ -127,18 +188,19 @@ void DiskArena::relistIfMoved(std::size_t i) {
 }
 
 void DiskArena::listNeighbours() {
+  const double contact_gap = slides() ? SlidingContacts::kFarthestGap + 1 : 1;
   const double reach = std::max(2 * settings_.radius + settings_.sensing_range,
-                                contact_distance_ + settings_.largest_move);
+                                contact_distance_ + contact_gap * settings_.largest_move);
   neighbours_.build(centres_, settings_.arena, reach + skin_ + settings_.largest_move);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    bodies_[i].listed_at = centres_[i];
-  }
+  listed_at_ = centres_;
 }
 
 std::size_t DiskArena::addKinematicDisk() {
   const std::size_t disk = bodies_.size() - robots_;
   bodies_.emplace_back();
+  contacts_.emplace_back();
   centres_.push_back(hiddenPosition(bodies_.size()));
+  if (slides()) from_.push_back(centres_.back());
   listNeighbours();
   return disk;
 }
@@ -149,16 +211,51 @@ void DiskArena::moveKinematicDisk(std::size_t disk, Vec centre) {
     return;
   }
   const std::size_t body = robots_ + disk;
-  if (isHidden(centres_[body])) ++visible_kinematic_;
+  const bool appears = isHidden(centres_[body]);
+  if (appears) ++visible_kinematic_;
   centres_[body] = centre;
   relistIfMoved(body);
-  pushRobotsOut(body);
+  if (!slides()) {
+    pushRobotsOut(body);
+    return;
+  }
+  if (appears) from_[body] = centre;
+  pushOutSliding(body);
+  from_[body] = centre;
 }
 
 void DiskArena::hideKinematicDisk(std::size_t disk) {
   const std::size_t body = robots_ + disk;
   if (!isHidden(centres_[body])) --visible_kinematic_;
   centres_[body] = hiddenPosition(body);
+  if (slides()) from_[body] = centres_[body];
+}
+
+// Pushes robots out of a kinematic disk in pieces of at most the largest move, for which the
+// neighbour lists are valid, as long as that brings them farther out.
+void DiskArena::pushOutSliding(std::size_t kinematic_body) {
+  double overlap = deepestOverlap(kinematic_body);
+  while (overlap > SlidingContacts::kSlack) {
+    sliding_.pushOut(moved());
+    applyContacts(kPushTime);
+    std::copy_n(centres_.begin(), robots_, from_.begin());
+    from_[kinematic_body] = centres_[kinematic_body];
+    for (std::size_t i = 0; i < robots_; ++i) relistIfMoved(i);
+    const double left = deepestOverlap(kinematic_body);
+    if (left > overlap - kLeastProgress) return;
+    overlap = left;
+  }
+}
+
+double DiskArena::deepestOverlap(std::size_t kinematic_body) const {
+  double deepest = 0;
+  for (const std::uint32_t i : neighbours_.of(kinematic_body)) {
+    if (i >= robots_) continue;
+    const Vec apart = {centres_[i].x - centres_[kinematic_body].x,
+                       centres_[i].y - centres_[kinematic_body].y};
+    deepest = std::max(deepest, 2 * settings_.radius - std::sqrt(squared(apart)));
+  }
+  return deepest;
 }
 
 void DiskArena::pushRobotsOut(std::size_t kinematic_body) {
@@ -190,7 +287,7 @@ void DiskArena::pushOut(std::size_t i, std::size_t kinematic_body) {
     centres_[i].x += move.x;
     centres_[i].y += move.y;
     relistIfMoved(i);
-    if (touch(bodies_[i].robot_contact)) {
+    if (touch(contacts_[i].robot)) {
       ++collisions_;
     }
     if (std::hypot(move.x, move.y) < piece / 2) {

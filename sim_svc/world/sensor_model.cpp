@@ -72,7 +72,7 @@ void SensorModel::addRobots(const DiskArena& disks, std::size_t i, IrScan& ir) c
   const double reach = 2 * settings_.radius + settings_.ir_range;
   const Vec centre = disks.centre(i);
   for (const std::uint32_t j : disks.neighbours(i)) {
-    const Vec other = disks.centre(j);
+    const Vec other = disks.seen(j);
     const Vec to_other = {other.x - centre.x, other.y - centre.y};
     if (to_other.x * to_other.x + to_other.y * to_other.y < reach * reach) {
       ir.addDisk(to_other);

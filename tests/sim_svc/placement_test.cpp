@@ -3,7 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <stdexcept>
 
 namespace lab::sim::placement_test {
@@ -47,6 +49,30 @@ TEST(PlaceRobots, AddingARobotDoesNotMoveTheOthers) {
     EXPECT_EQ(few[i].y, more[i].y);
     EXPECT_EQ(few[i].theta, more[i].theta);
   }
+}
+
+TEST(PlaceRobots, PlacesManyRobotsInALargeArena) {
+  // Overlaps are looked for between neighbours in x.
+  const Arena arena{200, 150};
+  auto poses = placeRobots(anywhere(100'000), arena, kRadius, 7);
+  std::ranges::sort(poses, {}, &dynamics::Pose::x);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    ASSERT_GE(poses[i].x, kRadius);
+    ASSERT_LE(poses[i].y, arena.height - kRadius);
+    for (std::size_t j = i; j-- > 0 && poses[i].x - poses[j].x <= 2 * kRadius;) {
+      ASSERT_GT(std::hypot(poses[i].x - poses[j].x, poses[i].y - poses[j].y), 2 * kRadius);
+    }
+  }
+}
+
+TEST(PlaceRobots, KeepsThePlacesOfASeed) {
+  // Of a search that compared all robots.
+  const auto sparse = placeRobots(anywhere(100), kArena, kRadius, 7);
+  EXPECT_EQ(sparse[99].x, 0.72788224382540267);
+  EXPECT_EQ(sparse[99].y, 0.0512981105247102);
+  const auto dense = placeRobots(anywhere(170), kArena, kRadius, 7);
+  EXPECT_EQ(dense[169].x, 0.8116228208357914);
+  EXPECT_EQ(dense[169].y, 0.037613068879269664);
 }
 
 TEST(PlaceRobots, AnotherSeedGivesOtherPoses) {

@@ -36,6 +36,8 @@ const std::array<Choice, 9> kSenseKinds = {
 const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
                                            choiceOf("walls", ReverseOn::kWalls),
                                            choiceOf("any", ReverseOn::kAny)}};
+const std::array<Choice, 2> kContacts = {
+    {choiceOf("slide", Contact::kSlide), choiceOf("stop", Contact::kStop)}};
 const std::array<Choice, 2> kTrackers = {
     {choiceOf("sim", Tracker::kSimPoses), choiceOf("camera", Tracker::kCamera)}};
 
@@ -62,6 +64,22 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"turn_noise_deg_sqrt_s",
             "random rotation: its variance grows by the square of this per second"},
            {0, 90}, robot.turn_noise);
+  enumerate(v,
+            {"contact",
+             "what simulated robots do at contact (bodies.md); slide: they slide along each other "
+             "and along walls, push and turn each other; stop: they stop, as in earlier versions"},
+            kContacts, robot.contact);
+  v.number({"contact_friction", "friction coefficient between rims, and between rim and wall"},
+           {0, 2}, robot.contact_friction);
+  v.number({"slip_across",
+            "how easily a force moves a robot across its wheels, as a multiple of how easily it "
+            "does along them"},
+           {0.05, 20}, robot.slip_across);
+  v.number(
+      {"slip_turn",
+       "how easily a force along the rim turns a robot: speed of the rim, as a multiple of the "
+       "speed that the force gives along the wheels"},
+      {0, 20}, robot.slip_turn);
   v.number({"sensor_period_ms", "time between two readings of the robot's sensors"},
            {.low = 1, .high = 1000, .whole = true}, robot.sensor_period);
   v.number({"light_gain_error_percent",
