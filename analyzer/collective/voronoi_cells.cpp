@@ -1,5 +1,6 @@
 #include "analyzer/collective/voronoi_cells.hpp"
 
+#include <algorithm>
 #include <boost/polygon/voronoi.hpp>
 #include <cmath>
 #include <cstdint>
@@ -10,7 +11,9 @@
 namespace lab::collective {
 namespace {
 
-constexpr double kStepsPerMetre = 1e7;  // the diagram is computed exactly for integers
+// The diagram is computed exactly for integers of 32 bits.
+constexpr double kFinestPerMetre = 1e7;
+constexpr double kMostSteps = 1e9;
 constexpr std::size_t kWall = std::numeric_limits<std::size_t>::max();
 // Sides shorter than this share of the arena's width are corners at which four cells meet.
 constexpr double kShortestSide = 1e-7;
@@ -47,22 +50,24 @@ void clip(std::vector<Corner>& cell, std::vector<Corner>& scratch, const Point& 
 }  // namespace
 
 std::vector<VoronoiCell> voronoiCells(const std::vector<Point>& points, const Rectangle& arena) {
+  const double steps_per_metre =
+      std::min(kFinestPerMetre, kMostSteps / std::max(arena.width(), arena.height()));
   using Site = boost::polygon::point_data<std::int32_t>;
   std::vector<Site> sites;
   std::vector<Point> placed;
   std::set<std::pair<std::int32_t, std::int32_t>> taken;
   sites.reserve(points.size());
   placed.reserve(points.size());
-  const auto width = static_cast<std::int32_t>(arena.width() * kStepsPerMetre);
+  const auto width = static_cast<std::int32_t>(arena.width() * steps_per_metre);
   for (const Point& point : points) {
     auto column = static_cast<std::int32_t>(
-        std::lround((arena.nearestX(point.x) - arena.left) * kStepsPerMetre));
+        std::lround((arena.nearestX(point.x) - arena.left) * steps_per_metre));
     const auto row = static_cast<std::int32_t>(
-        std::lround((arena.nearestY(point.y) - arena.bottom) * kStepsPerMetre));
+        std::lround((arena.nearestY(point.y) - arena.bottom) * steps_per_metre));
     const std::int32_t step = column < width / 2 ? 1 : -1;
     while (!taken.emplace(column, row).second) column += step;
     sites.emplace_back(column, row);
-    placed.push_back({arena.left + column / kStepsPerMetre, arena.bottom + row / kStepsPerMetre});
+    placed.push_back({arena.left + column / steps_per_metre, arena.bottom + row / steps_per_metre});
   }
   boost::polygon::voronoi_diagram<double> diagram;
   boost::polygon::construct_voronoi(sites.begin(), sites.end(), &diagram);

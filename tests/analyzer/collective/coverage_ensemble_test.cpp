@@ -12,8 +12,8 @@ namespace lab::collective::coverage_test {
 namespace {
 
 constexpr int kRecordings = 1000;
-constexpr double kFrame = 0.2;  // [s]
-constexpr int kFrames = 1500;   // 300 s
+constexpr double kFrame = 0.5;  // [s]
+constexpr int kFrames = 600;    // 300 s
 
 /// The averages of one recording by name.
 std::map<std::string, Average> record(SimulatedCrowd& crowd) {
@@ -83,9 +83,12 @@ void expectCoverage(const SimulatedCrowdSettings& settings, double burn_in,
 }
 
 const std::pair<double, double> kNominal{0.93, 0.97};
+// A robot that has left must come back before it leaves again: successive changes exclude each
+// other, and the window of the autocovariance ends before all of that is seen.
+const std::pair<double, double> kConservative{0.93, 0.99};
 
 TEST(CollectiveCoverage, OfIndependentRobots) {
-  expectCoverage({.robots = 30, .speed = 0.05, .rotation = 0.5}, 0,
+  expectCoverage({.robots = 20, .speed = 0.05, .rotation = 0.5}, 0,
                  {{"polar_order", kNominal},
                   {"nematic_order", kNominal},
                   {"hexatic_order", kNominal},
@@ -93,12 +96,12 @@ TEST(CollectiveCoverage, OfIndependentRobots) {
                   {"mean_cluster", kNominal},
                   {"clusters", kNominal},
                   {"clustered_share", kNominal},
-                  {"local_density", kNominal},
+                  {"speed", kNominal},
                   {"touching_share", kNominal},
                   {"contact_time", kNominal},
                   {"bimodality", kNominal},
                   {"number_fluctuation_exponent", kNominal},
-                  {"pair_distribution 6", kNominal},
+                  {"pair_distribution 18", kNominal},
                   {"pair_distribution 30", kNominal},
                   {"velocity_correlation 30", kNominal},
                   {"density_of_cells 6", kNominal},
@@ -107,7 +110,7 @@ TEST(CollectiveCoverage, OfIndependentRobots) {
                   {"number_fluctuations 0", kNominal},
                   {"whole_msd 0", kNominal},
                   {"left", kNominal},
-                  {"flux", kNominal}});
+                  {"flux", kConservative}});
 }
 
 // Alignment makes slow fluctuations of the order: tens of independent values in a recording.

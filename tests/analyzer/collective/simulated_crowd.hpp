@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <random>
 #include <vector>
 
@@ -18,7 +19,8 @@ struct SimulatedCrowdSettings {
   std::uint64_t seed = 1;
 };
 
-/// Points in a periodic arena of 1.2 m x 0.9 m: stationary from the beginning without alignment.
+/// Points in an arena of 1.2 m x 0.9 m whose walls reflect them as mirrors do: uniform and without
+/// preferred direction from the beginning, if they do not align.
 class SimulatedCrowd {
  public:
   explicit SimulatedCrowd(const SimulatedCrowdSettings& settings)
@@ -26,7 +28,7 @@ class SimulatedCrowd {
     std::uniform_real_distribution<double> unit(0, 1);
     for (int i = 0; i < settings.robots; ++i) {
       poses_.push_back({i + 1, kWidth * unit(random_), kHeight * unit(random_),
-                        2 * 3.14159265358979 * unit(random_), 0, -1});
+                        2 * std::numbers::pi * unit(random_), 0, -1});
     }
   }
 
@@ -36,8 +38,8 @@ class SimulatedCrowd {
     if (settings_.alignment > 0) {
       for (std::size_t i = 0; i < poses_.size(); ++i) {
         for (std::size_t j = 0; j < poses_.size(); ++j) {
-          const double dx = std::remainder(poses_[i].x - poses_[j].x, kWidth);
-          const double dy = std::remainder(poses_[i].y - poses_[j].y, kHeight);
+          const double dx = poses_[i].x - poses_[j].x;
+          const double dy = poses_[i].y - poses_[j].y;
           if (dx * dx + dy * dy > 0.15 * 0.15) continue;
           torques[i] += std::sin(poses_[j].theta - poses_[i].theta);
         }
@@ -46,8 +48,16 @@ class SimulatedCrowd {
     for (std::size_t i = 0; i < poses_.size(); ++i) {
       CrowdPose& pose = poses_[i];
       pose.theta += settings_.alignment * torques[i] * dt + normal(random_);
-      pose.x = wrapped(pose.x + settings_.speed * dt * std::cos(pose.theta), kWidth);
-      pose.y = wrapped(pose.y + settings_.speed * dt * std::sin(pose.theta), kHeight);
+      pose.x += settings_.speed * dt * std::cos(pose.theta);
+      pose.y += settings_.speed * dt * std::sin(pose.theta);
+      if (pose.x < 0 || pose.x > kWidth) {
+        pose.x = pose.x < 0 ? -pose.x : 2 * kWidth - pose.x;
+        pose.theta = std::numbers::pi - pose.theta;
+      }
+      if (pose.y < 0 || pose.y > kHeight) {
+        pose.y = pose.y < 0 ? -pose.y : 2 * kHeight - pose.y;
+        pose.theta = -pose.theta;
+      }
     }
   }
 
@@ -56,8 +66,6 @@ class SimulatedCrowd {
  private:
   static constexpr double kWidth = 1.2;
   static constexpr double kHeight = 0.9;
-
-  static double wrapped(double x, double length) { return x - length * std::floor(x / length); }
 
   SimulatedCrowdSettings settings_;
   std::mt19937_64 random_;
