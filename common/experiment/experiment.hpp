@@ -326,8 +326,23 @@ struct Camera {
   return camera.tracker == Tracker::kCamera && camera.source == kSimulatedCamera;
 }
 
+/// A named part of the arena, for times and fluxes of robots.
+struct RegionSpec {
+  std::string name;
+  Region shape = Region::kRectangle;
+  double x = 0;       ///< [m] centre
+  double y = 0;       ///< [m]
+  double radius = 0;  ///< [m] of a circle
+  double width = 0;   ///< [m] of a rectangle, along x
+  double height = 0;  ///< [m]
+
+  bool operator==(const RegionSpec&) const = default;
+};
+
 struct AnalysisOptions {
-  double max_lag = 100;  ///< [s]
+  double max_lag = 100;             ///< [s]
+  double cluster_distance = 0;      ///< [m] between centres; 0: 1.1 diameters
+  std::vector<RegionSpec> regions;  ///< a robot is in the first one that holds its centre
 
   bool operator==(const AnalysisOptions&) const = default;
 };

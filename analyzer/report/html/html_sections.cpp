@@ -135,6 +135,16 @@ std::string openingFigures(const std::vector<Figure>& figures,
   return (html.empty() ? html : "<div class=\"opening\">\n" + html + "</div>\n") + sentences;
 }
 
+std::string figureGrid(const std::vector<Figure>& figures, const std::vector<std::string>& names) {
+  std::string html;
+  for (const Figure& figure : figures) {
+    if (std::find(names.begin(), names.end(), figure.name) != names.end()) {
+      html += figureHtml(figure);
+    }
+  }
+  return html.empty() ? html : "<div class=\"figures\">\n" + html + "</div>\n";
+}
+
 std::string otherFigures(const std::vector<Figure>& figures,
                          const std::vector<std::string>& opening) {
   std::string html;

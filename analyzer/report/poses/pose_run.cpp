@@ -15,7 +15,9 @@
 
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/report/poses/pose_units.hpp"
+#include "analyzer/report/record/crowd_records.hpp"
 #include "analyzer/report_error.hpp"
+#include "analyzer/service/collective_feed.hpp"
 #include "analyzer/tracks/reversal_finder.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/program_colours.hpp"
@@ -130,7 +132,8 @@ class PoseFeed {
         law_(law),
         speed_is_known_(speed_is_known),
         epoch_start_(poses.frames.front().time),
-        analysis_(configOf(poses, experiment)) {
+        analysis_(configOf(poses, experiment)),
+        crowd_(analysis::crowdConfig(experiment)) {
     const auto runs = law->runs();
     run_share_ = runs && runs->rate > 0 ? 1 / (1 + runs->rate * runs->turn_time) : 1;
     analysis_.onSample([this](int robot, const analysis::ProgramLaw&,
@@ -155,6 +158,8 @@ class PoseFeed {
     examine(record);
     for (const Frame& frame : poses_.frames) take(frame, record);
     analysis_.flush();
+    fillCrowds(
+        crowd_, units::seconds(record.start_utime), [](int) { return -1; }, record);
     record.tracks = std::move(tracks_);
     for (analysis::ProgramResult& result : analysis_.results(depth)) {
       const bool given = !experiment_.programs.empty();
@@ -242,6 +247,13 @@ class PoseFeed {
                               static_cast<float>(pose.theta), 0, -1});
     }
     analysis_.addFrame(frame);
+    crowd_poses_.clear();
+    for (const FramePose& pose : frame.poses) {
+      if (!pose.valid) continue;
+      crowd_poses_.push_back(
+          {pose.robot, pose.x, pose.y, poses_.headings ? pose.theta : kNan, -1, -1});
+    }
+    crowd_.addFrame(frame.time, poses_.frame_period, crowd_poses_);
   }
 
   void judge(int robot, const analysis::Sample& sample) {
@@ -268,6 +280,8 @@ class PoseFeed {
   std::size_t next_step_ = 0;
   double epoch_start_ = 0;
   analysis::Analysis analysis_;
+  collective::CrowdAnalysis crowd_;
+  std::vector<collective::CrowdPose> crowd_poses_;
   Tracks tracks_;
   std::map<int, std::deque<Waiting>> waiting_;
 };

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <deque>
 
+#include "analyzer/report/record/crowd_records.hpp"
 #include "analyzer/report/record/event_record.hpp"
+#include "analyzer/service/collective_feed.hpp"
 #include "analyzer/service/program_keys.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_file.hpp"
@@ -155,6 +157,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   feed.onPiece([&](int robot, const program_id_t& program, const analysis::Piece& piece) {
     record.pieces.push_back({robot, keys.key(program), piece});
   });
+  analysis::CollectiveFeed crowd(experiment);
   TrackRecord tracks(feed);
   LightTimeline light(experiment.arena_width, experiment.arena_height);
   RobotTimelines robots([&keys](const program_id_t& program) { return keys.key(program); });
@@ -165,11 +168,13 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   MessageSinks sinks;
   sinks.frame = [&](const tracked_frame_t& frame) {
     feed.take(frame);
+    crowd.take(frame);
     tracks.take(frame);
   };
   sinks.robots = [&](const robot_status_t& status) {
     robots.take(status);
     feed.take(status);
+    crowd.take(status);
   };
   sinks.light = [&](const light_status_t& status) {
     light.take(status);
@@ -201,6 +206,9 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   record.results = feed.results(depth);
   events.finish(record);
   fillStitching(feed, record);
+  fillCrowds(
+      crowd.analysis(), crowd.seconds(record.start_utime),
+      [&](int group) { return keys.key(crowd.programOf(group)); }, record);
   record.left_out = feed.counters().left_out;
   if (feed.refused() > 0) {
     RefusedMessages& refused = record.log.refused[std::string(channels::kRobotStatus)];

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
+#include "analyzer/collective/crowd_analysis.hpp"
 #include "analyzer/log_source.hpp"
 #include "analyzer/report/record/link_records.hpp"
 #include "analyzer/report/record/timelines.hpp"
@@ -121,6 +122,14 @@ struct HeadingRecord {
   std::int64_t sense_turns = 0;  ///< tracks in which head and tail were confused
 };
 
+/// What a group of robots did together.
+struct CrowdRecord {
+  int program = -1;  ///< key into RunRecord::programs; -1: all robots
+  collective::CrowdResult result;
+  std::vector<collective::Stretch> stretches;  ///< times in s since the start
+  collective::CrowdMap map;
+};
+
 struct RunRecord {
   std::optional<PoseSource> poses;       ///< if the source is a file of poses
   std::optional<Experiment> experiment;  ///< the experiment; nullopt: the log has no readable START
@@ -155,6 +164,8 @@ struct RunRecord {
   bool stitched = true;              ///< tracks were joined at reversals, not cut
   std::vector<RunProgram> programs;  ///< indexed by key
   std::vector<analysis::FeedResult> results;
+  std::vector<CrowdRecord> crowds;         ///< all robots, then programs; empty below two robots
+  collective::CrowdPicture crowd_picture;  ///< the last evaluated frame
 
   /// Seconds since the start.
   [[nodiscard]] double seconds(std::int64_t utime) const;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analyzer/report/record/step_delays.hpp"
+#include "analyzer/report/sections/crowd_section.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
 #include "analyzer/report/sections/kurtosis_section.hpp"
 #include "analyzer/report/sections/light_bands.hpp"
@@ -257,6 +258,7 @@ std::string summaryJson(const RunRecord& record) {
   json["faults"] = remarks(record, record.faults);
   json["marks"] = remarks(record, record.marks);
   json["programs"] = programs(record);
+  if (!record.crowds.empty()) json["collective"] = crowdsJson(record);
   json["stitching"] = stitchingJson(record);
   json["robots"] = robots(record);
   json["latency"] = {{"presented", latency(presentedDelays(record.steps))},

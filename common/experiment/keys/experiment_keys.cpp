@@ -38,6 +38,8 @@ const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
                                            choiceOf("any", ReverseOn::kAny)}};
 const std::array<Choice, 2> kContacts = {
     {choiceOf("slide", Contact::kSlide), choiceOf("stop", Contact::kStop)}};
+const std::array<Choice, 2> kShapes = {
+    {choiceOf("circle", Region::kCircle), choiceOf("rectangle", Region::kRectangle)}};
 const std::array<Choice, 2> kTrackers = {
     {choiceOf("sim", Tracker::kSimPoses), choiceOf("camera", Tracker::kCamera)}};
 
@@ -265,6 +267,35 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
            {.low = 0, .high = 1, .below_high = true}, camera.frame_loss);
 }
 
+void visitRegion(KeyVisitor& v, RegionSpec& region) {
+  v.text({"name", "name in report and messages", Need::kRequired}, {.most = 32, .bare = true},
+         region.name);
+  const Selector shape(v, {"shape", "what the region is", Need::kRequired}, kShapes, region.shape);
+  v.number({"x_cm", "centre of the region", Need::kRequired}, kPlace, region.x);
+  v.number({"y_cm", "centre of the region", Need::kRequired}, kPlace, region.y);
+  v.number(shape.only({Region::kCircle}, {"radius_cm", "radius of the circle", Need::kRequired}),
+           kLength, region.radius);
+  v.number(shape.only({Region::kRectangle},
+                      {"width_cm", "size of the rectangle along x", Need::kRequired}),
+           kLength, region.width);
+  v.number(shape.only({Region::kRectangle},
+                      {"height_cm", "size of the rectangle along y", Need::kRequired}),
+           kLength, region.height);
+}
+
+void visitAnalysis(KeyVisitor& v, AnalysisOptions& analysis) {
+  v.number({"max_lag_s", "longest lag of the curves"}, {0.1, 3600}, analysis.max_lag);
+  v.number({"cluster_distance_cm",
+            "robots whose centres are closer belong to a cluster; 0: 1.1 diameters"},
+           {0, 1000}, analysis.cluster_distance);
+  visitList(v,
+            {"regions",
+             "parts of the arena of which times and fluxes are measured; a robot is in the first "
+             "one that holds its centre"},
+            {.fewest = 0, .most = 8, .in_line = true}, analysis.regions,
+            [&](RegionSpec& region) { visitRegion(v, region); });
+}
+
 void visitTop(KeyVisitor& v, ExperimentForm& form) {
   Experiment& e = form.common;
   std::int64_t version = e.fileversion;
@@ -333,9 +364,7 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
             [&](StopRule& rule) { visitStopRule(v, rule); });
   v.table({"projector", "The projector"}, [&] { visitProjector(v, e.projector); });
   v.table({"camera", "Camera and tracker"}, [&] { visitCamera(v, e.camera); });
-  v.table({"analysis", "The analyzer"}, [&] {
-    v.number({"max_lag_s", "longest lag of the curves"}, {0.1, 3600}, e.analysis.max_lag);
-  });
+  v.table({"analysis", "The analyzer"}, [&] { visitAnalysis(v, e.analysis); });
   v.table({"faults", "Simulated faults of a network"}, [&] {
     v.number(
         {"message_loss", "probability that a message does not reach a receiver, in virtual time"},
