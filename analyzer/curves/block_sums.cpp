@@ -2,26 +2,6 @@
 
 namespace lab::analysis {
 
-LagSums& LagSums::operator+=(const LagSums& other) {
-  windows += other.windows;
-  angular_windows += other.angular_windows;
-  r2 += other.r2;
-  r4 += other.r4;
-  a2 += other.a2;
-  a4 += other.a4;
-  return *this;
-}
-
-LagSums& LagSums::operator-=(const LagSums& other) {
-  windows -= other.windows;
-  angular_windows -= other.angular_windows;
-  r2 -= other.r2;
-  r4 -= other.r4;
-  a2 -= other.a2;
-  a4 -= other.a4;
-  return *this;
-}
-
 BlockCounts& BlockCounts::operator+=(const BlockCounts& other) {
   time += other.time;
   forward += other.forward;

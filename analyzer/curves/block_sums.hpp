@@ -20,8 +20,24 @@ struct LagSums {
   double r4 = 0;  ///< m^4.
   double a4 = 0;  ///< rad^4.
 
-  LagSums& operator+=(const LagSums& other);
-  LagSums& operator-=(const LagSums& other);
+  LagSums& operator+=(const LagSums& other) {
+    windows += other.windows;
+    angular_windows += other.angular_windows;
+    r2 += other.r2;
+    a2 += other.a2;
+    r4 += other.r4;
+    a4 += other.a4;
+    return *this;
+  }
+  LagSums& operator-=(const LagSums& other) {
+    windows -= other.windows;
+    angular_windows -= other.angular_windows;
+    r2 -= other.r2;
+    a2 -= other.a2;
+    r4 -= other.r4;
+    a4 -= other.a4;
+    return *this;
+  }
 };
 
 /// The sums over one block of free time, except for those by lag.

@@ -24,11 +24,12 @@ constexpr double kManyBlocks = 1e9;
 
 double mean(double sum, std::uint32_t n) { return n > 0 ? sum / n : kNan; }
 
-/// The law at the measured speed, if the difference may be a calibration error.
-ExactLaw calibrated(const ProgramLaw& law, double speed, double tolerance) {
+/// The MSD of the law at the measured speed over that at the programmed one, if the difference may
+/// be a calibration error; else 1. At a constant speed the MSD is proportional to its square.
+double calibration(const ProgramLaw& law, double speed, double tolerance) {
   const std::optional<double> constant = law->constantSpeed();
-  const bool close = constant && std::abs(speed / *constant - 1) <= tolerance;
-  return ExactLaw(close ? law.withSpeed(speed) : law);
+  const double ratio = constant ? speed / *constant : 1;
+  return std::abs(ratio - 1) <= tolerance ? ratio * ratio : 1;
 }
 
 }  // namespace
@@ -45,7 +46,7 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
   const double observed = total.time;
   const std::size_t n = data.lags.size();
   const ExactLaw exact(law);
-  const ExactLaw reference = calibrated(law, estimator(total)[kSpeed], options.speed_tolerance);
+  const double calibrated = calibration(law, estimator(total)[kSpeed], options.speed_tolerance);
   // Without headings, only a fit determines the tracker noise.
   const bool by_fit = !std::isfinite(estimator.noise(total).position_offset);
   const bool noise_known = !by_fit || std::isfinite(options.offset);
@@ -79,7 +80,7 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
       p.kurtosis = fourth / (p.value * p.value);
       p.exact = angular ? exact.angularMsd(tau) : exact.msd(tau);
       p.paper = angular ? paperAngularMsd(law, tau) : law->paperMsd(tau);
-      const double expected = angular ? reference.angularMsd(tau) : reference.msd(tau);
+      const double expected = angular ? p.exact : calibrated * p.exact;
       LagError error = (angular ? errors.angular_msd : errors.msd)[i];
       const double model = expected * (angular ? law->relativeAngularError(tau, seen)
                                                : law->relativeMsdError(tau, p.exact, seen));

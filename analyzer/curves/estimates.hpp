@@ -70,8 +70,9 @@ class Estimator {
   [[nodiscard]] Quantities operator()(const BlockSums& sums) const;
   [[nodiscard]] TrackerNoise noise(const BlockSums& sums) const;
 
-  /// Indices of the lags that all this needs, ascending.
+  /// Indices of the lags that all this needs, ascending; and those that noise() needs.
   [[nodiscard]] const std::vector<std::size_t>& neededLags() const { return needed_; }
+  [[nodiscard]] std::vector<std::size_t> noiseLags() const { return {0, hold_, two_holds_}; }
 
   /// The longest lag (s) that a quantity needs. Blocks must be several times longer.
   [[nodiscard]] double reach(Quantity quantity) const;
