@@ -44,6 +44,7 @@ void BlockStore::addTime(double dt) {
 }
 
 void BlockStore::close() {
+  unpacked_.reset();
   std::vector<LagSums> lags = std::exchange(open_.lags, {});
   closed_.push_back(open_);
   open_ = BlockSums{};
@@ -100,20 +101,27 @@ LagSums BlockStore::unpack(const Packed& packed) {
   return sums;
 }
 
-std::vector<BlockSums> BlockStore::blocks() const {
+std::shared_ptr<const ClosedBlocks> BlockStore::closed() const {
+  if (!unpacked_) unpacked_ = std::make_shared<const ClosedBlocks>(unpackAll());
+  return unpacked_;
+}
+
+ClosedBlocks BlockStore::unpackAll() const {
   const std::size_t n = open_.lags.size();
-  std::vector<BlockSums> blocks = closed_;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    blocks[b].lags.resize(n);
+  ClosedBlocks closed;
+  closed.blocks = closed_;
+  for (std::size_t b = 0; b < closed_.size(); ++b) {
+    closed.total += closed_[b];
+    closed.blocks[b].lags.resize(n);
     for (std::size_t i = 0; i < n; ++i) {
-      blocks[b].lags[i] = unpack(packed_[b * n + i]);
+      closed.blocks[b].lags[i] = unpack(packed_[b * n + i]);
     }
   }
-  for (std::size_t i = 0; !blocks.empty() && i < n; ++i) {
-    makeExact(blocks, i);
+  for (std::size_t i = 0; !closed_.empty() && i < n; ++i) {
+    makeExact(closed.blocks, i);
   }
-  blocks.push_back(open_);
-  return blocks;
+  closed.total.lags = closed_total_;
+  return closed;
 }
 
 void BlockStore::makeExact(std::vector<BlockSums>& blocks, std::size_t i) const {
@@ -136,7 +144,10 @@ void BlockStore::makeExact(std::vector<BlockSums>& blocks, std::size_t i) const 
 
 std::size_t BlockStore::memoryBytes() const {
   return sizeof(*this) + (open_.lags.capacity() + closed_total_.capacity()) * sizeof(LagSums) +
-         closed_.capacity() * sizeof(BlockSums) + packed_.capacity() * sizeof(Packed);
+         closed_.capacity() * sizeof(BlockSums) + packed_.capacity() * sizeof(Packed) +
+         (unpacked_
+              ? unpacked_->blocks.size() * (sizeof(BlockSums) + open_.lags.size() * sizeof(LagSums))
+              : 0);
 }
 
 }  // namespace lab::analysis

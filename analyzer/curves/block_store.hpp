@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "analyzer/curves/block_sums.hpp"
@@ -35,9 +36,12 @@ class BlockStore {
 
   [[nodiscard]] double time() const { return time_; }  ///< [s] free time of all blocks
 
-  /// All blocks in time order, the open one last. Their sum is exact: per lag, the rounding errors
-  /// are added to the block with the most windows.
-  [[nodiscard]] std::vector<BlockSums> blocks() const;
+  /// All blocks. Their sum is exact: per lag, the rounding errors are added to the block with the
+  /// most windows.
+  [[nodiscard]] BlockTrack blocks() const { return {closed(), open_}; }
+
+  /// The closed blocks, unpacked. They are kept until another block closes.
+  [[nodiscard]] std::shared_ptr<const ClosedBlocks> closed() const;
 
   [[nodiscard]] std::size_t memoryBytes() const;
 
@@ -57,6 +61,7 @@ class BlockStore {
   static LagSums unpack(const Packed& packed);
   void close();
   void mergePairs();
+  [[nodiscard]] ClosedBlocks unpackAll() const;
   void makeExact(std::vector<BlockSums>& blocks, std::size_t lag) const;
 
   double block_length_;
@@ -66,6 +71,7 @@ class BlockStore {
   std::vector<LagSums> closed_total_;  ///< Sums over all closed blocks, per lag.
   std::vector<BlockSums> closed_;      ///< The closed blocks, with empty `lags`.
   std::vector<Packed> packed_;  ///< The lags of the closed blocks, ordered by block, then by lag.
+  mutable std::shared_ptr<const ClosedBlocks> unpacked_;  ///< nullptr: blocks have closed since.
 };
 
 }  // namespace lab::analysis

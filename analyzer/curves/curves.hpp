@@ -51,12 +51,6 @@ struct CurveOptions {
   double offset_sigma = 0;
 };
 
-/// The relative standard error of the MSD over one recording of length T = `observed` (s) that the
-/// law predicts: sqrt(2 tau / 3T) in 2D, sqrt(4 tau / 3T) for motion along one axis, plus the
-/// scatter of the draws at short lags. Used if blocks are too short or too few.
-[[nodiscard]] double modelMsdError(const ExactLaw& law, double tau, double observed);
-[[nodiscard]] double modelAngularError(const ExactLaw& law, double tau, double observed);
-
 /// MSD and angular MSD with errors from blocks that are at least five lags long. If there are fewer
 /// than twelve blocks, the error is the larger one of the block error and the prediction of the
 /// law. z compares with the exact law, at the measured speed if that is within speed_tolerance of
@@ -65,6 +59,10 @@ struct CurveOptions {
 /// Law::predictsMsdError), because blocks of a recording that fluctuates low also scatter little.
 /// With few blocks, z is converted to the normal deviate of equal probability.
 [[nodiscard]] Curves curves(const ProgramLaw& law, const BlockData& data,
+                            const CurveOptions& options);
+
+/// The same with the estimators of these data, of which there must be some.
+[[nodiscard]] Curves curves(const Estimator& estimator, const BlockData& data,
                             const CurveOptions& options);
 
 enum class VerdictKind { kUndecided = 0, kAgrees = 1, kDisagrees = 2 };

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
+#include <iterator>
 #include <utility>
 
 #include "analyzer/curves/lags.hpp"
@@ -215,6 +215,83 @@ void Analysis::judgeLive(int program, const BlockData& data, const CurveOptions&
   for (Estimate& estimate : result.estimates) estimate.note += "; reference being simulated";
 }
 
+ProgramResult Analysis::liveResult(LiveResult& last, int program, std::int64_t samples,
+                                   const ProgramTally& tally, const CurveOptions& options,
+                                   const std::function<const BlockData&()>& data) const {
+  const auto reference = references_.find(program);
+  const bool judged = reference != references_.end() && reference->second.complete();
+  if (!last.isOf(samples, options.unbiased_lag, judged)) {
+    const ProgramLaw& law = programs_[static_cast<std::size_t>(program)];
+    last = {samples, options.unbiased_lag, judged, analyse(law, data(), tally, options)};
+    judgeLive(program, data(), options, last.result);
+  }
+  setTally(last.result, tally);
+  return last.result;
+}
+
+std::vector<ProgramResult> Analysis::programResults(int program, Depth depth,
+                                                    const CurveOptions& options,
+                                                    const std::function<void()>& meanwhile) const {
+  const ProgramLaw& law = programs_[static_cast<std::size_t>(program)];
+  std::vector<ProgramResult> results(1);  // the pool is the first one
+  std::vector<ProgramResult> each;
+  std::vector<const ProgramAnalysis*> robots;
+  ProgramTally sum;
+  std::int64_t samples = 0;
+  JoinBlocks joins;
+  std::vector<FoundRuns> runs;
+  const auto resultOf = [&](LiveResult& last, std::int64_t of_samples, const ProgramTally& tally,
+                            const auto& data) {
+    return depth == Depth::kLive ? liveResult(last, program, of_samples, tally, options, data)
+                                 : analyse(law, data(), tally, options, depth);
+  };
+  for (const auto& [id, robot] : robots_) {
+    const auto found = robot.programs.find(program);
+    if (found == robot.programs.end()) continue;
+    const ProgramAnalysis& own = *found->second;
+    const ProgramTally tally = robot.stitcher.tally(program);
+    sum += tally;
+    samples += own.samples();
+    robots.push_back(&own);
+    each.push_back(resultOf(own.live(), own.samples(), tally,
+                            [&own]() -> const BlockData& { return own.data(); }));
+    each.back().robot = id;
+    if (meanwhile) meanwhile();
+    if (own.joins()) {
+      const JoinBlocks own_joins = own.joins()->blocks();
+      each.back().joins = compareJoins(own_joins);
+      joins.pool(own_joins);
+    }
+    if (own.runs()) {
+      runs.push_back(own.runs()->find());
+      each.back().runs = runStatistics(law, {&runs.back()});
+    }
+  }
+  if (each.empty()) return {};
+  BlockData pool;
+  const auto pooled = [&]() -> const BlockData& {
+    for (std::size_t i = pool.tracks.size(); i < robots.size(); ++i) pool.pool(robots[i]->data());
+    return pool;
+  };
+  // A pool of one robot equals that robot.
+  results.front() =
+      each.size() == 1 ? each.front() : resultOf(pools_[program], samples, sum, pooled);
+  results.front().robot = kPool;
+  if (depth == Depth::kFull) {
+    std::vector<const BlockData*> data;
+    for (const ProgramAnalysis* own : robots) data.push_back(&own->data());
+    addBootstrapResults(results.front(), pooled(), each, data, options);
+  }
+  if (!runs.empty()) {
+    std::vector<const FoundRuns*> all;
+    for (const FoundRuns& own : runs) all.push_back(&own);
+    results.front().runs = runStatistics(law, all);
+  }
+  if (!joins.lags.empty()) results.front().joins = compareJoins(joins);
+  std::ranges::move(each, std::back_inserter(results));
+  return results;
+}
+
 std::vector<ProgramResult> Analysis::results(Depth depth,
                                              const std::function<void()>& meanwhile) const {
   std::vector<ProgramResult> results;
@@ -222,64 +299,8 @@ std::vector<ProgramResult> Analysis::results(Depth depth,
     const int program = static_cast<int>(key);
     CurveOptions options = config_.curves;
     options.unbiased_lag = spatial_light_ ? kUnbiasedShare * medianDwellTime(program) : 0;
-    BlockData pool;
-    JoinBlocks joins;
-    ProgramTally sum;
-    std::vector<ProgramResult> each;
-    std::vector<FoundRuns> runs;
-    std::deque<BlockData> blocks;        // of each
-    std::vector<const BlockData*> data;  // the same
-    for (const auto& [id, robot] : robots_) {
-      const auto found = robot.programs.find(program);
-      if (found == robot.programs.end()) {
-        continue;
-      }
-      const ProgramTally tally = robot.stitcher.tally(program);
-      const BlockData& own_blocks = blocks.emplace_back(found->second->data());
-      pool.pool(own_blocks);
-      sum.samples += tally.samples;
-      sum.in_contact += tally.in_contact;
-      sum.lost += tally.lost;
-      sum.segments += tally.segments;
-      sum.reversals += tally.reversals;
-      data.push_back(&own_blocks);
-      each.push_back(analyse(programs_[key], own_blocks, tally, options, depth));
-      each.back().robot = id;
-      if (depth == Depth::kLive) judgeLive(program, own_blocks, options, each.back());
-      if (meanwhile) meanwhile();
-      if (found->second->joins()) {
-        const JoinBlocks own = found->second->joins()->blocks();
-        each.back().joins = compareJoins(own);
-        joins.pool(own);
-      }
-      if (found->second->runs()) {
-        runs.push_back(found->second->runs()->find());
-        each.back().runs = runStatistics(programs_[key], {&runs.back()});
-      }
-    }
-    if (!each.empty()) {
-      // A pool of one robot equals that robot.
-      results.push_back(each.size() == 1 ? each.front()
-                                         : analyse(programs_[key], pool, sum, options, depth));
-      results.back().robot = kPool;
-      if (depth == Depth::kLive && each.size() > 1) {
-        judgeLive(program, pool, options, results.back());
-      }
-      if (depth == Depth::kFull) {
-        addBootstrapResults(results.back(), pool, each, data, options);
-      }
-      if (!runs.empty()) {
-        std::vector<const FoundRuns*> all;
-        for (const FoundRuns& own : runs) {
-          all.push_back(&own);
-        }
-        results.back().runs = runStatistics(programs_[key], all);
-      }
-      if (!joins.lags.empty()) {
-        results.back().joins = compareJoins(joins);
-      }
-      results.insert(results.end(), each.begin(), each.end());
-    }
+    std::ranges::move(programResults(program, depth, options, meanwhile),
+                      std::back_inserter(results));
   }
   return results;
 }

@@ -140,6 +140,13 @@ class Analysis {
   void dispatch(const Frame& frame);
   void measurePeriod(bool force);
   void take(int id, Robot& robot);
+  [[nodiscard]] std::vector<ProgramResult> programResults(
+      int program, Depth depth, const CurveOptions& options,
+      const std::function<void()>& meanwhile) const;
+  /// The last result, or a new one if it is not of these samples.
+  ProgramResult liveResult(LiveResult& last, int program, std::int64_t samples,
+                           const ProgramTally& tally, const CurveOptions& options,
+                           const std::function<const BlockData&()>& data) const;
   void judgeLive(int program, const BlockData& data, const CurveOptions& options,
                  ProgramResult& result) const;
 
@@ -152,6 +159,7 @@ class Analysis {
   std::vector<Frame> first_frames_;  ///< Frames that wait until the frame period is known.
   std::vector<Sample> samples_;
   std::map<int, FilmReference> references_;  ///< By program.
+  mutable std::map<int, LiveResult> pools_;  ///< The last ones, by program.
   bool spatial_light_ = false;
   std::function<void(int, const ProgramLaw&, const Sample&)> sink_;
   std::function<void(int, const ProgramLaw&, const Piece&)> piece_sink_;

@@ -10,10 +10,14 @@ ProgramAnalysis::ProgramAnalysis(const ProgramLaw& law, double frame_period, dou
   if (HoldPeriodFinder::resolves(hold, frame_period)) holds_.emplace(hold, frame_period);
 }
 
-BlockData ProgramAnalysis::data() const {
-  BlockData data = accumulator_.data();
-  if (holds_) data.holds = holds_->spectra();
-  return data;
+void setTally(ProgramResult& result, const ProgramTally& tally) {
+  result.samples = tally.samples;
+  result.lost = tally.lost;
+  result.segments = tally.segments;
+  result.reversals = tally.reversals;
+  const std::int64_t frames = tally.samples + tally.in_contact;
+  result.contact_share =
+      frames > 0 ? static_cast<double>(tally.in_contact) / static_cast<double>(frames) : 0;
 }
 
 ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const ProgramTally& tally,
@@ -22,16 +26,13 @@ ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const Progra
   result.law = law;
   result.robots = static_cast<int>(data.tracks.size());
   result.observed = data.observed();
-  result.samples = tally.samples;
-  result.lost = tally.lost;
-  result.segments = tally.segments;
-  result.reversals = tally.reversals;
-  const std::int64_t frames = tally.samples + tally.in_contact;
-  result.contact_share =
-      frames > 0 ? static_cast<double>(tally.in_contact) / static_cast<double>(frames) : 0;
+  setTally(result, tally);
   result.unbiased_lag = options.unbiased_lag;
-  result.curves = curves(law, data, options);
-  result.estimates = estimate(law, data);
+  if (result.observed > 0) {
+    const Estimator estimator(law, data);
+    result.curves = curves(estimator, data, options);
+    result.estimates = estimate(estimator, data);
+  }
   result.verdict = judge(result.curves);
   result.no_verdict = law->whyNoVerdict();
   if (depth == Depth::kFull) result.kurtosis = testKurtosis(law, data);

@@ -49,6 +49,19 @@ struct ProgramResult {
   std::optional<KurtosisTest> kurtosis;  ///< If the law gives one, at Depth::kFull.
 };
 
+/// A live result, and what it depends on: it is computed anew only if that has changed.
+struct LiveResult {
+  std::int64_t samples = 0;  ///< Number of them; 0: there is no result yet.
+  double unbiased_lag = 0;   ///< s
+  bool judged = false;       ///< With the simulated reference, if the law needs one.
+  ProgramResult result;
+
+  [[nodiscard]] bool isOf(std::int64_t samples_now, double unbiased_lag_now,
+                          bool judged_now) const {
+    return samples == samples_now && unbiased_lag == unbiased_lag_now && judged == judged_now;
+  }
+};
+
 /// Accumulates the samples of one program of one robot.
 class ProgramAnalysis {
  public:
@@ -65,13 +78,25 @@ class ProgramAnalysis {
   }
 
   void add(const Sample& sample) {
+    ++samples_;
     accumulator_.add(sample);
     if (joins_) joins_->add(sample);
     if (runs_) runs_->add(sample);
     if (holds_) holds_->add(sample);
   }
 
-  [[nodiscard]] BlockData data() const;
+  /// The blocks so far; valid until the next sample.
+  [[nodiscard]] const BlockData& data() const {
+    if (!data_ || data_samples_ != samples_) {
+      data_ = accumulator_.data();
+      if (holds_) data_->holds = holds_->spectra();
+      data_samples_ = samples_;
+    }
+    return *data_;
+  }
+  [[nodiscard]] std::int64_t samples() const { return samples_; }  ///< Number of them so far.
+  /// The last live result of this robot, for its owner.
+  [[nodiscard]] LiveResult& live() const { return live_; }
   [[nodiscard]] const ProgramLaw& law() const { return law_; }
   /// nullopt: not enabled.
   [[nodiscard]] const std::optional<JoinAccumulator>& joins() const { return joins_; }
@@ -80,10 +105,17 @@ class ProgramAnalysis {
  private:
   ProgramLaw law_;
   MsdAccumulator accumulator_;
+  std::int64_t samples_ = 0;
+  mutable std::optional<BlockData> data_;
+  mutable std::int64_t data_samples_ = 0;  ///< Number of samples in data_.
+  mutable LiveResult live_;
   std::optional<JoinAccumulator> joins_;
   std::optional<RunFinder> runs_;
   std::optional<HoldPeriodFinder> holds_;
 };
+
+/// Sets the counts of frames, segments and reversals.
+void setTally(ProgramResult& result, const ProgramTally& tally);
 
 /// Curves, estimates and verdict of block data. `tally` is the sum over its robots.
 [[nodiscard]] ProgramResult analyse(const ProgramLaw& law, const BlockData& data,

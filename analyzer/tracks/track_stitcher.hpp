@@ -139,6 +139,15 @@ struct ProgramTally {
   std::int64_t lost = 0;        ///< Frames without telemetry, and outliers.
   std::int64_t segments = 0;
   std::int64_t reversals = 0;  ///< Removed and joined.
+
+  ProgramTally& operator+=(const ProgramTally& other) {
+    samples += other.samples;
+    in_contact += other.in_contact;
+    lost += other.lost;
+    segments += other.segments;
+    reversals += other.reversals;
+    return *this;
+  }
 };
 
 /// Appendix B of the paper, online, for one robot: removes the reported reversals from its track
