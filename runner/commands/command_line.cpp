@@ -232,7 +232,7 @@ int runCommandLine(int argc, char** argv) {
     addRun(app, chosen, argv);
     addCheck(app, chosen);
     for (const char* name :
-         {"preview", "calibrate", "analyze", "program", "theory", "track", "reproduce"}) {
+         {"preview", "calibrate", "analyze", "sweep", "program", "theory", "track", "reproduce"}) {
       addProgramCommand(app, name);
     }
     addReplay(app, chosen, here);

@@ -59,6 +59,8 @@ struct PreparedRun {
   Experiment experiment;
   std::string effective;  ///< text of experiment.toml, with every default filled in
   std::filesystem::path directory;
+  /// False: a run in virtual time leaves out the analyzer, whose results nobody reads meanwhile.
+  bool live_analysis = true;
 };
 
 /// Makes the folder with experiment.toml, images and calibrations.

@@ -31,12 +31,14 @@ namespace {
 constexpr std::int64_t kSettle_us = 500'000;
 
 /// The services that the experiment needs, except those that run in real time only.
-std::vector<ServiceDescription> virtualServices(const Experiment& experiment) {
+std::vector<ServiceDescription> virtualServices(const PreparedRun& run) {
+  const Experiment& experiment = run.experiment;
   std::vector<ServiceDescription> services = {
       analysis::serviceDescription(), projector::serviceDescription(), bridge::serviceDescription(),
       tracker::serviceDescription(), sim::serviceDescription()};
   std::erase_if(services, [&](const ServiceDescription& service) {
-    return !isNeeded(experiment, service.name);
+    const bool unread = !run.live_analysis && service.name == std::string("analyzer");
+    return unread || !isNeeded(experiment, service.name);
   });
   return services;
 }
@@ -67,7 +69,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   MemoryCameras cameras(loop);
   RunOutcome outcome;
   std::list<Member> members;
-  for (const ServiceDescription& description : virtualServices(run.experiment)) {
+  for (const ServiceDescription& description : virtualServices(run)) {
     members.emplace_back(bus, loop, ports, cameras, description, run);
   }
   Node node(bus, loop, {"lab", 0, 1});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/experiment/experiment.hpp"
+#include "common/experiment/sweep.hpp"
 
 namespace lab::keys {
 
@@ -54,6 +55,7 @@ struct ExperimentForm {
   std::vector<RobotEntry> robots;      ///< in the order of the file
   std::vector<StepEntry> light_steps;  ///< in the order of the file
   std::optional<double> light_length;  ///< [s]
+  SweepTable sweep;                    ///< is no part of the experiment of a run
 };
 
 /// The light that the shorthand `program` stands for.

@@ -11,6 +11,7 @@
 #include "common/experiment/keys/key_helpers.hpp"
 #include "common/experiment/keys/light_keys.hpp"
 #include "common/experiment/keys/network_keys.hpp"
+#include "common/experiment/keys/sweep_keys.hpp"
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/light_table.hpp"
 
@@ -370,6 +371,9 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
         {"message_loss", "probability that a message does not reach a receiver, in virtual time"},
         {.low = 0, .high = 1, .below_high = true}, e.faults.message_loss);
   });
+  v.table({"sweep", "The campaign that lab sweep makes of this file (campaigns.md)",
+           Need::kShorthand},
+          [&] { visitSweep(v, form.sweep); });
 }
 
 }  // namespace lab::keys

@@ -52,6 +52,7 @@ class TomlWriter final : public KeyVisitor {
   }
 
   void table(const Key& key, const std::function<void()>& keys) override {
+    if (key.need == Need::kShorthand) return;
     block("[" + path_ + key.name + "]", path_ + key.name + ".", keys);
   }
   void inLineTable(const Key& key, bool& given, const std::function<void()>& keys) override {
