@@ -10,7 +10,10 @@ namespace {
 
 constexpr double kHoldsPerBlock = 16;
 constexpr double kFramesPerHold = 4;    // at least; below, lines of other orders lie near
-constexpr double kLeastSeen = 0.7;      // share of a block's frames
+constexpr double kLeastSeen = 0.7;      // share of a block's differences
+// The noise of the heading does not grow with the distance of its differences, what they show does.
+constexpr double kPartOfHold = 3;
+constexpr double kDifferencesPerHold = 12;
 constexpr double kEven = 0.25;          // deviation of a frame's distance, in frame periods
 constexpr double kWidth = 0.25;         // of the frequencies, around the programmed one
 constexpr double kFewestBlocks = 8;
@@ -77,30 +80,36 @@ bool HoldPeriodFinder::resolves(double hold, double frame_period) {
 HoldPeriodFinder::HoldPeriodFinder(double hold, double frame_period)
     : period_(frame_period), block_(kHoldsPerBlock * hold) {
   spectra_.hold = hold;
+  const double frames = hold / frame_period;
+  distance_ = static_cast<std::size_t>(std::max(1.0, std::floor(frames / kPartOfHold)));
+  stride_ = static_cast<std::size_t>(std::max(1.0, std::floor(frames / kDifferencesPerHold)));
+  headings_.resize(2 * distance_ + 1);
 }
 
 void HoldPeriodFinder::add(const Sample& sample) {
-  const bool follows =
-      known_ > 0 && sample.angular_segment == before_[1].angular_segment &&
-      sample.piece == before_[1].piece && std::isfinite(sample.theta) &&
-      std::abs(sample.free_time - before_[1].free_time - period_) < kEven * period_;
+  const bool follows = known_ > 0 && sample.angular_segment == last_.angular_segment &&
+                       sample.piece == last_.piece && std::isfinite(sample.theta) &&
+                       std::abs(sample.free_time - last_.free_time - period_) < kEven * period_;
   // Free time is comparable within a segment only.
-  if (known_ > 0 && sample.segment != before_[1].segment) changes_.clear();
+  if (known_ > 0 && sample.segment != last_.segment) changes_.clear();
   if (!changes_.empty() && sample.free_time - begin_ >= block_) endBlock();
   known_ = follows ? known_ + 1 : 1;
-  if (known_ >= 3) {
-    const double time = before_[1].free_time;
-    const double change = sample.theta - 2 * before_[1].theta + before_[0].theta;
-    if (changes_.empty()) begin_ = time;
-    if (time >= begin_) changes_.push_back({time, change * change});
+  last_ = sample;
+  const std::size_t size = headings_.size();
+  headings_[++count_ % size] = {sample.free_time, sample.theta};
+  if (known_ < size || count_ % stride_ != 0) return;
+  const Heading& middle = headings_[(count_ + size - distance_) % size];
+  const double change =
+      sample.theta - 2 * middle.theta + headings_[(count_ + size - 2 * distance_) % size].theta;
+  if (changes_.empty()) begin_ = middle.time;
+  if (middle.time >= begin_ && std::isfinite(change)) {
+    changes_.push_back({middle.time, change * change});
   }
-  before_[0] = before_[1];
-  before_[1] = sample;
 }
 
 void HoldPeriodFinder::endBlock() {
-  const double frames = block_ / period_;
-  if (static_cast<double>(changes_.size()) >= kLeastSeen * frames) {
+  const double all_changes = block_ / period_ / static_cast<double>(stride_);
+  if (static_cast<double>(changes_.size()) >= kLeastSeen * all_changes) {
     std::vector<double> weights;
     double all = 0;
     double mean = 0;

@@ -50,6 +50,10 @@ class HoldPeriodFinder {
   [[nodiscard]] const HoldSpectra& spectra() const { return spectra_; }
 
  private:
+  struct Heading {
+    double time = 0;  ///< Free time, s.
+    double theta = 0;
+  };
   struct Change {
     double time = 0;
     double square = 0;
@@ -59,12 +63,16 @@ class HoldPeriodFinder {
 
   HoldSpectra spectra_;
   double period_;
-  double block_;  ///< Duration of a block, s.
+  double block_;             ///< Duration of a block, s.
+  std::size_t distance_;     ///< Of the headings of a difference, frames.
+  std::size_t stride_;       ///< Between differences, frames.
+  std::size_t count_ = 0;    ///< Frames so far.
   std::size_t next_group_ = 0;
   std::vector<Change> changes_;  ///< Of the block.
   double begin_ = 0;             ///< Of the block: free time, s.
-  std::array<Sample, 2> before_;
-  int known_ = 0;  ///< Frames without a gap, up to before_[1].
+  std::vector<Heading> headings_;  ///< The last ones, without a gap; a ring.
+  std::size_t known_ = 0;          ///< Frames without a gap, up to last_.
+  Sample last_;
 };
 
 /// Nothing if no line stands out, or if it lies too far from the programmed hold.

@@ -23,7 +23,7 @@ using language::ProgramText;
 constexpr int kLags = 200;
 constexpr double kRounding = 1e-9;  // of the largest value: what differences of formulas leave
 
-std::string quoted(const std::string& text) { return '"' + text + '"'; }
+std::string quoted(const std::string& text) { return std::string("\"").append(text) + "\""; }
 
 std::string numberIn(const language::Dimension& dimension) {
   return dimension == language::kPure ? "a number without unit"
@@ -137,14 +137,16 @@ std::string formulaProblem(const std::string& key, const std::string& text,
     const double value = formula(tau);
     largest = std::fmax(largest, value);
     if (std::isfinite(value) && value >= -kRounding * largest) continue;
-    const std::string unit =
-        dimension == language::kPure ? "" : " " + unitText(dimension);
+    std::string found = "no finite number";
+    if (std::isfinite(value)) {
+      found = numberText(value);
+      if (dimension != language::kPure) found.append(" ").append(unitText(dimension));
+    }
     const std::string where = curve ? " at tau = " + numberText(tau) + " s" : "";
     const std::string range = curve ? " at all lags from " + numberText(lags.shortest) + " s to " +
                                           numberText(lags.longest) + " s"
                                     : "";
-    return "is " + (std::isfinite(value) ? numberText(value) + unit : "no finite number") + where +
-           ", expected 0 or more" + range + "; check signs, brackets and divisions by 0";
+    return "is " + found + where + ", expected 0 or more" + range + "; check signs, brackets and divisions by 0";
   }
   return {};
 }

@@ -61,8 +61,8 @@ void refuseOtherVersion(const keys::TomlDocument& document) {
 void refuseProgram(const keys::TomlDocument& document, const std::string& name) {
   const toml::table& root = document.root();
   if (!root.contains("phases") || root.contains("fileversion")) return;
-  refuse(name, "found a program of motion, allowed an experiment file; ./lab program check " + name +
-                   " checks it, and an experiment uses it as model = \"" +
+  refuse(name, "found a program of motion, allowed an experiment file; ./lab program check checks "
+               "it, and an experiment uses it as model = \"" +
                    std::filesystem::path(name).filename().string() + "\" in [programs.NAME]");
 }
 

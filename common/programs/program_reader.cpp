@@ -191,7 +191,7 @@ class ProgramReader {
                                                         "program show " +
                                                             model + ")";
     problem(key, "found " + key + " beside model, which brings its own; to change it, " + copy +
-                     ". " + allowed);
+                     "; " + allowed);
   }
 
   /// The keys of a parameter, by the model's unit.

@@ -105,9 +105,9 @@ DisplayUnit displayUnit(const std::string& si_unit) {
   return inCentimetres(si_unit);
 }
 
-std::string quantityText(double si_value, const std::string& si_unit, int digits) {
+std::string quantityText(double value, const std::string& si_unit, int digits) {
   const DisplayUnit unit = displayUnit(si_unit);
-  const std::string number = fmt::format("{:.{}g}", si_value * unit.factor, digits);
+  const std::string number = fmt::format("{:.{}g}", value * unit.factor, digits);
   return unit.text.empty() ? number : number + " " + unit.text;
 }
 

@@ -21,7 +21,7 @@ struct DisplayUnit {
 
 /// "5 cm/s", "0.3333 1/s", "2": a number in its display unit.
 /// @param digits significant ones, at most
-[[nodiscard]] std::string quantityText(double si_value, const std::string& si_unit, int digits);
+[[nodiscard]] std::string quantityText(double value, const std::string& si_unit, int digits);
 
 /// "0.748": rounded to two significant figures of `error`, to four significant figures if there is
 /// no error; "–" if the value is not finite.

@@ -14,13 +14,6 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kOverTime{"polar_order", "largest_cluster"};
 
-template <class Values>
-Json numbers(const Values& values, double factor) {
-  Json out = Json::array();
-  for (const auto value : values) out.push_back(number(static_cast<double>(value) * factor));
-  return out;
-}
-
 void halve(std::vector<double>& values) {
   for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
   values.resize((values.size() + 1) / 2);

@@ -300,6 +300,9 @@ class Checker {
       x.push_back(check(operand));
     }
     if (node.name == "if") {
+      if (wanted) {
+        requireType(x[1], Type::kPhase, node.operands[1], "to go to");
+      }
       return select(node, x);
     }
     for (std::size_t i = 0; i < x.size(); ++i) {

@@ -420,6 +420,10 @@ class Compiler {
   /// If all that is wrong are units, and another unit of one parameter makes all right, the mistake
   /// is that parameter's: it is reported there, with the first of its uses.
   void blameParameter() {
+    constexpr std::size_t kMostParameters = 30;  // a bound of the time
+    if (result_.parameters.size() > kMostParameters) {
+      return;
+    }
     std::optional<Parameter> blamed;
     for (const Parameter& parameter : result_.parameters) {
       for (const Dimension& dimension : kUsualDimensions) {
@@ -448,9 +452,10 @@ class Compiler {
       return dimension == kPure ? "without unit" : "in " + unitText(dimension);
     };
     result_.errors = {{"parameters." + blamed->name, 0,
-                       "'" + blamed->name + "' is a number " + unit(found->dimension) +
-                           ", expected a number " + unit(blamed->dimension) + " as " +
-                           result_.errors.front().key + " needs it"}};
+                       "found a number " + unit(found->dimension) + ", but " +
+                           result_.errors.front().key + " needs '" + blamed->name +
+                           "' to be a number " + unit(blamed->dimension) +
+                           ": change the unit here, or the expression there"}};
   }
 
   // --- ranges ---

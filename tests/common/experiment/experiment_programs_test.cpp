@@ -183,8 +183,8 @@ TEST(ExperimentPrograms, MayBeChangedOnTheCommandLine) {
                 .value,
             0.04);
   EXPECT_THAT(problemsOf(kReversing, {"programs.mine.parameters.v=\"4 s\""}),
-              ElementsAre(HasSubstr("zigzag.forward: the value is a number in s"),
-                          HasSubstr("away.left: "), HasSubstr("away.right: ")));
+              ElementsAre(HasSubstr("programs.mine.parameters.v: found a number in s, but "
+                                    "phases.zigzag.forward needs 'v' to be a number in cm/s")));
 }
 
 TEST(ProgramMessages, CarryAProgramThereAndBack) {

@@ -203,7 +203,13 @@ INSTANTIATE_TEST_SUITE_P(
               "phases.run.forward", "the angle 'v' is a number in cm/s"},
         Wrong{"unit of a probability",
               [](ProgramText& p) { run(p).set[0].second = "if(chance(gamma), 1, 2)"; },
-              "phases.run.set.sign", "the probability 'gamma' is a number in 1/s"},
+              "parameters.gamma",
+              "found a number in 1/s, but phases.run.set.sign needs 'gamma' to be a number without "
+              "unit: change the unit here, or the expression there"},
+        Wrong{"unit of a probability of two",
+              [](ProgramText& p) { run(p).set[0].second = "if(chance(gamma/epsilon), 1, 2)"; },
+              "phases.run.set.sign",
+              "the probability 'gamma/epsilon' is a number in 1/s^2"},
         Wrong{"root of no square", [](ProgramText& p) { run(p).forward = "sqrt(v)"; },
               "phases.run.forward", "expected a square"},
         Wrong{"unknown name", [](ProgramText& p) { run(p).forward = "w"; }, "phases.run.forward",
@@ -332,9 +338,14 @@ INSTANTIATE_TEST_SUITE_P(
               "phases.run", "places on the stack, a robot has 12"},
         Wrong{"unit of a parameter", [](ProgramText& p) { p.parameters[0].second = "5 s"; },
               "parameters.v",
-              "'v' is a number in s, expected a number in cm/s as phases.run.forward needs it"},
+              "found a number in s, but phases.run.forward needs 'v' to be a number in cm/s"},
         Wrong{"parameter without unit", [](ProgramText& p) { p.parameters[1].second = "0.5"; },
-              "parameters.gamma", "'gamma' is a number without unit, expected a number in 1/s"},
+              "parameters.gamma",
+              "found a number without unit, but phases.run.set.sign needs 'gamma' to be a number "
+              "in 1/s"},
+        Wrong{"number where a phase is wanted",
+              [](ProgramText& p) { run(p).next = "if(chance(0.5), v, run)"; }, "phases.run.next",
+              "'v' is a number in cm/s, expected a phase to go to"},
         Wrong{"units of two parameters",
               [](ProgramText& p) {
                 p.parameters[0].second = "5 s";
