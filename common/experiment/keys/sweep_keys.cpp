@@ -55,7 +55,7 @@ SweepTable readSweepTable(std::string_view text, const std::string& name) {
   if (table == nullptr) return sweep;
   const keys::ExperimentForm form = keys::readForm(
       document, [](const std::string&) { return std::optional<language::ProgramText>(); },
-      problems);
+      {}, problems);
   std::vector<std::string> own;
   for (const std::string& line : problems.lines(100)) {
     if (line.find(": sweep") != std::string::npos) own.push_back(line);
