@@ -66,16 +66,35 @@ void refuseProgram(const keys::TomlDocument& document, const std::string& name) 
                    std::filesystem::path(name).filename().string() + "\" in [programs.NAME]");
 }
 
+/// The lags that the file asks for. Programs are read before these keys are checked.
+LagRange lagsOf(const toml::table& root) {
+  const Experiment usual;
+  const double fps = root["camera"]["fps"].value_or(usual.camera.fps);
+  const double longest = root["analysis"]["max_lag_s"].value_or(usual.analysis.max_lag);
+  LagRange lags;
+  if (fps > 0) lags.shortest = 1 / fps;
+  if (longest > lags.shortest) lags.longest = longest;
+  return lags;
+}
+
+LawCheck lawCheck(const LawKnowledge& laws, const keys::TomlDocument& document) {
+  if (!laws.problems) return {};
+  return [&laws, lags = lagsOf(document.root())](const auto& text, const auto& compiled) {
+    return laws.problems(text, compiled, lags);
+  };
+}
+
 /// A shipped program, or a file beside the experiment file.
-ModelLookup modelsBeside(const std::optional<std::filesystem::path>& directory) {
-  return [directory](const std::string& model) -> std::optional<language::ProgramText> {
+ModelLookup modelsBeside(const std::optional<std::filesystem::path>& directory,
+                         const LawCheck& check_law) {
+  return [directory, check_law](const std::string& model) -> std::optional<language::ProgramText> {
     if (!model.ends_with(".toml")) return shippedProgramText(model);
     if (!directory) return std::nullopt;
     const std::filesystem::path file = *directory / model;
     std::error_code error;
     if (!std::filesystem::is_regular_file(file, error)) return std::nullopt;
     return readProgram(readFileText(file, file_kinds::kProgram), file.string(),
-                       file.stem().string(), kWidestWheels)
+                       file.stem().string(), kWidestWheels, check_law)
         .text;
   };
 }
@@ -103,7 +122,9 @@ Experiment parseExperiment(std::string_view text, const std::string& name,
   refuseOtherVersion(document);
   refuseProgram(document, name);
   keys::Problems problems([&](const std::string& path) { return document.place(path); });
-  keys::ExperimentForm form = keys::readForm(document, modelsBeside(directory), laws, problems);
+  const LawCheck check_law = lawCheck(laws, document);
+  keys::ExperimentForm form =
+      keys::readForm(document, modelsBeside(directory, check_law), check_law, problems);
   keys::checkShorthand(form, problems);
   keys::expandShorthand(form);
   keys::checkRobots(form, problems);

@@ -6,7 +6,6 @@
 #include <optional>
 #include <span>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "common/experiment/keys/experiment_key_table.hpp"
@@ -20,11 +19,11 @@ namespace {
 
 class TomlReader final : public KeyVisitor {
  public:
-  TomlReader(const TomlDocument& document, const ModelLookup& model_of, LawCheck check_law,
+  TomlReader(const TomlDocument& document, const ModelLookup& model_of, const LawCheck& check_law,
              Problems& problems)
       : document_(document),
         model_of_(model_of),
-        check_law_(std::move(check_law)),
+        check_law_(check_law),
         problems_(problems),
         scopes_{{&document.root(), "", {}, {}}} {}
 
@@ -344,34 +343,17 @@ class TomlReader final : public KeyVisitor {
 
   const TomlDocument& document_;
   const ModelLookup& model_of_;
-  LawCheck check_law_;
+  const LawCheck& check_law_;
   Problems& problems_;
   std::vector<Scope> scopes_;
 };
 
-/// The lags that the file asks for; programs come before these keys, which are checked later.
-LagRange lagsOf(const toml::table& root) {
-  const Experiment usual;
-  const double fps = root["camera"]["fps"].value_or(usual.camera.fps);
-  const double longest = root["analysis"]["max_lag_s"].value_or(usual.analysis.max_lag);
-  LagRange lags;
-  if (fps > 0) lags.shortest = 1 / fps;
-  if (longest > lags.shortest) lags.longest = longest;
-  return lags;
-}
-
 }  // namespace
 
 ExperimentForm readForm(const TomlDocument& document, const ModelLookup& model_of,
-                        const LawKnowledge& laws, Problems& problems) {
+                        const LawCheck& check_law, Problems& problems) {
   ExperimentForm form;
-  LawCheck check_law;
-  if (laws.problems) {
-    check_law = [&laws, lags = lagsOf(document.root())](const auto& text, const auto& compiled) {
-      return laws.problems(text, compiled, lags);
-    };
-  }
-  TomlReader reader(document, model_of, std::move(check_law), problems);
+  TomlReader reader(document, model_of, check_law, problems);
   visitKeys(reader, form);
   reader.finish();
   return form;
