@@ -1,8 +1,10 @@
 #include "sim_svc/world.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "sim_svc/placement.hpp"
 
@@ -127,10 +129,83 @@ void World::step(std::int64_t dt_us) {
   time_us_ += dt_us;
   disks_.beginStep();
   const double to = time();
-  for (std::size_t i = 0; i < size(); ++i) {
-    advanceRobot(i, from, to);
+  if (settings_.contact == ContactRule::kStop) {
+    stepOneByOne(from, to);
+  } else {
+    stepTogether(from, to);
   }
   disks_.endStep(to - from);
+}
+
+void World::stepOneByOne(double from, double to) {
+  for (std::size_t i = 0; i < size(); ++i) {
+    double now = from;
+    while (advanceToScan(i, now, to)) scanNow(i);
+    if (isNoisy()) addNoise(i, to - from);
+    disks_.relistIfMoved(i);
+  }
+}
+
+// Moves all robots up to their next scans, evaluates the light there at once, and so on until no
+// robot has a scan left in this step.
+void World::stepTogether(double from, double to) {
+  const std::size_t robots = size();
+  moves_.resize(robots);
+  due_.resize(robots);
+  const double* next = next_event_.data();
+  double* moves = moves_.data();
+  for (std::size_t i = 0; i < robots; ++i) {
+    const double until = next[i] < to ? next[i] : to;
+    moves[i] = until > from ? until - from : 0;
+  }
+  disks_.moveEach(0, robots, moves);
+  // Without branches, which a processor would guess wrong for every second robot.
+  std::size_t due = 0;
+  for (std::size_t i = 0; i < robots; ++i) {
+    due_[due] = static_cast<std::uint32_t>(i);
+    due += next[i] <= to ? 1U : 0U;
+  }
+  scans_.begin(due);
+  for (std::size_t k = 0; k < due; ++k) {
+    const std::size_t i = due_[k];
+    double now = std::max(from, next_event_[i]);
+    if (advanceToScan(i, now, to)) scans_.add(i, now, sensors_.lightPlaces(disks_, i));
+  }
+  while (scans_.count > 0) {
+    sensors_.lightAt(scans_.x.data(), scans_.y.data(), 2 * scans_.count, scans_.light.data());
+    for (std::size_t k = 0; k < scans_.count; ++k) {
+      scan(scans_.robots[k], scans_.light[2 * k], scans_.light[2 * k + 1]);
+    }
+    moveAfterScans(to);
+    next_scans_.begin(scans_.count);
+    for (std::size_t k = 0; k < scans_.count; ++k) {
+      const std::size_t i = scans_.robots[k];
+      if (next_event_[i] > to) continue;
+      double now = std::max(scans_.at[k], next_event_[i]);
+      if (advanceToScan(i, now, to)) next_scans_.add(i, now, sensors_.lightPlaces(disks_, i));
+    }
+    std::swap(scans_, next_scans_);
+  }
+  if (isNoisy()) {
+    for (std::size_t i = 0; i < size(); ++i) addNoise(i, to - from);
+  }
+}
+
+// Moves the robots of scans_ from their scans to their next events, or to the end of the step.
+void World::moveAfterScans(double to) {
+  const bool many = scans_.count > size() / 6;  // several at a time, with those that do not move
+  if (many) std::fill(moves_.begin(), moves_.end(), 0.0);
+  for (std::size_t k = 0; k < scans_.count; ++k) {
+    const std::size_t i = scans_.robots[k];
+    const double move = std::min(next_event_[i], to) - scans_.at[k];
+    if (move <= 0) continue;
+    if (many) {
+      moves_[i] = move;
+    } else {
+      disks_.moveFor(i, move);
+    }
+  }
+  if (many) disks_.moveEach(0, size(), moves_.data());
 }
 
 void World::advanceTo(std::int64_t time_us) {
@@ -140,36 +215,26 @@ void World::advanceTo(std::int64_t time_us) {
   }
 }
 
-void World::advanceRobot(std::size_t i, double from, double to) {
-  double now = from;
+// Advances robot i to its next scan, or to the end of the step. @return whether there is a scan
+bool World::advanceToScan(std::size_t i, double& now, double to) {
   while (next_event_[i] <= to) {
     // An order may have left an event that is already due.
     if (next_event_[i] > now) {
       disks_.moveFor(i, next_event_[i] - now);
       now = next_event_[i];
     }
-    handleEvent(i);
+    Electronics& robot = electronics_[i];
+    if (robot.external) {
+      changeMotors(i);
+      continue;
+    }
+    robot.local_ms = robot.next_event_ms;
+    if (robot.local_ms == robot.next_scan_ms) return true;
+    robot.core.advanceTo(static_cast<std::uint32_t>(robot.local_ms));
+    afterCore(i);
   }
   disks_.moveFor(i, to - now);
-  if (settings_.speed_noise > 0 || settings_.turn_noise > 0) {
-    addNoise(i, to - from);
-  }
-  disks_.endMoves(i);
-}
-
-void World::handleEvent(std::size_t i) {
-  Electronics& robot = electronics_[i];
-  if (robot.external) {
-    changeMotors(i);
-    return;
-  }
-  robot.local_ms = robot.next_event_ms;
-  if (robot.local_ms == robot.next_scan_ms) {
-    scan(i);
-  } else {
-    robot.core.advanceTo(static_cast<std::uint32_t>(robot.local_ms));
-  }
-  afterCore(i);
+  return false;
 }
 
 void World::addNoise(std::size_t i, double dt) {
@@ -183,17 +248,28 @@ void World::addNoise(std::size_t i, double dt) {
   disks_.displace(i, forward, rotation);
 }
 
+void World::scanNow(std::size_t i) {
+  const auto [front, back] = sensors_.lightPlaces(disks_, i);
+  const std::array<double, 2> x = {front.x, back.x};
+  const std::array<double, 2> y = {front.y, back.y};
+  std::array<double, 2> light{};
+  sensors_.lightAt(x.data(), y.data(), 2, light.data());
+  scan(i, light[0], light[1]);
+}
+
 // Reads the sensors at the robot's present time and passes the readings to its core.
-void World::scan(std::size_t i) {
+void World::scan(std::size_t i, double front, double back) {
   Electronics& robot = electronics_[i];
   robot.last_scan_ms = robot.next_scan_ms;
   robot.next_scan_ms += std::max<std::int64_t>(1, robot.core.settings().sensor_period_ms);
-  const SensorScan readings = sensors_.scan(disks_, i, robot.light_gains, robot.light_noise);
+  const SensorScan readings =
+      sensors_.scan(disks_, i, robot.light_gains, front, back, robot.light_noise);
   robot.sensors = readings.all;
   const double battery = robot.battery_full - kBatteryFall * time();
-  robot.core.setBattery(static_cast<std::uint16_t>(std::lround(std::max(0.0, battery) * 1e3)));
+  robot.core.setBattery(roundedCounts(std::max(0.0, battery) * 1e3));
   robot.core.sense(static_cast<std::uint32_t>(robot.local_ms),
                    robot.reverses_from_robots ? readings.all : readings.walls_only);
+  afterCore(i);
 }
 
 // Applies the next motor change of an external robot.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -239,14 +240,46 @@ class World {
   };
 
   void addRobot(const RobotSetup& setup);
-  void advanceRobot(std::size_t i, double from, double to);
+  void stepOneByOne(double from, double to);
+  void stepTogether(double from, double to);
+  bool advanceToScan(std::size_t i, double& now, double to);
+  void moveAfterScans(double to);
+  [[nodiscard]] bool isNoisy() const {
+    return settings_.speed_noise > 0 || settings_.turn_noise > 0;
+  }
   void addNoise(std::size_t i, double dt);
-  void handleEvent(std::size_t i);
   void changeMotors(std::size_t i);
-  void scan(std::size_t i);
+  void scanNow(std::size_t i);
+  void scan(std::size_t i, double front, double back);
   void afterCore(std::size_t i);
   void drive(std::size_t i, dynamics::WheelSpeedsUmS wheels);
   void turnWheels(std::size_t i, double left, double right);
+
+  /// The robots that read their sensors next in a step, with the light there.
+  struct Scans {
+    std::size_t count = 0;
+    std::vector<std::uint32_t> robots;
+    std::vector<double> at;    ///< Per robot [s of world time].
+    std::vector<double> x, y;  ///< Of the light sensors [m]: front and back one of each robot.
+    std::vector<double> light;
+
+    void begin(std::size_t most) {
+      count = 0;
+      if (robots.size() >= most) return;
+      robots.resize(most);
+      at.resize(most);
+      for (std::vector<double>* values : {&x, &y, &light}) values->resize(2 * most);
+    }
+    void add(std::size_t robot, double time, const std::array<Vec, 2>& places) {
+      robots[count] = static_cast<std::uint32_t>(robot);
+      at[count] = time;
+      for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+        x[2 * count + sensor] = places[sensor].x;
+        y[2 * count + sensor] = places[sensor].y;
+      }
+      ++count;
+    }
+  };
 
   WorldSettings settings_;
   /// Shared, because the cores refer to it also when the world is moved.
@@ -257,6 +290,9 @@ class World {
   std::vector<double>
       next_event_;  ///< Per robot [s of world time]; not in Electronics, for the cache.
   std::vector<Electronics> electronics_;
+  std::vector<double> moves_;       ///< Per robot: how long it moves next in a step [s].
+  std::vector<std::uint32_t> due_;  ///< Robots with an event in a step.
+  Scans scans_, next_scans_;
 };
 
 }  // namespace lab::sim

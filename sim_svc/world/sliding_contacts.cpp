@@ -18,6 +18,10 @@ constexpr double kMostPush = 64;
 
 constexpr int kMostHalvings = 8;
 
+// In units of the largest move. Robots are usually slower, so that the close pairs hold for tens of
+// steps.
+constexpr double kCloseMove = 2;
+
 bool isWall(std::uint32_t partner) { return partner >= kFirstWall; }
 
 double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
@@ -45,9 +49,12 @@ Vec wallNormal(std::uint32_t wall) {
 SlidingContacts::SlidingContacts(const SlidingSettings& settings)
     : settings_(settings),
       solver_(settings.mobility, settings.friction),
-      most_push_(kMostPush * settings.largest_move / std::min(1.0, settings.mobility.across)) {}
+      most_push_(kMostPush * settings.largest_move / std::min(1.0, settings.mobility.across)),
+      close_move_(kCloseMove * settings.largest_move) {}
 
 void SlidingContacts::resolve(const MovedDisks& disks, double dt) {
+  parent_.resize(disks.robots, kNone);
+  slot_.resize(disks.robots, kNone);
   findPairs(disks, settings_.largest_move);
   takePushes(previous_, previous_dt_ > 0 ? dt / previous_dt_ : 0, false);
   run(disks, false);
@@ -59,6 +66,8 @@ void SlidingContacts::resolve(const MovedDisks& disks, double dt) {
 }
 
 void SlidingContacts::pushOut(const MovedDisks& disks) {
+  parent_.resize(disks.robots, kNone);
+  slot_.resize(disks.robots, kNone);
   findPairs(disks, settings_.largest_move);
   run(disks, true);
 }
@@ -81,18 +90,54 @@ void SlidingContacts::run(const MovedDisks& disks, bool at_rest) {
   report();
 }
 
+// The pairs with a gap below `reach`.
 void SlidingContacts::findPairs(const MovedDisks& disks, double reach) {
   reach_ = reach;
   pairs_.clear();
-  parent_.resize(disks.robots, kNone);
-  slot_.resize(disks.robots, kNone);
+  if (reach > settings_.largest_move) {
+    searchPairs(disks, reach, reach);
+    return;
+  }
+  if (close_at_.size() != disks.bodies->centre.size() ||
+      anyMoved(disks.bodies->centre, close_at_, close_move_)) {
+    listClosePairs(disks);
+  }
   const double distance = 2 * settings_.radius + reach;
+  for (const ClosePair close : close_) {
+    const Vec centre = disks.to(close.first);
+    if (isWall(close.second)) {
+      const double gap = wallGap(close.second, centre);
+      if (gap < reach) pairs_.push_back({.first = close.first, .second = close.second, .gap = gap});
+      continue;
+    }
+    const Vec apart = difference(centre, disks.to(close.second));
+    const double squared = dot(apart, apart);
+    if (squared >= distance * distance) continue;
+    pairs_.push_back({.first = close.first,
+                      .second = close.second,
+                      .gap = std::sqrt(squared) - 2 * settings_.radius});
+  }
+}
+
+void SlidingContacts::listClosePairs(const MovedDisks& disks) {
+  searchPairs(disks, settings_.largest_move + 2 * close_move_,
+              settings_.largest_move + close_move_);
+  close_.clear();
+  for (const Pair& pair : pairs_) close_.push_back({pair.first, pair.second});
+  close_at_ = disks.bodies->centre;
+  pairs_.clear();
+}
+
+// Adds all pairs of disks with a gap below one limit, and robots with a gap to a wall below
+// another.
+void SlidingContacts::searchPairs(const MovedDisks& disks, double pair_gap, double wall_gap) {
+  const double distance = 2 * settings_.radius + pair_gap;
   for (std::uint32_t i = 0; i < disks.robots; ++i) {
-    const Vec centre = disks.to[i];
+    const Vec centre = disks.to(i);
     const std::size_t begin = pairs_.size();
     for (const std::uint32_t j : disks.neighbours->of(i)) {
       if (j < i) continue;
-      const Vec apart = difference(centre, disks.to[j]);
+      const Vec apart = difference(centre, disks.to(j));
       const double squared = dot(apart, apart);
       if (squared >= distance * distance) continue;
       pairs_.push_back({.first = i, .second = j, .gap = std::sqrt(squared) - 2 * settings_.radius});
@@ -101,7 +146,7 @@ void SlidingContacts::findPairs(const MovedDisks& disks, double reach) {
       std::sort(pairs_.begin() + static_cast<std::ptrdiff_t>(begin), pairs_.end(),
                 [](const Pair& a, const Pair& b) { return a.second < b.second; });
     }
-    addWalls(i, centre, reach);
+    addWalls(i, centre, wall_gap);
   }
 }
 
@@ -202,19 +247,19 @@ void SlidingContacts::addContact(const Pair& pair, const Island& island, const M
   contact.normal_push = pair.normal_push;
   contact.tangent_push = pair.tangent_push;
   contact.first = slotOf(pair.first, disks) - first_disk;
-  Vec moved = difference(disks.to[pair.first], disks.from[pair.first]);
-  double turned = at_rest ? 0 : disks.bodies[pair.first].turned;
+  Vec moved = difference(disks.to(pair.first), disks.from[pair.first]);
+  double turned = at_rest ? 0 : disks.bodies->turned[pair.first];
   if (isWall(pair.second)) {
     contact.normal = wallNormal(pair.second);
   } else {
-    const Vec apart = difference(disks.to[pair.first], disks.to[pair.second]);
+    const Vec apart = difference(disks.to(pair.first), disks.to(pair.second));
     const double distance = std::sqrt(dot(apart, apart));
     contact.normal = distance > 0 ? Vec{apart.x / distance, apart.y / distance}
-                                  : disks.bodies[pair.first].heading;
-    moved = difference(moved, difference(disks.to[pair.second], disks.from[pair.second]));
+                                  : disks.bodies->heading(pair.first);
+    moved = difference(moved, difference(disks.to(pair.second), disks.from[pair.second]));
     if (pair.second < disks.robots) {
       contact.second = slotOf(pair.second, disks) - first_disk;
-      turned += at_rest ? 0 : disks.bodies[pair.second].turned;
+      turned += at_rest ? 0 : disks.bodies->turned[pair.second];
     } else {
       contact.gap = std::max(contact.gap, -settings_.largest_move);
       contact.most_push = most_push_;
@@ -229,7 +274,7 @@ void SlidingContacts::addContact(const Pair& pair, const Island& island, const M
 std::uint32_t SlidingContacts::slotOf(std::uint32_t robot, const MovedDisks& disks) {
   if (slot_[robot] == kNone) {
     slot_[robot] = static_cast<std::uint32_t>(disks_.size());
-    disks_.push_back({disks.bodies[robot].heading, {}, 0});
+    disks_.push_back({disks.bodies->heading(robot), {}, 0});
     robot_index_.push_back(robot);
   }
   return slot_[robot];
@@ -278,7 +323,7 @@ void SlidingContacts::limit(const MovedDisks& disks, const Island& island) {
       fits = gapOf(pair, place(pair.first), second) >= -kSlack;
     }
     for (std::size_t d = island.first_disk; d < island.first_disk + island.disks && fits; ++d) {
-      const Vec shift = difference(place(robot_index_[d]), disks.to[robot_index_[d]]);
+      const Vec shift = difference(place(robot_index_[d]), disks.to(robot_index_[d]));
       fits = dot(shift, shift) <= squaredFarthestShift();
     }
     if (fits || share == 0) break;
@@ -288,7 +333,7 @@ void SlidingContacts::limit(const MovedDisks& disks, const Island& island) {
     const Vec from = disks.from[robot];
     const Vec move = difference(shifted(disks, robot), from);
     disks_[d].shift =
-        difference({from.x + share * move.x, from.y + share * move.y}, disks.to[robot]);
+        difference({from.x + share * move.x, from.y + share * move.y}, disks.to(robot));
     disks_[d].roll *= share;
   }
 }
@@ -363,8 +408,8 @@ double SlidingContacts::wallGap(std::uint32_t wall, Vec centre) const {
 }
 
 Vec SlidingContacts::shifted(const MovedDisks& disks, std::uint32_t disk) const {
-  if (disk >= disks.robots || slot_[disk] == kNone) return disks.to[disk];
-  return sum(disks.to[disk], disks_[slot_[disk]].shift);
+  if (disk >= disks.robots || slot_[disk] == kNone) return disks.to(disk);
+  return sum(disks.to(disk), disks_[slot_[disk]].shift);
 }
 
 double SlidingContacts::squaredFarthestShift() const {

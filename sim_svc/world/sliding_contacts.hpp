@@ -9,7 +9,7 @@
 
 #include "sim_svc/world/arena.hpp"
 #include "sim_svc/world/contact_solver.hpp"
-#include "sim_svc/world/disk_body.hpp"
+#include "sim_svc/world/disk_bodies.hpp"
 #include "sim_svc/world/neighbour_list.hpp"
 
 namespace lab::sim {
@@ -25,10 +25,12 @@ struct SlidingSettings {
 /// The disks of a step: robots first, then kinematic disks, which no force moves.
 struct MovedDisks {
   std::size_t robots = 0;
-  std::span<const Vec> from;         ///< Centres at the start of the step.
-  std::span<const Vec> to;           ///< Centres after the free motion.
-  std::span<const DiskBody> bodies;  ///< After the free motion.
-  const NeighbourList* neighbours = nullptr;
+  std::span<const Vec> from;  ///< Centres at the start of the step.
+  const DiskBodies* bodies;   ///< After the free motion.
+  const NeighbourList* neighbours;
+
+  /// The centre of a disk after the free motion.
+  [[nodiscard]] Vec to(std::size_t disk) const { return bodies->centre[disk]; }
 };
 
 /// What contacts do to one robot in one step.
@@ -56,8 +58,7 @@ class SlidingContacts {
   /// disks at rest stay exactly at rest.
   static constexpr double kSlack = 5e-7;
 
-  /// Pairs are searched for up to this gap, in units of the largest move. The neighbour list must
-  /// contain them.
+  /// The neighbour list must contain pairs up to this gap, in units of the largest move.
   static constexpr double kFarthestGap = 7;
 
   explicit SlidingContacts(const SlidingSettings& settings);
@@ -81,6 +82,10 @@ class SlidingContacts {
   [[nodiscard]] std::int64_t sweeps() const { return sweeps_; }
 
  private:
+  struct ClosePair {
+    std::uint32_t first = 0;
+    std::uint32_t second = 0;  ///< As in Pair.
+  };
   /// A robot that is close to another disk or to a wall after the free motion.
   struct Pair {
     std::uint32_t first = 0;
@@ -100,6 +105,8 @@ class SlidingContacts {
 
   void run(const MovedDisks& disks, bool at_rest);
   void findPairs(const MovedDisks& disks, double reach);
+  void listClosePairs(const MovedDisks& disks);
+  void searchPairs(const MovedDisks& disks, double pair_gap, double wall_gap);
   void addWalls(std::uint32_t robot, Vec centre, double reach);
   void takePushes(std::span<const Pair> pairs, double factor, bool select);
   void formIslands(const MovedDisks& disks, bool at_rest);
@@ -119,6 +126,11 @@ class SlidingContacts {
   SlidingSettings settings_;
   ContactSolver solver_;
   double most_push_;  ///< Of a kinematic disk [m].
+
+  /// Pairs that may come into contact before a disk has moved by close_move_ since close_at_.
+  std::vector<ClosePair> close_;
+  std::vector<Vec> close_at_;  ///< Per disk.
+  double close_move_;          ///< [m]
 
   std::vector<Pair> pairs_;     ///< In the order of first, then second.
   std::vector<Pair> previous_;  ///< Those of the last step that pressed, in the same order.
