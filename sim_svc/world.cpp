@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 #include <utility>
 
@@ -17,6 +18,7 @@ constexpr double kBatteryFull = 4.15;         // V, of a Li-ion cell
 constexpr double kBatterySpread = 0.02;       // V
 constexpr double kBatteryFall = 0.15 / 3600;  // V/s
 constexpr double kMicro = 1e-6;
+constexpr std::size_t kGroup = 256;  // robots that move together, on one thread
 
 std::vector<dynamics::Pose> place(const WorldSettings& settings,
                                   const std::vector<RobotSetup>& robots) {
@@ -134,7 +136,7 @@ void World::step(std::int64_t dt_us) {
   } else {
     stepTogether(from, to);
   }
-  disks_.endStep(to - from);
+  disks_.endStep(to - from, *team_);
 }
 
 void World::stepOneByOne(double from, double to) {
@@ -146,58 +148,72 @@ void World::stepOneByOne(double from, double to) {
   }
 }
 
-// Moves all robots up to their next scans, evaluates the light there at once, and so on until no
-// robot has a scan left in this step.
+// Robots do not interact while they move. Groups of them have a fixed size, so that every robot is
+// treated alike with any number of threads; one group's data fit into a processor's cache.
 void World::stepTogether(double from, double to) {
-  const std::size_t robots = size();
-  moves_.resize(robots);
-  due_.resize(robots);
+  moves_.resize(size());
+  scratch_.resize(team_->size());
+  const std::size_t groups = (size() + kGroup - 1) / kGroup;
+  team_->run(groups, [&](std::size_t group, std::size_t worker) {
+    advanceGroup(group * kGroup, std::min((group + 1) * kGroup, size()), from, to,
+                 scratch_[worker]);
+  });
+}
+
+// Moves a group of robots up to their next scans, evaluates the light there at once, and so on until
+// no robot has a scan left in this step.
+void World::advanceGroup(std::size_t begin, std::size_t end, double from, double to,
+                         Scratch& scratch) {
+  const std::size_t robots = end - begin;
   const double* next = next_event_.data();
   double* moves = moves_.data();
-  for (std::size_t i = 0; i < robots; ++i) {
+  for (std::size_t i = begin; i < end; ++i) {
     const double until = next[i] < to ? next[i] : to;
     moves[i] = until > from ? until - from : 0;
   }
-  disks_.moveEach(0, robots, moves);
+  disks_.moveEach(begin, end, moves);
   // Without branches, which a processor would guess wrong for every second robot.
+  scratch.due.resize(robots);
   std::size_t due = 0;
-  for (std::size_t i = 0; i < robots; ++i) {
-    due_[due] = static_cast<std::uint32_t>(i);
+  for (std::size_t i = begin; i < end; ++i) {
+    scratch.due[due] = static_cast<std::uint32_t>(i);
     due += next[i] <= to ? 1U : 0U;
   }
-  scans_.begin(due);
+  Scans& scans = scratch.scans;
+  Scans& next_scans = scratch.next_scans;
+  scans.begin(due);
   for (std::size_t k = 0; k < due; ++k) {
-    const std::size_t i = due_[k];
+    const std::size_t i = scratch.due[k];
     double now = std::max(from, next_event_[i]);
-    if (advanceToScan(i, now, to)) scans_.add(i, now, sensors_.lightPlaces(disks_, i));
+    if (advanceToScan(i, now, to)) scans.add(i, now, sensors_.lightPlaces(disks_, i));
   }
-  while (scans_.count > 0) {
-    sensors_.lightAt(scans_.x.data(), scans_.y.data(), 2 * scans_.count, scans_.light.data());
-    for (std::size_t k = 0; k < scans_.count; ++k) {
-      scan(scans_.robots[k], scans_.light[2 * k], scans_.light[2 * k + 1]);
+  while (scans.count > 0) {
+    sensors_.lightAt(scans.x.data(), scans.y.data(), 2 * scans.count, scans.light.data());
+    for (std::size_t k = 0; k < scans.count; ++k) {
+      scan(scans.robots[k], scans.light[2 * k], scans.light[2 * k + 1]);
     }
-    moveAfterScans(to);
-    next_scans_.begin(scans_.count);
-    for (std::size_t k = 0; k < scans_.count; ++k) {
-      const std::size_t i = scans_.robots[k];
+    moveAfterScans(begin, end, to, scans);
+    next_scans.begin(scans.count);
+    for (std::size_t k = 0; k < scans.count; ++k) {
+      const std::size_t i = scans.robots[k];
       if (next_event_[i] > to) continue;
-      double now = std::max(scans_.at[k], next_event_[i]);
-      if (advanceToScan(i, now, to)) next_scans_.add(i, now, sensors_.lightPlaces(disks_, i));
+      double now = std::max(scans.at[k], next_event_[i]);
+      if (advanceToScan(i, now, to)) next_scans.add(i, now, sensors_.lightPlaces(disks_, i));
     }
-    std::swap(scans_, next_scans_);
+    std::swap(scans, next_scans);
   }
   if (isNoisy()) {
-    for (std::size_t i = 0; i < size(); ++i) addNoise(i, to - from);
+    for (std::size_t i = begin; i < end; ++i) addNoise(i, to - from);
   }
 }
 
-// Moves the robots of scans_ from their scans to their next events, or to the end of the step.
-void World::moveAfterScans(double to) {
-  const bool many = scans_.count > size() / 6;  // several at a time, with those that do not move
-  if (many) std::fill(moves_.begin(), moves_.end(), 0.0);
-  for (std::size_t k = 0; k < scans_.count; ++k) {
-    const std::size_t i = scans_.robots[k];
-    const double move = std::min(next_event_[i], to) - scans_.at[k];
+// Moves robots of a group from their scans to their next events, or to the end of the step.
+void World::moveAfterScans(std::size_t begin, std::size_t end, double to, const Scans& scans) {
+  const bool many = scans.count > (end - begin) / 6;  // several at a time, with those that stay
+  if (many) std::fill_n(moves_.begin() + static_cast<std::ptrdiff_t>(begin), end - begin, 0.0);
+  for (std::size_t k = 0; k < scans.count; ++k) {
+    const std::size_t i = scans.robots[k];
+    const double move = std::min(next_event_[i], to) - scans.at[k];
     if (move <= 0) continue;
     if (many) {
       moves_[i] = move;
@@ -205,7 +221,7 @@ void World::moveAfterScans(double to) {
       disks_.moveFor(i, move);
     }
   }
-  if (many) disks_.moveEach(0, size(), moves_.data());
+  if (many) disks_.moveEach(begin, end, moves_.data());
 }
 
 void World::advanceTo(std::int64_t time_us) {

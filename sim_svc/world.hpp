@@ -17,6 +17,7 @@
 #include "sim_svc/world/robot_clock.hpp"
 #include "sim_svc/world/sensor_model.hpp"
 #include "sim_svc/world/wheel_motor.hpp"
+#include "sim_svc/world/worker_team.hpp"
 
 namespace lab::sim {
 
@@ -111,6 +112,10 @@ class World {
  public:
   /// @throws std::invalid_argument if the robots do not fit or two have the same id (placeRobots)
   World(const WorldSettings& settings, const std::vector<RobotSetup>& robots);
+
+  /// Lets several threads work on each step. The results have the same bits with any number. The
+  /// light and its functions must then allow calls from several threads.
+  void setThreads(std::size_t threads) { team_ = std::make_shared<WorkerTeam>(threads); }
 
   /// Sets the light on the arena; nullptr is dark. It must outlive the world or the next call.
   void setLight(const LightSampler* light) { sensors_.setLight(light); }
@@ -239,22 +244,6 @@ class World {
     LightGains light_gains;
   };
 
-  void addRobot(const RobotSetup& setup);
-  void stepOneByOne(double from, double to);
-  void stepTogether(double from, double to);
-  bool advanceToScan(std::size_t i, double& now, double to);
-  void moveAfterScans(double to);
-  [[nodiscard]] bool isNoisy() const {
-    return settings_.speed_noise > 0 || settings_.turn_noise > 0;
-  }
-  void addNoise(std::size_t i, double dt);
-  void changeMotors(std::size_t i);
-  void scanNow(std::size_t i);
-  void scan(std::size_t i, double front, double back);
-  void afterCore(std::size_t i);
-  void drive(std::size_t i, dynamics::WheelSpeedsUmS wheels);
-  void turnWheels(std::size_t i, double left, double right);
-
   /// The robots that read their sensors next in a step, with the light there.
   struct Scans {
     std::size_t count = 0;
@@ -281,6 +270,30 @@ class World {
     }
   };
 
+  /// Memory of one thread.
+  struct Scratch {
+    std::vector<std::uint32_t> due;  ///< Robots with an event in the step.
+    Scans scans;
+    Scans next_scans;
+  };
+
+  void addRobot(const RobotSetup& setup);
+  void stepOneByOne(double from, double to);
+  void stepTogether(double from, double to);
+  void advanceGroup(std::size_t begin, std::size_t end, double from, double to, Scratch& scratch);
+  bool advanceToScan(std::size_t i, double& now, double to);
+  void moveAfterScans(std::size_t begin, std::size_t end, double to, const Scans& scans);
+  [[nodiscard]] bool isNoisy() const {
+    return settings_.speed_noise > 0 || settings_.turn_noise > 0;
+  }
+  void addNoise(std::size_t i, double dt);
+  void changeMotors(std::size_t i);
+  void scanNow(std::size_t i);
+  void scan(std::size_t i, double front, double back);
+  void afterCore(std::size_t i);
+  void drive(std::size_t i, dynamics::WheelSpeedsUmS wheels);
+  void turnWheels(std::size_t i, double left, double right);
+
   WorldSettings settings_;
   /// Shared, because the cores refer to it also when the world is moved.
   std::shared_ptr<ProgramLibrary> programs_ = std::make_shared<ProgramLibrary>();
@@ -291,8 +304,8 @@ class World {
       next_event_;  ///< Per robot [s of world time]; not in Electronics, for the cache.
   std::vector<Electronics> electronics_;
   std::vector<double> moves_;       ///< Per robot: how long it moves next in a step [s].
-  std::vector<std::uint32_t> due_;  ///< Robots with an event in a step.
-  Scans scans_, next_scans_;
+  std::shared_ptr<WorkerTeam> team_ = std::make_shared<WorkerTeam>(1);
+  std::vector<Scratch> scratch_;  ///< Per thread.
 };
 
 }  // namespace lab::sim

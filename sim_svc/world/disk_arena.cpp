@@ -80,9 +80,9 @@ void DiskArena::displace(std::size_t i, double forward, double rotation) {
   bodies_.setTheta(i, bodies_.theta[i] + rotation);
 }
 
-void DiskArena::endStep(double dt) {
+void DiskArena::endStep(double dt, WorkerTeam& team) {
   if (!slides()) return;
-  sliding_.resolve(moved(), dt);
+  sliding_.resolve(moved(), dt, team);
   applyContacts(dt);
   std::fill_n(bodies_.turned.begin(), robots_, 0.0);
   std::copy(bodies_.centre.begin(), bodies_.centre.end(), from_.begin());

@@ -12,6 +12,7 @@
 #include "sim_svc/world/disk_bodies.hpp"
 #include "sim_svc/world/neighbour_list.hpp"
 #include "sim_svc/world/sliding_contacts.hpp"
+#include "sim_svc/world/worker_team.hpp"
 
 namespace lab::sim {
 
@@ -94,7 +95,7 @@ class DiskArena {
   void relistIfMoved(std::size_t i);
 
   /// Ends the step, which lasted dt [s], after the moves of all robots.
-  void endStep(double dt);
+  void endStep(double dt, WorkerTeam& team);
 
   /// Adds a hidden kinematic disk. @return its number, from 0
   std::size_t addKinematicDisk();

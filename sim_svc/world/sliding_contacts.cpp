@@ -18,6 +18,8 @@ constexpr double kMostPush = 64;
 
 constexpr int kMostHalvings = 8;
 
+constexpr std::size_t kContactsOfARun = 200;
+
 // In units of the largest move. Robots are usually slower, so that the close pairs hold for tens of
 // steps.
 constexpr double kCloseMove = 2;
@@ -48,16 +50,16 @@ Vec wallNormal(std::uint32_t wall) {
 
 SlidingContacts::SlidingContacts(const SlidingSettings& settings)
     : settings_(settings),
-      solver_(settings.mobility, settings.friction),
+      solvers_(1, ContactSolver(settings.mobility, settings.friction)),
       most_push_(kMostPush * settings.largest_move / std::min(1.0, settings.mobility.across)),
       close_move_(kCloseMove * settings.largest_move) {}
 
-void SlidingContacts::resolve(const MovedDisks& disks, double dt) {
+void SlidingContacts::resolve(const MovedDisks& disks, double dt, WorkerTeam& team) {
   parent_.resize(disks.robots, kNone);
   slot_.resize(disks.robots, kNone);
   findPairs(disks, settings_.largest_move);
   takePushes(previous_, previous_dt_ > 0 ? dt / previous_dt_ : 0, false);
-  run(disks, false);
+  run(disks, false, team);
   previous_.clear();
   for (const Pair& pair : pairs_) {
     if (pair.normal_push > 0) previous_.push_back(pair);
@@ -69,10 +71,11 @@ void SlidingContacts::pushOut(const MovedDisks& disks) {
   parent_.resize(disks.robots, kNone);
   slot_.resize(disks.robots, kNone);
   findPairs(disks, settings_.largest_move);
-  run(disks, true);
+  WorkerTeam alone(1);
+  run(disks, true, alone);
 }
 
-void SlidingContacts::run(const MovedDisks& disks, bool at_rest) {
+void SlidingContacts::run(const MovedDisks& disks, bool at_rest, WorkerTeam& team) {
   shifts_.clear();
   touches_.clear();
   double deepest = 0;
@@ -85,7 +88,7 @@ void SlidingContacts::run(const MovedDisks& disks, bool at_rest) {
   for (Pair& pair : pairs_) pair.selected = pair.gap < -deepest;
   do {
     formIslands(disks, at_rest);
-    for (const Island& island : islands_) solve(disks, island);
+    solveIslands(disks, team);
   } while (selectOverlapping(disks));
   report();
 }
@@ -280,29 +283,44 @@ std::uint32_t SlidingContacts::slotOf(std::uint32_t robot, const MovedDisks& dis
   return slot_[robot];
 }
 
-void SlidingContacts::solve(const MovedDisks& disks, const Island& island) {
+// Islands do not depend on each other. Threads take them in runs of some hundred contacts.
+void SlidingContacts::solveIslands(const MovedDisks& disks, WorkerTeam& team) {
+  solvers_.resize(team.size(), solvers_.front());
+  runs_.assign(1, 0);
+  std::size_t contacts = 0;
+  for (std::size_t k = 0; k < islands_.size(); ++k) {
+    contacts += islands_[k].contacts;
+    if (contacts < kContactsOfARun && k + 1 < islands_.size()) continue;
+    runs_.push_back(k + 1);
+    contacts = 0;
+  }
+  team.run(runs_.size() - 1, [&](std::size_t run, std::size_t worker) {
+    for (std::size_t k = runs_[run]; k < runs_[run + 1]; ++k) {
+      solve(disks, islands_[k], solvers_[worker]);
+    }
+  });
+  for (const Island& island : islands_) {
+    if (island.sweeps == 0) continue;
+    ++all_islands_;
+    sweeps_ += island.sweeps;
+    unsolved_islands_ += island.sweeps == ContactSolver::kMostSweeps ? 1 : 0;
+  }
+}
+
+void SlidingContacts::solve(const MovedDisks& disks, Island& island, ContactSolver& solver) {
   const auto contacts = std::span(contacts_).subspan(island.first_contact, island.contacts);
-  double deepest = 0;
-  for (const DiskContact& contact : contacts) deepest = std::min(deepest, contact.gap);
-  if (deepest >= -kSlack) {
+  const bool overlaps = std::ranges::any_of(
+      contacts, [](const DiskContact& contact) { return contact.gap < -kSlack; });
+  if (!overlaps) {
     for (DiskContact& contact : contacts) contact.normal_push = contact.tangent_push = 0;
     return;
   }
   const auto island_disks = std::span(disks_).subspan(island.first_disk, island.disks);
-  const int sweeps = solver_.solve(island_disks, contacts);
-  ++all_islands_;
-  sweeps_ += sweeps;
-  if (sweeps == ContactSolver::kMostSweeps) {
-    ++unsolved_islands_;
-    limit(disks, island);
-    return;
-  }
-  for (std::size_t d = island.first_disk; d < island.first_disk + island.disks; ++d) {
-    if (dot(disks_[d].shift, disks_[d].shift) > squaredFarthestShift()) {
-      limit(disks, island);
-      return;
-    }
-  }
+  island.sweeps = solver.solve(island_disks, contacts);
+  const bool far = std::ranges::any_of(island_disks, [&](const ContactDisk& disk) {
+    return dot(disk.shift, disk.shift) > squaredFarthestShift();
+  });
+  if (far || island.sweeps == ContactSolver::kMostSweeps) limit(disks, island);
 }
 
 // Shortens the moves of an island until nothing overlaps that did not overlap before.

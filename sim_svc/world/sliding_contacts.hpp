@@ -11,6 +11,7 @@
 #include "sim_svc/world/contact_solver.hpp"
 #include "sim_svc/world/disk_bodies.hpp"
 #include "sim_svc/world/neighbour_list.hpp"
+#include "sim_svc/world/worker_team.hpp"
 
 namespace lab::sim {
 
@@ -65,7 +66,8 @@ class SlidingContacts {
 
   /// Resolves the contacts of a step.
   /// @param dt duration of the step [s]
-  void resolve(const MovedDisks& disks, double dt);
+  /// @param team whose threads solve islands
+  void resolve(const MovedDisks& disks, double dt, WorkerTeam& team);
 
   /// Pushes robots at rest out of kinematic disks, by at most the largest move.
   void pushOut(const MovedDisks& disks);
@@ -101,9 +103,10 @@ class SlidingContacts {
     std::size_t contacts = 0;
     std::size_t first_disk = 0;
     std::size_t disks = 0;
+    int sweeps = 0;  ///< 0: nothing overlaps.
   };
 
-  void run(const MovedDisks& disks, bool at_rest);
+  void run(const MovedDisks& disks, bool at_rest, WorkerTeam& team);
   void findPairs(const MovedDisks& disks, double reach);
   void listClosePairs(const MovedDisks& disks);
   void searchPairs(const MovedDisks& disks, double pair_gap, double wall_gap);
@@ -112,7 +115,8 @@ class SlidingContacts {
   void formIslands(const MovedDisks& disks, bool at_rest);
   void addContact(const Pair& pair, const Island& island, const MovedDisks& disks, bool at_rest);
   std::uint32_t slotOf(std::uint32_t robot, const MovedDisks& disks);
-  void solve(const MovedDisks& disks, const Island& island);
+  void solveIslands(const MovedDisks& disks, WorkerTeam& team);
+  void solve(const MovedDisks& disks, Island& island, ContactSolver& solver);
   void limit(const MovedDisks& disks, const Island& island);
   bool selectOverlapping(const MovedDisks& disks);
   void report();
@@ -124,7 +128,7 @@ class SlidingContacts {
   [[nodiscard]] Vec shifted(const MovedDisks& disks, std::uint32_t disk) const;
 
   SlidingSettings settings_;
-  ContactSolver solver_;
+  std::vector<ContactSolver> solvers_;  ///< Per thread.
   double most_push_;  ///< Of a kinematic disk [m].
 
   /// Pairs that may come into contact before a disk has moved by close_move_ since close_at_.
@@ -140,6 +144,7 @@ class SlidingContacts {
   std::vector<std::uint32_t> parent_;  ///< Per robot: the islands as a disjoint-set forest.
   std::vector<std::uint32_t> slot_;    ///< Per robot: its index in island_disks_, or kNone.
   std::vector<Island> islands_;
+  std::vector<std::size_t> runs_;  ///< Islands that one thread solves: the first, and the last's end.
   std::vector<std::uint32_t> island_of_;    ///< Per selected pair.
   std::vector<std::uint32_t> pair_index_;   ///< Per contact: its pair.
   std::vector<std::uint32_t> robot_index_;  ///< Per disk of an island: the robot.
