@@ -108,6 +108,11 @@ void World::addRobot(const RobotSetup& setup) {
   electronics_.push_back(robot);
 }
 
+void World::setThreads(std::size_t threads) {
+  // Fewer robots move as one group.
+  team_ = std::make_shared<WorkerTeam>(size() > kGroup ? threads : 1);
+}
+
 void World::setMotors(std::size_t i, const MotorChange& change) {
   Electronics& robot = electronics_[i];
   if (robot.next_change == robot.changes.size()) {
@@ -160,8 +165,8 @@ void World::stepTogether(double from, double to) {
   });
 }
 
-// Moves a group of robots up to their next scans, evaluates the light there at once, and so on until
-// no robot has a scan left in this step.
+// Moves a group of robots up to their next scans, evaluates the light there at once, and so on
+// until no robot has a scan left in this step.
 void World::advanceGroup(std::size_t begin, std::size_t end, double from, double to,
                          Scratch& scratch) {
   const std::size_t robots = end - begin;

@@ -115,7 +115,7 @@ class World {
 
   /// Lets several threads work on each step. The results have the same bits with any number. The
   /// light and its functions must then allow calls from several threads.
-  void setThreads(std::size_t threads) { team_ = std::make_shared<WorkerTeam>(threads); }
+  void setThreads(std::size_t threads);
 
   /// Sets the light on the arena; nullptr is dark. It must outlive the world or the next call.
   void setLight(const LightSampler* light) { sensors_.setLight(light); }
@@ -303,7 +303,7 @@ class World {
   std::vector<double>
       next_event_;  ///< Per robot [s of world time]; not in Electronics, for the cache.
   std::vector<Electronics> electronics_;
-  std::vector<double> moves_;       ///< Per robot: how long it moves next in a step [s].
+  std::vector<double> moves_;  ///< Per robot: how long it moves next in a step [s].
   std::shared_ptr<WorkerTeam> team_ = std::make_shared<WorkerTeam>(1);
   std::vector<Scratch> scratch_;  ///< Per thread.
 };

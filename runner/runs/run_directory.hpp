@@ -59,6 +59,7 @@ struct PreparedRun {
   Experiment experiment;
   std::string effective;  ///< text of experiment.toml, with every default filled in
   std::filesystem::path directory;
+  std::size_t threads = 0;  ///< of the simulator; 0: one per processor
 };
 
 /// Makes the folder with experiment.toml, images and calibrations.

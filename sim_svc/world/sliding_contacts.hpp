@@ -129,7 +129,7 @@ class SlidingContacts {
 
   SlidingSettings settings_;
   std::vector<ContactSolver> solvers_;  ///< Per thread.
-  double most_push_;  ///< Of a kinematic disk [m].
+  double most_push_;                    ///< Of a kinematic disk [m].
 
   /// Pairs that may come into contact before a disk has moved by close_move_ since close_at_.
   std::vector<ClosePair> close_;
@@ -144,7 +144,8 @@ class SlidingContacts {
   std::vector<std::uint32_t> parent_;  ///< Per robot: the islands as a disjoint-set forest.
   std::vector<std::uint32_t> slot_;    ///< Per robot: its index in island_disks_, or kNone.
   std::vector<Island> islands_;
-  std::vector<std::size_t> runs_;  ///< Islands that one thread solves: the first, and the last's end.
+  std::vector<std::size_t>
+      runs_;  ///< Islands that one thread solves: the first, and the last's end.
   std::vector<std::uint32_t> island_of_;    ///< Per selected pair.
   std::vector<std::uint32_t> pair_index_;   ///< Per contact: its pair.
   std::vector<std::uint32_t> robot_index_;  ///< Per disk of an island: the robot.

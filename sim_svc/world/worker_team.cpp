@@ -11,6 +11,8 @@ namespace {
 // the next task for a while before they sleep.
 constexpr int kLooks = 2000;
 
+constexpr int kPartBits = 32;
+
 template <class Changed>
 bool lookFor(const Changed& changed) {
   for (int look = 0; look < kLooks; ++look) {
@@ -43,18 +45,29 @@ void WorkerTeam::run(std::size_t parts, const Task& task) {
     return;
   }
   task_ = &task;
-  parts_ = parts;
-  next_ = 0;
-  working_ = static_cast<std::uint32_t>(threads_.size());
+  done_ = 0;
+  ticket_ = std::uint64_t{parts} << kPartBits;
   ++round_;
   round_.notify_all();
   takeParts(0);
-  lookFor([this] { return working_ == 0; });
-  for (std::uint32_t left = working_; left > 0; left = working_) working_.wait(left);
+  lookFor([&] { return done_ == parts; });
+  for (std::uint64_t done = done_; done < parts; done = done_) done_.wait(done);
 }
 
 void WorkerTeam::takeParts(std::size_t worker) {
-  for (std::size_t part = next_++; part < parts_; part = next_++) (*task_)(part, worker);
+  std::uint64_t ticket = ticket_;
+  for (;;) {
+    const std::uint64_t parts = ticket >> kPartBits;
+    const std::uint64_t part = ticket & ((std::uint64_t{1} << kPartBits) - 1);
+    if (part == parts) return;
+    if (!ticket_.compare_exchange_weak(ticket, ticket + 1)) continue;
+    (*task_)(part, worker);
+    if (++done_ == parts) {
+      done_.notify_one();
+      return;
+    }
+    ticket = ticket_;
+  }
 }
 
 void WorkerTeam::work(std::size_t worker) {
@@ -62,10 +75,9 @@ void WorkerTeam::work(std::size_t worker) {
   for (;;) {
     lookFor([&] { return round_ != seen; });
     round_.wait(seen);
-    ++seen;
+    seen = round_;
     if (ending_) return;
     takeParts(worker);
-    if (--working_ == 0) working_.notify_one();
   }
 }
 

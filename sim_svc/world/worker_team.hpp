@@ -35,11 +35,12 @@ class WorkerTeam {
   void work(std::size_t worker);
   void takeParts(std::size_t worker);
 
+  // A thread takes a part by counting ticket_ up. Threads that come late find no part left, and
+  // nobody waits for them.
   const Task* task_ = nullptr;
-  std::size_t parts_ = 0;
-  std::atomic<std::size_t> next_{0};          ///< The next part to be taken.
-  std::atomic<std::uint32_t> round_{0};       ///< Counts the calls of run().
-  std::atomic<std::uint32_t> working_{0};     ///< Threads that have not finished the round.
+  std::atomic<std::uint64_t> ticket_{0};  ///< Number of parts, and of those taken.
+  std::atomic<std::uint64_t> done_{0};    ///< Parts.
+  std::atomic<std::uint32_t> round_{0};   ///< Counts the calls of run().
   std::atomic<bool> ending_{false};
   std::vector<std::thread> threads_;
 };
