@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "sim_svc/world/robot_clock.hpp"
 #include "sim_svc/world/sensor_model.hpp"
 #include "sim_svc/world/wheel_motor.hpp"
+#include "sim_svc/world/worker_team.hpp"
 
 namespace lab::sim {
 
@@ -110,6 +112,10 @@ class World {
  public:
   /// @throws std::invalid_argument if the robots do not fit or two have the same id (placeRobots)
   World(const WorldSettings& settings, const std::vector<RobotSetup>& robots);
+
+  /// Lets several threads work on each step. The results have the same bits with any number. The
+  /// light and its functions must then allow calls from several threads.
+  void setThreads(std::size_t threads);
 
   /// Sets the light on the arena; nullptr is dark. It must outlive the world or the next call.
   void setLight(const LightSampler* light) { sensors_.setLight(light); }
@@ -238,12 +244,52 @@ class World {
     LightGains light_gains;
   };
 
+  /// The robots that read their sensors next in a step, with the light there.
+  struct Scans {
+    std::size_t count = 0;
+    std::vector<std::uint32_t> robots;
+    std::vector<double> at;    ///< Per robot [s of world time].
+    std::vector<double> x, y;  ///< Of the light sensors [m]: front and back one of each robot.
+    std::vector<double> light;
+
+    void begin(std::size_t most) {
+      count = 0;
+      if (robots.size() >= most) return;
+      robots.resize(most);
+      at.resize(most);
+      for (std::vector<double>* values : {&x, &y, &light}) values->resize(2 * most);
+    }
+    void add(std::size_t robot, double time, const std::array<Vec, 2>& places) {
+      robots[count] = static_cast<std::uint32_t>(robot);
+      at[count] = time;
+      for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+        x[2 * count + sensor] = places[sensor].x;
+        y[2 * count + sensor] = places[sensor].y;
+      }
+      ++count;
+    }
+  };
+
+  /// Memory of one thread.
+  struct Scratch {
+    std::vector<std::uint32_t> due;  ///< Robots with an event in the step.
+    Scans scans;
+    Scans next_scans;
+  };
+
   void addRobot(const RobotSetup& setup);
-  void advanceRobot(std::size_t i, double from, double to);
+  void stepOneByOne(double from, double to);
+  void stepTogether(double from, double to);
+  void advanceGroup(std::size_t begin, std::size_t end, double from, double to, Scratch& scratch);
+  bool advanceToScan(std::size_t i, double& now, double to);
+  void moveAfterScans(std::size_t begin, std::size_t end, double to, const Scans& scans);
+  [[nodiscard]] bool isNoisy() const {
+    return settings_.speed_noise > 0 || settings_.turn_noise > 0;
+  }
   void addNoise(std::size_t i, double dt);
-  void handleEvent(std::size_t i);
   void changeMotors(std::size_t i);
-  void scan(std::size_t i);
+  void scanNow(std::size_t i);
+  void scan(std::size_t i, double front, double back);
   void afterCore(std::size_t i);
   void drive(std::size_t i, dynamics::WheelSpeedsUmS wheels);
   void turnWheels(std::size_t i, double left, double right);
@@ -257,6 +303,9 @@ class World {
   std::vector<double>
       next_event_;  ///< Per robot [s of world time]; not in Electronics, for the cache.
   std::vector<Electronics> electronics_;
+  std::vector<double> moves_;  ///< Per robot: how long it moves next in a step [s].
+  std::shared_ptr<WorkerTeam> team_ = std::make_shared<WorkerTeam>(1);
+  std::vector<Scratch> scratch_;  ///< Per thread.
 };
 
 }  // namespace lab::sim

@@ -102,7 +102,8 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
               .set = options.set,
               .run_virtual = options.virtual_time ? run_virtual : RunVirtual(),
               .web = web,
-              .web_address = options.web_address},
+              .web_address = options.web_address,
+              .threads = options.threads},
              std::move(experiment), [&](const Progress& progress) {
                elapsed = progress.elapsed;
                line->show(progress);
@@ -140,6 +141,11 @@ void addRunOptions(CLI::App& command, RunOptions& options) {
       "--virtual-time", options.virtual_time,
       "Simulate in one process, as fast as possible; the same seed gives the same log");
   command.add_option("--seed", options.seed, "Replaces the seed of the file")->check(wholeNumber());
+  command
+      .add_option("--threads", options.threads,
+                  "Threads of the simulator (default: one per processor); the results do not "
+                  "depend on it")
+      ->check(CLI::Range(1, 1024));
   addRunsFolder(command, options.out, "Folder for the folders of runs");
   addSettings(command, options.set);
   addSources(command, options.sources);

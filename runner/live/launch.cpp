@@ -167,8 +167,9 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   }
 
   const std::int64_t start = wallClock();
-  const PreparedRun prepared =
+  PreparedRun prepared =
       prepareRun(std::move(experiment), options.file.parent_path(), options.out, start);
+  prepared.threads = options.threads;
   std::optional<Registration> registration;
   std::string name = prepared.directory.filename().string();
   std::string head = fmt::format("run      {}\n", prepared.directory.string());

@@ -27,6 +27,7 @@ struct LaunchOptions {
   MakeCameras cameras{};                ///< for a procedure in real time; empty: none
   bool web = false;                     ///< starts the dashboard; in real time only
   std::filesystem::path web_address{};  ///< a second file for its address, empty: none
+  std::size_t threads = 0;              ///< of the simulator; 0: one per processor
 };
 
 struct Launched {

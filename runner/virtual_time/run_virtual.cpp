@@ -48,9 +48,15 @@ struct Member {
   Member(Bus& bus, Loop& loop, SerialPorts& ports, Cameras& cameras,
          const ServiceDescription& description, const PreparedRun& run)
       : node(bus, loop, {description.name, description.origin, 1}),
-        service(description.make({node, loop, run.experiment, run.directory, ports,
-                                  std::filesystem::canonical("/proc/self/exe").parent_path(),
-                                  cameras})) {}
+        service(description.make(
+            {.node = node,
+             .loop = loop,
+             .experiment = run.experiment,
+             .directory = run.directory,
+             .ports = ports,
+             .programs = std::filesystem::canonical("/proc/self/exe").parent_path(),
+             .cameras = cameras,
+             .threads = run.threads})) {}
   Node node;
   std::unique_ptr<Service> service;
 };

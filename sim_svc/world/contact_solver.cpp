@@ -121,10 +121,14 @@ double linearGap(const DiskContact& contact, std::span<const ContactDisk> disks)
 }  // namespace
 
 int ContactSolver::solve(std::span<ContactDisk> disks, std::span<DiskContact> contacts) {
+  const bool isotropic = mobility_.across == 1;
   rows_.clear();
   for (const DiskContact& contact : contacts) {
-    rows_.push_back(rowOf(contact, disks));
-    apply(rows_.back(), contact, contact.normal_push, contact.tangent_push, disks);
+    const bool pushed = contact.normal_push != 0 || contact.tangent_push != 0;
+    if (isotropic && !pushed) continue;
+    const Row row = rowOf(contact, disks);
+    if (!isotropic) rows_.push_back(row);
+    if (pushed) apply(row, contact, contact.normal_push, contact.tangent_push, disks);
   }
   most_tangent_.clear();
   before_.clear();
@@ -135,11 +139,10 @@ int ContactSolver::solve(std::span<ContactDisk> disks, std::span<DiskContact> co
         most_tangent_.push_back(friction_ * contact.normal_push);
       }
     }
-    // Both directions in turn, because the pushes travel with the order.
-    const double change = this->sweep(disks, contacts, sweep % 2 == 0);
+    const double change = isotropic ? sweepIsotropic(disks, contacts) : sweepRows(disks, contacts);
     if (contacts.size() == 1) return sweep;
     if (change > kTolerance) {
-      if (sweep % 2 == 0) accelerate(disks, contacts);
+      accelerate(disks, contacts);
       continue;
     }
     const bool overlaps = std::ranges::any_of(contacts, [&](const DiskContact& contact) {
@@ -190,11 +193,52 @@ void ContactSolver::accelerate(std::span<ContactDisk> disks, std::span<DiskConta
   }
 }
 
-double ContactSolver::sweep(std::span<ContactDisk> disks, std::span<DiskContact> contacts,
-                            bool backwards) {
+// With the same mobility in all directions, normal and tangential pushes do not interact: each has
+// its own equation, and the matrices are those of one or two free disks.
+double ContactSolver::sweepIsotropic(std::span<ContactDisk> disks,
+                                     std::span<DiskContact> contacts) const {
+  const double turn = mobility_.turn;
+  const double one_tt = 1 / (1 + turn);
   double change = 0;
-  for (std::size_t k = 0; k < contacts.size(); ++k) {
-    const std::size_t c = backwards ? contacts.size() - 1 - k : k;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
+    DiskContact& contact = contacts[c];
+    ContactDisk& first = disks[contact.first];
+    ContactDisk* second = contact.second == DiskContact::kFixed ? nullptr : &disks[contact.second];
+    Vec apart = first.shift;
+    double roll = first.roll;
+    double share = 1;  // of a displacement that the first disk takes
+    if (second != nullptr) {
+      apart = {apart.x - second->shift.x, apart.y - second->shift.y};
+      roll += second->roll;
+      share = 0.5;
+    }
+    const Vec n = contact.normal;
+    const double gap = contact.gap + n.x * apart.x + n.y * apart.y;
+    if (gap >= 0 && contact.normal_push == 0 && contact.tangent_push == 0) continue;
+    const double slide = contact.slide + n.x * apart.y - n.y * apart.x - roll;
+    const double push = std::clamp(contact.normal_push - share * gap, 0.0, contact.most_push);
+    const double limit = most_tangent_.empty() ? friction_ * push : most_tangent_[c];
+    const double drag = std::clamp(contact.tangent_push - share * one_tt * slide, -limit, limit);
+    const double normal = push - contact.normal_push;
+    const double tangent = drag - contact.tangent_push;
+    contact.normal_push = push;
+    contact.tangent_push = drag;
+    const Vec move = {normal * n.x - tangent * n.y, normal * n.y + tangent * n.x};
+    first.shift = {first.shift.x + move.x, first.shift.y + move.y};
+    first.roll -= tangent * turn;
+    if (second != nullptr) {
+      second->shift = {second->shift.x - move.x, second->shift.y - move.y};
+      second->roll -= tangent * turn;
+    }
+    change = std::max({change, std::fabs(normal) / share, std::fabs(tangent) / (share * one_tt)});
+  }
+  return change;
+}
+
+double ContactSolver::sweepRows(std::span<ContactDisk> disks,
+                                std::span<DiskContact> contacts) const {
+  double change = 0;
+  for (std::size_t c = 0; c < contacts.size(); ++c) {
     DiskContact& contact = contacts[c];
     const double gap = linearGap(contact, disks);
     if (gap >= 0 && contact.normal_push == 0 && contact.tangent_push == 0) continue;

@@ -92,7 +92,8 @@ class ContactSolver {
   void apply(const Row& row, const DiskContact& contact, double normal, double tangent,
              std::span<ContactDisk> disks) const;
   void accelerate(std::span<ContactDisk> disks, std::span<DiskContact> contacts);
-  double sweep(std::span<ContactDisk> disks, std::span<DiskContact> contacts, bool backwards);
+  double sweepIsotropic(std::span<ContactDisk> disks, std::span<DiskContact> contacts) const;
+  double sweepRows(std::span<ContactDisk> disks, std::span<DiskContact> contacts) const;
 
   SlipMobility mobility_;
   double friction_;

@@ -31,35 +31,30 @@ DiskArena::DiskArena(const DiskArenaSettings& settings, const std::vector<dynami
                 settings.mobility}),
       contacts_(robots.size()) {
   for (const dynamics::Pose& pose : robots) {
-    DiskBody body;
-    body.theta = pose.theta;
-    body.heading = {std::cos(pose.theta), std::sin(pose.theta)};
-    bodies_.push_back(body);
-    centres_.push_back({pose.x, pose.y});
+    bodies_.add(pose);
   }
-  if (slides()) from_ = centres_;
+  if (slides()) from_ = bodies_.centre;
   listNeighbours();
 }
 
 void DiskArena::beginStep() {
   ++steps_;
   if (slides() || visible_kinematic_ == 0) return;
-  for (std::size_t body = robots_; body < bodies_.size(); ++body) {
+  for (std::size_t body = robots_; body < bodies_.centre.size(); ++body) {
     pushRobotsOut(body);
   }
 }
 
 void DiskArena::setMotion(std::size_t i, Motion motion) {
-  DiskBody& body = bodies_[i];
-  body.motion = motion;
-  body.heading = {std::cos(body.theta), std::sin(body.theta)};
+  bodies_.speed[i] = motion.speed;
+  bodies_.turn[i] = motion.turn;
+  bodies_.setTheta(i, bodies_.theta[i]);
 }
 
 Velocity DiskArena::velocity(std::size_t i) const {
-  const DiskBody& body = bodies_[i];
   const bool touches = touchesRobot(i) || touchesWall(i);
-  const double speed = touches && !slides() ? 0 : body.motion.speed;
-  Velocity velocity{{speed * body.heading.x, speed * body.heading.y}, body.motion.turn};
+  const double speed = touches && !slides() ? 0 : bodies_.speed[i];
+  Velocity velocity{{speed * bodies_.heading_x[i], speed * bodies_.heading_y[i]}, bodies_.turn[i]};
   if (!touches || !slides()) return velocity;
   const Velocity& slip = contacts_[i].slip;
   velocity.linear = {velocity.linear.x + slip.linear.x, velocity.linear.y + slip.linear.y};
@@ -67,65 +62,42 @@ Velocity DiskArena::velocity(std::size_t i) const {
   return velocity;
 }
 
-void DiskArena::moveFor(std::size_t i, double dt) {
-  if (!isMoving(i)) return;
-  DiskBody& body = bodies_[i];
-  const dynamics::Arc arc = dynamics::makeArcOf(body.motion.speed, body.motion.turn, dt);
-  const Vec along = body.heading;
-  Vec move = {along.x * arc.dx - along.y * arc.dy, along.y * arc.dx + along.x * arc.dy};
-  if (!slides()) move = stopAtContact(i, move);
-  centres_[i].x += move.x;
-  centres_[i].y += move.y;
-  body.theta += arc.dtheta;
-  body.turned += arc.dtheta;
-  // Rotating the heading is cheaper than cos and sin of theta; setMotion() removes the rounding
-  // errors that this accumulates.
-  body.heading = {along.x * arc.cos_turn - along.y * arc.sin_turn,
-                  along.y * arc.cos_turn + along.x * arc.sin_turn};
+void DiskArena::moveUntilContact(std::size_t i, double dt) {
+  const dynamics::Arc arc = dynamics::makeArcOf(bodies_.speed[i], bodies_.turn[i], dt);
+  const Vec move = stopAtContact(i, bodies_.along(i, arc));
+  bodies_.centre[i].x += move.x;
+  bodies_.centre[i].y += move.y;
+  bodies_.rotate(i, arc);
 }
 
 void DiskArena::displace(std::size_t i, double forward, double rotation) {
-  DiskBody& body = bodies_[i];
   forward = std::clamp(forward, -settings_.largest_move, settings_.largest_move);
-  Vec move = {forward * body.heading.x, forward * body.heading.y};
+  Vec move = {forward * bodies_.heading_x[i], forward * bodies_.heading_y[i]};
   if (!slides()) move = stopAtContact(i, move);
-  centres_[i].x += move.x;
-  centres_[i].y += move.y;
-  body.theta += rotation;
-  body.turned += rotation;
-  body.heading = {std::cos(body.theta), std::sin(body.theta)};
+  bodies_.centre[i].x += move.x;
+  bodies_.centre[i].y += move.y;
+  bodies_.turned[i] += rotation;
+  bodies_.setTheta(i, bodies_.theta[i] + rotation);
 }
 
-void DiskArena::endMoves(std::size_t i) {
-  if (!slides()) relistIfMoved(i);
-}
-
-void DiskArena::endStep(double dt) {
+void DiskArena::endStep(double dt, WorkerTeam& team) {
   if (!slides()) return;
-  sliding_.resolve(moved(), dt);
+  sliding_.resolve(moved(), dt, team);
   applyContacts(dt);
-  for (std::size_t i = 0; i < robots_; ++i) bodies_[i].turned = 0;
-  std::copy(centres_.begin(), centres_.end(), from_.begin());
-  const double farthest = skin_ * skin_ / 4;
-  for (std::size_t i = 0; i < robots_; ++i) {
-    if (squared({centres_[i].x - listed_at_[i].x, centres_[i].y - listed_at_[i].y}) > farthest) {
-      listNeighbours();
-      return;
-    }
-  }
+  std::fill_n(bodies_.turned.begin(), robots_, 0.0);
+  std::copy(bodies_.centre.begin(), bodies_.centre.end(), from_.begin());
+  if (anyMoved(std::span(bodies_.centre).first(robots_), listed_at_, skin_ / 2)) listNeighbours();
 }
 
-MovedDisks DiskArena::moved() const { return {robots_, from_, centres_, bodies_, &neighbours_}; }
+MovedDisks DiskArena::moved() const { return {robots_, from_, &bodies_, &neighbours_}; }
 
 void DiskArena::applyContacts(double dt) {
   for (const ContactShift& shift : sliding_.shifts()) {
-    Vec& centre = centres_[shift.robot];
-    DiskBody& body = bodies_[shift.robot];
+    Vec& centre = bodies_.centre[shift.robot];
     centre.x += shift.shift.x;
     centre.y += shift.shift.y;
     if (shift.rotation != 0) {
-      body.theta += shift.rotation;
-      body.heading = {std::cos(body.theta), std::sin(body.theta)};
+      bodies_.setTheta(shift.robot, bodies_.theta[shift.robot] + shift.rotation);
     }
     contacts_[shift.robot].slip = {{shift.shift.x / dt, shift.shift.y / dt}, shift.rotation / dt};
   }
@@ -142,13 +114,13 @@ void DiskArena::applyContacts(double dt) {
 
 // The part of `move` up to the first contact, which is counted.
 Vec DiskArena::stopAtContact(std::size_t i, Vec move) {
-  const Vec from = centres_[i];
+  const Vec from = bodies_.centre[i];
   const double reach = contact_distance_ + settings_.largest_move;
   const double wall_share = freeShareToWalls(settings_.arena, settings_.radius, from, move);
   double share = wall_share;
   std::size_t touched = i;
   for (const std::uint32_t j : neighbours_.of(i)) {
-    const Vec to_other = {centres_[j].x - from.x, centres_[j].y - from.y};
+    const Vec to_other = {bodies_.centre[j].x - from.x, bodies_.centre[j].y - from.y};
     if (squared(to_other) >= reach * reach) {
       continue;
     }
@@ -181,7 +153,7 @@ bool DiskArena::touch(Contact& contact) const {
 
 void DiskArena::relistIfMoved(std::size_t i) {
   const Vec listed_at = listed_at_[i];
-  const Vec moved = {centres_[i].x - listed_at.x, centres_[i].y - listed_at.y};
+  const Vec moved = {bodies_.centre[i].x - listed_at.x, bodies_.centre[i].y - listed_at.y};
   if (squared(moved) > skin_ * skin_ / 4) {
     listNeighbours();
   }
@@ -191,16 +163,16 @@ void DiskArena::listNeighbours() {
   const double contact_gap = slides() ? SlidingContacts::kFarthestGap + 1 : 1;
   const double reach = std::max(2 * settings_.radius + settings_.sensing_range,
                                 contact_distance_ + contact_gap * settings_.largest_move);
-  neighbours_.build(centres_, settings_.arena, reach + skin_ + settings_.largest_move);
-  listed_at_ = centres_;
+  neighbours_.build(bodies_.centre, settings_.arena, reach + skin_ + settings_.largest_move);
+  listed_at_ = bodies_.centre;
 }
 
 std::size_t DiskArena::addKinematicDisk() {
-  const std::size_t disk = bodies_.size() - robots_;
-  bodies_.emplace_back();
+  const std::size_t disk = contacts_.size() - robots_;
   contacts_.emplace_back();
-  centres_.push_back(hiddenPosition(bodies_.size()));
-  if (slides()) from_.push_back(centres_.back());
+  const Vec hidden = hiddenPosition(contacts_.size());
+  bodies_.add({hidden.x, hidden.y, 0});
+  if (slides()) from_.push_back(hidden);
   listNeighbours();
   return disk;
 }
@@ -211,9 +183,9 @@ void DiskArena::moveKinematicDisk(std::size_t disk, Vec centre) {
     return;
   }
   const std::size_t body = robots_ + disk;
-  const bool appears = isHidden(centres_[body]);
+  const bool appears = isHidden(bodies_.centre[body]);
   if (appears) ++visible_kinematic_;
-  centres_[body] = centre;
+  bodies_.centre[body] = centre;
   relistIfMoved(body);
   if (!slides()) {
     pushRobotsOut(body);
@@ -226,9 +198,9 @@ void DiskArena::moveKinematicDisk(std::size_t disk, Vec centre) {
 
 void DiskArena::hideKinematicDisk(std::size_t disk) {
   const std::size_t body = robots_ + disk;
-  if (!isHidden(centres_[body])) --visible_kinematic_;
-  centres_[body] = hiddenPosition(body);
-  if (slides()) from_[body] = centres_[body];
+  if (!isHidden(bodies_.centre[body])) --visible_kinematic_;
+  bodies_.centre[body] = hiddenPosition(body);
+  if (slides()) from_[body] = bodies_.centre[body];
 }
 
 // Pushes robots out of a kinematic disk in pieces of at most the largest move, for which the
@@ -238,8 +210,8 @@ void DiskArena::pushOutSliding(std::size_t kinematic_body) {
   while (overlap > SlidingContacts::kSlack) {
     sliding_.pushOut(moved());
     applyContacts(kPushTime);
-    std::copy_n(centres_.begin(), robots_, from_.begin());
-    from_[kinematic_body] = centres_[kinematic_body];
+    std::copy_n(bodies_.centre.begin(), robots_, from_.begin());
+    from_[kinematic_body] = bodies_.centre[kinematic_body];
     for (std::size_t i = 0; i < robots_; ++i) relistIfMoved(i);
     const double left = deepestOverlap(kinematic_body);
     if (left > overlap - kLeastProgress) return;
@@ -251,8 +223,8 @@ double DiskArena::deepestOverlap(std::size_t kinematic_body) const {
   double deepest = 0;
   for (const std::uint32_t i : neighbours_.of(kinematic_body)) {
     if (i >= robots_) continue;
-    const Vec apart = {centres_[i].x - centres_[kinematic_body].x,
-                       centres_[i].y - centres_[kinematic_body].y};
+    const Vec apart = {bodies_.centre[i].x - bodies_.centre[kinematic_body].x,
+                       bodies_.centre[i].y - bodies_.centre[kinematic_body].y};
     deepest = std::max(deepest, 2 * settings_.radius - std::sqrt(squared(apart)));
   }
   return deepest;
@@ -272,8 +244,8 @@ void DiskArena::pushRobotsOut(std::size_t kinematic_body) {
 // Pushes in pieces of at most the largest move, for which the neighbour lists are valid.
 void DiskArena::pushOut(std::size_t i, std::size_t kinematic_body) {
   for (;;) {
-    const Vec away = {centres_[i].x - centres_[kinematic_body].x,
-                      centres_[i].y - centres_[kinematic_body].y};
+    const Vec away = {bodies_.centre[i].x - bodies_.centre[kinematic_body].x,
+                      bodies_.centre[i].y - bodies_.centre[kinematic_body].y};
     const double distance = std::hypot(away.x, away.y);
     const double depth = contact_distance_ - distance;
     // Within the gap that robots keep, the disks only touch and do not overlap.
@@ -281,11 +253,11 @@ void DiskArena::pushOut(std::size_t i, std::size_t kinematic_body) {
       return;
     }
     const Vec direction =
-        distance > 0 ? Vec{away.x / distance, away.y / distance} : bodies_[i].heading;
+        distance > 0 ? Vec{away.x / distance, away.y / distance} : bodies_.heading(i);
     const double piece = std::min(depth, settings_.largest_move);
     const Vec move = stopAtContact(i, {piece * direction.x, piece * direction.y});
-    centres_[i].x += move.x;
-    centres_[i].y += move.y;
+    bodies_.centre[i].x += move.x;
+    bodies_.centre[i].y += move.y;
     relistIfMoved(i);
     if (touch(contacts_[i].robot)) {
       ++collisions_;

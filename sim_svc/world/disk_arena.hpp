@@ -9,9 +9,10 @@
 #include "robot/dynamics/kinematics.hpp"
 #include "sim_svc/world/arena.hpp"
 #include "sim_svc/world/contact_solver.hpp"
-#include "sim_svc/world/disk_body.hpp"
+#include "sim_svc/world/disk_bodies.hpp"
 #include "sim_svc/world/neighbour_list.hpp"
 #include "sim_svc/world/sliding_contacts.hpp"
+#include "sim_svc/world/worker_team.hpp"
 
 namespace lab::sim {
 
@@ -46,7 +47,7 @@ struct Velocity {
 /// in which robots move does not matter. With kStop robots move one at a time, and a move stops
 /// where the robot would touch a wall or another disk.
 ///
-/// A robot's body is kept apart from its electronics (see World), so that the bodies of a thousand
+/// The bodies are kept apart from the robots' electronics (see World), so that those of a thousand
 /// robots fit into the processor's cache.
 class DiskArena {
  public:
@@ -62,20 +63,39 @@ class DiskArena {
   /// Sets the velocity that robot i has until the next call.
   void setMotion(std::size_t i, Motion motion);
   [[nodiscard]] bool isMoving(std::size_t i) const {
-    return bodies_[i].motion.speed != 0 || bodies_[i].motion.turn != 0;
+    return bodies_.speed[i] != 0 || bodies_.turn[i] != 0;
   }
 
   /// Moves robot i along its arc for the time dt [s].
-  void moveFor(std::size_t i, double dt);
+  void moveFor(std::size_t i, double dt) {
+    if (!isMoving(i)) return;
+    if (slides()) {
+      bodies_.move(i, dt);
+    } else {
+      moveUntilContact(i, dt);
+    }
+  }
+
+  /// Moves the robots from `begin` to before `end`, robot i for the time dt[i] [s]. With kSlide
+  /// only.
+  void moveEach(std::size_t begin, std::size_t end, const double* dt) {
+    bodies_.moveEach(begin, end, dt);
+  }
 
   /// Moves robot i forward [m], at most by the largest move, and then rotates it [rad].
   void displace(std::size_t i, double forward, double rotation);
 
   /// Ends the moves of robot i in this step.
-  void endMoves(std::size_t i);
+  void endMoves(std::size_t i) {
+    if (!slides()) relistIfMoved(i);
+  }
+
+  /// Renews the neighbour lists if disk i has moved too far for them. With kStop to be called after
+  /// each move.
+  void relistIfMoved(std::size_t i);
 
   /// Ends the step, which lasted dt [s], after the moves of all robots.
-  void endStep(double dt);
+  void endStep(double dt, WorkerTeam& team);
 
   /// Adds a hidden kinematic disk. @return its number, from 0
   std::size_t addKinematicDisk();
@@ -84,13 +104,13 @@ class DiskArena {
   void hideKinematicDisk(std::size_t disk);
 
   [[nodiscard]] const Arena& arena() const { return settings_.arena; }
-  [[nodiscard]] Vec centre(std::size_t i) const { return centres_[i]; }
+  [[nodiscard]] Vec centre(std::size_t i) const { return bodies_.centre[i]; }
   /// Where other robots sense disk i.
-  [[nodiscard]] Vec seen(std::size_t i) const { return slides() ? from_[i] : centres_[i]; }
+  [[nodiscard]] Vec seen(std::size_t i) const { return slides() ? from_[i] : bodies_.centre[i]; }
   /// Unit vector.
-  [[nodiscard]] Vec heading(std::size_t i) const { return bodies_[i].heading; }
+  [[nodiscard]] Vec heading(std::size_t i) const { return bodies_.heading(i); }
   [[nodiscard]] dynamics::Pose pose(std::size_t i) const {
-    return {centres_[i].x, centres_[i].y, bodies_[i].theta};
+    return {bodies_.centre[i].x, bodies_.centre[i].y, bodies_.theta[i]};
   }
   /// The velocity of robot i, with what contacts did to it in the last step.
   [[nodiscard]] Velocity velocity(std::size_t i) const;
@@ -126,6 +146,7 @@ class DiskArena {
   };
 
   [[nodiscard]] bool slides() const { return settings_.contact == ContactRule::kSlide; }
+  void moveUntilContact(std::size_t i, double dt);
   [[nodiscard]] Vec stopAtContact(std::size_t i, Vec move);
   bool touch(Contact& contact) const;
   void applyContacts(double dt);
@@ -134,7 +155,6 @@ class DiskArena {
   void pushOut(std::size_t i, std::size_t kinematic_body);
   void pushOutSliding(std::size_t kinematic_body);
   [[nodiscard]] double deepestOverlap(std::size_t kinematic_body) const;
-  void relistIfMoved(std::size_t i);
   void listNeighbours();
 
   DiskArenaSettings settings_;
@@ -147,9 +167,8 @@ class DiskArena {
   NeighbourList neighbours_;
   SlidingContacts sliding_;
   // Robots first, then kinematic disks.
-  std::vector<Vec> centres_;
-  std::vector<Vec> from_;  ///< Centres at the start of the step; with kSlide only.
-  std::vector<DiskBody> bodies_;
+  DiskBodies bodies_;
+  std::vector<Vec> from_;       ///< Centres at the start of the step; with kSlide only.
   std::vector<Vec> listed_at_;  ///< Centres when the neighbours were listed.
   std::vector<Contacts> contacts_;
 };

@@ -18,6 +18,12 @@ constexpr double kMostPush = 64;
 
 constexpr int kMostHalvings = 8;
 
+constexpr std::size_t kContactsOfARun = 200;
+
+// In units of the largest move. Robots are usually slower, so that the close pairs hold for tens of
+// steps.
+constexpr double kCloseMove = 2;
+
 bool isWall(std::uint32_t partner) { return partner >= kFirstWall; }
 
 double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
@@ -44,13 +50,16 @@ Vec wallNormal(std::uint32_t wall) {
 
 SlidingContacts::SlidingContacts(const SlidingSettings& settings)
     : settings_(settings),
-      solver_(settings.mobility, settings.friction),
-      most_push_(kMostPush * settings.largest_move / std::min(1.0, settings.mobility.across)) {}
+      solvers_(1, ContactSolver(settings.mobility, settings.friction)),
+      most_push_(kMostPush * settings.largest_move / std::min(1.0, settings.mobility.across)),
+      close_move_(kCloseMove * settings.largest_move) {}
 
-void SlidingContacts::resolve(const MovedDisks& disks, double dt) {
+void SlidingContacts::resolve(const MovedDisks& disks, double dt, WorkerTeam& team) {
+  parent_.resize(disks.robots, kNone);
+  slot_.resize(disks.robots, kNone);
   findPairs(disks, settings_.largest_move);
   takePushes(previous_, previous_dt_ > 0 ? dt / previous_dt_ : 0, false);
-  run(disks, false);
+  run(disks, false, team);
   previous_.clear();
   for (const Pair& pair : pairs_) {
     if (pair.normal_push > 0) previous_.push_back(pair);
@@ -59,11 +68,14 @@ void SlidingContacts::resolve(const MovedDisks& disks, double dt) {
 }
 
 void SlidingContacts::pushOut(const MovedDisks& disks) {
+  parent_.resize(disks.robots, kNone);
+  slot_.resize(disks.robots, kNone);
   findPairs(disks, settings_.largest_move);
-  run(disks, true);
+  WorkerTeam alone(1);
+  run(disks, true, alone);
 }
 
-void SlidingContacts::run(const MovedDisks& disks, bool at_rest) {
+void SlidingContacts::run(const MovedDisks& disks, bool at_rest, WorkerTeam& team) {
   shifts_.clear();
   touches_.clear();
   double deepest = 0;
@@ -76,23 +88,59 @@ void SlidingContacts::run(const MovedDisks& disks, bool at_rest) {
   for (Pair& pair : pairs_) pair.selected = pair.gap < -deepest;
   do {
     formIslands(disks, at_rest);
-    for (const Island& island : islands_) solve(disks, island);
+    solveIslands(disks, team);
   } while (selectOverlapping(disks));
   report();
 }
 
+// The pairs with a gap below `reach`.
 void SlidingContacts::findPairs(const MovedDisks& disks, double reach) {
   reach_ = reach;
   pairs_.clear();
-  parent_.resize(disks.robots, kNone);
-  slot_.resize(disks.robots, kNone);
+  if (reach > settings_.largest_move) {
+    searchPairs(disks, reach, reach);
+    return;
+  }
+  if (close_at_.size() != disks.bodies->centre.size() ||
+      anyMoved(disks.bodies->centre, close_at_, close_move_)) {
+    listClosePairs(disks);
+  }
   const double distance = 2 * settings_.radius + reach;
+  for (const ClosePair close : close_) {
+    const Vec centre = disks.to(close.first);
+    if (isWall(close.second)) {
+      const double gap = wallGap(close.second, centre);
+      if (gap < reach) pairs_.push_back({.first = close.first, .second = close.second, .gap = gap});
+      continue;
+    }
+    const Vec apart = difference(centre, disks.to(close.second));
+    const double squared = dot(apart, apart);
+    if (squared >= distance * distance) continue;
+    pairs_.push_back({.first = close.first,
+                      .second = close.second,
+                      .gap = std::sqrt(squared) - 2 * settings_.radius});
+  }
+}
+
+void SlidingContacts::listClosePairs(const MovedDisks& disks) {
+  searchPairs(disks, settings_.largest_move + 2 * close_move_,
+              settings_.largest_move + close_move_);
+  close_.clear();
+  for (const Pair& pair : pairs_) close_.push_back({pair.first, pair.second});
+  close_at_ = disks.bodies->centre;
+  pairs_.clear();
+}
+
+// Adds all pairs of disks with a gap below one limit, and robots with a gap to a wall below
+// another.
+void SlidingContacts::searchPairs(const MovedDisks& disks, double pair_gap, double wall_gap) {
+  const double distance = 2 * settings_.radius + pair_gap;
   for (std::uint32_t i = 0; i < disks.robots; ++i) {
-    const Vec centre = disks.to[i];
+    const Vec centre = disks.to(i);
     const std::size_t begin = pairs_.size();
     for (const std::uint32_t j : disks.neighbours->of(i)) {
       if (j < i) continue;
-      const Vec apart = difference(centre, disks.to[j]);
+      const Vec apart = difference(centre, disks.to(j));
       const double squared = dot(apart, apart);
       if (squared >= distance * distance) continue;
       pairs_.push_back({.first = i, .second = j, .gap = std::sqrt(squared) - 2 * settings_.radius});
@@ -101,7 +149,7 @@ void SlidingContacts::findPairs(const MovedDisks& disks, double reach) {
       std::sort(pairs_.begin() + static_cast<std::ptrdiff_t>(begin), pairs_.end(),
                 [](const Pair& a, const Pair& b) { return a.second < b.second; });
     }
-    addWalls(i, centre, reach);
+    addWalls(i, centre, wall_gap);
   }
 }
 
@@ -202,19 +250,19 @@ void SlidingContacts::addContact(const Pair& pair, const Island& island, const M
   contact.normal_push = pair.normal_push;
   contact.tangent_push = pair.tangent_push;
   contact.first = slotOf(pair.first, disks) - first_disk;
-  Vec moved = difference(disks.to[pair.first], disks.from[pair.first]);
-  double turned = at_rest ? 0 : disks.bodies[pair.first].turned;
+  Vec moved = difference(disks.to(pair.first), disks.from[pair.first]);
+  double turned = at_rest ? 0 : disks.bodies->turned[pair.first];
   if (isWall(pair.second)) {
     contact.normal = wallNormal(pair.second);
   } else {
-    const Vec apart = difference(disks.to[pair.first], disks.to[pair.second]);
+    const Vec apart = difference(disks.to(pair.first), disks.to(pair.second));
     const double distance = std::sqrt(dot(apart, apart));
     contact.normal = distance > 0 ? Vec{apart.x / distance, apart.y / distance}
-                                  : disks.bodies[pair.first].heading;
-    moved = difference(moved, difference(disks.to[pair.second], disks.from[pair.second]));
+                                  : disks.bodies->heading(pair.first);
+    moved = difference(moved, difference(disks.to(pair.second), disks.from[pair.second]));
     if (pair.second < disks.robots) {
       contact.second = slotOf(pair.second, disks) - first_disk;
-      turned += at_rest ? 0 : disks.bodies[pair.second].turned;
+      turned += at_rest ? 0 : disks.bodies->turned[pair.second];
     } else {
       contact.gap = std::max(contact.gap, -settings_.largest_move);
       contact.most_push = most_push_;
@@ -229,35 +277,50 @@ void SlidingContacts::addContact(const Pair& pair, const Island& island, const M
 std::uint32_t SlidingContacts::slotOf(std::uint32_t robot, const MovedDisks& disks) {
   if (slot_[robot] == kNone) {
     slot_[robot] = static_cast<std::uint32_t>(disks_.size());
-    disks_.push_back({disks.bodies[robot].heading, {}, 0});
+    disks_.push_back({disks.bodies->heading(robot), {}, 0});
     robot_index_.push_back(robot);
   }
   return slot_[robot];
 }
 
-void SlidingContacts::solve(const MovedDisks& disks, const Island& island) {
+// Islands do not depend on each other. Threads take them in runs of some hundred contacts.
+void SlidingContacts::solveIslands(const MovedDisks& disks, WorkerTeam& team) {
+  solvers_.resize(team.size(), solvers_.front());
+  runs_.assign(1, 0);
+  std::size_t contacts = 0;
+  for (std::size_t k = 0; k < islands_.size(); ++k) {
+    contacts += islands_[k].contacts;
+    if (contacts < kContactsOfARun && k + 1 < islands_.size()) continue;
+    runs_.push_back(k + 1);
+    contacts = 0;
+  }
+  team.run(runs_.size() - 1, [&](std::size_t run, std::size_t worker) {
+    for (std::size_t k = runs_[run]; k < runs_[run + 1]; ++k) {
+      solve(disks, islands_[k], solvers_[worker]);
+    }
+  });
+  for (const Island& island : islands_) {
+    if (island.sweeps == 0) continue;
+    ++all_islands_;
+    sweeps_ += island.sweeps;
+    unsolved_islands_ += island.sweeps == ContactSolver::kMostSweeps ? 1 : 0;
+  }
+}
+
+void SlidingContacts::solve(const MovedDisks& disks, Island& island, ContactSolver& solver) {
   const auto contacts = std::span(contacts_).subspan(island.first_contact, island.contacts);
-  double deepest = 0;
-  for (const DiskContact& contact : contacts) deepest = std::min(deepest, contact.gap);
-  if (deepest >= -kSlack) {
+  const bool overlaps = std::ranges::any_of(
+      contacts, [](const DiskContact& contact) { return contact.gap < -kSlack; });
+  if (!overlaps) {
     for (DiskContact& contact : contacts) contact.normal_push = contact.tangent_push = 0;
     return;
   }
   const auto island_disks = std::span(disks_).subspan(island.first_disk, island.disks);
-  const int sweeps = solver_.solve(island_disks, contacts);
-  ++all_islands_;
-  sweeps_ += sweeps;
-  if (sweeps == ContactSolver::kMostSweeps) {
-    ++unsolved_islands_;
-    limit(disks, island);
-    return;
-  }
-  for (std::size_t d = island.first_disk; d < island.first_disk + island.disks; ++d) {
-    if (dot(disks_[d].shift, disks_[d].shift) > squaredFarthestShift()) {
-      limit(disks, island);
-      return;
-    }
-  }
+  island.sweeps = solver.solve(island_disks, contacts);
+  const bool far = std::ranges::any_of(island_disks, [&](const ContactDisk& disk) {
+    return dot(disk.shift, disk.shift) > squaredFarthestShift();
+  });
+  if (far || island.sweeps == ContactSolver::kMostSweeps) limit(disks, island);
 }
 
 // Shortens the moves of an island until nothing overlaps that did not overlap before.
@@ -278,7 +341,7 @@ void SlidingContacts::limit(const MovedDisks& disks, const Island& island) {
       fits = gapOf(pair, place(pair.first), second) >= -kSlack;
     }
     for (std::size_t d = island.first_disk; d < island.first_disk + island.disks && fits; ++d) {
-      const Vec shift = difference(place(robot_index_[d]), disks.to[robot_index_[d]]);
+      const Vec shift = difference(place(robot_index_[d]), disks.to(robot_index_[d]));
       fits = dot(shift, shift) <= squaredFarthestShift();
     }
     if (fits || share == 0) break;
@@ -288,7 +351,7 @@ void SlidingContacts::limit(const MovedDisks& disks, const Island& island) {
     const Vec from = disks.from[robot];
     const Vec move = difference(shifted(disks, robot), from);
     disks_[d].shift =
-        difference({from.x + share * move.x, from.y + share * move.y}, disks.to[robot]);
+        difference({from.x + share * move.x, from.y + share * move.y}, disks.to(robot));
     disks_[d].roll *= share;
   }
 }
@@ -363,8 +426,8 @@ double SlidingContacts::wallGap(std::uint32_t wall, Vec centre) const {
 }
 
 Vec SlidingContacts::shifted(const MovedDisks& disks, std::uint32_t disk) const {
-  if (disk >= disks.robots || slot_[disk] == kNone) return disks.to[disk];
-  return sum(disks.to[disk], disks_[slot_[disk]].shift);
+  if (disk >= disks.robots || slot_[disk] == kNone) return disks.to(disk);
+  return sum(disks.to(disk), disks_[slot_[disk]].shift);
 }
 
 double SlidingContacts::squaredFarthestShift() const {

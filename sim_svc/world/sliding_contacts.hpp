@@ -9,8 +9,9 @@
 
 #include "sim_svc/world/arena.hpp"
 #include "sim_svc/world/contact_solver.hpp"
-#include "sim_svc/world/disk_body.hpp"
+#include "sim_svc/world/disk_bodies.hpp"
 #include "sim_svc/world/neighbour_list.hpp"
+#include "sim_svc/world/worker_team.hpp"
 
 namespace lab::sim {
 
@@ -25,10 +26,12 @@ struct SlidingSettings {
 /// The disks of a step: robots first, then kinematic disks, which no force moves.
 struct MovedDisks {
   std::size_t robots = 0;
-  std::span<const Vec> from;         ///< Centres at the start of the step.
-  std::span<const Vec> to;           ///< Centres after the free motion.
-  std::span<const DiskBody> bodies;  ///< After the free motion.
-  const NeighbourList* neighbours = nullptr;
+  std::span<const Vec> from;  ///< Centres at the start of the step.
+  const DiskBodies* bodies;   ///< After the free motion.
+  const NeighbourList* neighbours;
+
+  /// The centre of a disk after the free motion.
+  [[nodiscard]] Vec to(std::size_t disk) const { return bodies->centre[disk]; }
 };
 
 /// What contacts do to one robot in one step.
@@ -56,15 +59,15 @@ class SlidingContacts {
   /// disks at rest stay exactly at rest.
   static constexpr double kSlack = 5e-7;
 
-  /// Pairs are searched for up to this gap, in units of the largest move. The neighbour list must
-  /// contain them.
+  /// The neighbour list must contain pairs up to this gap, in units of the largest move.
   static constexpr double kFarthestGap = 7;
 
   explicit SlidingContacts(const SlidingSettings& settings);
 
   /// Resolves the contacts of a step.
   /// @param dt duration of the step [s]
-  void resolve(const MovedDisks& disks, double dt);
+  /// @param team whose threads solve islands
+  void resolve(const MovedDisks& disks, double dt, WorkerTeam& team);
 
   /// Pushes robots at rest out of kinematic disks, by at most the largest move.
   void pushOut(const MovedDisks& disks);
@@ -81,6 +84,10 @@ class SlidingContacts {
   [[nodiscard]] std::int64_t sweeps() const { return sweeps_; }
 
  private:
+  struct ClosePair {
+    std::uint32_t first = 0;
+    std::uint32_t second = 0;  ///< As in Pair.
+  };
   /// A robot that is close to another disk or to a wall after the free motion.
   struct Pair {
     std::uint32_t first = 0;
@@ -96,16 +103,20 @@ class SlidingContacts {
     std::size_t contacts = 0;
     std::size_t first_disk = 0;
     std::size_t disks = 0;
+    int sweeps = 0;  ///< 0: nothing overlaps.
   };
 
-  void run(const MovedDisks& disks, bool at_rest);
+  void run(const MovedDisks& disks, bool at_rest, WorkerTeam& team);
   void findPairs(const MovedDisks& disks, double reach);
+  void listClosePairs(const MovedDisks& disks);
+  void searchPairs(const MovedDisks& disks, double pair_gap, double wall_gap);
   void addWalls(std::uint32_t robot, Vec centre, double reach);
   void takePushes(std::span<const Pair> pairs, double factor, bool select);
   void formIslands(const MovedDisks& disks, bool at_rest);
   void addContact(const Pair& pair, const Island& island, const MovedDisks& disks, bool at_rest);
   std::uint32_t slotOf(std::uint32_t robot, const MovedDisks& disks);
-  void solve(const MovedDisks& disks, const Island& island);
+  void solveIslands(const MovedDisks& disks, WorkerTeam& team);
+  void solve(const MovedDisks& disks, Island& island, ContactSolver& solver);
   void limit(const MovedDisks& disks, const Island& island);
   bool selectOverlapping(const MovedDisks& disks);
   void report();
@@ -117,8 +128,13 @@ class SlidingContacts {
   [[nodiscard]] Vec shifted(const MovedDisks& disks, std::uint32_t disk) const;
 
   SlidingSettings settings_;
-  ContactSolver solver_;
-  double most_push_;  ///< Of a kinematic disk [m].
+  std::vector<ContactSolver> solvers_;  ///< Per thread.
+  double most_push_;                    ///< Of a kinematic disk [m].
+
+  /// Pairs that may come into contact before a disk has moved by close_move_ since close_at_.
+  std::vector<ClosePair> close_;
+  std::vector<Vec> close_at_;  ///< Per disk.
+  double close_move_;          ///< [m]
 
   std::vector<Pair> pairs_;     ///< In the order of first, then second.
   std::vector<Pair> previous_;  ///< Those of the last step that pressed, in the same order.
@@ -128,6 +144,8 @@ class SlidingContacts {
   std::vector<std::uint32_t> parent_;  ///< Per robot: the islands as a disjoint-set forest.
   std::vector<std::uint32_t> slot_;    ///< Per robot: its index in island_disks_, or kNone.
   std::vector<Island> islands_;
+  std::vector<std::size_t>
+      runs_;  ///< Islands that one thread solves: the first, and the last's end.
   std::vector<std::uint32_t> island_of_;    ///< Per selected pair.
   std::vector<std::uint32_t> pair_index_;   ///< Per contact: its pair.
   std::vector<std::uint32_t> robot_index_;  ///< Per disk of an island: the robot.

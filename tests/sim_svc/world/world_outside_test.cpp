@@ -222,7 +222,9 @@ TEST(WorldKinematicDisks, HoldARobotAtAWallWhichDoesNotYield) {
   EXPECT_TRUE(dut.state(0).contact_robot);
   dut.moveKinematicDisk(disk, {0.09, 0.49});  // beyond the cones of friction
   dut.advanceTo(2 * kSecond);
-  EXPECT_NEAR(distance({0.09, 0.49}, dut.pose(0)), 0.075, 1e-6) << "it comes out at the side";
+  // It comes out at the side; pushes by pieces leave a gap where they turn it around the disk.
+  EXPECT_NEAR(distance({0.09, 0.49}, dut.pose(0)), 0.075, 1e-5);
+  EXPECT_GE(distance({0.09, 0.49}, dut.pose(0)), 0.075 - 1e-6);
 }
 
 TEST(WorldKinematicDisks, MayBePutAnywhereOnACrowdWhichStaysInside) {
