@@ -66,8 +66,8 @@ std::string conditionText(const EndCondition& until) {
     const auto add = [&text](const std::string& part) {
       text += (text.empty() ? "" : " and ") + part;
     };
-    if (until.above) add("above " + numberText(*until.above));
-    if (until.below) add("below " + numberText(*until.below));
+    if (until.above) add("above " + keys::numberText(*until.above));
+    if (until.below) add("below " + keys::numberText(*until.below));
     if (until.relative_error > 0) {
       add("known to " + fileText(until.relative_error, unitOf("_percent")) + " %");
     }
