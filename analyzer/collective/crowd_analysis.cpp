@@ -48,7 +48,7 @@ void CrowdAnalysis::addFrame(double time, double frame_period,
   const bool back = time <= last_time_;
   takePoses(time, poses);
   formGroups(poses);
-  addRates(back ? units::kNan : time, poses);
+  addRates(time, back, poses);
   last_time_ = time;
   const double period = config_.settings.period;
   const double early = 0.5 * std::min(frame_period, period);
@@ -114,10 +114,10 @@ void CrowdAnalysis::formGroups(const std::vector<CrowdPose>& poses) {
   }
 }
 
-void CrowdAnalysis::addRates(double time, const std::vector<CrowdPose>& poses) {
-  if (std::isnan(time)) return;
+void CrowdAnalysis::addRates(double time, bool back, const std::vector<CrowdPose>& poses) {
   const double interval = time - last_time_;
-  const double dt = interval <= kLongestInterval ? interval : 0;  // also of the first frame
+  const double dt =
+      !back && interval <= kLongestInterval ? interval : 0;  // also of the first frame
   const ContactFrame& contacts = contacts_->take(time, robots_);
   for (const Members& members : members_) {
     const std::span<double> rates = members.group->rates();

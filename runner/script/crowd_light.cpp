@@ -7,6 +7,7 @@
 namespace lab::runner {
 namespace {
 
+constexpr double kLargestValue = 1e9;  // a larger one was not measured
 constexpr double kLongestGap = 5;  // [s] after a longer one, the time between two values is unknown
 // Smaller changes are not sent: projectors have 256 levels.
 constexpr double kSmallestChange = 1.0 / 512;
@@ -21,14 +22,14 @@ PiRule::PiRule(const CrowdRule& rule, double intensity)
     : rule_(rule), base_(intensity), intensity_(intensity) {}
 
 double PiRule::take(double value, double dt) {
-  if (!std::isfinite(value)) return intensity_;
+  if (!(std::abs(value) < kLargestValue)) return intensity_;
   const double error = rule_.target - value;
   const double step = rule_.integral_time > 0 ? error * dt / rule_.integral_time : 0;
   const auto wanted = [&](double integral) { return base_ + rule_.gain * (error + integral); };
   const double with_step = wanted(integral_ + step);
   const bool deeper = (with_step > rule_.highest && rule_.gain * step > 0) ||
                       (with_step < rule_.lowest && rule_.gain * step < 0);
-  if (!deeper) integral_ += step;
+  if (!deeper && std::isfinite(step)) integral_ += step;
   intensity_ = std::clamp(wanted(integral_), rule_.lowest, rule_.highest);
   return intensity_;
 }

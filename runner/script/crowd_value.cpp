@@ -9,6 +9,11 @@
 #include "common/text/format.hpp"
 
 namespace lab::runner {
+namespace {
+
+constexpr std::size_t kMostValues = 5000;  // more than an hour at one per second
+
+}  // namespace
 
 CrowdValue::CrowdValue(const Experiment& experiment, std::string name, const std::string& program)
     : name_(std::move(name)) {
@@ -42,7 +47,9 @@ bool CrowdCondition::take(const collective_t& message) {
   values_.emplace_back(utime, value_.now());
   const std::int64_t begin = utime - units::microseconds(until_.over);
   whole_ = whole_ || values_.front().first <= begin;
-  while (values_.size() > 1 && values_.front().first < begin) values_.pop_front();
+  while (values_.size() > 1 && (values_.front().first < begin || values_.size() > kMostValues)) {
+    values_.pop_front();
+  }
   return true;
 }
 

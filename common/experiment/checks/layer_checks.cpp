@@ -128,7 +128,7 @@ class LayerCheck {
     checkSpeed(path, entry);
     if (!problems_.concern(path)) checkDrive(path, layer);
     checkNames(path, layer.drive);
-    checkCrowdRule(form_, path + ".crowd", layer, problems_);
+    if (entry.has_crowd) checkCrowdRule(form_, path + ".crowd", layer, problems_);
   }
 
  private:

@@ -50,7 +50,6 @@ void checkObservableProgram(const ExperimentForm& form, const std::string& path,
 void checkCrowdRule(const ExperimentForm& form, const std::string& path, const LayerSpec& layer,
                     Problems& problems) {
   const CrowdRule& crowd = layer.crowd;
-  if (!crowd.given()) return;
   const int rules =
       (crowd.gate.empty() ? 0 : 1) + (crowd.hold.empty() ? 0 : 1) + (crowd.quorum ? 1 : 0);
   if (rules != 1) {

@@ -334,11 +334,10 @@ void visitLayer(KeyVisitor& v, LayerEntry& entry) {
   visitWaveform(v, kind, layer);
   visitFollow(v, kind, layer.drive);
   visitGate(v, layer.drive);
-  bool crowd = layer.crowd.given();
   v.inLineTable({.name = "crowd",
                  .meaning = "how the layer depends on what the robots do together",
                  .default_text = "-"},
-                crowd, [&] { visitCrowd(v, layer.crowd); });
+                entry.has_crowd, [&] { visitCrowd(v, layer.crowd); });
 }
 
 }  // namespace lab::keys
