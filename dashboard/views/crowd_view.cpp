@@ -15,13 +15,13 @@ namespace {
 constexpr std::array<std::string_view, 2> kOverTime{"polar_order", "largest_cluster"};
 
 template <class Values>
-Json numbers(const Values& values, double factor) {
+Json columnJson(const Values& values, double factor) {
   Json out = Json::array();
   for (const auto value : values) out.push_back(number(static_cast<double>(value) * factor));
   return out;
 }
 
-void halve(std::vector<double>& values) {
+void halveTimes(std::vector<double>& values) {
   for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
   values.resize((values.size() + 1) / 2);
 }
@@ -37,16 +37,16 @@ Json observableJson(const observable_t& one) {
           {"high", number(one.high * unit.factor)}};
 }
 
-Json curveJson(const observable_curve_t& curve) {
+Json observableCurveJson(const observable_curve_t& curve) {
   const lab::DisplayUnit x = lab::displayUnit(curve.x_unit);
   const lab::DisplayUnit unit = lab::displayUnit(curve.unit);
   return {{"name", curve.name},
           {"x_unit", x.text},
           {"unit", unit.text},
-          {"x", numbers(curve.x, x.factor)},
-          {"value", numbers(curve.value, unit.factor)},
-          {"low", numbers(curve.low, unit.factor)},
-          {"high", numbers(curve.high, unit.factor)}};
+          {"x", columnJson(curve.x, x.factor)},
+          {"value", columnJson(curve.value, unit.factor)},
+          {"low", columnJson(curve.low, unit.factor)},
+          {"high", columnJson(curve.high, unit.factor)}};
 }
 
 }  // namespace
@@ -65,9 +65,9 @@ void CrowdView::take(const collective_t& message, std::int64_t start) {
 
 void CrowdView::addPoint(Group& group) {
   if (group.times.size() >= kMaxPoints) {
-    halve(group.times);
+    halveTimes(group.times);
     for (auto& [name, line] : group.lines) {
-      for (auto* values : {&line.now, &line.low, &line.high}) halve(*values);
+      for (auto* values : {&line.now, &line.low, &line.high}) halveTimes(*values);
     }
     group.step_us *= 2;
   }
@@ -106,17 +106,18 @@ std::string CrowdView::json(const std::string& program) const {
     observables.push_back(observableJson(one));
   }
   Json curves = Json::array();
-  for (const observable_curve_t& curve : group.message.curves) curves.push_back(curveJson(curve));
+  for (const observable_curve_t& curve : group.message.curves)
+    curves.push_back(observableCurveJson(curve));
   Json members = Json::array();
   for (const crowd_member_t& member : group.message.members) {
     members.push_back({member.robot_id, member.cluster, number(static_cast<double>(member.density)),
                        number(static_cast<double>(member.hexatic))});
   }
-  Json history = {{"t_s", numbers(group.times, 1)}};
+  Json history = {{"t_s", columnJson(group.times, 1)}};
   for (const auto& [name, line] : group.lines) {
-    history[name] = {{"now", numbers(line.now, 1)},
-                     {"low", numbers(line.low, 1)},
-                     {"high", numbers(line.high, 1)}};
+    history[name] = {{"now", columnJson(line.now, 1)},
+                     {"low", columnJson(line.low, 1)},
+                     {"high", columnJson(line.high, 1)}};
   }
   return toText({{"program", program},
                  {"observed_s", number(group.message.observed)},

@@ -21,7 +21,7 @@ using collective::CurveSample;
 using collective::ObservableCurve;
 using units::kCm;
 
-FigureScript begin(const char* name, const char* title) {
+FigureScript crowdFigure(const char* name, const char* title) {
   FigureScript script;
   script.figure.name = name;
   script.figure.title = title;
@@ -206,7 +206,7 @@ std::string timeCsv(const std::vector<Group>& groups) {
 }
 
 FigureScript orderFigure(const RunRecord& record, const std::vector<Group>& groups) {
-  FigureScript script = begin("crowd_order", "Polar order and largest cluster over time");
+  FigureScript script = crowdFigure("crowd_order", "Polar order and largest cluster over time");
   script.figure.csv = timeCsv(groups);
   const style::TimeAxis axis = style::timeAxis(record.duration());
   const Plots order = overTime(groups, collective::kPolar, axis.scale, true);
@@ -236,7 +236,7 @@ FigureScript orderFigure(const RunRecord& record, const std::vector<Group>& grou
 
 FigureScript pairsFigure(const std::vector<Group>& groups) {
   FigureScript script =
-      begin("crowd_pairs", "Pair distribution g(r) and velocity correlation C_v(r)");
+      crowdFigure("crowd_pairs", "Pair distribution g(r) and velocity correlation C_v(r)");
   script.figure.csv = curvesCsv(groups, {"pair_distribution", "velocity_correlation"});
   const Plots pairs = plotsOf(groups, "pair_distribution", true);
   const Plots velocities = plotsOf(groups, "velocity_correlation", false);
@@ -273,7 +273,7 @@ FigureScript pairsFigure(const std::vector<Group>& groups) {
 FigureScript simpleFigure(const char* name, const char* title, const std::vector<Group>& groups,
                           const std::string& curve, const std::string& settings,
                           const std::string& more, const char* caption, bool positive) {
-  FigureScript script = begin(name, title);
+  FigureScript script = crowdFigure(name, title);
   script.figure.csv = curvesCsv(groups, {curve});
   const Plots plots = plotsOf(groups, curve, true, positive);
   if (plots.empty()) {
@@ -314,7 +314,7 @@ FigureScript clustersFigure(const std::vector<Group>& groups) {
 
 /// The motion as it was filmed, with the free motion of the programs beside it.
 FigureScript motionFigure(const RunRecord& record, const std::vector<Group>& groups) {
-  FigureScript script = begin("crowd_motion", "MSD of the whole motion beside the free one");
+  FigureScript script = crowdFigure("crowd_motion", "MSD of the whole motion beside the free one");
   script.figure.csv = curvesCsv(groups, {"whole_msd", "whole_angular_msd"});
   const Plots plots = plotsOf(groups, "whole_msd", true, true);
   if (plots.empty()) {

@@ -130,7 +130,7 @@ FigureScript crowdMapFigure(const RunRecord& record) {
                cell.y * kCm - 0.5 * longest * y / strongest, longest * x / strongest,
                longest * y / strongest);
   }
-  arrows.row(units::kNan, units::kNan, 0, 0);
+  arrows.row(units::kNan, units::kNan, 0.0, 0.0);
   script.script =
       cells.text() + arrows.text() + style::preamble(script.figure.name, 760, 560) +
       arenaFrame(record) +
