@@ -13,6 +13,13 @@ constexpr double kForgotten = 0.5;  // [s]
 }  // namespace
 
 const ContactFrame& ContactTracker::take(double time, const std::vector<CrowdRobot>& robots) {
+  // After a step of the clock backwards nothing is known about the time before.
+  if (time < last_time_) {
+    contacts_.clear();
+    at_wall_.clear();
+    first_seen_.clear();
+  }
+  last_time_ = time;
   frame_.pairs.clear();
   frame_.ended.clear();
   frame_.left_wall.clear();

@@ -52,6 +52,7 @@ class ContactTracker {
   std::map<int, double> at_wall_;                    ///< by id: last frame [s]
   std::map<int, double> first_seen_;                 ///< by id [s]
   std::map<int, std::size_t> index_;
+  double last_time_ = 0;  ///< [s]
   std::vector<Point> points_;
   std::vector<std::size_t> order_;
 };

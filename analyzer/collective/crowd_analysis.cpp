@@ -48,7 +48,7 @@ void CrowdAnalysis::addFrame(double time, double frame_period,
   const bool back = time <= last_time_;
   takePoses(time, poses);
   formGroups(poses);
-  addRates(back ? units::kNan : time, poses);
+  addRates(time, back, poses);
   last_time_ = time;
   const double period = config_.settings.period;
   const double early = 0.5 * std::min(frame_period, period);
@@ -114,10 +114,10 @@ void CrowdAnalysis::formGroups(const std::vector<CrowdPose>& poses) {
   }
 }
 
-void CrowdAnalysis::addRates(double time, const std::vector<CrowdPose>& poses) {
-  if (std::isnan(time)) return;
+void CrowdAnalysis::addRates(double time, bool back, const std::vector<CrowdPose>& poses) {
   const double interval = time - last_time_;
-  const double dt = interval <= kLongestInterval ? interval : 0;  // also of the first frame
+  const double dt =
+      !back && interval <= kLongestInterval ? interval : 0;  // also of the first frame
   const ContactFrame& contacts = contacts_->take(time, robots_);
   for (const Members& members : members_) {
     const std::span<double> rates = members.group->rates();
@@ -143,6 +143,8 @@ void CrowdAnalysis::addRates(double time, const std::vector<CrowdPose>& poses) {
     }
   }
   if (config_.regions.empty() && config_.bands.empty()) return;
+  std::vector<std::vector<double>> counts(members_.size(),
+                                          std::vector<double>(region_names_.names.size(), 0.0));
   for (std::size_t i = 0; i < robots_.size(); ++i) {
     const CrowdRobot& robot = robots_[i];
     PlaceTracker::Change region;
@@ -154,12 +156,14 @@ void CrowdAnalysis::addRates(double time, const std::vector<CrowdPose>& poses) {
       region = regions_.take(time, robot.id, static_cast<int>(found - config_.regions.begin()));
     }
     if (!config_.bands.empty()) band = bands_.take(time, robot.id, poses[sources_[i]].band);
-    for (const Members& members : members_) {
+    for (std::size_t m = 0; m < members_.size(); ++m) {
+      const Members& members = members_[m];
       if (members.is_member[i] == 0) continue;
       const std::span<double> rates = members.group->rates();
       const RateChannels& channels = members.group->channels();
       if (region.to >= 0) {
         const auto to = static_cast<std::size_t>(region.to);
+        counts[m][to] += 1;
         rates[channels.regionTime(to)] += dt;
         if (region.from >= 0 && region.from != region.to) {
           rates[channels.regionChange(static_cast<std::size_t>(region.from), to)] += 1;
@@ -173,6 +177,9 @@ void CrowdAnalysis::addRates(double time, const std::vector<CrowdPose>& poses) {
         }
       }
     }
+  }
+  for (std::size_t m = 0; m < members_.size(); ++m) {
+    members_[m].group->setRegionCounts(counts[m]);
   }
 }
 

@@ -86,7 +86,7 @@ class CrowdAnalysis {
   void setPeriod(double frame_period);
   void takePoses(double time, const std::vector<CrowdPose>& poses);
   void formGroups(const std::vector<CrowdPose>& poses);
-  void addRates(double time, const std::vector<CrowdPose>& poses);
+  void addRates(double time, bool back, const std::vector<CrowdPose>& poses);
   void evaluate(double time);
   CrowdGroup& groupOf(int key);
 

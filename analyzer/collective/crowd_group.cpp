@@ -116,6 +116,9 @@ CrowdResult CrowdGroup::result() const {
                    fluctuations_.variance(), motion_.msd(),       motion_.angularMsd()};
   result.modes = modesOf(result.curves[2]);
   result.regions = places(region_names_, false);
+  double counted = 0;
+  for (const double count : region_counts_) counted += count;
+  for (const double count : region_counts_) result.regions.now.push_back(count / counted);
   result.bands = places(band_names_, true);
   return result;
 }

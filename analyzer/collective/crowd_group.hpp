@@ -27,6 +27,7 @@ struct PlaceNames {
 struct PlaceResult {
   std::vector<std::string> names;
   std::vector<Average> shares;  ///< of the robots' time
+  std::vector<double> now;      ///< share of the robots in the last frame; empty: unknown
   std::vector<Average> stays;   ///< [s] mean duration of a stay: time over number of ends
   /// Changes per second [1/s], from the place of the row to that of the column.
   std::vector<std::vector<Average>> flux;
@@ -90,6 +91,9 @@ class CrowdGroup {
   [[nodiscard]] const RateChannels& channels() const { return channels_; }
   void addContact(double duration);
 
+  /// Numbers of robots in each region in the current frame.
+  void setRegionCounts(const std::vector<double>& counts) { region_counts_ = counts; }
+
   /// Takes an evaluated frame of at least one robot. Averages and correlations take it if there
   /// are two robots or more.
   void take(double time, const std::vector<CrowdRobot>& robots,
@@ -127,6 +131,7 @@ class CrowdGroup {
   WholeMotion motion_;
   std::vector<double> contact_times_;  ///< counts by class of duration
   std::array<double, kScalars> now_{};
+  std::vector<double> region_counts_;
   std::size_t frames_ = 0;
   double first_time_ = 0;
   double last_time_ = 0;

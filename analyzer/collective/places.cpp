@@ -22,7 +22,7 @@ PlaceTracker::Change PlaceTracker::take(double time, int robot, int place) {
     state.candidate = -1;
     return {place, place};
   }
-  if (place != state.candidate) {
+  if (place != state.candidate || time < state.since) {
     state.candidate = place;
     state.since = time;
   }

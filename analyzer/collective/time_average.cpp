@@ -11,6 +11,20 @@ namespace {
 constexpr double kWindowFactor = 1.5;  // S of Wolff 2004, eq. 52
 constexpr std::size_t kFewestBlocks = 8;
 constexpr double kFewestFreedom = 4;
+// More blocks hide slow fluctuations of small amplitude, such as those of the density, behind fast
+// ones: the window would end too early.
+constexpr std::size_t kMostBlocks = 64;
+
+/// Neighbours are averaged until there are at most `most` values; a rest of fewer is left out.
+std::vector<double> mergedTo(std::size_t most, std::span<const double> all) {
+  const std::size_t each = (all.size() + most - 1) / most;
+  if (each <= 1) return {all.begin(), all.end()};
+  std::vector<double> merged(all.size() / each, 0.0);
+  for (std::size_t i = 0; i < merged.size() * each; ++i) {
+    merged[i / each] += all[i] / static_cast<double>(each);
+  }
+  return merged;
+}
 
 double covariance(std::span<const double> residuals, std::size_t lag) {
   double sum = 0;
@@ -64,9 +78,10 @@ std::vector<double> BlockedSums::column(std::size_t channel) const {
   return column;
 }
 
-Average averageWithResiduals(double value, std::span<const double> residuals) {
+Average averageWithResiduals(double value, std::span<const double> all) {
   Average average;
   average.value = value;
+  const std::vector<double> residuals = mergedTo(kMostBlocks, all);
   const std::size_t blocks = residuals.size();
   if (blocks < kFewestBlocks || !std::isfinite(value)) return average;
   const auto n = static_cast<double>(blocks);

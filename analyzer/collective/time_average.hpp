@@ -57,8 +57,9 @@ class BlockedSums {
 /// error takes the correlation of neighbouring blocks into account: the autocovariance of the
 /// residuals numerator - value * denominator is summed up to a window W that is chosen
 /// automatically, with the correction of its bias (Wolff, Comput. Phys. Commun. 156, 143, 2004,
-/// with S = 1.5). The interval is Student's with n / (2 W + 1) degrees of freedom for n blocks. It
-/// needs eight blocks and four degrees of freedom; else sigma and the interval are nan.
+/// with S = 1.5). Before that neighbours are merged until there are at most 64 blocks. The interval
+/// is Student's with n / (2 W + 1) degrees of freedom for n blocks. It needs eight blocks and four
+/// degrees of freedom; else sigma and the interval are nan.
 [[nodiscard]] Average averageOf(std::span<const double> numerator,
                                 std::span<const double> denominator);
 

@@ -1,7 +1,10 @@
 #include "analyzer/service/collective_message.hpp"
 
 #include <cstdint>
+#include <string>
 #include <utility>
+
+#include "common/experiment/observable_names.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -19,12 +22,6 @@ observable_t toMessage(const Observable& number) {
   message.low = number.average.low;
   message.high = number.average.high;
   return message;
-}
-
-/// A share of the time in a place, such as "time_in_left".
-observable_t share(const std::string& kind, const std::string& name,
-                   const collective::Average& average) {
-  return toMessage(Observable{kind + name, "1", units::kNan, units::kNan, average});
 }
 
 observable_curve_t toMessage(const ObservableCurve& curve) {
@@ -68,8 +65,10 @@ std::vector<collective_t> collectiveMessages(const CollectiveFeed& feed) {
       message.observables.push_back(toMessage(number));
     }
     for (std::size_t i = 0; i < result.regions.names.size(); ++i) {
+      const double now = i < result.regions.now.size() ? result.regions.now[i] : units::kNan;
       message.observables.push_back(
-          share("time_in_", result.regions.names[i], result.regions.shares[i]));
+          toMessage(Observable{std::string(kShareIn) + result.regions.names[i], "1", now,
+                               units::kNan, result.regions.shares[i]}));
     }
     message.num_observables = static_cast<std::int32_t>(message.observables.size());
     for (const ObservableCurve& curve : result.curves) message.curves.push_back(toMessage(curve));

@@ -138,6 +138,25 @@ struct SerialLines {
   bool operator==(const SerialLines&) const = default;
 };
 
+/// How a layer depends on what the robots do together: a gate, a control loop or a quorum. The
+/// runner applies it once a second, by the analyzer's numbers.
+struct CrowdRule {
+  std::string gate;     ///< collective number: the layer is shown while it is above or below
+  std::string hold;     ///< collective number that the intensity holds at `target`
+  bool quorum = false;  ///< only robots whose local density is above or below are followed
+  std::string program;  ///< of the number; empty: all robots
+  std::optional<double> above;  ///< in the unit of the report, such as cm/s
+  std::optional<double> below;
+  double target = 0;         ///< in the unit of the report
+  double gain = 0;           ///< [1] intensity per unit of the number; negative: light lowers it
+  double integral_time = 0;  ///< [s] 0: no integral part
+  double lowest = 0;         ///< [1] limits of the intensity
+  double highest = 1;        ///< [1]
+
+  [[nodiscard]] bool given() const { return !gate.empty() || !hold.empty() || quorum; }
+  bool operator==(const CrowdRule&) const = default;
+};
+
 /// A layer with the fields of light_layer_t. light/field/layer.hpp lists the kinds and their keys.
 struct LayerSpec {
   std::int8_t kind = 1;
@@ -154,6 +173,7 @@ struct LayerSpec {
   double phase = 0;    ///< [rad] or [1]
   std::string image;   ///< path as written in the file, relative to it
   light::Drive drive;  ///< its images are paths as written in the file
+  CrowdRule crowd;
 
   bool operator==(const LayerSpec&) const = default;
 };
@@ -194,8 +214,8 @@ struct Senses {
 enum class Region : std::int8_t { kNone = 0, kCircle = 1, kRectangle = 2 };
 enum class Who : std::int8_t { kAny = 0, kAll = 1 };
 
-/// A condition that ends a light step early, or in a StopRule the run: a region, an estimate or a
-/// number of tumbles.
+/// A condition that ends a light step early, or in a StopRule the run: a region, an estimate, a
+/// collective number or a number of tumbles.
 struct EndCondition {
   Region region = Region::kNone;
   Who who = Who::kAny;  ///< which robots must be in the region, if `robot` is 0
@@ -209,18 +229,23 @@ struct EndCondition {
   std::string program;        ///< of the estimate
   double relative_error = 0;  ///< [1] standard error over value
 
+  std::string observable;       ///< collective number, empty: none; `program` empty: all robots
+  std::optional<double> above;  ///< in the unit of the report, such as cm/s
+  std::optional<double> below;
+  double over = 10;  ///< [s] its mean over this time is compared
+
   std::int64_t tumbles = 0;  ///< since the step began; 0: no such condition
   std::int32_t robot = 0;    ///< 0: see `who` for a region; else all robots together
 
   [[nodiscard]] bool given() const {
-    return region != Region::kNone || !estimate.empty() || tumbles != 0;
+    return region != Region::kNone || !estimate.empty() || !observable.empty() || tumbles != 0;
   }
   bool operator==(const EndCondition&) const = default;
 };
 
 /// A rule that ends a run early when an estimate is precise enough.
 struct StopRule {
-  EndCondition until;   ///< a condition on an estimate
+  EndCondition until;   ///< a condition on an estimate or a collective number
   double at_least = 0;  ///< [s] time of the script before which the rule is ignored
 
   bool operator==(const StopRule&) const = default;

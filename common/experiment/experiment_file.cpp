@@ -7,6 +7,7 @@
 #include "common/experiment/checks/camera_checks.hpp"
 #include "common/experiment/checks/light_checks.hpp"
 #include "common/experiment/checks/network_checks.hpp"
+#include "common/experiment/checks/observable_checks.hpp"
 #include "common/experiment/checks/robot_checks.hpp"
 #include "common/experiment/checks/script_checks.hpp"
 #include "common/experiment/keys/experiment_form.hpp"
@@ -130,6 +131,7 @@ Experiment parseExperiment(std::string_view text, const std::string& name,
   keys::checkRobots(form, problems);
   keys::checkCamera(form, directory, problems);
   keys::checkLight(form, directory, laws, problems);
+  keys::checkRegions(form, problems);
   keys::checkStopRules(form, laws, problems);
   keys::checkNetworks(form, directory, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));

@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::array<std::string_view, 2> kOverTime{"polar_order", "largest_cluster"};
 
-void halve(std::vector<double>& values) {
+void halveTimes(std::vector<double>& values) {
   for (std::size_t i = 0; 2 * i < values.size(); ++i) values[i] = values[2 * i];
   values.resize((values.size() + 1) / 2);
 }
@@ -30,7 +30,7 @@ Json observableJson(const observable_t& one) {
           {"high", number(one.high * unit.factor)}};
 }
 
-Json curveJson(const observable_curve_t& curve) {
+Json observableCurveJson(const observable_curve_t& curve) {
   const lab::DisplayUnit x = lab::displayUnit(curve.x_unit);
   const lab::DisplayUnit unit = lab::displayUnit(curve.unit);
   return {{"name", curve.name},
@@ -58,9 +58,9 @@ void CrowdView::take(const collective_t& message, std::int64_t start) {
 
 void CrowdView::addPoint(Group& group) {
   if (group.times.size() >= kMaxPoints) {
-    halve(group.times);
+    halveTimes(group.times);
     for (auto& [name, line] : group.lines) {
-      for (auto* values : {&line.now, &line.low, &line.high}) halve(*values);
+      for (auto* values : {&line.now, &line.low, &line.high}) halveTimes(*values);
     }
     group.step_us *= 2;
   }
@@ -99,7 +99,8 @@ std::string CrowdView::json(const std::string& program) const {
     observables.push_back(observableJson(one));
   }
   Json curves = Json::array();
-  for (const observable_curve_t& curve : group.message.curves) curves.push_back(curveJson(curve));
+  for (const observable_curve_t& curve : group.message.curves)
+    curves.push_back(observableCurveJson(curve));
   Json members = Json::array();
   for (const crowd_member_t& member : group.message.members) {
     members.push_back({member.robot_id, member.cluster, number(static_cast<double>(member.density)),

@@ -31,9 +31,10 @@ struct Group {
 std::vector<Group> groupsOf(const RunRecord& record) {
   std::vector<Group> groups;
   for (const CrowdRecord& crowd : record.crowds) {
-    const auto program = static_cast<std::size_t>(crowd.program);
-    groups.push_back({&crowd, crowdName(record, crowd),
-                      crowd.program < 0 ? "#202020" : record.programs[program].colour});
+    const auto program = static_cast<std::size_t>(std::max(0, crowd.program));
+    const bool known = crowd.program >= 0 && program < record.programs.size();
+    groups.push_back(
+        {&crowd, crowdName(record, crowd), known ? record.programs[program].colour : "#202020"});
   }
   return groups;
 }

@@ -180,7 +180,7 @@ std::string numberTable(const RunRecord& record) {
   return table.text();
 }
 
-std::string timesTable(const PlaceResult& places, const char* what) {
+std::string placesTable(const PlaceResult& places, const char* what) {
   if (places.names.empty()) return {};
   std::vector<std::string> columns{what, ">share of time", ">mean stay (s)"};
   for (const std::string& name : places.names) {
@@ -220,7 +220,7 @@ std::string crowds(const RunRecord& record, const std::vector<Figure>& figures) 
              groupedText(static_cast<std::int64_t>(all.frames)), groupedText(record.log.frames),
              durationText(all.observed), 0.8862 / std::sqrt(all.robots)) +
          numberTable(record) + modeText(all.modes) + figureGrid(figures, crowdFigureNames()) +
-         timesTable(all.regions, "region") + timesTable(all.bands, "light band");
+         placesTable(all.regions, "region") + placesTable(all.bands, "light band");
 }
 
 }  // namespace html

@@ -9,7 +9,9 @@
 #include <string_view>
 #include <vector>
 
+#include "common/experiment/checks/observable_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
+#include "common/experiment/observable_names.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/files/file_values.hpp"
 #include "common/text/nearest_word.hpp"
@@ -104,6 +106,23 @@ void checkEstimate(const ExperimentForm& form, const std::string& path, const En
                            : listed(measured) + didYouMean(until.estimate, measured, tomlString)));
 }
 
+void checkObservable(const ExperimentForm& form, const std::string& path, const EndCondition& until,
+                     Problems& problems) {
+  checkObservableName(form, path + ".observable", until.observable, false, problems);
+  checkObservableProgram(form, path + ".program", until.program, problems);
+  const bool compared = until.above || until.below;
+  if (!compared && until.relative_error == 0) {
+    problems.add(path, "found " + tomlString(until.observable) +
+                           " without a limit, allowed with above, below or a relative error");
+  } else if (compared && until.relative_error != 0) {
+    problems.add(path, "found above or below beside a relative error, allowed one of them");
+  } else if (compared && !hasValueInFrames(until.observable)) {
+    problems.add(path + ".observable", "found " + tomlString(until.observable) +
+                                           ", which is an average over the run, allowed with a "
+                                           "relative error instead of above and below");
+  }
+}
+
 void checkTumbles(const ExperimentForm& form, const std::string& path, const EndCondition& until,
                   Problems& problems) {
   if (problems.concern("programs") || problems.concern("light_table")) return;
@@ -161,15 +180,17 @@ void checkUntil(const ExperimentForm& form, const std::string& path, const EndCo
     if (there) found += (found.empty() ? "" : " and ") + std::string(name);
   };
   note(!until.estimate.empty(), "estimate");
+  note(!until.observable.empty(), "observable");
   note(until.tumbles != 0, "tumbles");
   note(until.region != Region::kNone, "region");
   if (found.empty() || found.find(" and ") != std::string::npos) {
     problems.add(path, "found " + (found.empty() ? "nothing to wait for" : found) +
-                           ", allowed one of estimate, tumbles and region");
+                           ", allowed one of estimate, observable, tumbles and region");
     return;
   }
   checkOneRobot(form, path, until.robot, problems);
   if (!until.estimate.empty()) checkEstimate(form, path, until, laws, problems);
+  if (!until.observable.empty()) checkObservable(form, path, until, problems);
   if (until.tumbles != 0) checkTumbles(form, path, until, problems);
   if (until.region != Region::kNone) checkRegion(form, path, until, problems);
 }
@@ -300,7 +321,11 @@ void checkStopRules(const ExperimentForm& form, const LawKnowledge& laws, Proble
     const std::string path = rulePath(i);
     if (problems.concern(path)) continue;
     const EndCondition& until = rules[i].until;
-    checkEstimate(form, path, until, laws, problems);
+    if (until.observable.empty()) {
+      checkEstimate(form, path, until, laws, problems);
+    } else {
+      checkObservable(form, path, until, problems);
+    }
     checkOneRobot(form, path, until.robot, problems);
     if (!problems.concern("duration_s") && rules[i].at_least >= form.common.duration) {
       problems.add(path + ".at_least_s",
@@ -309,12 +334,14 @@ void checkStopRules(const ExperimentForm& form, const LawKnowledge& laws, Proble
     }
     for (std::size_t k = 0; k < i; ++k) {
       const EndCondition& other = rules[k].until;
-      const bool same = other.estimate == until.estimate && other.program == until.program &&
-                        other.robot == until.robot;
+      const bool same = other.estimate == until.estimate && other.observable == until.observable &&
+                        other.program == until.program && other.robot == until.robot;
       if (!same) continue;
-      problems.add(path + ".estimate", "found " + tomlString(until.estimate) + " of " +
-                                           tomlString(until.program) + ", which " + rulePath(k) +
-                                           " asks for already, allowed one rule for each number");
+      const bool observable = !until.observable.empty();
+      problems.add(path + (observable ? ".observable" : ".estimate"),
+                   "found " + tomlString(observable ? until.observable : until.estimate) + " of " +
+                       tomlString(until.program) + ", which " + rulePath(k) +
+                       " asks for already, allowed one rule for each number");
       break;
     }
   }

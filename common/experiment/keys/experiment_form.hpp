@@ -33,6 +33,7 @@ struct LayerEntry {
   double speed = 0;           ///< [m/s] of a wave's crests
   double change = 0;          ///< [1/s] of noise
   std::string program{};      ///< its light is the intensity; empty: the layer's own
+  bool has_crowd = false;     ///< the key crowd is there
 };
 
 /// One [[light.steps]]. It has either `at` or `hold`.

@@ -13,7 +13,7 @@ namespace {
 
 constexpr int kRecordings = 1000;
 constexpr double kFrame = 0.5;  // [s]
-constexpr int kFrames = 600;    // 300 s
+constexpr int kFrames = 1200;   // 600 s
 
 /// The averages of one recording by name.
 std::map<std::string, Average> record(SimulatedCrowd& crowd) {
@@ -88,7 +88,7 @@ const std::pair<double, double> kNominal{0.93, 0.97};
 const std::pair<double, double> kConservative{0.93, 0.99};
 
 TEST(CollectiveCoverage, OfIndependentRobots) {
-  expectCoverage({.robots = 20, .speed = 0.05, .rotation = 0.5}, 0,
+  expectCoverage({.robots = 20, .speed = 0.1, .rotation = 1}, 0,
                  {{"polar_order", kNominal},
                   {"nematic_order", kNominal},
                   {"hexatic_order", kNominal},
@@ -115,7 +115,7 @@ TEST(CollectiveCoverage, OfIndependentRobots) {
 
 // Alignment makes slow fluctuations of the order: tens of independent values in a recording.
 TEST(CollectiveCoverage, OfAligningRobots) {
-  expectCoverage({.robots = 20, .speed = 0.05, .rotation = 0.5, .alignment = 0.3}, 60,
+  expectCoverage({.robots = 20, .speed = 0.1, .rotation = 1, .alignment = 0.5}, 60,
                  {{"polar_order", kNominal},
                   {"largest_cluster", kNominal},
                   {"mean_cluster", kNominal},

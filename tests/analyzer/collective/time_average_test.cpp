@@ -85,13 +85,15 @@ std::vector<double> correlated(std::size_t count, double phi, std::mt19937_64& r
   return series;
 }
 
-TEST(TimeAverage, CountsIndependentBlocks) {
+TEST(TimeAverage, KnowsTheCorrelation) {
   std::mt19937_64 random(1);
 
   const Average average = averageOf(correlated(4096, 0.8, random));
 
-  // (1 - phi) / (1 + phi) of the blocks.
-  EXPECT_NEAR(average.independent, 4096.0 / 9, 100);
+  // After merging, 64 blocks of 64 values are nearly independent.
+  EXPECT_GT(average.independent, 40);
+  // The variance of the mean is that of white noise / (1 - phi)^2 / n.
+  EXPECT_NEAR(average.sigma, 1 / 0.2 / 64, 0.02);
 }
 
 struct Case {

@@ -79,7 +79,8 @@ TEST_F(CollectiveFeedTest, HasAMessageOfAllRobotsAndOnePerProgram) {
   EXPECT_EQ(find(messages[0], "largest_cluster").now, 2);
   EXPECT_EQ(find(messages[1], "largest_cluster").now, 1);
   EXPECT_EQ(find(messages[0], "polar_order").mean, 1);
-  EXPECT_NEAR(find(messages[0], "time_in_left").mean, 6.0 / 8, 1e-9);
+  EXPECT_NEAR(find(messages[0], "share_in_left").mean, 6.0 / 8, 1e-9);
+  EXPECT_NEAR(find(messages[0], "share_in_left").now, 6.0 / 8, 1e-9);
 }
 
 TEST_F(CollectiveFeedTest, HasTheRobotsOfTheLastFrameInTheFirstMessageOnly) {
