@@ -94,10 +94,13 @@ Estimator::Estimator(const ProgramLaw& law, const BlockData& data)
   const bool enough = kRecordingsPerSlope * lag_times_[slope_end_] <= total_.time;
   slope_time_ = reached && enough ? lag_times_[slope_end_] - lag_times_[slope_begin_] : 0;
 
+  noise_lags_ = {0, hold_, two_holds_};
   needed_ = {0, hold_, two_holds_, slope_begin_, slope_end_};
   if (dense) needed_.insert(needed_.end(), {1, 2});
-  std::ranges::sort(needed_);
-  needed_.erase(std::ranges::unique(needed_).begin(), needed_.end());
+  for (std::vector<std::size_t>* lags_once : {&noise_lags_, &needed_}) {
+    std::ranges::sort(*lags_once);
+    lags_once->erase(std::ranges::unique(*lags_once).begin(), lags_once->end());
+  }
 
   const ExactLaw exact(law);
   const auto unit_law = law->curvesAtMean(1);

@@ -70,9 +70,9 @@ class Estimator {
   [[nodiscard]] Quantities operator()(const BlockSums& sums) const;
   [[nodiscard]] TrackerNoise noise(const BlockSums& sums) const;
 
-  /// Indices of the lags that all this needs, ascending; and those that noise() needs.
+  /// Indices of the lags that all this needs; and those that noise() needs. Each one once.
   [[nodiscard]] const std::vector<std::size_t>& neededLags() const { return needed_; }
-  [[nodiscard]] std::vector<std::size_t> noiseLags() const { return {0, hold_, two_holds_}; }
+  [[nodiscard]] const std::vector<std::size_t>& noiseLags() const { return noise_lags_; }
 
   /// The longest lag (s) that a quantity needs. Blocks must be several times longer.
   [[nodiscard]] double reach(Quantity quantity) const;
@@ -87,6 +87,7 @@ class Estimator {
   ProgramLaw law_;
   BlockSums total_;
   std::vector<std::size_t> needed_;
+  std::vector<std::size_t> noise_lags_;
   std::optional<HeldDraws> held_;
   std::optional<DrawnWheels> wheels_;
   std::optional<RunsAndTurns> runs_;

@@ -68,7 +68,7 @@ class Jackknife {
   void run(const Level& level, LagErrors& errors) const {
     const BlockSums total = totalOf(level.groups, data_, estimator_.total());
     const LagNoise all_noise = LagNoise::of(estimator_, total, offset_);
-    GroupOmitter omitter(total, estimator_.noiseLags());
+    BlockSums rest = total;
     const std::size_t n = level.lags.size();
     LagColumns msd(n);
     LagColumns angular(n);
@@ -86,7 +86,7 @@ class Jackknife {
       const double share = group.time / total.time;
       shares.push_back(share);
       inverses += share / (1 - share);
-      const LagNoise noise = LagNoise::of(estimator_, omitter.without(group), offset_);
+      const LagNoise noise = noiseWithout(group, total, rest);
       take(sumsOf(group, level.lags), level.lags, msd_of_group, angular_of_group);
       withoutGroup(msd, msd_of_group, u);
       raw.add(u, share);
@@ -114,6 +114,24 @@ class Jackknife {
   }
 
  private:
+  /// @param rest only what the noise follows from is kept up to date
+  LagNoise noiseWithout(const BlockGroup& group, const BlockSums& total, BlockSums& rest) const {
+    rest.time = total.time;
+    rest.steps = total.steps;
+    rest.sideways2 = total.sideways2;
+    rest.joins = total.joins;
+    for (const std::size_t i : estimator_.noiseLags()) rest.lags[i] = total.lags[i];
+    for (std::size_t b = group.begin; b < group.end; ++b) {
+      const BlockSums& block = (*group.track)[b];
+      rest.time -= block.time;
+      rest.steps -= block.steps;
+      rest.sideways2 -= block.sideways2;
+      rest.joins -= block.joins;
+      for (const std::size_t i : estimator_.noiseLags()) rest.lags[i] -= block.lags[i];
+    }
+    return LagNoise::of(estimator_, rest, offset_);
+  }
+
   static void take(const std::vector<LagSums>& from, const std::vector<std::size_t>& lags,
                    LagColumns& msd, LagColumns& angular) {
     for (std::size_t k = 0; k < lags.size(); ++k) {

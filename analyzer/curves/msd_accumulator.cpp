@@ -77,7 +77,6 @@ MsdAccumulator::MsdAccumulator(std::vector<int> lags, double frame_period)
 
 BlockData MsdAccumulator::data() const {
   if (frames_.count() > 0) {
-    static_cast<void>(blocks_.closed());  // unpacked here, not in the copy
     MsdAccumulator all = *this;
     all.flush();
     return all.data();

@@ -113,9 +113,13 @@ void Analysis::measurePeriod(bool force) {
 }
 
 void Analysis::dispatch(const Frame& frame) {
+  std::vector<int>& ids = frame_robots_;
+  ids.clear();
+  for (const FramePose& pose : frame.poses) ids.push_back(pose.robot);
+  std::ranges::sort(ids);
+  const bool any_twice = std::ranges::adjacent_find(ids) != ids.end();
   for (const FramePose& pose : frame.poses) {
-    const auto same = [&pose](const FramePose& other) { return other.robot == pose.robot; };
-    if (std::count_if(frame.poses.begin(), frame.poses.end(), same) > 1) {
+    if (any_twice && std::ranges::equal_range(ids, pose.robot).size() > 1) {
       ++counters_.duplicate_robots;
       continue;
     }

@@ -158,6 +158,7 @@ class Analysis {
   std::size_t of_robots_ = 0;                    ///< Programs, summed over the robots.
   std::vector<Frame> first_frames_;  ///< Frames that wait until the frame period is known.
   std::vector<Sample> samples_;
+  std::vector<int> frame_robots_;            ///< Kept to reuse its memory.
   std::map<int, FilmReference> references_;  ///< By program.
   mutable std::map<int, LiveResult> pools_;  ///< The last ones, by program.
   bool spatial_light_ = false;
