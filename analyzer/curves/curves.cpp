@@ -182,17 +182,18 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
       const std::size_t column = angular ? n + i : i;
       LagErrors::Error error = errors.at(tau, column, 2 * n + column);
       // Cuts leave few windows of long lags, in segments that are not representative.
-      const double covered = gaps.covered(tau / data.frame_period);
+      const double covered = coveredShare(gaps, tau / data.frame_period, sums, angular);
+      const bool is_cut = gaps.cut || (angular && sums.angular_windows < sums.windows);
       const double seen = std::max(covered * observed, tau);
       const double model = expected * (angular ? modelAngularError(exact, tau, seen)
                                                : modelMsdError(exact, tau, seen));
-      const double simulated = recording_error(angular, tau);
+      const double simulated = angular && covered < kLeastCovered ? kNan : recording_error(angular, tau);
       p.noise = p.value - means[2 * n + column];
       if (std::isfinite(simulated)) {
         error.raw = simulated * (expected + p.noise);
         error.corrected = simulated * expected;
         error.freedom = kManyBlocks;
-      } else if (!error.enough || gaps.cut) {
+      } else if (!error.enough || is_cut) {
         error.raw = std::fmax(error.raw, model);
       }
       const bool own = !error.enough || angular || law->predictsMsdError();

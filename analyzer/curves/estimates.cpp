@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "analyzer/curves/lags.hpp"
+#include "analyzer/curves/robot_scatter.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
 #include "common/math/units.hpp"
@@ -17,6 +18,7 @@ using units::kNan;
 constexpr double kBlocksPerReach = 5;       // minimal length of a block, in lags
 constexpr double kRecordingsPerSlope = 20;  // minimal length of a recording, in lags of the slope
 constexpr double kManyBlocks = 1e9;
+constexpr double kWholeTrack = 1e300;     // s
 constexpr double kCorrectionShare = 0.1;  // share of a correction that counts as its uncertainty
 
 /// The relative error of a quantity in a recording of length T that the law predicts, for
@@ -192,6 +194,7 @@ class Report {
   Report(const ProgramLaw& law, const BlockData& data)
       : law_(law), data_(data), estimator_(law, data), observed_(data.observed()) {
     main_ = replicate(kRotationalDiffusivity);
+    if (data.tracks.size() > 1) robots_ = replicatesOf(groupBlocks(data, kWholeTrack));
   }
 
   std::vector<Estimate> all() {
@@ -221,11 +224,22 @@ class Report {
 
  private:
   Replicates replicate(Quantity quantity) const {
-    return jackknife(groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity)),
-                     [this](const BlockSums& sums) {
-                       const Quantities q = estimator_(sums);
-                       return std::vector<double>(q.begin(), q.end());
-                     });
+    return replicatesOf(groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity)));
+  }
+
+  Replicates replicatesOf(const std::vector<BlockSums>& groups) const {
+    return jackknife(groups, [this](const BlockSums& sums) {
+      const Quantities q = estimator_(sums);
+      return std::vector<double>(q.begin(), q.end());
+    });
+  }
+
+  /// Robots differ in clocks and wheels, which the scatter of blocks of one robot does not show.
+  /// @param sigma standard error by the scatter of robots
+  void widen(Estimate& estimate, double sigma) const {
+    if (robots_.shares.size() < 2) return;
+    if (estimate.low95 > 0) sigma /= estimate.value;
+    widenTo(estimate, {sigma, std::max(1.0, robots_.degreesOfFreedom())});
   }
 
   void direct(Quantity quantity, const std::string& name, const char* unit, double theory,
@@ -243,6 +257,7 @@ class Report {
       known = known || error.known;
     }
     setInterval(estimate, dof, known, quantity != kSpeed);
+    if (robots_.shares.size() > 1) widen(estimate, robots_.sigma(quantity));
     list_.push_back(estimate);
   }
 
@@ -313,6 +328,11 @@ class Report {
       tau.value = kNan;
       tau.note += "; no tumble seen";
     }
+    if (robots_.shares.size() > 1) {
+      const double sigma = robots_.sigma(kTumbleRate);
+      widen(gamma, sigma);
+      widen(tau, sigma / (gamma.value * gamma.value));
+    }
     list_.push_back(gamma);
     list_.push_back(tau);
   }
@@ -338,6 +358,7 @@ class Report {
     const auto at = [&](const std::vector<double>& q) { return function(ExactLaw(*measured(q))); };
     const double value = at(main_.values);
     std::vector<double> without(main_.without.size(), value);
+    std::vector<double> without_robot(robots_.without.size(), value);
     double model2 = 0;
     for (const Quantity q : {kRotationalDiffusivity, kSpeed, kAmplitude, kTumbleRate}) {
       std::vector<double> shifted = main_.values;
@@ -350,6 +371,9 @@ class Report {
       for (std::size_t b = 0; b < without.size(); ++b) {
         without[b] += slope * (main_.without[b][q] - main_.values[q]);
       }
+      for (std::size_t r = 0; r < without_robot.size(); ++r) {
+        without_robot[r] += slope * (robots_.without[r][q] - robots_.values[q]);
+      }
       const double model = slope * main_.values[q] * modelError(law_, q, observed_);
       model2 += model * model;
     }
@@ -358,6 +382,7 @@ class Report {
     const double dof = main_.degreesOfFreedom();
     const bool known = boundedByModel(estimate, std::sqrt(model2), dof);
     setInterval(estimate, dof, known, true);
+    if (robots_.shares.size() > 1) widen(estimate, robots_.sigmaOf(value, without_robot));
     list_.push_back(estimate);
   }
 
@@ -366,6 +391,7 @@ class Report {
   Estimator estimator_;
   double observed_;
   Replicates main_;
+  Replicates robots_;  ///< One group per robot; empty: a single robot.
   std::vector<Estimate> list_;
 };
 

@@ -7,6 +7,7 @@
 
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/reference_comparison.hpp"
+#include "analyzer/curves/robot_scatter.hpp"
 #include "analyzer/service/bootstrap_results.hpp"
 #include "light/median.hpp"
 
@@ -20,6 +21,22 @@ constexpr std::size_t kMaxDwellTimes = 100000;  // limit of memory, per program
 constexpr int kLiveFilms = 120;                 // of the reference of a program
 constexpr int kLiveFilmsPerCall = 8;
 constexpr double kLiveFilmFrames = 30000;
+
+}  // namespace
+
+namespace {
+
+/// The intervals of all robots together contain the scatter between robots.
+void widenRuns(RunStatistics& pool, const std::vector<ProgramResult>& robots) {
+  std::vector<const std::vector<Estimate>*> estimates;
+  std::vector<double> weights;
+  for (const ProgramResult& robot : robots) {
+    if (!robot.runs || !robot.runs->problem.empty()) continue;
+    estimates.push_back(&robot.runs->estimates);
+    weights.push_back(robot.runs->observed);
+  }
+  widenByRobots(pool.estimates, estimates, weights);
+}
 
 }  // namespace
 
@@ -128,7 +145,31 @@ void Analysis::dispatch(const Frame& frame) {
   }
 }
 
+ProgramAnalysis* Analysis::analysisOf(Robot& robot, int program) {
+  const auto known = robot.programs.find(program);
+  if (known != robot.programs.end()) return known->second.get();
+  if (of_robots_ >= kMostOfRobots) return nullptr;
+  ++of_robots_;
+  auto analysis = std::make_unique<ProgramAnalysis>(programs_[static_cast<std::size_t>(program)],
+                                                    config_.frame_period, config_.max_lag);
+  if (config_.compare_joins) analysis->collectJoins(config_.frame_period, config_.max_lag);
+  if (config_.find_runs) analysis->collectRuns(config_.frame_period);
+  if (config_.whole_motion) analysis->collectWhole(config_.frame_period, config_.max_lag);
+  return robot.programs.emplace(program, std::move(analysis)).first->second.get();
+}
+
+void Analysis::takeReports(int id, Robot& robot) {
+  for (const FrameReport& frame : robot.stitcher.takeReports()) {
+    if (config_.whole_motion && frame.program >= 0 && frame.state != FrameState::kLost) {
+      ProgramAnalysis* const program = analysisOf(robot, frame.program);
+      if (program != nullptr) program->addFrame(frame);
+    }
+    if (frame_sink_) frame_sink_(id, frame);
+  }
+}
+
 void Analysis::take(int id, Robot& robot) {
+  if (config_.stitcher.report_frames) takeReports(id, robot);
   for (const Sample& sample : samples_) {
     const ProgramLaw& law = programs_[static_cast<std::size_t>(sample.program)];
     if (config_.samples_only) {
@@ -137,21 +178,10 @@ void Analysis::take(int id, Robot& robot) {
       }
       continue;
     }
-    auto& program = robot.programs[sample.program];
-    if (!program) {
-      if (of_robots_ >= kMostOfRobots) {
-        robot.programs.erase(sample.program);
-        ++counters_.left_out;
-        continue;
-      }
-      ++of_robots_;
-      program = std::make_unique<ProgramAnalysis>(law, config_.frame_period, config_.max_lag);
-      if (config_.compare_joins) {
-        program->collectJoins(config_.frame_period, config_.max_lag);
-      }
-      if (config_.find_runs) {
-        program->collectRuns(config_.frame_period);
-      }
+    ProgramAnalysis* const program = analysisOf(robot, sample.program);
+    if (program == nullptr) {
+      ++counters_.left_out;
+      continue;
     }
     program->add(sample);
     if (sink_) {
@@ -208,7 +238,7 @@ void Analysis::judgeLive(int program, const BlockData& data, const CurveOptions&
   const auto found = references_.find(program);
   if (found != references_.end() && found->second.complete()) {
     compareWithFilms(result.curves, found->second, result.law, data, options);
-    result.verdict = judge(result.curves);
+    judgeMotion(result);
     return;
   }
   result.no_verdict = "The reference is being simulated.";
@@ -224,6 +254,7 @@ std::vector<ProgramResult> Analysis::results(Depth depth,
     options.unbiased_lag = spatial_light_ ? kUnbiasedShare * medianDwellTime(program) : 0;
     BlockData pool;
     JoinBlocks joins;
+    WholeSums whole;
     ProgramTally sum;
     std::vector<ProgramResult> each;
     std::vector<FoundRuns> runs;
@@ -237,16 +268,17 @@ std::vector<ProgramResult> Analysis::results(Depth depth,
       const ProgramTally tally = robot.stitcher.tally(program);
       const BlockData& own_blocks = blocks.emplace_back(found->second->data());
       pool.pool(own_blocks);
-      sum.samples += tally.samples;
-      sum.in_contact += tally.in_contact;
-      sum.lost += tally.lost;
-      sum.segments += tally.segments;
-      sum.reversals += tally.reversals;
+      sum += tally;
       data.push_back(&own_blocks);
       each.push_back(analyse(programs_[key], own_blocks, tally, options, depth));
       each.back().robot = id;
       if (depth == Depth::kLive) judgeLive(program, own_blocks, options, each.back());
       if (meanwhile) meanwhile();
+      if (found->second->whole()) {
+        const WholeSums own = found->second->whole()->sums();
+        each.back().whole = own.motion();
+        whole.pool(own);
+      }
       if (found->second->joins()) {
         const JoinBlocks own = found->second->joins()->blocks();
         each.back().joins = compareJoins(own);
@@ -274,7 +306,9 @@ std::vector<ProgramResult> Analysis::results(Depth depth,
           all.push_back(&own);
         }
         results.back().runs = runStatistics(programs_[key], all);
+        if (each.size() > 1) widenRuns(*results.back().runs, each);
       }
+      if (!whole.blocks.lags.empty()) results.back().whole = whole.motion();
       if (!joins.lags.empty()) {
         results.back().joins = compareJoins(joins);
       }

@@ -7,6 +7,22 @@ namespace lab::analysis {
 ProgramAnalysis::ProgramAnalysis(const ProgramLaw& law, double frame_period, double max_lag)
     : law_(law), accumulator_(makeLagGrid(frame_period, max_lag, law), frame_period) {}
 
+void ProgramAnalysis::collectWhole(double frame_period, double max_lag) {
+  whole_.emplace(makeLagGrid(frame_period, max_lag, law_), frame_period);
+}
+
+void judgeMotion(ProgramResult& result) {
+  result.verdict = judge(result.curves);
+  if (result.fit && result.fit->fitted() && result.verdict.kind != VerdictKind::kUndecided) {
+    result.verdict.misfit = result.fit->p_value < kUnlikely;
+    result.verdict.rejected = result.fit->exact && result.fit->exact->p_value < kUnlikely;
+    if (result.verdict.misfit || result.verdict.rejected) {
+      result.verdict.kind = VerdictKind::kDisagrees;
+    }
+  }
+  if (result.shares.contact > kMostlyContact) result.verdict.kind = VerdictKind::kUndecided;
+}
+
 ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const ProgramTally& tally,
                       const CurveOptions& options, Depth depth) {
   ProgramResult result;
@@ -20,10 +36,11 @@ ProgramResult analyse(const ProgramLaw& law, const BlockData& data, const Progra
   const std::int64_t frames = tally.samples + tally.in_contact;
   result.contact_share =
       frames > 0 ? static_cast<double>(tally.in_contact) / static_cast<double>(frames) : 0;
+  result.shares = sharesOf(tally);
   result.unbiased_lag = options.unbiased_lag;
   result.curves = curves(law, data, options);
   result.estimates = estimate(law, data);
-  result.verdict = judge(result.curves);
+  judgeMotion(result);
   result.no_verdict = law->whyNoVerdict();
   if (depth == Depth::kFull) result.kurtosis = testKurtosis(law, data);
   return result;
