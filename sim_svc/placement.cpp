@@ -16,6 +16,11 @@ namespace {
 constexpr int kTries = 2000;
 constexpr double kClearance = 1e-4;  // m between robots placed at random
 constexpr int kShakes = 300;
+// A robot that starts at a wall within the range of its infrared sensors, or in a corner, may turn
+// back again and again, or push against the wall for minutes.
+constexpr double kWallClearance = 0.05;  // m
+constexpr int kTriesClearOfWalls = 1000;
+constexpr double kMostOfArena = 0.2;  // that the clearance takes at each side
 
 using dynamics::Pose;
 
@@ -121,9 +126,15 @@ class PlacementSearch {
     Random random(deriveSeed(seed_, places_[i].id, "place"));
     Pose pose;
     pose.theta = (2 * random.uniform() - 1) * std::numbers::pi;
+    const auto within = [&](double extent, bool clear) {
+      const double free = extent - 2 * radius_;
+      const double clearance = clear ? std::min(kWallClearance, kMostOfArena * free) : 0;
+      return radius_ + clearance + random.uniform() * (free - 2 * clearance);
+    };
     for (int attempt = 0; attempt < kTries; ++attempt) {
-      pose.x = radius_ + random.uniform() * (arena_.width - 2 * radius_);
-      pose.y = radius_ + random.uniform() * (arena_.height - 2 * radius_);
+      const bool clear = attempt < kTriesClearOfWalls;
+      pose.x = within(arena_.width, clear);
+      pose.y = within(arena_.height, clear);
       if (!overlapping(pose, i, kClearance)) {
         poses_[i] = pose;
         placed_.add(i, pose);

@@ -77,6 +77,13 @@ BlockSums BlockData::total() const {
   return sum;
 }
 
+double coveredShare(const RecordingGaps& gaps, double lag, const LagSums& sums, bool angular) {
+  const double covered = gaps.covered(lag);
+  if (!angular) return covered;
+  if (sums.windows == 0) return 0;
+  return covered * static_cast<double>(sums.angular_windows) / sums.windows;
+}
+
 RecordingGaps gapsOf(const BlockData& data, const BlockSums& total) {
   RecordingGaps gaps;
   gaps.segments = data.segments;

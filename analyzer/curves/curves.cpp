@@ -69,10 +69,11 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
   for (std::size_t i = 0; i < n; ++i) {
     const double tau = times[i];
     const LagSums& sums = total.lags[i];
-    // Cuts leave few windows of long lags, in segments that are not representative.
-    const double covered = gaps.covered(tau / data.frame_period);
-    const double seen = std::max(covered * observed, tau);
     const auto point = [&](bool angular) {
+      // Cuts leave few windows of long lags, in segments that are not representative.
+      const double covered = coveredShare(gaps, tau / data.frame_period, sums, angular);
+      const bool is_cut = gaps.cut || (angular && sums.angular_windows < sums.windows);
+      const double seen = std::max(covered * observed, tau);
       CurvePoint p;
       p.tau = tau;
       p.windows = angular ? sums.angular_windows : sums.windows;
@@ -86,7 +87,8 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
       LagError error = (angular ? errors.angular_msd : errors.msd)[i];
       const double model = expected * (angular ? law->relativeAngularError(tau, seen)
                                                : law->relativeMsdError(tau, p.exact, seen));
-      const double simulated = recording_error(angular, tau);
+      const double simulated =
+          angular && covered < kLeastCovered ? kNan : recording_error(angular, tau);
       const double offset = angular ? noise.heading : noise.inMsd(data.lags[i], data.frame_period);
       const double corrected = p.value - offset;
       p.noise = p.value - corrected;
@@ -94,7 +96,7 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
         error.raw = simulated * (expected + p.noise);
         error.corrected = simulated * expected;
         error.freedom = kManyBlocks;
-      } else if (!error.enough || gaps.cut) {
+      } else if (!error.enough || is_cut) {
         error.raw = std::fmax(error.raw, model);
       }
       const bool own = !error.enough || angular || law->predictsMsdError();

@@ -75,6 +75,10 @@ struct Verdict {
   bool angular = false;  ///< max_z is in the angular MSD.
   bool hold = false;     ///< max_z is that of the hold time, and tau the measured hold time.
   int judged = 0;        ///< Number of judged lags.
+  /// By ProgramResult::fit, if there is one: whether no parameters describe the curves, and whether
+  /// the programmed ones do not. Either makes it kDisagrees.
+  bool misfit = false;
+  bool rejected = false;
 };
 
 /// Judges by the largest |z|, because the lags are strongly correlated and the sum of z^2 has no

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "analyzer/curves/lags.hpp"
+#include "analyzer/curves/robot_scatter.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
 #include "common/math/units.hpp"
@@ -19,6 +20,7 @@ using units::kNan;
 constexpr double kBlocksPerReach = 5;       // minimal length of a block, in lags
 constexpr double kRecordingsPerSlope = 20;  // minimal length of a recording, in lags of the slope
 constexpr double kManyBlocks = 1e9;
+constexpr double kWholeTrack = 1e300;     // s
 constexpr double kCorrectionShare = 0.1;  // share of a correction that counts as its uncertainty
 
 /// The relative error of a quantity in a recording of length T that the law predicts, for
@@ -223,6 +225,7 @@ class Report {
         total_(estimator.total()),
         observed_(total_.time) {
     main_ = replicate(kRotationalDiffusivity);
+    if (data.tracks.size() > 1) robots_ = replicatesOf(groupBlocks(data, kWholeTrack));
   }
 
   std::vector<Estimate> all() {
@@ -269,12 +272,23 @@ class Report {
   }
 
   Replicates replicate(Quantity quantity) const {
-    const auto groups = groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity));
+    return replicatesOf(groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity)));
+  }
+
+  Replicates replicatesOf(const std::vector<BlockSums>& groups) const {
     return jackknife(groups, totalOf(groups, data_, total_), estimator_.neededLags(),
                      [this](const BlockSums& sums) {
                        const Quantities q = estimator_(sums);
                        return std::vector<double>(q.begin(), q.end());
                      });
+  }
+
+  /// Robots differ in clocks and wheels, which the scatter of blocks of one robot does not show.
+  /// @param sigma standard error by the scatter of robots
+  void widen(Estimate& estimate, double sigma) const {
+    if (robots_.shares.size() < 2) return;
+    if (estimate.low95 > 0) sigma /= estimate.value;
+    widenTo(estimate, {sigma, std::max(1.0, robots_.degreesOfFreedom())});
   }
 
   void direct(Quantity quantity, const std::string& name, const char* unit, double theory,
@@ -292,6 +306,7 @@ class Report {
       known = known || error.known;
     }
     setInterval(estimate, dof, known, quantity != kSpeed);
+    if (robots_.shares.size() > 1) widen(estimate, robots_.sigma(quantity));
     list_.push_back(estimate);
   }
 
@@ -362,6 +377,11 @@ class Report {
       tau.value = kNan;
       tau.note += "; no tumble seen";
     }
+    if (robots_.shares.size() > 1) {
+      const double sigma = robots_.sigma(kTumbleRate);
+      widen(gamma, sigma);
+      widen(tau, sigma / (gamma.value * gamma.value));
+    }
     list_.push_back(gamma);
     list_.push_back(tau);
   }
@@ -400,11 +420,15 @@ class Report {
     const auto propagate = [&](std::size_t k, const char* name, const char* unit,
                                const char* note) {
       std::vector<double> without(main_.without.size(), value.values[k]);
+      std::vector<double> without_robot(robots_.without.size(), value.values[k]);
       double model2 = 0;
       for (const auto& [q, slope] : slopes) {
         if (!std::isfinite(slope.values[k])) continue;
         for (std::size_t b = 0; b < without.size(); ++b) {
           without[b] += slope.values[k] * (main_.without[b][q] - main_.values[q]);
+        }
+        for (std::size_t r = 0; r < without_robot.size(); ++r) {
+          without_robot[r] += slope.values[k] * (robots_.without[r][q] - robots_.values[q]);
         }
         const double model = slope.values[k] * main_.values[q] * modelError(law_, q, observed_);
         model2 += model * model;
@@ -415,6 +439,9 @@ class Report {
       const double dof = main_.degreesOfFreedom();
       const bool known = boundedByModel(estimate, std::sqrt(model2), dof);
       setInterval(estimate, dof, known, true);
+      if (robots_.shares.size() > 1) {
+        widen(estimate, robots_.sigmaOf(value.values[k], without_robot));
+      }
       list_.push_back(estimate);
     };
     propagate(0, "D", "m^2/s", "exact law at the measured parameters");
@@ -429,6 +456,7 @@ class Report {
   const BlockSums& total_;
   double observed_;
   Replicates main_;
+  Replicates robots_;  ///< One group per robot; empty: a single robot.
   std::vector<Estimate> list_;
 };
 

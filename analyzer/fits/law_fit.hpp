@@ -35,7 +35,7 @@ struct LawFit {
   bool angular = false;              ///< The angular MSD was used.
   double chi2 = 0;
   int freedom = 0;                ///< Degrees of freedom of chi2.
-  double p_value = 0;             ///< Of chi2, by Hotelling's distribution.
+  double p_value = 0;             ///< Of chi2, by DistanceDistribution: uniform if the law is right.
   int recordings = 0;             ///< Simulated recordings of the covariance.
   double recording_duration = 0;  ///< s.
   /// Largest difference of a parameter from its ordinary least-squares value, in standard errors of

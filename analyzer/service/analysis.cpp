@@ -7,6 +7,7 @@
 
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/reference_comparison.hpp"
+#include "analyzer/curves/robot_scatter.hpp"
 #include "analyzer/service/bootstrap_results.hpp"
 #include "light/median.hpp"
 
@@ -20,6 +21,22 @@ constexpr std::size_t kMaxDwellTimes = 100000;  // limit of memory, per program
 constexpr int kLiveFilms = 120;                 // of the reference of a program
 constexpr int kLiveFilmsPerCall = 8;
 constexpr double kLiveFilmFrames = 30000;
+
+}  // namespace
+
+namespace {
+
+/// The intervals of all robots together contain the scatter between robots.
+void widenRuns(RunStatistics& pool, const std::vector<ProgramResult>& robots) {
+  std::vector<const std::vector<Estimate>*> estimates;
+  std::vector<double> weights;
+  for (const ProgramResult& robot : robots) {
+    if (!robot.runs || !robot.runs->problem.empty()) continue;
+    estimates.push_back(&robot.runs->estimates);
+    weights.push_back(robot.runs->observed);
+  }
+  widenByRobots(pool.estimates, estimates, weights);
+}
 
 }  // namespace
 
@@ -132,7 +149,31 @@ void Analysis::dispatch(const Frame& frame) {
   }
 }
 
+ProgramAnalysis* Analysis::analysisOf(Robot& robot, int program) {
+  const auto known = robot.programs.find(program);
+  if (known != robot.programs.end()) return known->second.get();
+  if (of_robots_ >= kMostOfRobots) return nullptr;
+  ++of_robots_;
+  auto analysis = std::make_unique<ProgramAnalysis>(programs_[static_cast<std::size_t>(program)],
+                                                    config_.frame_period, config_.max_lag);
+  if (config_.compare_joins) analysis->collectJoins(config_.frame_period, config_.max_lag);
+  if (config_.find_runs) analysis->collectRuns(config_.frame_period);
+  if (config_.whole_motion) analysis->collectWhole(config_.frame_period, config_.max_lag);
+  return robot.programs.emplace(program, std::move(analysis)).first->second.get();
+}
+
+void Analysis::takeReports(int id, Robot& robot) {
+  for (const FrameReport& frame : robot.stitcher.takeReports()) {
+    if (config_.whole_motion && frame.program >= 0 && frame.state != FrameState::kLost) {
+      ProgramAnalysis* const program = analysisOf(robot, frame.program);
+      if (program != nullptr) program->addFrame(frame);
+    }
+    if (frame_sink_) frame_sink_(id, frame);
+  }
+}
+
 void Analysis::take(int id, Robot& robot) {
+  if (config_.stitcher.report_frames) takeReports(id, robot);
   for (const Sample& sample : samples_) {
     const ProgramLaw& law = programs_[static_cast<std::size_t>(sample.program)];
     if (config_.samples_only) {
@@ -141,21 +182,10 @@ void Analysis::take(int id, Robot& robot) {
       }
       continue;
     }
-    auto& program = robot.programs[sample.program];
-    if (!program) {
-      if (of_robots_ >= kMostOfRobots) {
-        robot.programs.erase(sample.program);
-        ++counters_.left_out;
-        continue;
-      }
-      ++of_robots_;
-      program = std::make_unique<ProgramAnalysis>(law, config_.frame_period, config_.max_lag);
-      if (config_.compare_joins) {
-        program->collectJoins(config_.frame_period, config_.max_lag);
-      }
-      if (config_.find_runs) {
-        program->collectRuns(config_.frame_period);
-      }
+    ProgramAnalysis* const program = analysisOf(robot, sample.program);
+    if (program == nullptr) {
+      ++counters_.left_out;
+      continue;
     }
     program->add(sample);
     if (sink_) {
@@ -212,7 +242,7 @@ void Analysis::judgeLive(int program, const BlockData& data, const CurveOptions&
   const auto found = references_.find(program);
   if (found != references_.end() && found->second.complete()) {
     compareWithFilms(result.curves, found->second, result.law, data, options);
-    result.verdict = judge(result.curves);
+    judgeMotion(result);
     return;
   }
   result.no_verdict = "The reference is being simulated.";
@@ -230,6 +260,7 @@ ProgramResult Analysis::liveResult(LiveResult& last, int program, std::int64_t s
     judgeLive(program, data(), options, last.result);
   }
   setTally(last.result, tally);
+  judgeMotion(last.result);  // depends on the share of contacts
   return last.result;
 }
 
@@ -243,6 +274,7 @@ std::vector<ProgramResult> Analysis::programResults(int program, Depth depth,
   ProgramTally sum;
   std::int64_t samples = 0;
   JoinBlocks joins;
+  WholeSums whole;
   std::vector<FoundRuns> runs;
   const auto resultOf = [&](LiveResult& last, std::int64_t of_samples, const ProgramTally& tally,
                             const auto& data) {
@@ -261,6 +293,11 @@ std::vector<ProgramResult> Analysis::programResults(int program, Depth depth,
                             [&own]() -> const BlockData& { return own.data(); }));
     each.back().robot = id;
     if (meanwhile) meanwhile();
+    if (own.whole()) {
+      const WholeSums own_whole = own.whole()->sums();
+      each.back().whole = own_whole.motion();
+      whole.pool(own_whole);
+    }
     if (own.joins()) {
       const JoinBlocks own_joins = own.joins()->blocks();
       each.back().joins = compareJoins(own_joins);
@@ -290,7 +327,9 @@ std::vector<ProgramResult> Analysis::programResults(int program, Depth depth,
     std::vector<const FoundRuns*> all;
     for (const FoundRuns& own : runs) all.push_back(&own);
     results.front().runs = runStatistics(law, all);
+    if (each.size() > 1) widenRuns(*results.front().runs, each);
   }
+  if (!whole.blocks.lags.empty()) results.front().whole = whole.motion();
   if (!joins.lags.empty()) results.front().joins = compareJoins(joins);
   std::ranges::move(each, std::back_inserter(results));
   return results;

@@ -10,6 +10,7 @@
 #include "analyzer/curves/hold_period.hpp"
 #include "analyzer/curves/join_comparison.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
+#include "analyzer/curves/whole_motion.hpp"
 #include "analyzer/fits/kurtosis_hypothesis.hpp"
 #include "analyzer/fits/law_fit.hpp"
 #include "analyzer/laws.hpp"
@@ -38,6 +39,8 @@ struct ProgramResult {
   std::int64_t segments = 0;
   std::int64_t reversals = 0;  ///< Removed and joined.
   double contact_share = 0;    ///< Share of the program's frames cut for contacts.
+  TimeShares shares;
+  std::optional<WholeMotion> whole;  ///< If AnalysisConfig::whole_motion is set.
   double unbiased_lag = 0;     ///< Longer lags are selected by the light, s; 0: none.
   Curves curves;
   std::vector<Estimate> estimates;
@@ -61,6 +64,16 @@ struct LiveResult {
     return samples == samples_now && unbiased_lag == unbiased_lag_now && judged == judged_now;
   }
 };
+/// Sets the verdict of the result from its curves, and from the p-values of its fit if it has one.
+/// There is none if robots were in contact most of the time, because the rest is a biased sample.
+void judgeMotion(ProgramResult& result);
+
+/// A smaller p-value of the fit, or of the test of the programmed law, is a deviation. Together with
+/// the largest |z| fewer than one recording of the true law in a hundred is called so.
+inline constexpr double kUnlikely = 0.001;
+
+/// A larger share of contacts leaves no verdict.
+inline constexpr double kMostlyContact = 0.5;
 
 /// Accumulates the samples of one program of one robot.
 class ProgramAnalysis {
@@ -75,6 +88,14 @@ class ProgramAnalysis {
   /// Enables the search for runs, if the program has any. Call it before the first sample.
   void collectRuns(double frame_period) {
     if (law_->runs()) runs_.emplace(law_, frame_period);
+  }
+
+  /// Enables the whole motion. Call it before the first sample.
+  void collectWhole(double frame_period, double max_lag);
+
+  /// Takes a frame for the whole motion, if that is enabled.
+  void addFrame(const FrameReport& frame) {
+    if (whole_) whole_->add(frame);
   }
 
   void add(const Sample& sample) {
@@ -101,6 +122,7 @@ class ProgramAnalysis {
   /// nullopt: not enabled.
   [[nodiscard]] const std::optional<JoinAccumulator>& joins() const { return joins_; }
   [[nodiscard]] const std::optional<RunFinder>& runs() const { return runs_; }
+  [[nodiscard]] const std::optional<WholeAccumulator>& whole() const { return whole_; }
 
  private:
   ProgramLaw law_;
@@ -112,6 +134,7 @@ class ProgramAnalysis {
   std::optional<JoinAccumulator> joins_;
   std::optional<RunFinder> runs_;
   std::optional<HoldPeriodFinder> holds_;
+  std::optional<WholeAccumulator> whole_;
 };
 
 /// Sets the counts of frames, segments and reversals.

@@ -189,7 +189,11 @@ export class Curves {
       disagrees: ["bad", "deviates from its program"]
     };
     find("verdicts").replaceChildren(...pools.map((pool) => {
-      const [kind, text] = words[pool.verdict] ?? ["quiet", "undecided"];
+      const [plain, word] = words[pool.verdict] ?? ["quiet", "undecided"];
+      // As in the report: a verdict is about free motion.
+      const reserve = pool.verdict === "agrees" && pool.contact_share > 0.1;
+      const kind = reserve ? "warn" : plain;
+      const text = reserve ? `${word} in its free motion` : word;
       const parts = [
         `max |z| ${number(pool.max_z, 2)}`, `${seconds(pool.observed_s)} observed`,
         `${pool.reversals ?? 0} reversals`, `${number(100 * pool.contact_share, 2)} % in contact`

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 
 namespace lab::sim::placement_test {
@@ -39,6 +40,18 @@ TEST(PlaceRobots, PlacesOneToManyRobotsWithoutOverlap) {
   for (const int n : {1, 20, 80, 150, 170}) {
     expectNoOverlap(placeRobots(anywhere(n), kArena, kRadius, 7));
   }
+}
+
+// In seed 1233 of an earlier version an ABP pushed into a corner for minutes.
+TEST(PlaceRobots, KeepsAwayFromWallsWhileThereIsRoom) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    for (const dynamics::Pose& pose : placeRobots(anywhere(10), kArena, kRadius, seed)) {
+      ASSERT_GE(std::min(pose.x, kArena.width - pose.x), kRadius + 0.05);
+      ASSERT_GE(std::min(pose.y, kArena.height - pose.y), kRadius + 0.05);
+    }
+  }
+  const Arena small{0.1, 0.1};
+  EXPECT_NO_THROW((void)placeRobots(anywhere(1), small, kRadius, 1));
 }
 
 TEST(PlaceRobots, AddingARobotDoesNotMoveTheOthers) {

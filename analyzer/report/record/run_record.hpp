@@ -13,6 +13,7 @@
 #include "analyzer/log_source.hpp"
 #include "analyzer/report/record/link_records.hpp"
 #include "analyzer/report/record/timelines.hpp"
+#include "analyzer/report/record/track_rows.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/math/percentiles.hpp"
@@ -56,33 +57,6 @@ struct ListenerLoss {
   std::string sender;  ///< empty: decode errors of any sender
   std::int64_t lost = 0;
   std::int64_t decode_errors = 0;
-};
-
-/// One robot in one frame, as tracked.
-struct TrackRow {
-  std::int32_t robot = 0;
-  float x = 0;                ///< [m]
-  float y = 0;                ///< [m]
-  float theta = 0;            ///< [rad]
-  std::int16_t program = -1;  ///< key into RunRecord::programs; -1: none or unknown
-  std::int32_t segment = -1;  ///< number of the piece of free motion; -1: not free
-};
-
-struct TrackFrame {
-  std::int64_t utime = 0;
-  std::int64_t frame = 0;
-  std::size_t first_row = 0;  ///< index into Tracks::rows
-};
-
-/// Every tracked pose of the run, frame by frame.
-struct Tracks {
-  std::vector<TrackFrame> frames;
-  std::vector<TrackRow> rows;
-
-  /// Index behind the last row of frames[i].
-  [[nodiscard]] std::size_t endOf(std::size_t i) const {
-    return i + 1 < frames.size() ? frames[i + 1].first_row : rows.size();
-  }
 };
 
 /// A program of the run.
