@@ -275,7 +275,7 @@ class Report {
     return replicatesOf(groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity)));
   }
 
-  Replicates replicatesOf(const std::vector<BlockSums>& groups) const {
+  Replicates replicatesOf(const std::vector<BlockGroup>& groups) const {
     return jackknife(groups, totalOf(groups, data_, total_), estimator_.neededLags(),
                      [this](const BlockSums& sums) {
                        const Quantities q = estimator_(sums);

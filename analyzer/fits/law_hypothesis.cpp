@@ -77,10 +77,12 @@ std::vector<Column> columnsOf(TestedLaw tested, const MeasuredCurves& curves,
 double offsetError(const ProgramLaw& law, const BlockData& data) {
   constexpr double kFrames = 50;  // of a block
   const Estimator estimator(law, data);
+  const std::vector<BlockGroup> groups = groupBlocks(data, kFrames * data.frame_period);
   const Replicates replicates =
-      jackknife(groupBlocks(data, kFrames * data.frame_period), [&](const BlockSums& sums) {
-        return std::vector<double>{estimator(sums)[kPositionOffset]};
-      });
+      jackknife(groups, totalOf(groups, data, estimator.total()), estimator.neededLags(),
+                [&](const BlockSums& sums) {
+                  return std::vector<double>{estimator(sums)[kPositionOffset]};
+                });
   return finiteOrZero(replicates.sigma(0));
 }
 
