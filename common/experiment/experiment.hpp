@@ -95,6 +95,10 @@ struct Reversal {
   bool operator==(const Reversal&) const = default;
 };
 
+/// More robots are simulated in virtual time only: their messages do not fit into one datagram
+/// (lcmtypes/README.md).
+inline constexpr std::size_t kMostLiveRobots = 250;
+
 /// What simulated robots do at contact.
 enum class Contact : std::int8_t { kSlide = 0, kStop = 1 };
 

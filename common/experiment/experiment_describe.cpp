@@ -116,7 +116,11 @@ std::string describeRobots(const Experiment& e) {
          describeBody(e, Body::kWire, "simulated on the wire") +
          describeBody(e, Body::kFirmware, "running the firmware on a simulated chip") +
          describeBody(e, Body::kSerial, "real, on " + e.serial.ports) +
-         describeBody(e, Body::kReplay, "replayed");
+         describeBody(e, Body::kReplay, "replayed") +
+         (e.robots.size() > kMostLiveRobots
+              ? line("", "  more than " + std::to_string(kMostLiveRobots) +
+                             ": in virtual time only (--virtual-time)")
+              : "");
 }
 
 std::string describeTable(const LightTable& table) {

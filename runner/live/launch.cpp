@@ -149,6 +149,12 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
         "\"sim\", or run in real time",
         camera.source));
   }
+  if (!virtual_time && experiment.robots.size() > kMostLiveRobots) {
+    throw UserError(fmt::format(
+        "robots: found {} robots, a lab in real time has at most {}, because their messages do not "
+        "fit into one datagram; add --virtual-time",
+        experiment.robots.size(), kMostLiveRobots));
+  }
   if (camera.tracker == Tracker::kCamera || options.cameras) requirePipeline(experiment);
   requireParts(experiment, virtual_time);
   requireDisk(experiment, options.out);

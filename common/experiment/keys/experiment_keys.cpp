@@ -18,6 +18,8 @@
 namespace lab::keys {
 namespace {
 
+constexpr double kLargestArena = 3000;  // [cm], room for kMostRobots; see also checkArena()
+
 const std::array<Choice, 5> kBodies = {{choiceOf("sim", Body::kSim), choiceOf("wire", Body::kWire),
                                         choiceOf("firmware", Body::kFirmware),
                                         choiceOf("serial", Body::kSerial),
@@ -330,8 +332,8 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
            "The arena: its corner is the origin, x runs along the width, y along the "
            "height"},
           [&] {
-            v.number({"width_cm", "size along x"}, {10, 1000}, e.arena_width);
-            v.number({"height_cm", "size along y"}, {10, 1000}, e.arena_height);
+            v.number({"width_cm", "size along x"}, {10, kLargestArena}, e.arena_width);
+            v.number({"height_cm", "size along y"}, {10, kLargestArena}, e.arena_height);
           });
   v.table(
       {"robot",

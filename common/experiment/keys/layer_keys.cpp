@@ -120,7 +120,7 @@ void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   v.number(kind.only({kRing, kRadialGradient},
                      {"inner_radius_cm",
                       "inner radius; inside it a radial gradient has the value of intensity"}),
-           {0, 1000}, layer.inner);
+           {0, 3000}, layer.inner);
   v.number(
       kind.only(
           {kStripes},
@@ -132,7 +132,7 @@ void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
            layer.inner);
   v.number(kind.only({kHalfPlane, kDisk, kRing, kStripes, kChecker, kImage},
                      {"softness_cm", "width of the edges"}),
-           {0, 1000}, layer.softness);
+           {0, 3000}, layer.softness);
 }
 
 void visitIntensities(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {

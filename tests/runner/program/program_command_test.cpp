@@ -22,7 +22,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kProgram = R"(law = {name = "rtp", gamma = "tau_t", v = "v", tau_t = "tau_t"}
+constexpr const char* kProgram = R"toml(law = {name = "rtp", gamma = "tau_t", v = "v", tau_t = "tau_t"}
 parameters = {v = "5 cm/s", tau_t = "0.5 s", share = "0.3"}
 [phases.run]
 forward = "v"
@@ -32,7 +32,7 @@ next = "tumble"
 turn = "uniform(-pi, pi)/tau_t"
 hold = "tau_t"
 next = "run"
-)";
+)toml";
 
 std::vector<std::string> problemsOf(const std::function<void()>& call) {
   try {
