@@ -22,6 +22,7 @@ struct RunOptions {
   std::optional<std::uint64_t> seed;
   bool virtual_time = false;
   bool report = true;
+  std::string with;  ///< a program of the user that takes part, with its arguments; empty: none
   std::optional<bool> web;            ///< the dashboard; not given: see wantsDashboard()
   std::filesystem::path web_address;  ///< file for its address too, empty: none
 };

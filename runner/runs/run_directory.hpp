@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "common/experiment/experiment.hpp"
+#include "runner/user_program/user_program.hpp"
 
 namespace lab::runner {
 
@@ -59,6 +61,7 @@ struct PreparedRun {
   Experiment experiment;
   std::string effective;  ///< text of experiment.toml, with every default filled in
   std::filesystem::path directory;
+  std::optional<UserProgram> user_program{};  ///< takes part in the run
 };
 
 /// Makes the folder with experiment.toml, images and calibrations.
