@@ -110,9 +110,7 @@ class RosRecording::Implementation {
 
   template <class RosMessage>
   void send(const std::string& topic, std::int64_t utime, const RosMessage& message) {
-    cdr_.begin();
-    put(cdr_, message);
-    sink_({topic, ros::rosType<RosMessage>().name, utime, cdr_.encoding()});
+    sink_({topic, ros::rosType<RosMessage>().name, utime, cdr_.encode(message)});
   }
 
   const Experiment& experiment_;
@@ -128,7 +126,7 @@ class RosRecording::Implementation {
   std::map<std::int32_t, Robot> robots_;
   std::optional<light::Field> shown_;
   std::int64_t shown_utime_ = 0;
-  schema::CdrWriter cdr_;
+  ros::RosCdr cdr_;
 };
 
 RosRecording::RosRecording(const Experiment& experiment, const std::filesystem::path& directory,

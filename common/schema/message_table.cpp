@@ -234,6 +234,7 @@ class MessageTable::Implementation {
   [[nodiscard]] std::size_t rows() const { return rows_; }
   void clear() { rows_ = 0; }
   std::vector<Column>& columns() { return columns_; }
+  [[nodiscard]] const std::vector<Column>& columns() const { return columns_; }
 
   void reserve(std::size_t rows) {
     if (rows <= capacity_) return;
@@ -244,14 +245,14 @@ class MessageTable::Implementation {
  private:
   // --- the plan ---
 
-  int addColumn(Column column) {
+  int addColumn(ColumnInfo column) {
     if (std::ranges::find(all_names_, column.name) != all_names_.end()) {
       throw std::logic_error(type_.name + ": two columns are named " + column.name);
     }
     all_names_.push_back(column.name);
     if (selection_ && std::ranges::find(*selection_, column.name) == selection_->end())
       return kNone;
-    columns_.push_back(std::move(column));
+    columns_.push_back({std::move(column)});
     return static_cast<int>(columns_.size()) - 1;
   }
 
@@ -508,8 +509,9 @@ void MessageTable::clear() { implementation_->clear(); }
 std::vector<Column>& MessageTable::columns() { return implementation_->columns(); }
 const std::vector<Column>& MessageTable::columns() const { return implementation_->columns(); }
 
-std::vector<Column> MessageTable::allColumns(const Type& type, std::string_view path) {
-  return std::move(Implementation(type, path, std::nullopt).columns());
+std::vector<ColumnInfo> MessageTable::allColumns(const Type& type, std::string_view path) {
+  const Implementation table(type, path, std::nullopt);
+  return {table.columns().begin(), table.columns().end()};
 }
 
 }  // namespace lab::schema

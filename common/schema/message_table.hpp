@@ -57,18 +57,22 @@ class TextPool {
   std::unordered_map<std::string, std::int32_t, Hash, std::equal_to<>> codes_;
 };
 
-struct Column {
+/// What a column is.
+struct ColumnInfo {
   std::string name;
   Kind kind = Kind::kInt64;
-  std::string unit;
-  std::string comment;
+  std::string unit{};
+  std::string comment{};
   const Field* field = nullptr;  ///< of the type; nullptr: a column that is in no message
-  ColumnMemory values{};         ///< little-endian numbers; of a text its code (int32) in `texts`
-  TextPool texts{};
 
   [[nodiscard]] std::size_t itemSize() const {
     return kind == Kind::kString ? sizeof(std::int32_t) : sizeOf(kind);
   }
+};
+
+struct Column : ColumnInfo {
+  ColumnMemory values{};  ///< little-endian numbers; of a text its code (int32) in `texts`
+  TextPool texts{};
 };
 
 /// Names of the columns that every table has before those of the type.
@@ -109,8 +113,8 @@ class MessageTable {
   [[nodiscard]] std::vector<Column>& columns();
   [[nodiscard]] const std::vector<Column>& columns() const;
 
-  /// All columns that the table could have, without values.
-  [[nodiscard]] static std::vector<Column> allColumns(const Type& type, std::string_view path);
+  /// All columns that the table could have.
+  [[nodiscard]] static std::vector<ColumnInfo> allColumns(const Type& type, std::string_view path);
 
  private:
   class Implementation;

@@ -47,15 +47,16 @@ class Run(Log):
         """Time 0 [us since 1970]: the command of the first step of the light script; without a script
         the start of the experiment; without that the first camera frame."""
         if "EXPERIMENT_EVENT" in self:
-            events = self.table("EXPERIMENT_EVENT", columns=["kind", "utime", "commanded_utime"])
-            names = events.attrs["values"]["kind"]
-            kind = events.kind.map(names)
-            for name, column in (("STEP", "commanded_utime"), ("START", "utime")):
-                if (kind == name).any():
-                    return int(events.loc[kind == name, column].iloc[0])
+            events = self.table("EXPERIMENT_EVENT", columns=["kind", "step", "utime", "commanded_utime"])
+            kind = label(events, "kind")
+            first = events[(kind == "STEP") & (events.step == 0)]
+            if len(first):
+                return int(first.commanded_utime.iloc[-1])
+            if (kind == "START").any():
+                return int(events.utime[kind == "START"].iloc[0])
         if "TRACKED_FRAME" in self:
             return int(self.table("TRACKED_FRAME", columns=["utime"]).utime.iloc[0])
-        return 0
+        return min((int(entry["first_utime"]) for entry in self._channels), default=0)
 
     def seconds(self, utime: Any) -> Any:
         """Times in us since 1970 as seconds since time 0; of a time that is 0 ("never"), nan."""

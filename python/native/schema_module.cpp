@@ -62,7 +62,7 @@ void addSchema(py::module_& module) {
              [](const std::string& type) { return schema::tablePaths(typeOf(type)); });
   module.def("table_columns", [](const std::string& type, const std::string& path) {
     py::dict result;
-    for (const schema::Column& column : schema::MessageTable::allColumns(typeOf(type), path)) {
+    for (const schema::ColumnInfo& column : schema::MessageTable::allColumns(typeOf(type), path)) {
       py::dict values;
       if (column.field != nullptr) {
         for (const schema::Constant& constant : column.field->constants) {

@@ -145,7 +145,9 @@ void Lockstep::send(char what, std::int64_t utime, std::string_view channel, Byt
 std::optional<Lockstep::Frame> Lockstep::read() {
   std::array<std::uint8_t, kHead_bytes> head{};
   if (!readExactly(head.data(), head.size())) return std::nullopt;
-  Frame frame{.what = static_cast<char>(head[0]), .utime = numberAt<std::int64_t>(&head[1])};
+  Frame frame;
+  frame.what = static_cast<char>(head[0]);
+  frame.utime = numberAt<std::int64_t>(&head[1]);
   const auto channel = numberAt<std::uint32_t>(&head[9]);
   const auto message = numberAt<std::uint32_t>(&head[13]);
   if (channel > kLongestChannel || message > kMostBytes) return std::nullopt;

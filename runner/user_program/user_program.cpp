@@ -1,23 +1,19 @@
 #include "runner/user_program/user_program.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <unistd.h>
 
-#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdint>
-#include <cstdlib>
 #include <fstream>
 #include <iterator>
 #include <sstream>
 #include <system_error>
 
-#include "common/process/installation.hpp"
 #include "light/field/image.hpp"
 #include "runner/command_line/exit_code.hpp"
-
-extern char** environ;
+#include "runner/user_program/python.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -40,29 +36,6 @@ std::string contentsOf(const fs::path& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-/// The folder of the package active_lab in a clone; a Debian package has it where Python looks.
-fs::path pythonFolder() { return installation().programs.parent_path() / "python"; }
-
-std::vector<std::string> environmentWith(std::vector<std::string> added) {
-  // Sets of texts have the same order in every run.
-  added.emplace_back("PYTHONHASHSEED=0");
-  added.emplace_back("PYTHONUNBUFFERED=1");
-  if (const fs::path folder = pythonFolder(); fs::is_directory(folder)) {
-    const char* others = std::getenv("PYTHONPATH");
-    added.push_back("PYTHONPATH=" + folder.string() +
-                    (others == nullptr || *others == '\0' ? "" : ":" + std::string(others)));
-  }
-  std::vector<std::string> all = added;
-  for (char** entry = environ; *entry != nullptr; ++entry) {
-    const std::string text = *entry;
-    const std::string name = text.substr(0, text.find('=') + 1);
-    const bool replaced = std::ranges::any_of(
-        added, [&](const std::string& other) { return other.starts_with(name); });
-    if (!replaced) all.push_back(text);
-  }
-  return all;
-}
-
 }  // namespace
 
 UserProgram findUserProgram(const std::string& typed) {
@@ -80,7 +53,8 @@ UserProgram findUserProgram(const std::string& typed) {
   program.arguments = words;
   program.arguments.front() = fs::absolute(file).string();
   if (file.extension() == ".py") {
-    program.arguments.insert(program.arguments.begin(), "python3");
+    program.arguments.insert(program.arguments.begin(), pythonProgram());
+    program.file = 1;
   } else if (access(file.c_str(), X_OK) != 0) {
     throw UserError(
         fmt::format("--with {}: this file is neither Python (.py) nor executable; chmod +x {}",
@@ -93,20 +67,18 @@ UserProgram findUserProgram(const std::string& typed) {
 }
 
 void adoptUserProgram(const UserProgram& program, const fs::path& run) {
-  const std::size_t file = program.arguments.front() == "python3" ? 1 : 0;
   std::error_code error;
   fs::create_directories(run / kFolder, error);
-  fs::copy_file(program.arguments[file], run / kFolder / program.name, error);
+  fs::copy_file(program.arguments[program.file], run / kFolder / program.name, error);
   if (error) {
-    throw UserError(fmt::format("cannot copy {} into {}: {}", program.arguments[file], run.string(),
-                                error.message()));
+    throw UserError(fmt::format("cannot copy {} into {}: {}", program.arguments[program.file],
+                                run.string(), error.message()));
   }
 }
 
 std::string describe(const UserProgram& program) {
-  const std::size_t file = program.arguments.front() == "python3" ? 1 : 0;
   std::string arguments;
-  for (std::size_t i = file + 1; i < program.arguments.size(); ++i) {
+  for (std::size_t i = program.file + 1; i < program.arguments.size(); ++i) {
     arguments += " " + program.arguments[i];
   }
   return fmt::format("user program {}{}, SHA-256 {}", program.name, arguments, program.digest);
@@ -117,8 +89,10 @@ UserProcess::UserProcess(const UserProgram& program, const fs::path& run,
                          std::vector<std::pair<int, int>> handed_on)
     : name_(program.name) {
   environment.push_back("ACTIVE_LAB_DIRECTORY=" + fs::absolute(run).string());
+  // Sets of texts have the same order in every run, and output is in order with that of the lab.
+  environment.insert(environment.end(), {"PYTHONHASHSEED=0", "PYTHONUNBUFFERED=1"});
   ChildSettings settings{.arguments = program.arguments,
-                         .environment = environmentWith(std::move(environment)),
+                         .environment = pythonEnvironment(std::move(environment)),
                          .output = ChildSettings::kInherited,
                          .errors = ChildSettings::kInherited,
                          .handed_on = std::move(handed_on)};
@@ -149,7 +123,9 @@ void UserProcess::waitForEnd(const std::function<bool()>& in_a_hurry) {
 std::string UserProcess::problem() const {
   const std::string ending = child_->ending();
   if (ending.empty() || child_->code() == 0) return {};
-  return fmt::format("the user program {} ended with {}", name_, ending);
+  const std::string hint =
+      pythonFolder().empty() ? "; the Python package active_lab is not there: " + pythonHint() : "";
+  return fmt::format("the user program {} ended with {}{}", name_, ending, hint);
 }
 
 }  // namespace lab::runner

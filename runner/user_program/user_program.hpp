@@ -1,7 +1,7 @@
 /// A program of the user that takes part in a run (`lab run FILE --with script.py`).
 #pragma once
 
-#include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -17,6 +17,7 @@ namespace lab::runner {
 struct UserProgram {
   std::string name;                    ///< of its file
   std::vector<std::string> arguments;  ///< the program first, a path or a name in PATH
+  std::size_t file = 0;                ///< index of the user's file in `arguments`
   std::string digest;                  ///< SHA-256 of its file
 };
 
