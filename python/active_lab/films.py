@@ -1,4 +1,5 @@
 """Films and series of pictures as arrays. Movies need the programs ffmpeg and ffprobe."""
+import csv
 import json
 import re
 import shutil
@@ -38,8 +39,8 @@ class Film:
             table = self.path / "frames.csv"
             if not table.exists():
                 return None
-            rows = numpy.genfromtxt(table, delimiter=",", names=True)
-            known = dict(zip(rows["frame"].astype(int).tolist(), rows["t_s"].tolist()))
+            with open(table, encoding="utf-8-sig", newline="") as rows:
+                known = {int(row["frame"]): float(row["t_s"]) for row in csv.DictReader(rows)}
             return numpy.array([known[_number(file)] for file in self._files])
         entries = json.loads(_output("ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
                                      "frame=best_effort_timestamp_time", "-of", "json", str(self.path)))

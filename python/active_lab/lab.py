@@ -1,13 +1,15 @@
 """A running lab in a program: receive its messages, set its light, drive its robots."""
+import itertools
 import json
 import math
 import os
 import sys
 from collections import deque
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Callable, Deque, Dict, Iterator, List, NamedTuple, Optional, Sequence, Union
 
-from . import _core, messages
+from . import _core, messages as msg
 from .lockstep import LOCKSTEP, LockstepBus
 from .messages import Message
 
@@ -20,6 +22,9 @@ _LEASE_MS = 500  # a robot stops this long after the program has fallen silent
 _ANSWER_US = 5_000_000
 _SILENT_US = 10_000_000
 _FOREVER = 2**62
+
+#: In virtual time a start time would be the same for two connections of one program.
+_instances = itertools.count(1)
 
 #: {"kind": "disk", "x_cm": 60, ...} as in experiment files, the same as TOML text, or a number: uniform.
 Layer = Union[float, str, Dict[str, Any]]
@@ -74,7 +79,7 @@ class Lab:
         self._bus = self._connect(name, url)
         #: Whether time is virtual.
         self.virtual: bool = isinstance(self._bus, LockstepBus)
-        self._instance = 1 if self.virtual else self._bus.now
+        self._instance = next(_instances) if self.virtual else self._bus.now
         self._started = self._bus.now
         #: Whether the run is over.
         self.ended = False
@@ -88,9 +93,9 @@ class Lab:
         self._latest: Dict[str, bytes] = {}
         self._decoded: Dict[str, Any] = {}
         self._timers: List[List[Any]] = []  # [due, period, callback]
-        self._light: Optional[messages.light_command_t] = None
+        self._light: Optional[msg.light_command_t] = None
         self._light_due = 0
-        self._orders: Dict[int, messages.robot_order_t] = {}
+        self._orders: Dict[int, msg.robot_order_t] = {}
         self._orders_changed = False
         self._orders_due = 0
         self._heartbeat_due = self._bus.now
@@ -149,28 +154,28 @@ class Lab:
     # --- what is known of the lab ---
 
     @property
-    def frame(self) -> Optional["messages.tracked_frame_t"]:
+    def frame(self) -> Optional["msg.tracked_frame_t"]:
         """The last camera frame; None: there was none yet."""
         return self._last("TRACKED_FRAME")
 
     @property
-    def poses(self) -> Dict[int, "messages.tracked_pose_t"]:
+    def poses(self) -> Dict[int, "msg.tracked_pose_t"]:
         """The poses of the last camera frame by robot_id: x, y [m], theta [rad]."""
         frame = self.frame
         return {} if frame is None else {robot.robot_id: robot for robot in frame.robots}
 
     @property
-    def states(self) -> Dict[int, "messages.robot_state_t"]:
+    def states(self) -> Dict[int, "msg.robot_state_t"]:
         """What the robots reported last, by robot_id: program, light, wheel speeds, flags, battery."""
         status = self._last("ROBOT_STATUS")
         return {} if status is None else {robot.robot_id: robot for robot in status.robots}
 
     @property
-    def status(self) -> Optional["messages.experiment_status_t"]:
+    def status(self) -> Optional["msg.experiment_status_t"]:
         """Phase, step, time left of the experiment."""
         return self._last("EXPERIMENT_STATUS")
 
-    @property
+    @cached_property
     def experiment(self) -> Dict[str, Any]:
         """The effective experiment file; keys as in experiment files."""
         if self.directory is None:
@@ -184,7 +189,7 @@ class Lab:
         if encoding is None:
             return None
         if channel not in self._decoded:
-            self._decoded[channel] = messages.decode(encoding)
+            self._decoded[channel] = msg.decode(encoding)
         return self._decoded[channel]
 
     # --- receiving ---
@@ -221,7 +226,7 @@ class Lab:
             for channel in channels:
                 self._wanted[channel] -= 1
 
-    def frames(self, seconds: Optional[float] = None, every: bool = False) -> Iterator["messages.tracked_frame_t"]:
+    def frames(self, seconds: Optional[float] = None, every: bool = False) -> Iterator["msg.tracked_frame_t"]:
         """The camera frames (tracked_frame_t) as they arrive. Ends with the run, or after `seconds`.
 
         A live program that is slower than the camera gets the newest frame, and `skipped` counts those
@@ -270,7 +275,7 @@ class Lab:
             due = min(due, self._heard + _SILENT_US)
         received = self._bus.receive(max(due, now))
         if received is None:
-            if self._bus.closed if self.virtual else False:
+            if self.virtual and self._bus.over:
                 self.ended = True
                 return False
             for timer in self._timers:
@@ -332,7 +337,7 @@ class Lab:
         Raises LayerError if a layer is wrong, Refused if the projector refuses it (perhaps later, while
         the program waits for something)."""
         listed = [layers] if isinstance(layers, (int, float, str, dict)) else list(layers)
-        command = messages.light_command_t.decode(
+        command = msg.light_command_t.decode(
             _core.light_command([_toml_layer(layer) for layer in listed], self.directory))
         command.priority, command.from_utime = command.MANUAL, self.utime
         command.ramp, command.label = ramp, label or self.sender
@@ -343,11 +348,11 @@ class Lab:
     def release_light(self) -> None:
         """Returns the light to the script."""
         if self._light is not None:
-            self._set_light(messages.light_command_t(priority=messages.light_command_t.MANUAL,
+            self._set_light(msg.light_command_t(priority=msg.light_command_t.MANUAL,
                                                      from_utime=self.utime, release=1))
             self._light = None
 
-    def _set_light(self, command: "messages.light_command_t") -> None:
+    def _set_light(self, command: "msg.light_command_t") -> None:
         self._light = command
         self._seq["LIGHT_COMMAND"] = self._seq.get("LIGHT_COMMAND", 0) + 1
         self._send_light()
@@ -377,12 +382,12 @@ class Lab:
             left, right = forward - turn * half, forward + turn * half
         if not (math.isfinite(left) and math.isfinite(right)):
             raise ValueError(f"drive(): found {left} and {right} m/s, expected finite speeds")
-        self._order(robot_id, messages.robot_order_t(mode=messages.robot_order_t.DRIVE, wheel_left=left,
+        self._order(robot_id, msg.robot_order_t(mode=msg.robot_order_t.DRIVE, wheel_left=left,
                                                      wheel_right=right))
 
     def stand(self, robot_id: int) -> None:
         """Lets a robot stand, until the next order for it or release()."""
-        self._order(robot_id, messages.robot_order_t(mode=messages.robot_order_t.STAND))
+        self._order(robot_id, msg.robot_order_t(mode=msg.robot_order_t.STAND))
 
     def program(self, robot_id: int, name: str) -> None:
         """Lets a robot run a program of the experiment in any light, until the next order or release()."""
@@ -391,9 +396,9 @@ class Lab:
         if name not in known:
             raise KeyError(f"no robot of this lab runs a program {name!r}; they run " + ", ".join(known))
         order, band = known[name]
-        single = messages.light_band_t(low=0.0, high=1.0, program=band.program)
-        self._order(robot_id, messages.robot_order_t(
-            mode=messages.robot_order_t.TABLE, light_sensor=order.light_sensor, hysteresis=order.hysteresis,
+        single = msg.light_band_t(low=0.0, high=1.0, program=band.program)
+        self._order(robot_id, msg.robot_order_t(
+            mode=msg.robot_order_t.TABLE, light_sensor=order.light_sensor, hysteresis=order.hysteresis,
             bands=[single], reverse_on=order.reverse_on, reverse_distance=order.reverse_distance,
             reverse_speed=order.reverse_speed))
 
@@ -411,14 +416,14 @@ class Lab:
                            if order.mode == order.TABLE and band.program.text} or getattr(self, "_table", {})
         return getattr(self, "_table", {})
 
-    def _order(self, robot_id: int, order: "messages.robot_order_t") -> None:
+    def _order(self, robot_id: int, order: "msg.robot_order_t") -> None:
         order.robot_ids = [robot_id]
         before = self._orders.get(robot_id)
         if before is None or before != order:
             self._orders[robot_id] = order
             self._orders_changed = True
 
-    @property
+    @cached_property
     def _wheel_base(self) -> float:
         try:
             return float(self.experiment.get("robot", {}).get("diameter_cm", 7.5)) / 100
@@ -429,7 +434,7 @@ class Lab:
         self._orders_changed = False
         self._orders_due = self.utime + _DRIVE_REPEAT_US
         if self._orders:
-            command = messages.robot_command_t(lease_ms=_LEASE_MS, orders=list(self._orders.values()))
+            command = msg.robot_command_t(lease_ms=_LEASE_MS, orders=list(self._orders.values()))
             self.publish("ROBOT_COMMAND", command, self._seq["ROBOT_COMMAND"])
 
     def stop(self, reason: str = "", seconds: float = 5.0) -> None:
@@ -443,7 +448,7 @@ class Lab:
 
     def _ask_stop(self, clear: int, reason: str, seconds: float) -> None:
         seq = self.utime
-        request = messages.robot_stop_t(clear=clear, reason=reason or f"asked by {self.sender}")
+        request = msg.robot_stop_t(clear=clear, reason=reason or f"asked by {self.sender}")
         until = self._until(seconds)
 
         def obeys(state: Any) -> bool:
@@ -461,23 +466,23 @@ class Lab:
 
     def mark(self, text: str) -> None:
         """Writes a remark into the record of the run."""
-        self._request(messages.experiment_command_t.MARK, text)
+        self._request(msg.experiment_command_t.MARK, text)
 
     def pause(self) -> None:
         """Stops the clock of the script. The light stays, robots keep moving."""
-        self._request(messages.experiment_command_t.PAUSE)
+        self._request(msg.experiment_command_t.PAUSE)
 
     def resume(self) -> None:
         """The script continues."""
-        self._request(messages.experiment_command_t.RESUME)
+        self._request(msg.experiment_command_t.RESUME)
 
     def end(self, why: str = "") -> None:
         """Ends the run as Ctrl-C does: the data are kept, the report is made."""
-        self._request(messages.experiment_command_t.END, why or f"ended by {self.sender}")
+        self._request(msg.experiment_command_t.END, why or f"ended by {self.sender}")
 
     def _request(self, action: int, text: str = "") -> None:
         seq = self._seq["EXPERIMENT_COMMAND"] = self._seq.get("EXPERIMENT_COMMAND", 0) + 1
-        request = messages.experiment_command_t(action=action, text=text)
+        request = msg.experiment_command_t(action=action, text=text)
         request.utime = self.utime
 
         def answered(lab: "Lab") -> bool:
@@ -517,16 +522,16 @@ class Lab:
             self._send_light()
         if self._heartbeat_due <= now:
             self._heartbeat_due = now + _HEARTBEAT_US
-            self._beat(messages.service_status_t.READY)
+            self._beat(msg.service_status_t.READY)
 
     def _beat(self, state: int) -> None:
         """SERVICE_STATUS with the counts of what was sent, from which the report counts losses."""
         counts = dict(self._sent)
         counts["SERVICE_STATUS"] = counts.get("SERVICE_STATUS", 0) + 1
-        self.publish("SERVICE_STATUS", messages.service_status_t(
+        self.publish("SERVICE_STATUS", msg.service_status_t(
             state=state, host="" if self.virtual else os.uname().nodename, pid=0 if self.virtual else os.getpid(),
             version=_core.version, contract_version=_core.contract_version, start_utime=self._started,
-            sent=[messages.channel_count_t(channel=channel, messages=count)
+            sent=[msg.channel_count_t(channel=channel, messages=count)
                   for channel, count in sorted(counts.items())]))
 
     def close(self) -> None:
@@ -540,7 +545,7 @@ class Lab:
             if self._light is not None:
                 self.release_light()
             for _ in range(5):
-                self._beat(messages.service_status_t.ENDED)
+                self._beat(msg.service_status_t.ENDED)
         except OSError:  # the lab has gone before
             pass
         if self.virtual:

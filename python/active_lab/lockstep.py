@@ -10,7 +10,7 @@ LOCKSTEP = "ACTIVE_LAB_LOCKSTEP"
 
 _HEAD = struct.Struct("<cqII")  # what, utime, bytes of the channel, bytes of the message
 _MESSAGE, _TIME, _END = b"m", b"t", b"e"  # from the lab
-_SUBSCRIBE, _PUBLISH, _WAIT = b"s", b"p", b"w"  # to the lab
+_HELLO, _SUBSCRIBE, _PUBLISH, _WAIT, _CLOSE = b"h", b"s", b"p", b"w", b"c"  # to the lab
 
 
 class LockstepBus:
@@ -22,11 +22,12 @@ class LockstepBus:
         self._socket = socket.socket(fileno=os.dup(descriptor))
         self._socket.setblocking(True)
         self._channels: Set[str] = set()
-        #: Whether the run is over.
-        self.closed = False
+        #: Whether the run is over. Messages may still be published.
+        self.over = False
+        self._gone = False
+        self._write(_HELLO, 0, b"", b"")
         what, self.now, _, _ = self._read()
-        if what != _TIME:
-            self.closed = True
+        self.over = what == _END
 
     def subscribe(self, channel: str) -> None:
         if channel not in self._channels:
@@ -37,27 +38,28 @@ class LockstepBus:
         self._write(_PUBLISH, 0, channel.encode(), message)
 
     def receive(self, until_utime: int) -> Optional[Tuple[str, int, bytes]]:
-        """The next message; None: there was none until `until_utime`, or the run is over (`closed`)."""
-        if self.closed:
+        """The next message; None: there was none until `until_utime`, or the run is `over`."""
+        if self.over:
             return None
         self._write(_WAIT, until_utime, b"", b"")
         what, utime, channel, message = self._read()
         self.now = max(self.now, utime)
         if what == _MESSAGE:
             return channel.decode(), utime, message
-        self.closed = self.closed or what == _END
+        self.over = self.over or what == _END
         return None
 
     def close(self) -> None:
+        self._write(_CLOSE, 0, b"", b"")
         self._socket.close()
 
     def _write(self, what: bytes, utime: int, channel: bytes, message: bytes) -> None:
-        if self.closed:
+        if self._gone:
             return
         try:
             self._socket.sendall(_HEAD.pack(what, utime, len(channel), len(message)) + channel + message)
         except OSError:
-            self.closed = True
+            self._gone = self.over = True
 
     def _read(self) -> Tuple[bytes, int, bytes, bytes]:
         head = self._exactly(_HEAD.size)
@@ -77,7 +79,7 @@ class LockstepBus:
             except OSError:
                 part = b""
             if not part:
-                self.closed = True
+                self._gone = self.over = True
                 return None
             parts.append(part)
             size -= len(part)

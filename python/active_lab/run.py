@@ -187,8 +187,7 @@ class Run(Log):
         file = self.folder / "summary.json"
         if not file.exists():
             raise FileNotFoundError(f"{file}: there is no report yet; make it with: lab analyze {self.folder}")
-        with open(file, encoding="utf-8") as text:
-            return dict(json.load(text))
+        return dict(json.loads(file.read_text(encoding="utf-8")))
 
     @cached_property
     def trajectories(self) -> pandas.DataFrame:

@@ -54,7 +54,6 @@ void Lockstep::begin(const UserProgram& program, const std::filesystem::path& ru
                    std::vector<std::string>{"ACTIVE_LAB_LOCKSTEP=" + std::to_string(kHandle)},
                    std::vector<std::pair<int, int>>{{ends[1], kHandle}});
   connected_ = true;
-  send('t', loop_.now());
   serve();
 }
 
@@ -80,7 +79,11 @@ void Lockstep::serve() {
       programEnded();
       return;
     }
-    if (frame->what == 's') {
+    if (frame->what == 'h') {
+      send('t', loop_.now());
+    } else if (frame->what == 'c') {
+      channels_.clear();
+    } else if (frame->what == 's') {
       channels_.insert(frame->channel);
     } else if (frame->what == 'p') {
       bus_.publish(frame->channel, frame->message);
@@ -105,14 +108,15 @@ void Lockstep::conclude() {
   if (!connected_) return;
   concluding_ = true;
   send('e', loop_.now());
-  // The program may close its end of the socket, or wait once more and learn again that it is over.
   while (connected_) {
     const std::optional<Frame> frame = read();
     if (!frame) {
       connected_ = false;
+    } else if (frame->what == 'c') {
+      return;
     } else if (frame->what == 'p') {
       bus_.publish(frame->channel, frame->message);
-    } else if (frame->what == 'w') {
+    } else if (frame->what == 'w' || frame->what == 'h') {
       send('e', loop_.now());
     }
   }

@@ -22,12 +22,14 @@ namespace lab::runner {
 /// Both sides write frames: a letter, a time (int64), the lengths of a channel's name and of a
 /// message (uint32 each; all little-endian, without padding), the name, the message.
 ///
-///   to the program:   t  the time is ...; the first frame, and what ends a wait
+///   to the program:   t  the time is ...; answers h, and ends a wait
 ///                     m  a message on a channel that it has subscribed
 ///                     e  the run is over
-///   from the program: s  subscribes a channel
+///   from the program: h  begins to take part
+///                     s  subscribes a channel
 ///                     p  publishes a message
 ///                     w  has nothing to do until a message comes, at the latest until ...
+///                     c  takes part no longer; it may begin again
 ///
 /// The program computes between a frame to it and its next `w`. The loop waits for that, so the
 /// program's time is exactly the loop's, and a deterministic program gives the same run every time.
