@@ -1,5 +1,5 @@
 # Installed files and their Debian packages (docs/install.md), one component per package: main,
-# gateway, emulator. common/process/installation.cpp uses the same folders.
+# gateway, emulator, python. common/process/installation.cpp uses the same folders.
 set(programs lib/active-lab/bin)
 set(documents share/doc/active-lab)
 set(staged "${CMAKE_BINARY_DIR}/packaging")
@@ -7,7 +7,8 @@ set(staged "${CMAKE_BINARY_DIR}/packaging")
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 
 # Only the command active-lab is in PATH. Programs find each other in their common folder.
-install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-preview lab-program lab-reproduce lab-sweep
+install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-export lab-preview lab-program
+  lab-reproduce lab-sweep
   lab-run-virtual lab-track recorder analyzer projector_ctl robot_bridge sim_svc tracker_svc
   RUNTIME DESTINATION ${programs} COMPONENT main)
 if(TARGET dashboard)
@@ -25,6 +26,16 @@ if(TARGET robot_emulator)
   install(TARGETS robot_emulator RUNTIME DESTINATION ${programs} COMPONENT emulator)
   install(FILES "${CMAKE_RUNTIME_OUTPUT_DIRECTORY}/robot_firmware.elf"
     DESTINATION ${programs} COMPONENT emulator)
+endif()
+
+if(TARGET lcm_spy_types)
+  install(FILES "${CMAKE_BINARY_DIR}/java/active_lab_types.jar" DESTINATION share/java COMPONENT main)
+endif()
+if(TARGET active_lab_core)
+  set(python_package lib/python3/dist-packages/active_lab)
+  install(TARGETS active_lab_core LIBRARY DESTINATION ${python_package} COMPONENT python)
+  install(FILES ${LAB_PYTHON_SOURCES} DESTINATION ${python_package} COMPONENT python)
+  install(DIRECTORY python/examples DESTINATION share/doc/python3-active-lab COMPONENT python)
 endif()
 
 # In the texts `./lab` becomes `active-lab`, which users of the packages type.
@@ -49,6 +60,9 @@ string(REPLACE "\n" "\n " license "${license}")
 configure_file(cmake/packaging/copyright.in "${staged}/copyright" @ONLY)
 install(FILES "${staged}/copyright" DESTINATION ${documents} COMPONENT main)
 install(FILES "${staged}/copyright" DESTINATION share/doc/active-lab-gateway COMPONENT gateway)
+if(TARGET active_lab_core)
+  install(FILES "${staged}/copyright" DESTINATION share/doc/python3-active-lab COMPONENT python)
+endif()
 
 # lab_man_page(component page program): makes the page from --help of the installed program, which
 # prints the commands as users of the package type them.
@@ -87,6 +101,9 @@ set(CPACK_COMPONENTS_ALL main gateway)
 if(TARGET robot_emulator)
   list(APPEND CPACK_COMPONENTS_ALL emulator)
 endif()
+if(TARGET active_lab_core)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
@@ -114,4 +131,16 @@ set(CPACK_DEBIAN_EMULATOR_PACKAGE_DEPENDS "${same_main}")
 set(CPACK_COMPONENT_EMULATOR_DESCRIPTION "simulated chips for Active Lab's robots
 Runs the firmware of the robots on simulated ATmega328P chips. This program links
 libsimavr and is under the GPL, version 3 or later.")
+# The core is for this Python alone.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-active-lab)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+if(TARGET active_lab_core)
+  math(EXPR next_python "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.${Python3_VERSION_MINOR}), \
+python3 (<< 3.${next_python}), python3-numpy, python3-pandas")
+endif()
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "active-lab, ffmpeg, python3-matplotlib")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "runs of Active Lab as tables in Python
+Opens runs as numpy and pandas tables, evaluates the light anywhere, and lets a
+program take part in a running lab, live or in virtual time.")
 include(CPack)

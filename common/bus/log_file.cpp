@@ -14,6 +14,7 @@
 #include <span>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/contract_upgrade.hpp"
@@ -57,9 +58,21 @@ class MappedFile {
 
   [[nodiscard]] Bytes bytes() const { return {static_cast<const std::uint8_t*>(data_), size_}; }
 
+  /// Gives back the memory of what lies before `at`, which has been read: a log may be larger than
+  /// the memory that its reader may take.
+  void release(const std::uint8_t* at) {
+    constexpr std::size_t kStep = 1U << 26U;
+    const auto read = static_cast<std::size_t>(at - static_cast<const std::uint8_t*>(data_));
+    if (read < released_ + kStep) return;
+    const std::size_t end = read / kStep * kStep;
+    ::madvise(static_cast<std::uint8_t*>(data_) + released_, end - released_, MADV_DONTNEED);
+    released_ = end;
+  }
+
  private:
   void* data_ = nullptr;
   std::size_t size_ = 0;
+  std::size_t released_ = 0;
 };
 
 template <class Integer>
@@ -189,29 +202,6 @@ class ArrivalTimes {
   std::optional<std::int64_t> before_;
 };
 
-void readFile(const fs::path& path, const PacketHandler& handler, ArrivalTimes& times,
-              LogReadResult& result) {
-  constexpr std::size_t kAhead = 2;  // events that are read before one is handled
-  const MappedFile mapped(path);
-  EventReader reader(mapped.bytes());
-  std::vector<Event> events;
-  while (true) {
-    while (events.size() <= kAhead) {
-      const std::optional<Event> event = reader.next();
-      if (!event) break;
-      events.push_back(*event);
-    }
-    if (events.empty()) break;
-    const Event event = events.front();
-    events.erase(events.begin());
-    ++result.events;
-    const std::int64_t utime = times.of(event, events, result);
-    const std::optional<std::vector<std::uint8_t>> newer = upgraded(event.data);
-    handler({event.channel, newer ? Bytes(*newer) : event.data, utime});
-  }
-  result.resyncs += reader.resyncs();
-}
-
 }  // namespace
 
 struct LogWriter::Implementation {
@@ -257,11 +247,67 @@ void LogWriter::fail() const {
                            ": the disk is full or gone; free some space");
 }
 
+class LogReader::Implementation {
+ public:
+  explicit Implementation(std::vector<fs::path> files) : files_(std::move(files)) {}
+
+  std::optional<Packet> next() {
+    while (true) {
+      if (!file_) {
+        if (opened_ == files_.size()) return std::nullopt;
+        file_ = std::make_unique<File>(files_[opened_++]);
+      }
+      if (const std::optional<Packet> packet = nextOf(*file_)) return packet;
+      result_.resyncs += file_->reader.resyncs();
+      file_.reset();
+    }
+  }
+
+  [[nodiscard]] const LogReadResult& result() const { return result_; }
+
+ private:
+  struct File {
+    explicit File(const fs::path& path) : mapped(path), reader(mapped.bytes()) {}
+    MappedFile mapped;
+    EventReader reader;
+    std::vector<Event> ahead;
+  };
+
+  std::optional<Packet> nextOf(File& file) {
+    constexpr std::size_t kAhead = 2;  // events that are read before one is handled
+    while (file.ahead.size() <= kAhead) {
+      const std::optional<Event> event = file.reader.next();
+      if (!event) break;
+      file.ahead.push_back(*event);
+    }
+    if (file.ahead.empty()) return std::nullopt;
+    const Event event = file.ahead.front();
+    file.ahead.erase(file.ahead.begin());
+    ++result_.events;
+    const std::int64_t utime = times_.of(event, file.ahead, result_);
+    file.mapped.release(event.data.data());
+    newer_ = upgraded(event.data);
+    return Packet{event.channel, newer_ ? Bytes(*newer_) : event.data, utime};
+  }
+
+  std::vector<fs::path> files_;
+  std::size_t opened_ = 0;
+  std::unique_ptr<File> file_;
+  ArrivalTimes times_;
+  std::optional<std::vector<std::uint8_t>> newer_;
+  LogReadResult result_;
+};
+
+LogReader::LogReader(std::vector<fs::path> files)
+    : implementation_(std::make_unique<Implementation>(std::move(files))) {}
+LogReader::~LogReader() = default;
+std::optional<Packet> LogReader::next() { return implementation_->next(); }
+const LogReadResult& LogReader::result() const { return implementation_->result(); }
+
 LogReadResult readLog(const std::vector<fs::path>& files, const PacketHandler& handler) {
-  LogReadResult result;
-  ArrivalTimes times;
-  for (const fs::path& path : files) readFile(path, handler, times, result);
-  return result;
+  LogReader reader(files);
+  while (const std::optional<Packet> packet = reader.next()) handler(*packet);
+  return reader.result();
 }
 
 bool isLog(const fs::path& file) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,12 +45,32 @@ struct LogReadResult {
   std::int64_t bad_times = 0;  ///< events whose time of arrival was damaged
 };
 
-/// Calls `handler` for every event of the files, in the order of `files`. LCM's own reader stops at
+/// Reads the events of log files one by one, in the order of the files. LCM's own reader stops at
 /// the first damaged byte, or skips good events after a damaged length. This one continues at the
 /// next whole event and counts the damaged place. Messages of older contract versions are converted
 /// to the present one. A damaged time of arrival is replaced by that of the event before; times are
 /// from 0 to ValueChecker::kLatestUtime, and step only where the logger's clock did, or where the
 /// bus was silent.
+class LogReader {
+ public:
+  explicit LogReader(std::vector<std::filesystem::path> files);
+  ~LogReader();
+  LogReader(const LogReader&) = delete;
+  LogReader& operator=(const LogReader&) = delete;
+
+  /// @return the next event, valid until the next call; nothing at the end
+  /// @throws std::runtime_error if a file cannot be opened or read
+  std::optional<Packet> next();
+
+  /// The counts so far.
+  [[nodiscard]] const LogReadResult& result() const;
+
+ private:
+  class Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+/// Calls `handler` for every event that LogReader gives.
 /// @throws std::runtime_error if a file cannot be opened or read
 LogReadResult readLog(const std::vector<std::filesystem::path>& files,
                       const PacketHandler& handler);

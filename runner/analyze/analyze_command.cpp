@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <string>
 
@@ -8,6 +9,9 @@
 #include "common/math/units.hpp"
 #include "common/text/printable.hpp"
 #include "runner/analyze/analyze_commands.hpp"
+#include "runner/export/hdf5_import.hpp"
+#include "runner/export/mcap_export.hpp"
+#include "runner/export/mcap_reader.hpp"
 #include "runner/runs/run_directory.hpp"
 
 namespace lab::runner {
@@ -27,18 +31,78 @@ bool isPoseFile(const fs::path& path) {
   return fs::is_regular_file(path) && (ending == ".csv" || ending == ".CSV" || ending == ".tsv");
 }
 
+/// A folder beside the results for what is only needed on the way to them.
+class Scratch {
+ public:
+  explicit Scratch(const fs::path& out) {
+    fs::create_directories(out);
+    std::string name = (out / ".import-XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) {
+      throw UserError(fmt::format(
+          "{}: cannot write here; choose another folder with --out or change its permissions",
+          out.string()));
+    }
+    path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    fs::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+
+  [[nodiscard]] const fs::path& path() const { return path_; }
+
+ private:
+  fs::path path_;
+};
+
+bool isOpenFormat(const fs::path& path) { return mcap::isMcap(path) || isHdf5(path); }
+
+report::PoseFileOptions columnsOf(const AnalyzeOptions& options) {
+  report::PoseFileOptions columns;
+  if (options.scale_cm) columns.scale = *options.scale_cm * units::kCentimetre;
+  columns.fps = options.fps;
+  return columns;
+}
+
+/// Makes the log again from a file of `lab export`, or a file of poses from a table in HDF5, and
+/// analyzes that.
+ExitCode analyzeOpenFormat(const fs::path& input, const fs::path& out,
+                           const AnalyzeOptions& options, const report::AnalyzeOptions& how) {
+  const Scratch scratch(out);
+  if (isHdf5(input) && !hasLogTables(input)) {
+    const fs::path csv = scratch.path() / (input.stem().string() + ".csv");
+    writePosesOfHdf5(input, csv);
+    printHeadline(
+        report::analyzePoses(csv, out, columnsOf(options), {options.program, options.set}, how));
+    return kDone;
+  }
+  const fs::path log = scratch.path() / files::kLog;
+  if (isHdf5(input)) {
+    writeLogOfHdf5(input, log);
+  } else if (writeLogOfMcap(input, log) == 0) {
+    throw UserError(fmt::format(
+        "{}: found no topic /bus/..., expected the messages of a run's bus, as lab export --mcap "
+        "writes them",
+        input.string()));
+  }
+  printHeadline(report::analyzeRun(log, out, how));
+  return kDone;
+}
+
 }  // namespace
 
 ExitCode analyze(const AnalyzeOptions& options) {
   const fs::path& input = options.input;
   if (!fs::is_directory(input) && !fs::is_regular_file(input)) {
     throw UserError(input.string() +
-                    " is neither the folder of a run nor a log nor a file of poses");
+                    " is neither the folder of a run nor a log nor a file of poses, MCAP or HDF5");
   }
   // Each log has its own folder of results, so that two logs in one folder do not share them.
   const bool poses = isPoseFile(input);
   fs::path beside = input;
-  if (poses) {
+  if (poses || isOpenFormat(input)) {
     beside.replace_extension();
     beside += "-report";
   } else if (!fs::is_directory(input)) {
@@ -50,12 +114,11 @@ ExitCode analyze(const AnalyzeOptions& options) {
       .depth = options.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive,
       .stitch = options.stitch};
   if (poses) {
-    report::PoseFileOptions columns;
-    if (options.scale_cm) columns.scale = *options.scale_cm * units::kCentimetre;
-    columns.fps = options.fps;
-    printHeadline(report::analyzePoses(input, out, columns, {options.program, options.set}, how));
+    printHeadline(
+        report::analyzePoses(input, out, columnsOf(options), {options.program, options.set}, how));
     return kDone;
   }
+  if (isOpenFormat(input)) return analyzeOpenFormat(input, out, options, how);
   if (!options.program.empty() || !options.set.empty() || options.scale_cm || options.fps) {
     throw UserError(
         input.string() +

@@ -11,8 +11,9 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<AnalyzeOptions>();
   CLI::App* command = app.add_subcommand("analyze", summaryOf("analyze"));
   command
-      ->add_option("RUN|LOG|POSES.csv", options->input,
-                   "Folder of a run, a log, or a file of poses (docs/track.md)")
+      ->add_option("RUN|FILE", options->input,
+                   "Folder of a run, a log, a file of lab export (.mcap, .h5), or a file of "
+                   "poses (docs/track.md)")
       ->required();
   command->add_option("--out", options->out, "Folder for the results (default: beside the input)");
   command->add_flag("--figures,!--no-figures", options->figures, "Draw the figures (default: yes)");

@@ -33,6 +33,8 @@ constexpr std::array<ProgramCommand, 9> kProgramCommands{{
     {"calibrate", "lab-calibrate", "Calibrate camera, projector, light or motors"},
     {"analyze", "lab-analyze",
      "Make summary, report, trajectories and figures from a log or a file of poses"},
+    {"export", "lab-export",
+     "Write a run as MCAP, HDF5 or CSV, for Rerun, Foxglove, pandas, trackpy, TRex"},
     {"theory", "lab-analyze",
      "Print the theoretical curves of a motion model and the paper's formulas as CSV"},
     {"track", "lab-track", "Track all robots in a movie or in pictures, without a lab"},

@@ -182,6 +182,19 @@ void addSpy(CLI::App& app, Chosen& chosen) {
   command->callback([&chosen, options] { chosen = [options] { return spy(*options); }; });
 }
 
+void addPython(CLI::App& app, Chosen& chosen) {
+  auto options = std::make_shared<PythonOptions>();
+  CLI::App* command = app.add_subcommand(
+      "python",
+      "Python with the package active_lab: SCRIPT ARGUMENTS..., or an interactive session");
+  command->add_flag("--where", options->where, "Print the folder of the package, for PYTHONPATH");
+  command->prefix_command();
+  command->callback([&chosen, options, command] {
+    options->arguments = command->remaining();
+    chosen = [options]() -> int { return python(*options); };
+  });
+}
+
 /// Started by ssh on other hosts, and hidden in --help.
 void addHostAgent(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   CLI::App* command = app.add_subcommand("host-agent", "")->group("");
@@ -232,7 +245,8 @@ int runCommandLine(int argc, char** argv) {
     addRun(app, chosen, argv);
     addCheck(app, chosen);
     for (const char* name :
-         {"preview", "calibrate", "analyze", "sweep", "program", "theory", "track", "reproduce"}) {
+         {"preview", "calibrate", "analyze", "export", "sweep", "program", "theory", "track",
+          "reproduce"}) {
       addProgramCommand(app, name);
     }
     addReplay(app, chosen, here);
@@ -242,6 +256,7 @@ int runCommandLine(int argc, char** argv) {
     addWeb(app, chosen, here);
     addFlash(app, chosen, installation().programs);
     addSpy(app, chosen);
+    addPython(app, chosen);
     addProgramCommand(app, "doctor");
     addHostAgent(app, chosen, installation().programs);
     addProgramsOfRun(app, chosen);

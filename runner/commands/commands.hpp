@@ -73,6 +73,13 @@ struct FlashOptions {
 };
 ExitCode flash(const FlashOptions& options);
 
+struct PythonOptions {
+  std::vector<std::string> arguments;  ///< of Python
+  bool where = false;                  ///< print the folder of the package instead
+};
+/// Becomes Python, with the package active_lab.
+ExitCode python(const PythonOptions& options);
+
 struct SpyOptions {
   std::string lab;
   std::string url;                ///< of a bus, instead of a registered lab

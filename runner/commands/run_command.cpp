@@ -85,6 +85,8 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   const std::vector<std::string> set = settingsOf(options);
   Experiment experiment = loadExperiment(options.file, set, analysis::lawKnowledge());
   adopt(options.sources, experiment);
+  std::optional<UserProgram> user_program;
+  if (!options.with.empty()) user_program = findUserProgram(options.with);
   if (options.report) {
     requireProgram("gnuplot", "gnuplot-nox");
     requireReporter(options.programs);
@@ -103,6 +105,7 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
               .run_virtual = options.virtual_time ? run_virtual : RunVirtual(),
               .web = web,
               .web_address = options.web_address,
+              .user_program = user_program,
               .threads = options.threads},
              std::move(experiment), [&](const Progress& progress) {
                elapsed = progress.elapsed;
@@ -149,6 +152,9 @@ void addRunOptions(CLI::App& command, RunOptions& options) {
   addRunsFolder(command, options.out, "Folder for the folders of runs");
   addSettings(command, options.set);
   addSources(command, options.sources);
+  command.add_option("--with", options.with,
+                     "A program of yours that takes part: script.py, or \"script.py --gain 3\" "
+                     "(docs/python.md)");
   command.add_flag("!--no-report", options.report,
                    "Keep the log only; lab analyze makes the report later");
   addChoice(command, "--web,!--no-web", options.web,

@@ -23,6 +23,7 @@ struct RunOptions {
   bool virtual_time = false;
   std::size_t threads = 0;  ///< of the simulator; 0: one per processor
   bool report = true;
+  std::string with;  ///< a program of the user that takes part, with its arguments; empty: none
   std::optional<bool> web;            ///< the dashboard; not given: see wantsDashboard()
   std::filesystem::path web_address;  ///< file for its address too, empty: none
 };

@@ -94,17 +94,19 @@ void writeProvenance(const LaunchOptions& options, const PreparedRun& run, const
   char host[256] = {};
   gethostname(host, sizeof host - 1);
   const std::int64_t end = wallClock();
-  const nlohmann::ordered_json json{{"experiment_file", fs::absolute(options.file).string()},
-                                    {"set", options.set},
-                                    {"started", utcText(start)},
-                                    {"ended", utcText(end)},
-                                    {"wall_s", units::seconds(end - start)},
-                                    {"virtual_time", static_cast<bool>(options.run_virtual)},
-                                    {"host", host},
-                                    {"bus", url},
-                                    {"version", kVersion},
-                                    {"interrupted", outcome.interrupted},
-                                    {"faults", outcome.faults}};
+  const nlohmann::ordered_json json{
+      {"experiment_file", fs::absolute(options.file).string()},
+      {"set", options.set},
+      {"user_program", options.user_program ? describe(*options.user_program) : std::string()},
+      {"started", utcText(start)},
+      {"ended", utcText(end)},
+      {"wall_s", units::seconds(end - start)},
+      {"virtual_time", static_cast<bool>(options.run_virtual)},
+      {"host", host},
+      {"bus", url},
+      {"version", kVersion},
+      {"interrupted", outcome.interrupted},
+      {"faults", outcome.faults}};
   // Faults quote what others have sent, which may be no UTF-8.
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
   writeNewFile(run.directory / files::kProvenance, json.dump(2, ' ', false, kReplace) + "\n");
@@ -176,6 +178,8 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   PreparedRun prepared =
       prepareRun(std::move(experiment), options.file.parent_path(), options.out, start);
   prepared.threads = options.threads;
+  prepared.user_program = options.user_program;
+  if (prepared.user_program) adoptUserProgram(*prepared.user_program, prepared.directory);
   std::optional<Registration> registration;
   std::string name = prepared.directory.filename().string();
   std::string head = fmt::format("run      {}\n", prepared.directory.string());

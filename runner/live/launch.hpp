@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,15 +20,16 @@ using RunVirtual = std::function<RunOutcome(const PreparedRun& run, const ShowPr
                                             const ProcedureFactory& procedure)>;
 
 struct LaunchOptions {
-  std::filesystem::path file;           ///< of the experiment
-  std::filesystem::path out;            ///< where run folders are made
-  std::filesystem::path programs;       ///< folder of the services' programs
-  std::vector<std::string> set;         ///< key=value, for the record
-  RunVirtual run_virtual{};             ///< runs in virtual time; empty: in real time
-  MakeCameras cameras{};                ///< for a procedure in real time; empty: none
-  bool web = false;                     ///< starts the dashboard; in real time only
-  std::filesystem::path web_address{};  ///< a second file for its address, empty: none
-  std::size_t threads = 0;              ///< of the simulator; 0: one per processor
+  std::filesystem::path file;                 ///< of the experiment
+  std::filesystem::path out;                  ///< where run folders are made
+  std::filesystem::path programs;             ///< folder of the services' programs
+  std::vector<std::string> set;               ///< key=value, for the record
+  RunVirtual run_virtual{};                   ///< runs in virtual time; empty: in real time
+  MakeCameras cameras{};                      ///< for a procedure in real time; empty: none
+  bool web = false;                           ///< starts the dashboard; in real time only
+  std::filesystem::path web_address{};        ///< a second file for its address, empty: none
+  std::optional<UserProgram> user_program{};  ///< takes part in the run
+  std::size_t threads = 0;                    ///< of the simulator; 0: one per processor
 };
 
 struct Launched {

@@ -24,6 +24,7 @@
 #include "runner/live/resumed_experiment.hpp"
 #include "runner/live/supervisor.hpp"
 #include "runner/runs/lab_registry.hpp"
+#include "runner/user_program/user_program.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -91,6 +92,7 @@ class LiveRun {
     guarded([this] { conduct(); });
     guarded([this] { end(); });
     endProcesses();
+    endUserProgram();
     for (const std::string& fault : controller_.faults()) outcome_.faults.push_back(fault);
     supervisor_.reportHeld([this](const std::string& what) { outcome_.faults.push_back(what); });
     return outcome_;
@@ -104,6 +106,11 @@ class LiveRun {
     controller_.begin();
     controlling_ = true;
     for (const std::string& what : early_remarks_) controller_.mark(what);
+    if (run_.user_program) {
+      controller_.mark(describe(*run_.user_program));
+      user_process_.emplace(*run_.user_program, run_.directory,
+                            std::vector<std::string>{"ACTIVE_LAB_URL=" + options_.url});
+    }
     loop_.every(kSupervise_us, loop_.now(), [this] { supervise(); });
     loop_.every(kShowEvery_us, loop_.now(), [this] { show_(controller_.progress()); });
     loop_.every(kSinkEvery_us, loop_.now(), [this] { unicast_sink_.update(); });
@@ -250,6 +257,7 @@ class LiveRun {
   void supervise() {
     if (finishing_) return;
     superviseDashboard();
+    superviseUserProgram();
     const bool all_up = supervisor_.restartEnded(
         loop_.now(), [this](const std::string& what) { controller_.fault(what); },
         [this] { return resume(); });
@@ -265,6 +273,25 @@ class LiveRun {
     writeNewFile(file, writeExperiment(
                            resumedExperiment(run_.experiment, controller_.lastPoses(), restarts_)));
     return file;
+  }
+
+  void superviseUserProgram() {
+    if (!user_process_ || user_process_ended_ || user_process_->running()) return;
+    user_process_ended_ = true;
+    controller_.mark("the user program has ended");
+    if (const std::string problem = user_process_->problem(); !problem.empty()) closeEarly(problem);
+  }
+
+  /// It learns from EXPERIMENT_STATUS that the run is over, and may then still save its results.
+  void endUserProgram() {
+    if (!user_process_ || user_process_ended_) return;
+    user_process_->waitForEnd([this] {
+      loop_.poll();  // for Ctrl-C
+      return outcome_.interrupted;
+    });
+    if (const std::string problem = user_process_->problem(); !problem.empty()) {
+      outcome_.faults.push_back(problem);
+    }
   }
 
   void watchDisk() {
@@ -335,6 +362,8 @@ class LiveRun {
   Supervisor supervisor_;
   UnicastSink unicast_sink_;  ///< for stock programs
   std::optional<DashboardProcess> page_;
+  std::optional<UserProcess> user_process_;
+  bool user_process_ended_ = false;
   RunOutcome outcome_;
   bool announced_ = false;
   bool started_ = false;

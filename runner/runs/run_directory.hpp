@@ -3,9 +3,11 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "common/experiment/experiment.hpp"
+#include "runner/user_program/user_program.hpp"
 
 namespace lab::runner {
 
@@ -62,6 +64,7 @@ struct PreparedRun {
   /// False: a run in virtual time leaves out the analyzer, whose results nobody reads meanwhile.
   bool live_analysis = true;
   std::size_t threads = 0;  ///< of the simulator; 0: one per processor
+  std::optional<UserProgram> user_program{};  ///< takes part in the run
 };
 
 /// Makes the folder with experiment.toml, images and calibrations.

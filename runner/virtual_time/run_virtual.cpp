@@ -21,6 +21,7 @@
 #include "projector_ctl/projector_service.hpp"
 #include "robot_bridge/bridge_service.hpp"
 #include "runner/live/experiment_controller.hpp"
+#include "runner/user_program/lockstep.hpp"
 #include "sim_svc/sim_service.hpp"
 #include "tracker_svc/tracker_service.hpp"
 
@@ -95,6 +96,17 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
       loop.stop();
     });
   }
+  std::optional<Lockstep> program;
+  if (run.user_program) {
+    program.emplace(bus, loop, interrupted, [&](const std::string& problem) {
+      controller.mark("the user program has ended");
+      if (problem.empty()) return;
+      controller.fault(problem);
+      why = problem;
+      outcome.closed_early = true;
+      loop.stop();
+    });
+  }
   if (run.experiment.faults.message_loss > 0) {
     bus.loseAtRandom(run.experiment.faults.message_loss, run.experiment.seed);
   }
@@ -114,9 +126,14 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   });
   try {
     controller.begin();
-    loop.run();
+    if (program) {
+      controller.mark(describe(*run.user_program));
+      program->begin(*run.user_program, run.directory);
+    }
+    if (!outcome.closed_early) loop.run();
     outcome.ended_because = why;
     controller.conclude(why);
+    if (program) program->conclude();
     loop.runUntil(loop.now() + kSettle_us);
     for (Member& member : members) member.node.close();
     if (procedure_node) procedure_node->end();
@@ -124,6 +141,9 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
     bus.deliver();
     log.flush();
     outcome.faults = controller.faults();
+    if (const std::string problem = program ? program->end() : ""; !problem.empty()) {
+      outcome.faults.push_back(problem);
+    }
   } catch (const std::exception& error) {
     // The log could not be written. Its contents so far are kept, and the run gets a fault.
     outcome.faults = controller.faults();

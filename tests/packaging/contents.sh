@@ -20,9 +20,9 @@ version=$(sed -n 's/.*kVersion = "\(.*\)".*/\1/p' "$source/common/process/versio
 architecture=$(dpkg --print-architecture)
 cd "$work"
 
-for name in active-lab active-lab-gateway active-lab-emulator; do
+for name in active-lab active-lab-gateway active-lab-emulator python3-active-lab; do
   deb=$packages/${name}_${version}_$architecture.deb
-  [ -e "$deb" ] || { [ $name = active-lab-emulator ] && continue; fail "$deb is not there"; exit 1; }
+  [ -e "$deb" ] || { [[ $name =~ emulator|python3 ]] && continue; fail "$deb is not there"; exit 1; }
   mkdir -p "$name"
   dpkg-deb -x "$deb" "$name"
 
@@ -34,8 +34,11 @@ for name in active-lab active-lab-gateway active-lab-emulator; do
       (cd "$source" && find docs -type f -perm /100 -printf '0755 usr/share/doc/active-lab/%p\n')
       (cd "$source" && find docs -type f ! -perm /100 -printf '0644 usr/share/doc/active-lab/%p\n')
     fi
+    if [ $name = python3-active-lab ]; then
+      (cd "$source/python" && find examples -type f -printf '0644 usr/share/doc/python3-active-lab/%p\n')
+    fi
   } | sort -k 2 >expected
-  (cd "$name" && find . ! -type d -printf '%04m %P\n') | sed 's/^0777 usr.bin/link usr\/bin/' |
+  (cd "$name" && find . ! -type d -printf '%04m %P\n') | sed 's/^0777 usr.bin/link usr\/bin/; s/_core\.cpython-[0-9]*-.*\.so$/_core.so/' |
     sort -k 2 >found
   # What is built where its libraries are there may be absent elsewhere.
   sed -n 's/^?//p' expected | while read -r line; do
@@ -56,7 +59,8 @@ for name in active-lab active-lab-gateway active-lab-emulator; do
     grep -rlaF "$path" "$name" >paths || true
     [ ! -s paths ] || fail "$name: the path $path is in $(cat paths)"
   done
-  for program in "$name"/usr/lib/active-lab/bin/*; do
+  for program in "$name"/usr/lib/active-lab/bin/* "$name"/usr/lib/python3/dist-packages/active_lab/*.so; do
+    [ -e "$program" ] || continue
     case $(LC_ALL=C file -b "$program") in *not\ stripped*AVR* | *Atmel*) continue ;;
       *not\ stripped*) fail "$program is not stripped" ;; esac
     ! LC_ALL=C objdump -p "$program" 2>/dev/null | grep -qE 'RPATH|RUNPATH|gtest|gmock' ||
@@ -72,6 +76,11 @@ for name in active-lab active-lab-gateway active-lab-emulator; do
     done
     expect "$name: Recommends" "$(dpkg-deb -f "$deb" Recommends)" liblcm-bin
     ! grep -q simavr <<<"$depends" || fail "$name: depends on the GPL's libsimavr"
+  elif [ $name = python3-active-lab ]; then
+    for needed in 'python3 \(>= 3\.' 'python3 \(<< 3\.' python3-numpy python3-pandas; do
+      expect "$name: Depends" "$depends" "$needed"
+    done
+    ! grep -qE '(^|, )active-lab' <<<"$depends" || fail "$name: needs a lab to read a run"
   else
     expect "$name: Depends" "$depends" "active-lab \(= $version\)"
   fi
@@ -80,6 +89,7 @@ for name in active-lab active-lab-gateway active-lab-emulator; do
     expect "$name: licence" "$(cat $name/usr/share/doc/$name/copyright)" common-licenses/GPL-3
   fi
   for page in "$name"/usr/share/man/man1/*.gz; do
+    [ -e "$page" ] || continue
     expect "$page" "$(zcat "$page")" "^\.TH .*Active Lab $version"
   done
 done
@@ -111,6 +121,15 @@ refused 'dds_gateway.*active-lab-gateway_' run ros2
 refused 'robot_emulator.*active-lab-emulator_' run mixed_bodies --virtual-time
 refused 'clone of the source' test --long
 refused 'clone of the source' package
+
+# The Python package, from where it lies.
+python=$work/python3-active-lab/usr/lib/python3/dist-packages
+if [ -e "$python" ] && /usr/bin/python3 -c 'import numpy, pandas' 2>/dev/null; then
+  expect "active_lab" "$(PYTHONPATH=$python /usr/bin/python3 -c '
+import active_lab, glob
+run = active_lab.open(glob.glob("runs/*")[0])
+print(active_lab.__version__, len(run.poses) > 100)')" "^$version True\$"
+fi
 
 # Completion, in a shell of its own.
 complete_line() {  # words...: what is offered for the last one

@@ -1,0 +1,156 @@
+// Logs: contents, tables, messages.
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/bus/log_file.hpp"
+#include "common/schema/log_tables.hpp"
+#include "common/schema/message_table.hpp"
+#include "python/native/module.hpp"
+#include "python/native/types.hpp"
+
+namespace lab::python {
+namespace py = pybind11;
+namespace fs = std::filesystem;
+namespace {
+
+using Paths = std::vector<fs::path>;
+
+const char* dtypeOf(schema::Kind kind) {
+  switch (kind) {
+    case schema::Kind::kBoolean:
+      return "?";
+    case schema::Kind::kByte:
+      return "u1";
+    case schema::Kind::kInt8:
+      return "i1";
+    case schema::Kind::kInt16:
+      return "<i2";
+    case schema::Kind::kInt32:
+      return "<i4";
+    case schema::Kind::kInt64:
+      return "<i8";
+    case schema::Kind::kFloat:
+      return "<f4";
+    case schema::Kind::kDouble:
+      return "<f8";
+    default:
+      return "<i4";  // the code of a text
+  }
+}
+
+/// An array that owns the column's memory.
+py::array arrayOf(schema::Column& column, std::size_t rows) {
+  if (rows == 0) return py::array(py::dtype(dtypeOf(column.kind)), std::vector<py::ssize_t>{0});
+  auto block = column.values.release();
+  std::byte* data = block.get();
+  const py::capsule owner(block.release(), [](void* memory) {
+    schema::ColumnMemory::Free()(static_cast<std::byte*>(memory));
+  });
+  return py::array(py::dtype(dtypeOf(column.kind)), {static_cast<py::ssize_t>(rows)},
+                   {static_cast<py::ssize_t>(column.itemSize())}, data, owner);
+}
+
+py::tuple tableOf(const Paths& files, const std::string& channel, const std::string& type,
+                  const std::string& path, const std::optional<std::vector<std::string>>& columns) {
+  std::optional<schema::LoadedTable> loaded;
+  {
+    const py::gil_scoped_release released;
+    loaded.emplace(schema::loadTable(files, channel, typeOf(type), path, columns));
+  }
+  const std::size_t rows = loaded->table.rows();
+  py::dict result;
+  for (schema::Column& column : loaded->table.columns()) {
+    if (column.kind == schema::Kind::kString) {
+      py::list texts;
+      for (const std::string& text : column.texts.texts()) {
+        texts.append(py::reinterpret_steal<py::str>(
+            PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace")));
+      }
+      result[py::str(column.name)] = py::make_tuple(arrayOf(column, rows), texts);
+    } else {
+      result[py::str(column.name)] = arrayOf(column, rows);
+    }
+  }
+  return py::make_tuple(result, rows, loaded->undecodable);
+}
+
+py::dict contentsOf(const Paths& files) {
+  schema::LogContents contents;
+  {
+    const py::gil_scoped_release released;
+    contents = schema::logContents(files);
+  }
+  py::list channels;
+  for (const schema::LoggedChannel& logged : contents.channels) {
+    py::dict entry;
+    entry["channel"] = logged.channel;
+    entry["type"] = logged.type == nullptr ? py::object(py::none()) : py::str(logged.type->name);
+    entry["messages"] = logged.messages;
+    entry["bytes"] = logged.bytes;
+    entry["first_utime"] = logged.first_utime;
+    entry["last_utime"] = logged.last_utime;
+    channels.append(entry);
+  }
+  py::dict result;
+  result["channels"] = channels;
+  result["events"] = contents.read.events;
+  result["damaged_places"] = contents.read.resyncs;
+  result["bad_times"] = contents.read.bad_times;
+  return result;
+}
+
+/// The messages of some channels, one after the other.
+class Messages {
+ public:
+  Messages(Paths files, std::optional<std::set<std::string>> channels)
+      : reader_(std::move(files)), channels_(std::move(channels)) {}
+
+  py::tuple next() {
+    std::optional<Packet> packet;
+    {
+      const py::gil_scoped_release released;
+      do {
+        packet = reader_.next();
+      } while (packet && channels_ && !channels_->contains(std::string(packet->channel)));
+    }
+    if (!packet) throw py::stop_iteration();
+    return py::make_tuple(
+        py::str(packet->channel.data(), packet->channel.size()), packet->received_utime,
+        py::bytes(reinterpret_cast<const char*>(packet->data.data()), packet->data.size()));
+  }
+
+ private:
+  LogReader reader_;
+  std::optional<std::set<std::string>> channels_;
+};
+
+}  // namespace
+
+void addLogs(py::module_& module) {
+  module.def("is_log", &isLog, py::arg("file"));
+  module.def("log_series", &logSeries, py::arg("first"),
+             "The files of one log: log.lcmlog, log.lcmlog.01, ...");
+  module.def("log_contents", &contentsOf, py::arg("files"));
+  module.def("load_table", &tableOf, py::arg("files"), py::arg("channel"), py::arg("type"),
+             py::arg("path"), py::arg("columns"),
+             "(columns, number of rows, damaged messages left out); texts are (codes, texts).");
+  py::class_<Messages>(module, "Messages", "Iterator over (channel, received_utime, encoding).")
+      .def(py::init<Paths, std::optional<std::set<std::string>>>(), py::arg("files"),
+           py::arg("channels"))
+      .def("__iter__", [](Messages& messages) -> Messages& { return messages; })
+      .def("__next__", &Messages::next);
+}
+
+}  // namespace lab::python

@@ -1,0 +1,59 @@
+#include "runner/export/film_pictures.hpp"
+
+#include <turbojpeg.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <stdexcept>
+#include <string_view>
+#include <utility>
+
+#include "runner/film/named_files.hpp"
+
+namespace lab::runner {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::array<std::string_view, 4> kMovies{".mkv", ".mp4", ".avi", ".mov"};
+constexpr int kQuality = 90;
+
+std::vector<std::uint8_t> jpegOf(const optics::GreyView& grey) {
+  const std::unique_ptr<void, int (*)(tjhandle)> compressor(tjInitCompress(), &tjDestroy);
+  unsigned char* data = nullptr;
+  unsigned long size = 0;
+  const int failed =
+      tjCompress2(compressor.get(), grey.data, grey.width, static_cast<int>(grey.stride),
+                  grey.height, TJPF_GRAY, &data, &size, TJSAMP_GRAY, kQuality, 0);
+  const std::unique_ptr<unsigned char, void (*)(unsigned char*)> owned(data, &tjFree);
+  if (failed != 0) throw std::runtime_error("a picture of the film cannot be made a JPEG");
+  return {data, data + size};
+}
+
+}  // namespace
+
+std::string filmOfRun(const fs::path& folder) {
+  std::vector<std::string> found;
+  std::error_code error;
+  for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
+    if (!entry.is_regular_file()) continue;
+    if (std::ranges::find(kMovies, entry.path().extension().string()) != kMovies.end()) {
+      found.push_back(entry.path().string());
+    } else if (entry.path().filename() == "frames.csv") {
+      found.push_back(entry.path().parent_path().string());
+    }
+  }
+  return found.size() == 1 ? found.front() : "";
+}
+
+std::function<std::optional<FilmPicture>()> filmPictures(const std::string& source,
+                                                         std::int64_t begin_utime) {
+  const std::shared_ptr<FilmReader> film = openFilm(source);
+  return [film, begin_utime]() -> std::optional<FilmPicture> {
+    CameraFrame frame;
+    if (!film->next(frame)) return std::nullopt;
+    return FilmPicture{begin_utime + frame.utime, jpegOf(frame.grey)};
+  };
+}
+
+}  // namespace lab::runner

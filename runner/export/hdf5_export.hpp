@@ -1,0 +1,25 @@
+/// Writes a log as an HDF5 file that h5py, pandas, MATLAB and R read.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace lab::runner {
+
+/// Every table of every channel becomes a dataset of records: /CHANNEL/messages has a row per
+/// message, /CHANNEL/robots a row per element of the list `robots` (MessageTable). Texts have a
+/// fixed length and are padded with zeros; a text that repeats costs almost nothing, because
+/// datasets are compressed. The attributes `units` and `descriptions` of a dataset are JSON.
+/// /poses, /states, /truth, /light and /events are further names of the datasets that most users
+/// want.
+/// @param about attributes of the file
+/// @return number of messages that are not in the file: damaged ones, and those of unknown types
+/// @throws std::runtime_error if the file cannot be written
+std::int64_t writeHdf5(const std::vector<std::filesystem::path>& log,
+                       const std::filesystem::path& file,
+                       const std::map<std::string, std::string>& about);
+
+}  // namespace lab::runner

@@ -1,0 +1,98 @@
+"""A live lab in a program: found by its registration, or started with the run. In a private network."""
+import os
+import shutil
+import signal
+import subprocess
+import tempfile
+import textwrap
+import time
+import unittest
+from pathlib import Path
+
+import active_lab
+from support import BIN, experiment, lab, main
+
+
+class LiveLab(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="lab_python_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        os.environ["XDG_RUNTIME_DIR"] = str(self.folder)  # registrations of this test alone
+
+    def start(self, name, seconds, *options):
+        process = subprocess.Popen([BIN / "lab", "run", experiment(name), "--no-report", "--no-web", "--runs",
+                                    self.folder / "runs", "--set", f"duration_s={seconds}", *options],
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.kill)
+        return process
+
+    def finished(self, process):
+        output = process.communicate(timeout=120)[0]
+        self.assertEqual(process.returncode, 0, output)
+        (made,) = (self.folder / "runs").glob("*")
+        return active_lab.open(made), output
+
+    def test_a_program_beside_the_lab_sets_light_drives_and_ends(self):
+        process = self.start("light_switching", 60)
+        deadline = time.monotonic() + 60
+        while not active_lab.running_labs() and time.monotonic() < deadline:
+            time.sleep(0.1)
+        with active_lab.Lab(sender="my_program") as lab_:
+            self.assertEqual(lab_.experiment["name"], "light_switching")
+            self.assertTrue(lab_.wait_for(lambda now: now.poses and now.states, 30))
+            lab_.light(0.75, wait=5)
+            for frame in lab_.frames(seconds=2):
+                lab_.drive(1, forward=0.02)
+            self.assertAlmostEqual(lab_.states[1].wheel_left, 0.02, delta=0.005)
+            lab_.mark("by my program")
+            lab_.end("seen enough")
+            for _ in lab_.frames(seconds=10):
+                pass
+            self.assertTrue(lab_.ended)
+        run, output = self.finished(process)
+        self.assertIn("seen enough", output)
+        self.assertTrue(any("by my program" in text for text in run.events.text))
+        shown = run.light.table
+        self.assertIn("my_program", set(shown.commander))
+
+    def test_lab_run_starts_a_program_with_a_live_run(self):
+        script = self.folder / "follow.py"
+        script.write_text(textwrap.dedent("""
+            import active_lab
+            with active_lab.Lab() as lab:
+                count = sum(1 for frame in lab.frames())
+                print("frames seen", count > 100, "virtual", lab.virtual, flush=True)
+            """))
+        run, output = self.finished(self.start("abp", 6, "--with", script))
+        self.assertIn("frames seen True virtual False", output)
+        self.assertTrue(any("user program follow.py" in text for text in run.events.text))
+
+    def test_a_program_that_fails_ends_a_live_run(self):
+        script = self.folder / "wrong.py"
+        script.write_text("raise SystemExit('nothing works')\n")
+        process = self.start("abp", 60, "--with", script)
+        output = process.communicate(timeout=120)[0]
+        self.assertEqual(process.returncode, 3, output)
+        self.assertIn("nothing works", output)
+        self.assertIn("wrong.py ended with exit code 1", output)
+
+    def test_without_a_lab_the_error_says_what_to_do(self):
+        with self.assertRaisesRegex(ConnectionError, "lab run FILE --with"):
+            active_lab.Lab()
+
+    def test_ctrl_c_ends_run_and_program(self):
+        script = self.folder / "endless.py"
+        script.write_text("import active_lab\nlab = active_lab.Lab()\nprint('begun', flush=True)\n"
+                          "while True:\n    pass\n")
+        process = self.start("abp", 60, "--with", script)
+        for line in process.stdout:
+            if "begun" in line:
+                break
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertIn(process.returncode, (0, 3))
+
+
+if __name__ == "__main__":
+    main()

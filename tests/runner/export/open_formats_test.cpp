@@ -1,0 +1,173 @@
+// MCAP and HDF5: what is written is read back, byte for byte.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "common/bus/log_file.hpp"
+#include "common/schema/schema.hpp"
+#include "runner/export/csv_export.hpp"
+#include "runner/export/hdf5_export.hpp"
+#include "runner/export/hdf5_import.hpp"
+#include "runner/export/mcap_export.hpp"
+#include "runner/export/mcap_reader.hpp"
+#include "runner/export/mcap_writer.hpp"
+#include "tests/lcmtypes/contract.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
+
+namespace lab::runner {
+namespace open_formats_test {
+
+namespace fs = std::filesystem;
+
+class OpenFormats : public testing::Test {
+ protected:
+  /// A log with messages of every type, each on a channel of its own.
+  OpenFormats() {
+    LogWriter writer(log);
+    std::int64_t utime = 1'700'000'000'000'000;
+    for (const std::size_t length : {2U, 0U, 5U, 1U}) {
+      forEachType(ChannelTypes{}, [&]<class Message>() {
+        writer.write({std::string("CHANNEL_") + Message::getTypeName(),
+                      encode(sample<Message>(length)), utime += 1001});
+      });
+    }
+    writer.flush();
+    types = 21;
+  }
+
+  [[nodiscard]] std::string bytesOf(const fs::path& file) const { return support::readFile(file); }
+
+  TemporaryFolder folder;
+  fs::path log = folder.path() / "log.lcmlog";
+  std::int64_t types = 0;
+};
+
+TEST_F(OpenFormats, McapGivesTheLogBack) {
+  const fs::path mcap = folder.path() / "run.mcap";
+  for (const bool compress : {true, false}) {
+    McapOptions options;
+    options.compress = compress;
+    const McapResult result = writeMcap({log}, folder.path(), mcap, options);
+    EXPECT_EQ(result.messages, 4 * types);
+    EXPECT_EQ(result.left_out, 0);
+    const fs::path back = folder.path() / (compress ? "back.lcmlog" : "back2.lcmlog");
+
+    EXPECT_EQ(writeLogOfMcap(mcap, back), 4 * types);
+
+    EXPECT_EQ(bytesOf(back), bytesOf(log));
+  }
+}
+
+TEST_F(OpenFormats, Hdf5GivesTheLogBack) {
+  const fs::path h5 = folder.path() / "run.h5";
+  EXPECT_EQ(writeHdf5({log}, h5, {{"run", "test"}}), 0);
+  ASSERT_TRUE(isHdf5(h5));
+  ASSERT_TRUE(hasLogTables(h5));
+
+  writeLogOfHdf5(h5, folder.path() / "back.lcmlog");
+
+  EXPECT_EQ(bytesOf(folder.path() / "back.lcmlog"), bytesOf(log));
+}
+
+TEST_F(OpenFormats, CountsWhatIsLeftOut) {
+  const fs::path worse = folder.path() / "worse.lcmlog";
+  {
+    LogWriter writer(worse);
+    std::vector<std::uint8_t> cut = encode(sample<clock_t>(0));
+    cut.pop_back();
+    writer.write({"CLOCK", encode(sample<clock_t>(0)), 1});
+    writer.write({"CLOCK", cut, 2});
+    writer.write({"OTHER", std::vector<std::uint8_t>{1, 2, 3}, 3});
+  }
+
+  const McapResult result =
+      writeMcap({worse}, folder.path(), folder.path() / "worse.mcap", McapOptions{});
+  const std::int64_t left_out = writeHdf5({worse}, folder.path() / "worse.h5", {});
+  fs::create_directory(folder.path() / "csv");
+  const std::int64_t not_in_csv = writeCsv({worse}, folder.path() / "csv");
+
+  EXPECT_EQ(result.messages, 3);
+  EXPECT_EQ(result.left_out, 2);
+  EXPECT_EQ(left_out, 2);
+  EXPECT_EQ(not_in_csv, 2);
+  EXPECT_EQ(writeLogOfMcap(folder.path() / "worse.mcap", folder.path() / "back.lcmlog"), 1);
+}
+
+TEST_F(OpenFormats, McapSaysWhatIsWrongWithAFile) {
+  const fs::path mcap = folder.path() / "run.mcap";
+  static_cast<void>(writeMcap({log}, folder.path(), mcap, McapOptions{}));
+  std::string bytes = bytesOf(mcap);
+  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  std::ofstream(folder.path() / "damaged.mcap", std::ios::binary) << bytes;
+  std::ofstream(folder.path() / "text.mcap") << "no MCAP";
+
+  const auto ignore = [](const mcap::Message&) {};
+  EXPECT_THROW(mcap::read(folder.path() / "damaged.mcap", ignore), std::runtime_error);
+  EXPECT_THROW(mcap::read(folder.path() / "text.mcap", ignore), std::runtime_error);
+  EXPECT_FALSE(mcap::isMcap(folder.path() / "text.mcap"));
+  EXPECT_TRUE(mcap::isMcap(mcap));
+}
+
+TEST_F(OpenFormats, McapThatWasCutShortIsReadAsFarAsItGoes) {
+  const fs::path mcap = folder.path() / "run.mcap";
+  mcap::Writer writer(mcap, "test", {.compress = true, .chunk_bytes = 100});
+  const auto schema = writer.addSchema("a/msg/A", "ros2msg", "uint8 x\n");
+  const auto channel = writer.addChannel(schema, "/a", "cdr");
+  for (std::uint8_t i = 0; i < 100; ++i) {
+    writer.addMessage(channel, i, i, std::vector<std::uint8_t>{0, 1, 0, 0, i});
+  }
+  writer.close();
+  const auto count = [&](const fs::path& file) {
+    std::int64_t messages = 0;
+    const mcap::ReadResult result = mcap::read(file, [&](const mcap::Message& message) {
+      EXPECT_EQ(message.topic, "/a");
+      EXPECT_EQ(message.log_time, static_cast<std::uint64_t>(messages));
+      ++messages;
+    });
+    EXPECT_EQ(result.messages, messages);
+    return std::pair(messages, result.whole);
+  };
+  std::string bytes = bytesOf(mcap);
+  bytes.resize(bytes.size() / 3);
+  std::ofstream(folder.path() / "cut.mcap", std::ios::binary) << bytes;
+
+  const auto whole = count(mcap);
+  const auto cut = count(folder.path() / "cut.mcap");
+
+  EXPECT_EQ(whole, std::pair(std::int64_t{100}, true));
+  EXPECT_GT(cut.first, 0);
+  EXPECT_LT(cut.first, 100);
+  EXPECT_FALSE(cut.second);
+}
+
+TEST_F(OpenFormats, Hdf5OfOthersNeedsATableOfPoses) {
+  EXPECT_FALSE(isHdf5(log));
+  EXPECT_THROW(writePosesOfHdf5(log, folder.path() / "poses.csv"), std::runtime_error);
+}
+
+// Every column of every table, and no other, is in columns.csv and in the header of its file.
+TEST_F(OpenFormats, CsvHasEveryTable) {
+  const fs::path csv = folder.path() / "csv";
+  fs::create_directory(csv);
+
+  EXPECT_EQ(writeCsv({log}, csv), 0);
+
+  const std::string frames = bytesOf(csv / "CHANNEL_tracked_frame_t.robots.csv");
+  EXPECT_EQ(frames.substr(0, frames.find('\n')),
+            "event,received_utime,parent,utime,robot_id,x,y,theta,covariance_xx,covariance_xy,"
+            "covariance_xt,covariance_yy,covariance_yt,covariance_tt,confidence");
+  EXPECT_EQ(std::ranges::count(frames, '\n'), 1 + 2 + 0 + 5 + 1);
+  EXPECT_NE(bytesOf(csv / "columns.csv").find("CHANNEL_tracked_frame_t.robots,x,m,"),
+            std::string::npos);
+}
+
+}  // namespace open_formats_test
+}  // namespace lab::runner
