@@ -28,7 +28,7 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::array<ProgramCommand, 9> kProgramCommands{{
+constexpr std::array<ProgramCommand, 10> kProgramCommands{{
     {"preview", "lab-preview", "Draw the light script as pictures, without a run"},
     {"calibrate", "lab-calibrate", "Calibrate camera, projector, light or motors"},
     {"analyze", "lab-analyze",
