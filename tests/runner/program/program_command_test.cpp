@@ -64,7 +64,7 @@ TEST(ProgramCommand, AWrongLawStopsCheckAndRunToo) {
   const auto one = ElementsAre(HasSubstr("mine.toml:1:32: law.gamma: found a number in s"));
   EXPECT_THAT(problemsOf([&] { static_cast<void>(check(options.file, {})); }), one);
   EXPECT_THAT(problemsOf([&] { static_cast<void>(programsOfRun(options)); }), one);
-  EXPECT_THAT(problemsOf([&] { static_cast<void>(run(options)); }), one);
+  EXPECT_THAT(problemsOf([&] { static_cast<void>(run(options, {})); }), one);
 }
 
 TEST(ProgramCommand, SaysThatAnExperimentFileIsNone) {
