@@ -29,7 +29,7 @@ struct SimulatedCurves {
   std::vector<double> lags;  ///< s, ascending.
   double duration = 0;       ///< Observed time of each recording, s.
   int recordings = 0;
-  bool cut = false;            ///< They have cuts like the measured recording.
+  bool cut = false;  ///< They have cuts like the measured recording.
   /// One row [MSD(lags), angular MSD(lags)] per recording, SI units; nan: not needed, no windows.
   std::vector<double> values;
   std::vector<double>

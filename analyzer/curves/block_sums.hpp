@@ -134,8 +134,8 @@ struct BlockData {
   [[nodiscard]] double lagTime(std::size_t i, const BlockSums& total) const;
 };
 
-/// The share of the windows of a lag [frames] that remain despite the cuts. Headings are also cut at
-/// gaps across which they are ambiguous, so angular windows are counted by themselves.
+/// The share of the windows of a lag [frames] that remain despite the cuts. Headings are also cut
+/// at gaps across which they are ambiguous, so angular windows are counted by themselves.
 /// @param sums of this lag
 [[nodiscard]] double coveredShare(const RecordingGaps& gaps, double lag, const LagSums& sums,
                                   bool angular);

@@ -83,8 +83,8 @@ struct Verdict {
 
 /// Judges by the largest |z|, because the lags are strongly correlated and the sum of z^2 has no
 /// known distribution. The measured hold time counts as one more lag: the curves hardly depend on
-/// it if the diffusivities are right. The largest |z| exceeds 3.2 in 1 % of recordings of the true law; below 4
-/// the motion agrees. Undecided with fewer than five judged lags.
+/// it if the diffusivities are right. The largest |z| exceeds 3.2 in 1 % of recordings of the true
+/// law; below 4 the motion agrees. Undecided with fewer than five judged lags.
 [[nodiscard]] Verdict judge(const Curves& curves);
 
 }  // namespace lab::analysis

@@ -83,8 +83,8 @@ Estimator::Estimator(const ProgramLaw& law, const BlockData& data)
   const bool dense = n > 2 && data.lags[0] == 1 && data.lags[2] == 3;
   third_lag_ = dense ? 2 : 0;
   const double change = law->changeTime();
-  const double turn = held_                  ? held_->hold
-                      : runs_                ? runs_->turn_time
+  const double turn = held_                   ? held_->hold
+                      : runs_                 ? runs_->turn_time
                       : std::isfinite(change) ? change
                                               : 0;
   hold_ = nearestLag(data.lags, turn / data.frame_period);

@@ -9,17 +9,17 @@ namespace lab::analysis {
 namespace {
 
 constexpr double kHoldsPerBlock = 16;
-constexpr double kFramesPerHold = 4;    // at least; below, lines of other orders lie near
-constexpr double kLeastSeen = 0.7;      // share of a block's differences
+constexpr double kFramesPerHold = 4;  // at least; below, lines of other orders lie near
+constexpr double kLeastSeen = 0.7;    // share of a block's differences
 // The noise of the heading does not grow with the distance of its differences, what they show does.
 constexpr double kPartOfHold = 3;
 constexpr double kDifferencesPerHold = 12;
-constexpr double kEven = 0.25;          // deviation of a frame's distance, in frame periods
-constexpr double kWidth = 0.25;         // of the frequencies, around the programmed one
+constexpr double kEven = 0.25;   // deviation of a frame's distance, in frame periods
+constexpr double kWidth = 0.25;  // of the frequencies, around the programmed one
 constexpr double kFewestBlocks = 8;
-constexpr std::ptrdiff_t kPeak = 5;     // frequencies on both sides of the line that its fit uses
-constexpr double kSignificance = 6;     // of the line, in standard errors of the noise
-constexpr double kClockError = 0.005;   // of the robots' ceramic resonators
+constexpr std::ptrdiff_t kPeak = 5;    // frequencies on both sides of the line that its fit uses
+constexpr double kSignificance = 6;    // of the line, in standard errors of the noise
+constexpr double kClockError = 0.005;  // of the robots' ceramic resonators
 
 double frequencyOf(std::size_t index) {
   return 1 - kWidth + 2 * kWidth * static_cast<double>(index) / (HoldSpectra::kFrequencies - 1);

@@ -63,13 +63,13 @@ class HoldPeriodFinder {
 
   HoldSpectra spectra_;
   double period_;
-  double block_;             ///< Duration of a block, s.
-  std::size_t distance_;     ///< Of the headings of a difference, frames.
-  std::size_t stride_;       ///< Between differences, frames.
-  std::size_t count_ = 0;    ///< Frames so far.
+  double block_;           ///< Duration of a block, s.
+  std::size_t distance_;   ///< Of the headings of a difference, frames.
+  std::size_t stride_;     ///< Between differences, frames.
+  std::size_t count_ = 0;  ///< Frames so far.
   std::size_t next_group_ = 0;
-  std::vector<Change> changes_;  ///< Of the block.
-  double begin_ = 0;             ///< Of the block: free time, s.
+  std::vector<Change> changes_;    ///< Of the block.
+  double begin_ = 0;               ///< Of the block: free time, s.
   std::vector<Heading> headings_;  ///< The last ones, without a gap; a ring.
   std::size_t known_ = 0;          ///< Frames without a gap, up to last_.
   Sample last_;

@@ -117,8 +117,8 @@ class Comparison {
   [[nodiscard]] bool mayBeJudged(std::size_t column) const {
     const CurvePoint& one = point(column);
     const bool angular = column >= lags_;
-    const double covered = coveredShare(gaps_, tau(column) / data_.frame_period,
-                                        total_.lags[column % lags_], angular);
+    const double covered =
+        coveredShare(gaps_, tau(column) / data_.frame_period, total_.lags[column % lags_], angular);
     return enough_draws_ && (angular || noise_known_) && !one.selection_biased &&
            std::isfinite(one.value) && covered >= kLeastCovered &&
            kRecordingsPerLag * tau(column) <= covered * observed_;

@@ -38,10 +38,9 @@ WholeMotion WholeSums::motion() const {
   for (std::size_t i = 0; i < total.lags.size(); ++i) {
     const LagSums& lag = total.lags[i];
     if (lag.windows == 0) continue;
-    whole.lags.push_back(
-        {blocks.lagTime(i, total), lag.r2 / lag.windows,
-         lag.angular_windows > 0 ? lag.a2 / lag.angular_windows : units::kNan,
-         static_cast<double>(lag.windows)});
+    whole.lags.push_back({blocks.lagTime(i, total), lag.r2 / lag.windows,
+                          lag.angular_windows > 0 ? lag.a2 / lag.angular_windows : units::kNan,
+                          static_cast<double>(lag.windows)});
   }
   return whole;
 }

@@ -78,11 +78,9 @@ double offsetError(const ProgramLaw& law, const BlockData& data) {
   constexpr double kFrames = 50;  // of a block
   const Estimator estimator(law, data);
   const std::vector<BlockGroup> groups = groupBlocks(data, kFrames * data.frame_period);
-  const Replicates replicates =
-      jackknife(groups, totalOf(groups, data, estimator.total()), estimator.neededLags(),
-                [&](const BlockSums& sums) {
-                  return std::vector<double>{estimator(sums)[kPositionOffset]};
-                });
+  const Replicates replicates = jackknife(
+      groups, totalOf(groups, data, estimator.total()), estimator.neededLags(),
+      [&](const BlockSums& sums) { return std::vector<double>{estimator(sums)[kPositionOffset]}; });
   return finiteOrZero(replicates.sigma(0));
 }
 
@@ -215,7 +213,8 @@ class Distance {
   /// The component orthogonal to the directions.
   static Eigen::VectorXd without(const Eigen::MatrixXd& directions, const Eigen::VectorXd& of) {
     if (directions.cols() == 0) return of;
-    const Eigen::MatrixXd unit = directions * directions.colwise().norm().cwiseInverse().asDiagonal();
+    const Eigen::MatrixXd unit =
+        directions * directions.colwise().norm().cwiseInverse().asDiagonal();
     return of - unit * (unit.transpose() * unit).ldlt().solve(unit.transpose() * of);
   }
 

@@ -56,7 +56,7 @@ struct TestOptions {
   double systematic_floor =
       0.002;  ///< Relative systematic error of each lag, independent of the others.
   double speed_tolerance = 0.05;  ///< Of the speed, relative; farther off, it is not free.
-  double longest_lag = 0;  ///< Longer lags are selected by their outcome, s; 0: none.
+  double longest_lag = 0;         ///< Longer lags are selected by their outcome, s; 0: none.
 };
 
 [[nodiscard]] LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& curves,

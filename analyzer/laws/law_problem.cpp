@@ -146,7 +146,8 @@ std::string formulaProblem(const std::string& key, const std::string& text,
     const std::string range = curve ? " at all lags from " + numberText(lags.shortest) + " s to " +
                                           numberText(lags.longest) + " s"
                                     : "";
-    return "is " + found + where + ", expected 0 or more" + range + "; check signs, brackets and divisions by 0";
+    return "is " + found + where + ", expected 0 or more" + range +
+           "; check signs, brackets and divisions by 0";
   }
   return {};
 }

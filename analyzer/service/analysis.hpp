@@ -126,7 +126,8 @@ class Analysis {
   void samplesOnly() { config_.samples_only = true; }
 
   /// Per program with a law, in the order of first appearance: the pool of all its robots, then
-  /// each robot by number. Programs without a sample are left out, unless the whole motion is wanted.
+  /// each robot by number. Programs without a sample are left out, unless the whole motion is
+  /// wanted.
   /// @param meanwhile called after each robot, because hundreds of them take seconds; may be empty
   [[nodiscard]] std::vector<ProgramResult> results(
       Depth depth = Depth::kLive, const std::function<void()>& meanwhile = {}) const;

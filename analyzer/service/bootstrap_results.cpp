@@ -23,7 +23,7 @@ constexpr int kPilotFilms = 12;
 struct ProgramRecordings {
   SimulatedCurves fit;
   SimulatedCurves test;
-  RecordingGaps gaps;  ///< Gaps of these recordings.
+  RecordingGaps gaps;               ///< Gaps of these recordings.
   std::vector<double> angular_msd;  ///< Of the pool; nan: not in these recordings.
 };
 
@@ -36,7 +36,8 @@ void complete(ProgramResult& result, const BlockData& data, CurveOptions options
   }
   curves_now.gaps = recordings.gaps;
   for (std::size_t i = 0; i < curves_now.angular_msd.size(); ++i) {
-    if (std::isnan(recordings.angular_msd[i])) curves_now.angular_msd[i] = recordings.angular_msd[i];
+    if (std::isnan(recordings.angular_msd[i]))
+      curves_now.angular_msd[i] = recordings.angular_msd[i];
   }
   FitOptions fit_options;
   fit_options.systematic_floor = options.systematic_floor;

@@ -41,7 +41,7 @@ struct ProgramResult {
   double contact_share = 0;    ///< Share of the program's frames cut for contacts.
   TimeShares shares;
   std::optional<WholeMotion> whole;  ///< If AnalysisConfig::whole_motion is set.
-  double unbiased_lag = 0;     ///< Longer lags are selected by the light, s; 0: none.
+  double unbiased_lag = 0;           ///< Longer lags are selected by the light, s; 0: none.
   Curves curves;
   std::vector<Estimate> estimates;
   Verdict verdict;
@@ -68,8 +68,8 @@ struct LiveResult {
 /// There is none if robots were in contact most of the time, because the rest is a biased sample.
 void judgeMotion(ProgramResult& result);
 
-/// A smaller p-value of the fit, or of the test of the programmed law, is a deviation. Together with
-/// the largest |z| fewer than one recording of the true law in a hundred is called so.
+/// A smaller p-value of the fit, or of the test of the programmed law, is a deviation. Together
+/// with the largest |z| fewer than one recording of the true law in a hundred is called so.
 inline constexpr double kUnlikely = 0.001;
 
 /// A larger share of contacts leaves no verdict.

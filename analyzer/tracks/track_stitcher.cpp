@@ -491,8 +491,8 @@ void TrackStitcher::append(TrackPoint point, const Context& context, double gap,
   sample_.tumble_count = context.tumble_count;
   sample_.run_time = context.run_time;
   last_ = point;
-  last_context_ = {context.program, context.epoch, context.reversals, nullptr, 0, 0, 0, false,
-                   nullptr};
+  last_context_ = {context.program, context.epoch, context.reversals, nullptr, 0, 0, 0,
+                   false,           nullptr};
   if (piece_.frames++ == 0) {
     piece_.program = sample_.program;
     piece_.segment = sample_.segment;

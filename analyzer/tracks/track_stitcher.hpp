@@ -38,11 +38,11 @@ struct RobotTelemetry {
   double reversal_dx = units::kNan;
   double reversal_dy = units::kNan;
   bool reversing = false;
-  double v_l = 0;                 ///< The program's held wheel speeds, also while
-  double v_r = 0;                 ///< reversing, m/s.
-  bool contact = false;           ///< Touches another robot or a wall.
-  bool contact_robot = false;     ///< Touches a robot; only reported, not used.
-  bool contact_wall = false;      ///< Touches a wall; only reported, not used.
+  double v_l = 0;              ///< The program's held wheel speeds, also while
+  double v_r = 0;              ///< reversing, m/s.
+  bool contact = false;        ///< Touches another robot or a wall.
+  bool contact_robot = false;  ///< Touches a robot; only reported, not used.
+  bool contact_wall = false;   ///< Touches a wall; only reported, not used.
   float light_front = static_cast<float>(units::kNan);  ///< Sensor readings, 0 to 1; nan: unknown.
   float light_back = static_cast<float>(units::kNan);
   bool stopped = false;           ///< Stopped by a command.
@@ -84,9 +84,9 @@ struct FrameReport {
   double time = 0;  ///< Camera time, s.
   double x = 0;     ///< As tracked, m.
   double y = 0;
-  double theta = 0;         ///< rad, any branch; nan: unknown.
-  int program = -1;         ///< The caller's key.
-  std::int64_t epoch = 0;   ///< Of the program.
+  double theta = 0;        ///< rad, any branch; nan: unknown.
+  int program = -1;        ///< The caller's key.
+  std::int64_t epoch = 0;  ///< Of the program.
   FrameState state = FrameState::kLost;
   bool contact_robot = false;  ///< As the robot reported at the time next to the frame's.
   bool contact_wall = false;
@@ -216,12 +216,12 @@ class TrackStitcher {
   struct Context {
     int program = -1;
     std::int64_t epoch = 0;
-    std::int64_t reversals = 0;             ///< Finished before the frame.
-    const RobotTelemetry* after = nullptr;  ///< Has the times of the last of them.
-    std::int64_t tumble_count = 0;          ///< Tumbles begun before the frame.
-    double run_time = 0;                    ///< At the frame, s.
-    double sense_distance = 0;              ///< m.
-    bool stopped = false;                   ///< By a command or by the end of the lease.
+    std::int64_t reversals = 0;               ///< Finished before the frame.
+    const RobotTelemetry* after = nullptr;    ///< Has the times of the last of them.
+    std::int64_t tumble_count = 0;            ///< Tumbles begun before the frame.
+    double run_time = 0;                      ///< At the frame, s.
+    double sense_distance = 0;                ///< m.
+    bool stopped = false;                     ///< By a command or by the end of the lease.
     const RobotTelemetry* nearest = nullptr;  ///< The state next to the frame in time.
   };
   enum class FrameClass { kFree, kUncovered, kStanding, kReversal, kContact, kLostReversal };

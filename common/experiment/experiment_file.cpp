@@ -62,9 +62,10 @@ void refuseOtherVersion(const keys::TomlDocument& document) {
 void refuseProgram(const keys::TomlDocument& document, const std::string& name) {
   const toml::table& root = document.root();
   if (!root.contains("phases") || root.contains("fileversion")) return;
-  refuse(name, "found a program of motion, allowed an experiment file; ./lab program check checks "
-               "it, and an experiment uses it as model = \"" +
-                   std::filesystem::path(name).filename().string() + "\" in [programs.NAME]");
+  refuse(name,
+         "found a program of motion, allowed an experiment file; ./lab program check checks "
+         "it, and an experiment uses it as model = \"" +
+             std::filesystem::path(name).filename().string() + "\" in [programs.NAME]");
 }
 
 /// The lags that the file asks for. Programs are read before these keys are checked.

@@ -33,9 +33,10 @@ namespace lab {
 /// @param directory of the image files; if none is given, image files are not looked for, and keys
 ///   that can run code are accepted: the experiment must not be executed
 /// @throws ExperimentError
-[[nodiscard]] Experiment parseExperiment(
-    std::string_view text, const std::string& name, const std::vector<std::string>& overrides = {},
-    const std::optional<std::filesystem::path>& directory = {}, const LawKnowledge& laws = {});
+[[nodiscard]] Experiment parseExperiment(std::string_view text, const std::string& name,
+                                         const std::vector<std::string>& overrides = {},
+                                         const std::optional<std::filesystem::path>& directory = {},
+                                         const LawKnowledge& laws = {});
 
 /// The text of an experiment file with all defaults filled in. parseExperiment() gives an equal
 /// experiment, to the last bit if its numbers came from a file. About half of all other numbers

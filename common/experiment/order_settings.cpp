@@ -57,7 +57,8 @@ std::string checkText(const program_t& program, const dynamics::WheelLimits& lim
   try {
     const ProgramFile read = readProgram(program.text, who, program.id.name, limits);
     const bool same = read.compiled.code == program.code;
-    return same ? "" : who + ": its text does not compile to its byte code; send both of one program";
+    return same ? ""
+                : who + ": its text does not compile to its byte code; send both of one program";
   } catch (const ExperimentError& error) {
     return error.problems().front();
   }

@@ -71,19 +71,18 @@ std::optional<ParameterUnit> unitOfSuffix(std::string_view suffix) {
 }
 
 std::string keysOfParameter(const std::string& name, const Dimension& dimension, bool angle) {
-  static const std::vector<UsualKeys> usual{
-      {language::kSpeed, false, {"cm_s", "m_s", "mm_s"}},
-      {language::kLength, false, {"cm", "m", "mm"}},
-      {language::kTime, false, {"s", "ms", "min"}},
-      {language::kRate, true, {"rad_s", "deg_s"}},
-      {language::kRate, false, {"per_s", "hz", "per_min"}},
-      {language::kPure, true, {"rad", "deg"}},
-      {language::kPure, false, {"", "percent"}},
-      {language::kVoltage, false, {"volt"}},
-      {{2, -1, 0}, false, {"cm2_s", "m2_s", "mm2_s"}},
-      {{2, 0, 0}, false, {"cm2", "m2", "mm2"}},
-      {{-1, 0, 0}, false, {"per_cm", "per_m"}},
-      {{1, -2, 0}, false, {"cm_s2", "m_s2"}}};
+  static const std::vector<UsualKeys> usual{{language::kSpeed, false, {"cm_s", "m_s", "mm_s"}},
+                                            {language::kLength, false, {"cm", "m", "mm"}},
+                                            {language::kTime, false, {"s", "ms", "min"}},
+                                            {language::kRate, true, {"rad_s", "deg_s"}},
+                                            {language::kRate, false, {"per_s", "hz", "per_min"}},
+                                            {language::kPure, true, {"rad", "deg"}},
+                                            {language::kPure, false, {"", "percent"}},
+                                            {language::kVoltage, false, {"volt"}},
+                                            {{2, -1, 0}, false, {"cm2_s", "m2_s", "mm2_s"}},
+                                            {{2, 0, 0}, false, {"cm2", "m2", "mm2"}},
+                                            {{-1, 0, 0}, false, {"per_cm", "per_m"}},
+                                            {{1, -2, 0}, false, {"cm_s2", "m_s2"}}};
   std::string keys;
   for (const UsualKeys& one : usual) {
     if (!(one.dimension == dimension) || one.angle != angle) continue;

@@ -71,8 +71,8 @@ ProgramFile readProgram(std::string_view text, const std::string& file, const st
                         const dynamics::WheelLimits& limits, const LawCheck& check_law) {
   const keys::TomlDocument document(text, file, {});
   keys::Problems problems([&](const std::string& path) { return document.place(path); });
-  ProgramFile program = readProgramTable(document, document.root(), "", name,
-                                         {limits, {}, check_law}, problems);
+  ProgramFile program =
+      readProgramTable(document, document.root(), "", name, {limits, {}, check_law}, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
   return program;
 }

@@ -35,9 +35,10 @@ using ModelLookup = std::function<std::optional<language::ProgramText>(const std
 /// @param check_law of the program's law; empty: it is not checked
 /// @throws ExperimentError that names every problem with line, column, what was found and what is
 ///   expected
-[[nodiscard]] ProgramFile readProgram(
-    std::string_view text, const std::string& file, const std::string& name,
-    const dynamics::WheelLimits& limits = dynamics::WheelLimits(), const LawCheck& check_law = {});
+[[nodiscard]] ProgramFile readProgram(std::string_view text, const std::string& file,
+                                      const std::string& name,
+                                      const dynamics::WheelLimits& limits = dynamics::WheelLimits(),
+                                      const LawCheck& check_law = {});
 
 /// The program as the lab passes it on.
 [[nodiscard]] Program toProgram(const ProgramFile& file);

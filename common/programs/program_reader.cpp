@@ -220,22 +220,21 @@ class ProgramReader {
     const auto unit = unitOfSuffix(key.substr(std::min(key.size(), name.size() + 1)));
     const auto known = std::ranges::find(model_, name, &language::Parameter::name);
     if (known == model_.end()) return false;
-    const std::string allowed =
-        ", allowed for " + name + ": " + keysOf(name, program) + ", or a text with its unit in parameters";
+    const std::string allowed = ", allowed for " + name + ": " + keysOf(name, program) +
+                                ", or a text with its unit in parameters";
     const auto value = node.value<double>();
     if (!unit) {
       problem(key, "found an unknown unit" + allowed);
     } else if (!node.is_number() || !value || !std::isfinite(*value)) {
-      problem(key, "found " + displayText(node) + ", allowed a number" +
-                       (unit->text.empty() ? "" : " in " + unit->text) +
-                       (node.is_string() ? ", or parameters = {" + name + " = " +
-                                               displayText(node) + "}"
-                                         : ""));
+      problem(key,
+              "found " + displayText(node) + ", allowed a number" +
+                  (unit->text.empty() ? "" : " in " + unit->text) +
+                  (node.is_string() ? ", or parameters = {" + name + " = " + displayText(node) + "}"
+                                    : ""));
     } else if (!(unit->dimension == known->dimension)) {
       problem(key, "found " + numberOf(unit->dimension) + allowed);
     } else {
-      parameter->second =
-          keys::numberText(*value) + (unit->text.empty() ? "" : " " + unit->text);
+      parameter->second = keys::numberText(*value) + (unit->text.empty() ? "" : " " + unit->text);
       places_["parameters." + name] = &node;
     }
     return true;
@@ -248,9 +247,9 @@ class ProgramReader {
       const auto known = std::ranges::find(model_, parameter.name, &language::Parameter::name);
       if (known == model_.end() || known->dimension == parameter.dimension) continue;
       if (!places_.contains("parameters." + parameter.name)) continue;  // follows from another one
-      problem("parameters." + parameter.name,
-              "found " + numberOf(parameter.dimension) + ", allowed " +
-                  numberOf(known->dimension) + ", as the model has");
+      problem("parameters." + parameter.name, "found " + numberOf(parameter.dimension) +
+                                                  ", allowed " + numberOf(known->dimension) +
+                                                  ", as the model has");
       fine = false;
     }
     return fine;

@@ -67,9 +67,7 @@ DisplayUnit inCentimetres(const std::string& si_unit) {
     unit.text += word;
     unit.key += (unit.key.empty() ? "" : "_") + word;
     if (exponent > 1) {
-      unit.text += exponent == 2   ? "²"
-                   : exponent == 3 ? "³"
-                                   : "^" + std::to_string(exponent);
+      unit.text += exponent == 2 ? "²" : exponent == 3 ? "³" : "^" + std::to_string(exponent);
       unit.key += std::to_string(exponent);
     }
   }

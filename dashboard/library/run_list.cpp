@@ -85,8 +85,8 @@ void takeSummary(const fs::path& folder, PastRun& run) {
   run.marked = run.marked || facts->faults > 0;
   run.lost = facts->lost;
   for (SummaryFacts::Program& program : facts->programs) {
-    run.verdicts.push_back({std::move(program.name), std::move(program.verdict), program.max_z,
-                            program.restricted});
+    run.verdicts.push_back(
+        {std::move(program.name), std::move(program.verdict), program.max_z, program.restricted});
   }
 }
 

@@ -65,7 +65,8 @@ class HeadingCorrelation {
   std::map<int, std::deque<Heading>> headings_;
 };
 
-/// The correlation for each program of the experiment that has one. Uses the analyzer's code for tracks.
+/// The correlation for each program of the experiment that has one. Uses the analyzer's code for
+/// tracks.
 class CorrelationView {
  public:
   explicit CorrelationView(const RunInfo& run_info) : run_info_(run_info) {}

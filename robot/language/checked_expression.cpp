@@ -95,8 +95,8 @@ class Checker {
       : text_(text), scope_(scope), notes_(notes), phase_wanted_(wanted == Type::kPhase) {}
 
   CheckedExpression check(const Expression& node) {
-    const bool branches = node.kind == Expression::kName ||
-                          (node.kind == Expression::kCall && node.name == "if");
+    const bool branches =
+        node.kind == Expression::kName || (node.kind == Expression::kCall && node.name == "if");
     const bool wanted = std::exchange(phase_wanted_, phase_wanted_ && branches);
     CheckedExpression result = checkNode(node);
     phase_wanted_ = wanted;
@@ -434,10 +434,10 @@ class Checker {
     if (name == "uniform") {
       const Dimension common = commonDimension(node, 0, x[0], x[1]);
       if (x[0].range.low > x[1].range.high) {
-        throw SyntaxError(node.offset, "the draw begins above its end: " + quoted(node.operands[0]) +
-                                           " is " + valueText(x[0]) + ", " +
-                                           quoted(node.operands[1]) + " is " + valueText(x[1]) +
-                                           ", expected uniform(low, high)");
+        throw SyntaxError(node.offset,
+                          "the draw begins above its end: " + quoted(node.operands[0]) + " is " +
+                              valueText(x[0]) + ", " + quoted(node.operands[1]) + " is " +
+                              valueText(x[1]) + ", expected uniform(low, high)");
       }
       result = combined(Type::kNumber, common, join(x[0].range, x[1].range), dynamics::kUniform,
                         {x[0], x[1]});

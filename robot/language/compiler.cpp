@@ -609,7 +609,7 @@ class Compiler {
   void warnOfShortHolds() {
     const std::size_t n = phases_.size();
     constexpr double kNone = -1e9;
-    std::vector<double> missing;                                  // [ms] of each hold
+    std::vector<double> missing;                                              // [ms] of each hold
     std::vector<std::vector<double>> ways(n, std::vector<double>(n, kNone));  // most missing
     for (std::size_t i = 0; i < n; ++i) {
       const double most_ms = typicalHold(phases_[i].hold) * kMsPerSecond;

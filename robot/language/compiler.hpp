@@ -57,8 +57,8 @@ struct CompiledProgram {
 /// Compiles a program: checks names, dimensions and ranges, computes what is constant, and writes
 /// byte code. It never throws for what the text contains; `errors` says all that is wrong.
 /// @param suggest for messages about unknown names
-[[nodiscard]] CompiledProgram compile(
-    const ProgramText& text, const dynamics::WheelLimits& limits = dynamics::WheelLimits(),
-    Suggest suggest = nullptr);
+[[nodiscard]] CompiledProgram compile(const ProgramText& text,
+                                      const dynamics::WheelLimits& limits = dynamics::WheelLimits(),
+                                      Suggest suggest = nullptr);
 
 }  // namespace lab::language

@@ -334,8 +334,8 @@ class Parser {
     const bool named = token_.kind == TokenKind::kName && unitNamed(token_.text);
     const bool inverse = token_.kind == TokenKind::kNumber && token_.text == "1";
     if (token_.kind == TokenKind::kName && !named && !isWord("and") && !isWord("or")) {
-      throw SyntaxError(token_.offset, "found '" + token_.text + "' after a number" +
-                                           unitAdvice(token_.text));
+      throw SyntaxError(token_.offset,
+                        "found '" + token_.text + "' after a number" + unitAdvice(token_.text));
     }
     if (!named && !inverse) {
       return number;

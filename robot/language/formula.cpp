@@ -224,12 +224,11 @@ class Checker {
                                                suggestion(suggest_, expression.name, names));
     }
     if (expression.operands.size() != function->operands) {
-      throw SyntaxError(expression.offset, "'" + expression.name + "' has " +
-                                               std::to_string(expression.operands.size()) +
-                                               " arguments, expected " +
-                                               std::string(function->usage) +
-                                               commaAdvice(text_.substr(expression.offset,
-                                                                        expression.length)));
+      throw SyntaxError(expression.offset,
+                        "'" + expression.name + "' has " +
+                            std::to_string(expression.operands.size()) + " arguments, expected " +
+                            std::string(function->usage) +
+                            commaAdvice(text_.substr(expression.offset, expression.length)));
     }
     Node node;
     node.operation = function->operation;

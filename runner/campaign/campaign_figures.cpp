@@ -91,8 +91,8 @@ struct Drawn {
 };
 
 /// Positions on an axis: the number itself, or the index of a text.
-double positionOf(const CampaignData& data, std::size_t axis, const std::string& value,
-                  const std::vector<std::string>& values) {
+double placeOf(const CampaignData& data, std::size_t axis, const std::string& value,
+               const std::vector<std::string>& values) {
   if (data.axes[axis].isNumeric()) return numberIn(value).value_or(0);
   const auto found = std::ranges::find(values, value);
   return static_cast<double>(found - values.begin());
@@ -284,8 +284,8 @@ std::vector<Series> seriesOf(const CampaignData& data, const PooledTable& pooled
       if (!matches(data.points[i], one)) continue;
       const PooledNumber& number = pooled.points[i].numbers[quantity];
       if (!std::isfinite(number.mean)) continue;
-      curve.points.push_back({positionOf(data, layout.x, data.points[i].values[layout.x], xs),
-                              &number, pooled.points[i].theory[quantity]});
+      curve.points.push_back({placeOf(data, layout.x, data.points[i].values[layout.x], xs), &number,
+                              pooled.points[i].theory[quantity]});
     }
     if (!curve.points.empty()) series.push_back(std::move(curve));
   }

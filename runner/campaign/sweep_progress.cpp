@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <vector>
 
 #include "common/loop/wall_clock.hpp"
 #include "common/text/format.hpp"

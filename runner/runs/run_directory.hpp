@@ -63,7 +63,7 @@ struct PreparedRun {
   std::filesystem::path directory;
   /// False: a run in virtual time leaves out the analyzer, whose results nobody reads meanwhile.
   bool live_analysis = true;
-  std::size_t threads = 0;  ///< of the simulator; 0: one per processor
+  std::size_t threads = 0;                    ///< of the simulator; 0: one per processor
   std::optional<UserProgram> user_program{};  ///< takes part in the run
 };
 

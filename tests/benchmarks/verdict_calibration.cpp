@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -55,10 +56,10 @@ void print(const char* what, const std::vector<double>& values) {
   };
   double sum = 0;
   for (const double value : values) sum += value;
-  std::printf("%-14s %5zu  mean %.3f  p<0.05 %4ld  p<0.01 %4ld  p<0.001 %4ld  KS %.3f (5 %%: %.3f)\n",
-              what, values.size(), sum / n, static_cast<long>(below(0.05)),
-              static_cast<long>(below(0.01)), static_cast<long>(below(0.001)), kolmogorov(values),
-              1.358 / std::sqrt(n));
+  std::printf(
+      "%-14s %5zu  mean %.3f  p<0.05 %4ld  p<0.01 %4ld  p<0.001 %4ld  KS %.3f (5 %%: %.3f)\n", what,
+      values.size(), sum / n, static_cast<long>(below(0.05)), static_cast<long>(below(0.01)),
+      static_cast<long>(below(0.001)), kolmogorov(values), 1.358 / std::sqrt(n));
 }
 
 struct Tally {
@@ -124,10 +125,11 @@ struct Tally {
     analysis::print("paper", paper);
     for (const auto& [name, count] : covered) {
       const Scatter& values = value.at(name);
-      std::printf("%-16s covered %5.1f %% of %g, bias %+.3f +- %.3f %%, sd %.3f %%, stated %.3f %%\n",
-                  name.c_str(), 100.0 * count / values.n, values.n, 100 * values.mean(),
-                  100 * values.deviation() / std::sqrt(values.n), 100 * values.deviation(),
-                  100 * sigma.at(name).mean());
+      std::printf(
+          "%-16s covered %5.1f %% of %g, bias %+.3f +- %.3f %%, sd %.3f %%, stated %.3f %%\n",
+          name.c_str(), 100.0 * count / values.n, values.n, 100 * values.mean(),
+          100 * values.deviation() / std::sqrt(values.n), 100 * values.deviation(),
+          100 * sigma.at(name).mean());
     }
   }
 };
@@ -250,7 +252,8 @@ int main(int argc, char** argv) {
     }
     keys.given[text.substr(0, at)] = std::atof(text.c_str() + at + 1);
   }
-  Runner runner{lawOfKeys(argv[1], keys), keys, std::mt19937_64(static_cast<unsigned>(keys("seed", 1)))};
+  Runner runner{lawOfKeys(argv[1], keys), keys,
+                std::mt19937_64(static_cast<unsigned>(keys("seed", 1)))};
   Tally tally;
   for (int i = 0; i < std::atoi(argv[2]); ++i) tally.add(runner.run(i));
   tally.print();

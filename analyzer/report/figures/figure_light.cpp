@@ -12,11 +12,11 @@
 namespace lab::report {
 namespace {
 
-constexpr std::size_t kMostStrips = 100;    // largest number of robots with strips
-constexpr std::size_t kMostSpans = 3000;    // in all strips together
-constexpr std::size_t kMostTics = 24;       // robots with labels
-constexpr std::size_t kMostChanges = 1500;  // of the light that are drawn
-constexpr std::size_t kMostReaders = 30;    // robots whose readings are drawn
+constexpr std::size_t kMostStrips = 100;     // largest number of robots with strips
+constexpr std::size_t kMostSpans = 3000;     // in all strips together
+constexpr std::size_t kMostTics = 24;        // robots with labels
+constexpr std::size_t kMostChanges = 1500;   // of the light that are drawn
+constexpr std::size_t kMostReaders = 30;     // robots whose readings are drawn
 constexpr std::size_t kMostReadings = 6000;  // of all of them
 
 /// Darkest and brightest place over time, as steps.

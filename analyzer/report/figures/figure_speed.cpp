@@ -63,7 +63,7 @@ double ticStep(double largest) {
 /// Adds the speed [cm/s] over the baseline, separately for free motion and the rest. @return
 /// the largest speed; negative: there are no data.
 double addSpeeds(const RunRecord& record, const Stretch& stretch, const std::string& name,
-               double spacing, DataBlock& free, DataBlock& held, CsvText& csv) {
+                 double spacing, DataBlock& free, DataBlock& held, CsvText& csv) {
   struct Place {
     std::int64_t utime;
     const TrackRow* row;

@@ -101,11 +101,11 @@ std::string card(const Finding& finding) {
       "</span></p>\n",
       escapeHtml(finding.name), escapeHtml(finding.model),
       escapeHtml(parametersText(*finding.pool)),
-      limits.empty() ? ""
-                     : fmt::format("<p class=\"verdict partly\">{}.</p>\n<p>{}{}</p>\n",
-                                   escapeHtml(limits),
-                                   whole.empty() ? "" : fmt::format("Whole motion: {}. ", whole),
-                                   free.empty() ? "" : fmt::format("Free motion: {}.", free)),
+      limits.empty()
+          ? ""
+          : fmt::format("<p class=\"verdict partly\">{}.</p>\n<p>{}{}</p>\n", escapeHtml(limits),
+                        whole.empty() ? "" : fmt::format("Whole motion: {}. ", whole),
+                        free.empty() ? "" : fmt::format("Free motion: {}.", free)),
       verdictClass(result),
       static_cast<char>(std::toupper(static_cast<unsigned char>(verdictText(result).front()))),
       verdictText(result).substr(1), escapeHtml(verdictReason(result)), pooled,
@@ -132,8 +132,8 @@ std::vector<std::string> verdictCells(const Finding& finding) {
                   escapeHtml(finding.name)),
       fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
                   escapeHtml(parametersText(*finding.pool))),
-      fmt::format(
-          "{}<b class=\"{}\">{}</b>", notFree(result), verdictClass(result), verdictWord(result)),
+      fmt::format("{}<b class=\"{}\">{}</b>", notFree(result), verdictClass(result),
+                  verdictWord(result)),
       decided ? fmt::format("{:.1f}", std::abs(verdict.max_z)) : "–",
       groupedText(verdict.judged),
       durationText(result.observed)};

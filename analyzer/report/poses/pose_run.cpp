@@ -141,9 +141,8 @@ class PoseFeed {
     run_share_ = runs && runs->rate > 0 ? 1 / (1 + runs->rate * runs->turn_time) : 1;
     analysis_.onSample([this](int robot, const analysis::ProgramLaw&,
                               const analysis::Sample& sample) { rows_.sampled(robot, sample); });
-    analysis_.onFrame([this](int robot, const analysis::FrameReport& frame) {
-      rows_.classified(robot, frame);
-    });
+    analysis_.onFrame(
+        [this](int robot, const analysis::FrameReport& frame) { rows_.classified(robot, frame); });
     analysis_.wholeMotion();
   }
 

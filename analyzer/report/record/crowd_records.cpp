@@ -1,5 +1,6 @@
 #include "analyzer/report/record/crowd_records.hpp"
 
+#include <string>
 #include <utility>
 
 namespace lab::report {

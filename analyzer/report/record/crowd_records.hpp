@@ -2,6 +2,7 @@
 #pragma once
 
 #include <functional>
+#include <string>
 
 #include "analyzer/collective/crowd_analysis.hpp"
 #include "analyzer/report/record/run_record.hpp"

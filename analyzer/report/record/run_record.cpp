@@ -23,9 +23,8 @@ class TrackRecord {
     feed_.onFrame([this](int robot, const analysis::FrameReport& frame) {
       collector_.classified(robot, frame);
     });
-    feed_.onSample([this](int robot, const analysis::Sample& sample) {
-      collector_.sampled(robot, sample);
-    });
+    feed_.onSample(
+        [this](int robot, const analysis::Sample& sample) { collector_.sampled(robot, sample); });
   }
 
   /// Call it before the analysis takes the frame, whose rows it marks.

@@ -102,8 +102,9 @@ std::string fitHtml(const LawFit& fit) {
   const bool describes = !(fit.p_value < analysis::kUnlikely);
   std::string html = "<h4>Fit of the exact law</h4>\n";
   if (!describes) {
-    html += "<p class=\"deviates\">The fitted law does not describe the curves. These are the "
-            "parameters that come nearest, not those of the motion.</p>\n";
+    html +=
+        "<p class=\"deviates\">The fitted law does not describe the curves. These are the "
+        "parameters that come nearest, not those of the motion.</p>\n";
   }
   html += html::estimateTable(all) + "<ul>\n";
   html += fmt::format(

@@ -52,9 +52,8 @@ std::string estimateText(const Estimate& estimate) {
           ? fmt::format("; programmed {}", shortText(estimate.theory * unit.factor))
           : "";
   return fmt::format("{} = {}{}{} (95 %: {} to {}{})", estimate.name,
-                     valueText(estimate.value * unit.factor, error),
-                     unit.text.empty() ? "" : " ", unit.text,
-                     valueText(estimate.low95 * unit.factor, error),
+                     valueText(estimate.value * unit.factor, error), unit.text.empty() ? "" : " ",
+                     unit.text, valueText(estimate.low95 * unit.factor, error),
                      valueText(estimate.high95 * unit.factor, error), programmed);
 }
 
@@ -122,9 +121,9 @@ std::string restriction(const ProgramResult& result) {
   const analysis::TimeShares& shares = result.shares;
   if (shares.cut() <= analysis::kMuchCut) return {};
   std::vector<std::string> parts;
-  for (const auto& [what, share] : {std::pair("contact", shares.contact),
-                                    std::pair("reversing", shares.reversing),
-                                    std::pair("stopped", shares.stopped)}) {
+  for (const auto& [what, share] :
+       {std::pair("contact", shares.contact), std::pair("reversing", shares.reversing),
+        std::pair("stopped", shares.stopped)}) {
     constexpr double kLeast = 0.0005;  // shown as 0.1 %
     if (share >= kLeast) parts.push_back(fmt::format("{} {:.1f} %", what, share * kPercents));
   }
@@ -197,7 +196,8 @@ std::string verdictReason(const ProgramResult& result) {
   }
   if (!result.no_verdict.empty()) return result.no_verdict;
   if (result.shares.contact > analysis::kMostlyContact) {
-    return "Robots were in contact most of the time. What is left is a biased sample of the motion, "
+    return "Robots were in contact most of the time. What is left is a biased sample of the "
+           "motion, "
            "so there is no verdict. Use fewer robots, or programs that come free of walls.";
   }
   if (verdict.kind == VerdictKind::kUndecided) {
@@ -389,7 +389,8 @@ std::vector<std::string> headlines(const RunRecord& record) {
     }
     const Estimate* estimate = selected ? nullptr : characteristicEstimate(result);
     if (estimate != nullptr) line += "; " + estimateText(*estimate);
-    if (estimate != nullptr && result.verdict.misfit) line += ", by a law that does not describe it";
+    if (estimate != nullptr && result.verdict.misfit)
+      line += ", by a law that does not describe it";
     lines.push_back(line);
   }
   const bool any = !findings.empty();

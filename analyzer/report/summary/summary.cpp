@@ -93,8 +93,7 @@ Json result(const analysis::ProgramResult& result, bool whole) {
                          {"stopped", number(result.shares.stopped)},
                          {"lost", number(result.shares.lost)}};
   if (result.whole) json["whole_motion"] = wholeMotion(*result.whole);
-  json["verdict"] =
-      judged ? kVerdicts.at(static_cast<std::size_t>(result.verdict.kind)) : "no law";
+  json["verdict"] = judged ? kVerdicts.at(static_cast<std::size_t>(result.verdict.kind)) : "no law";
   json["max_z"] = number(result.verdict.max_z);
   json["max_z_lag_s"] = number(result.verdict.tau);
   json["max_z_curve"] = result.verdict.hold      ? "hold"

@@ -170,15 +170,18 @@ void visitSense(KeyVisitor& v, SenseSpec& sense) {
                     SenseKind::kNearestDistance, SenseKind::kNearestBearing},
                    {"radius_cm", "robots within this distance count, centre to centre"}),
            kLength, sense.radius);
-  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"x_cm", "the place, inside the arena", Need::kRequired}),
+  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing},
+                   {"x_cm", "the place, inside the arena", Need::kRequired}),
            kPlace, sense.x);
-  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"y_cm", "see x_cm", Need::kRequired}),
+  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing},
+                   {"y_cm", "see x_cm", Need::kRequired}),
            kPlace, sense.y);
 }
 
 void visitSenses(KeyVisitor& v, Senses& senses) {
   v.number({"rate_hz", "values per second"}, {0.1, 50}, senses.rate);
-  v.number({"delay_ms", "from the exposure of the tracker's frame to the sending of the values; 0: as "
+  v.number({"delay_ms",
+            "from the exposure of the tracker's frame to the sending of the values; 0: as "
             "soon as the tracker has them, else a frame or more"},
            {0, 60000}, senses.delay);
   visitList(v, {"values", "what the host computes from the tracker's poses"},
@@ -373,9 +376,9 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
         {"message_loss", "probability that a message does not reach a receiver, in virtual time"},
         {.low = 0, .high = 1, .below_high = true}, e.faults.message_loss);
   });
-  v.table({"sweep", "The campaign that lab sweep makes of this file (campaigns.md)",
-           Need::kShorthand},
-          [&] { visitSweep(v, form.sweep); });
+  v.table(
+      {"sweep", "The campaign that lab sweep makes of this file (campaigns.md)", Need::kShorthand},
+      [&] { visitSweep(v, form.sweep); });
 }
 
 }  // namespace lab::keys

@@ -3,6 +3,7 @@
 #include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/experiment/keys/key_helpers.hpp"
@@ -54,8 +55,8 @@ SweepTable readSweepTable(std::string_view text, const std::string& name) {
   const toml::node* table = document.root().get("sweep");
   if (table == nullptr) return sweep;
   const keys::ExperimentForm form = keys::readForm(
-      document, [](const std::string&) { return std::optional<language::ProgramText>(); },
-      {}, problems);
+      document, [](const std::string&) { return std::optional<language::ProgramText>(); }, {},
+      problems);
   std::vector<std::string> own;
   for (const std::string& line : problems.lines(100)) {
     if (line.find(": sweep") != std::string::npos) own.push_back(line);

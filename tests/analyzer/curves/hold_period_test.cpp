@@ -58,8 +58,7 @@ TEST(HoldPeriod, TellsAHoldFivePercentLongerInTenMinutes) {
   options.duration = 600;
   const Program asked = shippedProgram("abp", kPaper);
   for (const char* hold : {"0.525 s", "0.475 s"}) {
-    const auto dut =
-        measured(shippedProgram("abp", paperWith("epsilon", hold)), asked, 3, options);
+    const auto dut = measured(shippedProgram("abp", paperWith("epsilon", hold)), asked, 3, options);
     ASSERT_TRUE(dut);
     EXPECT_GT(std::abs(dut->z), 5) << hold;
   }

@@ -124,10 +124,9 @@ TEST(Trajectories, BeginsWithTheColumnsOfTrackpy) {
             "frame,particle,x,y,t,theta,program,segment,state,contact,light_front,light_back,"
             "x_stitched,y_stitched");
   const std::string number = "[0-9]+\\.[0-9][0-9][0-9][0-9]";
-  EXPECT_THAT(first, testing::MatchesRegex(
-                         "1,1," + number + "," + number +
-                         ",0\\.050000,-?[0-9]\\.[0-9]+,abp,[0-9]+,free,none," + number + "," +
-                         number + "," + number + "," + number));
+  EXPECT_THAT(first, testing::MatchesRegex("1,1," + number + "," + number +
+                                           ",0\\.050000,-?[0-9]\\.[0-9]+,abp,[0-9]+,free,none," +
+                                           number + "," + number + "," + number + "," + number));
 }
 
 TEST(Trajectories, SayForEveryRowWhyItIsNotFree) {
@@ -201,8 +200,8 @@ TEST(Summary, HasTheResultsOfTheRun) {
   EXPECT_EQ(abp["name"], "abp");
   EXPECT_EQ(abp["pool"]["robots"], 2);
   EXPECT_EQ(abp["each_robot"].size(), 2U);
-  EXPECT_EQ(abp["parameter_values"], nlohmann::json::parse(
-                                         R"({"v_cm_s": 3, "epsilon_s": 0.5, "eta_rad_s": 3})"));
+  EXPECT_EQ(abp["parameter_values"],
+            nlohmann::json::parse(R"({"v_cm_s": 3, "epsilon_s": 0.5, "eta_rad_s": 3})"));
   EXPECT_NEAR(abp["pool"]["estimates"]["v_cm_s"]["value"], 3, 0.1);
   EXPECT_DOUBLE_EQ(abp["pool"]["estimates"]["D_r_rad2_s"]["theory"], 0.75);
   EXPECT_EQ(abp["pool"]["msd"]["lag_s"].size(), abp["pool"]["msd"]["value_cm2"].size());

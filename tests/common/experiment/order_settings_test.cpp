@@ -123,8 +123,9 @@ TEST(OrderSettings, RefusesWhatAFileMayNotContain) {
   text.replace(text.find("3 rad/s"), 7, "-1 rad/s");
   EXPECT_THAT(refusalOf(order), HasSubstr("the draw begins above its end"));
   order.bands[0].program.text = "[phases.run]\nforward = \"1 cm/s\"\nhold = \"1 s\"\n";
-  EXPECT_EQ(refusalOf(order),
-            "program \"abp\": its text does not compile to its byte code; send both of one program");
+  EXPECT_EQ(
+      refusalOf(order),
+      "program \"abp\": its text does not compile to its byte code; send both of one program");
   // Where an order before had the text, there is none.
   order.bands[0].program.text.clear();
   EXPECT_EQ(refusalOf(order), "");

@@ -3,8 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <functional>
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -462,8 +462,7 @@ TEST(Compiler, WarnsOfHoldsThatTheMachineLengthens) {
     dynamics::Machine machine;
     dynamics::Rng rng(3);
     const dynamics::MachineInputs inputs;
-    machine.start(program.code.data(), static_cast<std::uint8_t>(program.code.size()), inputs,
-                  rng);
+    machine.start(program.code.data(), static_cast<std::uint8_t>(program.code.size()), inputs, rng);
     for (int i = 0; i < 1000; ++i) static_cast<void>(machine.next(inputs, rng));
     EXPECT_EQ(machine.saturationCount() > 0, !program.warnings.empty()) << ms;
   }
@@ -482,12 +481,16 @@ TEST(Compiler, SuggestsNames) {
     const CompiledProgram program = compile(text, dynamics::WheelLimits(), nearest);
     return program.ok() ? "" : program.errors[0].message;
   };
-  EXPECT_TRUE(messageOf([](ProgramText& p) { run(p).turn = "ta"; }).ends_with("; did you mean eta"));
-  EXPECT_TRUE(messageOf([](ProgramText& p) { run(p).turn = "qrt(1)*eta"; })
-                  .ends_with("; did you mean sqrt"));
-  EXPECT_TRUE(messageOf([](ProgramText& p) { run(p).next = "un"; }).ends_with("; did you mean run"));
-  EXPECT_TRUE(messageOf([](ProgramText& p) { run(p).set[0].first = "ign"; })
-                  .ends_with("; did you mean sign"));
+  EXPECT_TRUE(
+      messageOf([](ProgramText& p) { run(p).turn = "ta"; }).ends_with("; did you mean eta"));
+  EXPECT_TRUE(messageOf([](ProgramText& p) {
+                run(p).turn = "qrt(1)*eta";
+              }).ends_with("; did you mean sqrt"));
+  EXPECT_TRUE(
+      messageOf([](ProgramText& p) { run(p).next = "un"; }).ends_with("; did you mean run"));
+  EXPECT_TRUE(messageOf([](ProgramText& p) {
+                run(p).set[0].first = "ign";
+              }).ends_with("; did you mean sign"));
   EXPECT_TRUE(messageOf([](ProgramText& p) {
                 p.law = {{"msd", "v*v*au*tau"}};
               }).ends_with("; did you mean tau"));

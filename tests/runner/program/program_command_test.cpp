@@ -22,7 +22,8 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-constexpr const char* kProgram = R"toml(law = {name = "rtp", gamma = "tau_t", v = "v", tau_t = "tau_t"}
+constexpr const char* kProgram =
+    R"toml(law = {name = "rtp", gamma = "tau_t", v = "v", tau_t = "tau_t"}
 parameters = {v = "5 cm/s", tau_t = "0.5 s", share = "0.3"}
 [phases.run]
 forward = "v"
@@ -59,7 +60,8 @@ TEST(ProgramCommand, AWrongLawStopsCheckAndRunToo) {
   support::writeFile(folder / "mine.toml", kProgram);
   RunOptions options;
   options.file = folder / "x.toml";
-  support::writeFile(options.file, std::string(kSmall) + "[programs.mine]\nmodel = \"mine.toml\"\n");
+  support::writeFile(options.file,
+                     std::string(kSmall) + "[programs.mine]\nmodel = \"mine.toml\"\n");
 
   const auto one = ElementsAre(HasSubstr("mine.toml:1:32: law.gamma: found a number in s"));
   EXPECT_THAT(problemsOf([&] { static_cast<void>(check(options.file, {})); }), one);
