@@ -57,12 +57,14 @@ class TomlWriter final : public KeyVisitor {
   }
   void inLineTable(const Key& key, bool& given, const std::function<void()>& keys) override {
     if (!given) return;
-    text_ += key.name + " = {";
+    const bool inside = in_line_;  // an element of a list in line
+    text_ += (inside && !first_ ? ", " : "") + key.name + " = {";
     in_line_ = true;
     first_ = true;
     keys();
-    in_line_ = false;
-    text_ += "}\n";
+    in_line_ = inside;
+    first_ = false;
+    text_ += inside ? "}" : "}\n";
   }
   void list(const Key& key, const ListRule& rule, std::size_t size,
             const std::function<void(std::size_t)>&,
