@@ -1,6 +1,7 @@
 #include "common/experiment/checks/observable_checks.hpp"
 
 #include <algorithm>
+#include <vector>
 
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/experiment/observable_names.hpp"

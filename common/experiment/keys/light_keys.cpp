@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include "common/experiment/keys/key_helpers.hpp"
 #include "common/experiment/keys/layer_keys.hpp"

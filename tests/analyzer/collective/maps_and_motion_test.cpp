@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <random>
+#include <vector>
 
 #include "analyzer/collective/density_map.hpp"
 #include "analyzer/collective/whole_motion.hpp"
