@@ -220,6 +220,8 @@ std::vector<Stretch> CrowdGroup::stretches(std::size_t most) const {
                             static_cast<double>(scalars_.framesPerBlock());
   for (std::size_t first = 0; first < blocks; first += merged) {
     const std::size_t end = std::min(blocks, first + merged);
+    // A short rest has a large error and would dominate a picture.
+    if (first > 0 && 2 * (end - first) < merged) break;
     Stretch stretch;
     stretch.begin = first_time_ + block_time * static_cast<double>(first);
     stretch.end = std::min(last_time_, first_time_ + block_time * static_cast<double>(end));

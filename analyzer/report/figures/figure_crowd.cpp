@@ -30,7 +30,8 @@ struct Group {
 
 std::vector<Group> groupsOf(const RunRecord& record) {
   std::vector<Group> groups;
-  for (const CrowdRecord& crowd : record.crowds) {
+  for (const CrowdRecord* one : shownCrowds(record)) {
+    const CrowdRecord& crowd = *one;
     const auto program = static_cast<std::size_t>(std::max(0, crowd.program));
     const bool known = crowd.program >= 0 && program < record.programs.size();
     groups.push_back(

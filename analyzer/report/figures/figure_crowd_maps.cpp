@@ -14,9 +14,17 @@ namespace {
 
 using units::kCm;
 
+using Rgb = std::array<double, 3>;
+
 // Okabe and Ito, without black: colours of the largest clusters.
-constexpr std::array kClusterColours{"#0072B2", "#D55E00", "#009E73", "#CC79A7",
-                                     "#E69F00", "#56B4E9", "#F0E442"};
+constexpr std::array<Rgb, 7> kClusterColours{{{0, 114, 178},
+                                              {213, 94, 0},
+                                              {0, 158, 115},
+                                              {204, 121, 167},
+                                              {230, 159, 0},
+                                              {86, 180, 233},
+                                              {240, 228, 66}}};
+constexpr Rgb kAlone{216, 216, 216};
 
 /// Outline of the arena with equal scales, in cm, without axes.
 std::string arenaFrame(const RunRecord& record) {
@@ -48,13 +56,11 @@ FigureScript crowdArenaFigure(const RunRecord& record) {
     const double theta = std::remainder(robot.theta, 2 * std::numbers::pi);
     csv.row(robot.id, x, y, theta, cluster, picture.observation.cluster_sizes[i], density,
             picture.observation.hexatics[i]);
-    const int colour = cluster == 0
-                           ? 0xD8D8D8
-                           : std::stoi(kClusterColours.at(static_cast<std::size_t>(cluster - 1) %
-                                                          kClusterColours.size()) +
-                                           1,
-                                       nullptr, 16);
-    robots.row(x, y, radius, static_cast<double>(colour), density);
+    const Rgb colour =
+        cluster == 0
+            ? kAlone
+            : kClusterColours.at(static_cast<std::size_t>(cluster - 1) % kClusterColours.size());
+    robots.row(x, y, radius, colour[0], colour[1], colour[2], density);
     if (!std::isfinite(theta)) continue;
     has_headings = true;
     headings.row(x, y, radius, theta / std::numbers::pi * 180, radius * std::cos(theta),
@@ -70,11 +76,11 @@ FigureScript crowdArenaFigure(const RunRecord& record) {
           "unset key\nset colorbox horizontal user origin graph 0.15,graph -0.11 size graph "
           "0.7,graph 0.04\nset title 'cluster' offset 0,-0.6\nset style fill solid 1 border lc rgb "
           "'#404040'\n"
-          "plot $robots using 1:2:3:4 with circles lc rgb variable notitle\n"
-          "set title 'local packing fraction' offset 0,-0.6\nset cbrange [0:0.91]\n"
+          "plot $robots using 1:2:3:(65536*$4+256*$5+$6) with circles lc rgb variable notitle\n"
+          "set title 'local packing fraction' offset 0,-0.6\nset cbrange [0:0.91]\nset cbtics 0.3\n"
           "set palette defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', 4 '#7ad151', "
           "5 '#fde725')\n"
-          "plot $robots using 1:2:3:5 with circles lc palette notitle\n",
+          "plot $robots using 1:2:3:7 with circles lc palette notitle\n",
           has_headings ? 3 : 2);
   if (has_headings) {
     script.script +=

@@ -35,6 +35,18 @@ std::string crowdName(const RunRecord& record, const CrowdRecord& crowd) {
   return crowd.program < 0 ? "all robots" : record.programNameOf(crowd.program);
 }
 
+std::vector<const CrowdRecord*> shownCrowds(const RunRecord& record) {
+  constexpr double kNearly = 0.98;
+  std::vector<const CrowdRecord*> shown;
+  for (const CrowdRecord& crowd : record.crowds) {
+    const collective::CrowdResult& all = record.crowds.front().result;
+    const bool same = crowd.program >= 0 && crowd.result.robots > kNearly * all.robots &&
+                      crowd.result.observed > kNearly * all.observed;
+    if (!same) shown.push_back(&crowd);
+  }
+  return shown;
+}
+
 bool isCrowd(const RunRecord& record) {
   return !record.crowds.empty() && record.crowds.front().result.robots >= kFewestRobots;
 }

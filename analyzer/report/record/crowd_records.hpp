@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <string>
+#include <vector>
 
 #include "analyzer/collective/crowd_analysis.hpp"
 #include "analyzer/report/record/run_record.hpp"
@@ -16,6 +17,10 @@ void fillCrowds(const collective::CrowdAnalysis& analysis, double start,
 
 /// "all robots", or the name of the program.
 [[nodiscard]] std::string crowdName(const RunRecord& record, const CrowdRecord& crowd);
+
+/// The groups that are shown: without a program that all robots ran nearly all the time, which has
+/// the numbers of all robots.
+[[nodiscard]] std::vector<const CrowdRecord*> shownCrowds(const RunRecord& record);
 
 /// Whether there are enough robots for a section and figures.
 [[nodiscard]] bool isCrowd(const RunRecord& record);

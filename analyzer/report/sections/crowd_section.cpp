@@ -157,18 +157,19 @@ std::string averageText(const Average& average, double factor) {
 }
 
 std::string numberTable(const RunRecord& record) {
+  const std::vector<const CrowdRecord*> shown = shownCrowds(record);
   std::vector<std::string> columns{"time average (95 % interval)"};
-  for (const CrowdRecord& crowd : record.crowds) {
-    columns.push_back(">" + escapeHtml(crowdName(record, crowd)));
+  for (const CrowdRecord* crowd : shown) {
+    columns.push_back(">" + escapeHtml(crowdName(record, *crowd)));
   }
   Table table(columns);
   std::vector<std::string> robots{"mean number of robots"};
-  for (const CrowdRecord& crowd : record.crowds) robots.push_back(shortText(crowd.result.robots));
+  for (const CrowdRecord* crowd : shown) robots.push_back(shortText(crowd->result.robots));
   table.row(robots);
   for (const Title& title : kTitles) {
     std::vector<std::string> cells{title.text};
-    for (const CrowdRecord& crowd : record.crowds) {
-      const auto& numbers = crowd.result.numbers;
+    for (const CrowdRecord* crowd : shown) {
+      const auto& numbers = crowd->result.numbers;
       const auto found = std::find_if(numbers.begin(), numbers.end(), [&](const Observable& one) {
         return one.name == title.name;
       });
@@ -212,6 +213,9 @@ std::string modeText(const collective::Modes& modes) {
 std::string crowds(const RunRecord& record, const std::vector<Figure>& figures) {
   if (!isCrowd(record)) return {};
   const collective::CrowdResult& all = record.crowds.front().result;
+  // The wide picture first, in a row of its own.
+  std::vector<std::string> others = crowdFigureNames();
+  others.erase(others.begin());
   return fmt::format(
              "<h2>Collective states</h2>\n<p>Averages over {} of {} frames ({}), with 95 % "
              "intervals that take the correlation of successive frames into account. A value "
@@ -220,7 +224,8 @@ std::string crowds(const RunRecord& record, const std::vector<Figure>& figures) 
              "count for those of a program.</p>\n",
              groupedText(static_cast<std::int64_t>(all.frames)), groupedText(record.log.frames),
              durationText(all.observed), 0.8862 / std::sqrt(all.robots)) +
-         numberTable(record) + modeText(all.modes) + figureGrid(figures, crowdFigureNames()) +
+         numberTable(record) + modeText(all.modes) +
+         figureGrid(figures, {crowdFigureNames().front()}) + figureGrid(figures, others) +
          placesTable(all.regions, "region") + placesTable(all.bands, "light band");
 }
 

@@ -16,26 +16,27 @@ void append(std::string& list, const std::string& name) {
 
 }  // namespace
 
-void checkObservableName(const ExperimentForm& form, const std::string& path,
+bool checkObservableName(const ExperimentForm& form, const std::string& path,
                          const std::string& name, bool of_frames, Problems& problems) {
   std::string allowed;
   for (const auto known : kFrameObservables) {
-    if (name == known) return;
+    if (name == known) return true;
     append(allowed, std::string(known));
   }
   if (!of_frames) {
     for (const auto known : kAverageObservables) {
-      if (name == known) return;
+      if (name == known) return true;
       append(allowed, std::string(known));
     }
   }
-  if (problems.concern("analysis.regions")) return;
+  if (problems.concern("analysis.regions")) return false;
   for (const RegionSpec& region : form.common.analysis.regions) {
     const std::string share = std::string(kShareIn) + region.name;
-    if (name == share) return;
+    if (name == share) return true;
     append(allowed, share);
   }
   problems.add(path, "found " + tomlString(name) + ", allowed " + allowed);
+  return false;
 }
 
 void checkObservableProgram(const ExperimentForm& form, const std::string& path,

@@ -9,7 +9,8 @@
 namespace lab::keys {
 
 /// @param of_frames only numbers that have a value in every frame are allowed
-void checkObservableName(const ExperimentForm& form, const std::string& path,
+/// @return whether the name is known
+bool checkObservableName(const ExperimentForm& form, const std::string& path,
                          const std::string& name, bool of_frames, Problems& problems);
 
 /// @param program empty: all robots

@@ -108,7 +108,8 @@ void checkEstimate(const ExperimentForm& form, const std::string& path, const En
 
 void checkObservable(const ExperimentForm& form, const std::string& path, const EndCondition& until,
                      Problems& problems) {
-  checkObservableName(form, path + ".observable", until.observable, false, problems);
+  const bool known =
+      checkObservableName(form, path + ".observable", until.observable, false, problems);
   checkObservableProgram(form, path + ".program", until.program, problems);
   const bool compared = until.above || until.below;
   if (!compared && until.relative_error == 0) {
@@ -116,7 +117,7 @@ void checkObservable(const ExperimentForm& form, const std::string& path, const 
                            " without a limit, allowed with above, below or a relative error");
   } else if (compared && until.relative_error != 0) {
     problems.add(path, "found above or below beside a relative error, allowed one of them");
-  } else if (compared && !hasValueInFrames(until.observable)) {
+  } else if (known && compared && !hasValueInFrames(until.observable)) {
     problems.add(path + ".observable", "found " + tomlString(until.observable) +
                                            ", which is an average over the run, allowed with a "
                                            "relative error instead of above and below");

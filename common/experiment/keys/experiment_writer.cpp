@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/camera/camera_source.hpp"
@@ -57,14 +58,13 @@ class TomlWriter final : public KeyVisitor {
   }
   void inLineTable(const Key& key, bool& given, const std::function<void()>& keys) override {
     if (!given) return;
-    const bool inside = in_line_;  // an element of a list in line
-    text_ += (inside && !first_ ? ", " : "") + key.name + " = {";
-    in_line_ = true;
+    const bool within = std::exchange(in_line_, true);  // an element of a list in one line
+    text_ += (within && !first_ ? ", " : "") + key.name + " = {";
     first_ = true;
     keys();
-    in_line_ = inside;
+    in_line_ = within;
     first_ = false;
-    text_ += inside ? "}" : "}\n";
+    text_ += within ? "}" : "}\n";
   }
   void list(const Key& key, const ListRule& rule, std::size_t size,
             const std::function<void(std::size_t)>&,
