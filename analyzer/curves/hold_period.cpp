@@ -53,11 +53,22 @@ std::optional<double> lineIn(const HoldSpectra::Spectrum& power) {
   return frequencyOf(static_cast<std::size_t>(top)) + shift * kStep;
 }
 
+/// The power of a single change: it gives differences (reach - |t|)^2, so the spectrum of all
+/// changes falls with the frequency, which would displace the line.
+double powerOfChange(double reach, double frequency) {
+  const double x = 2 * std::numbers::pi * frequency * reach;
+  const double amplitude = (x - std::sin(x)) / (x * x * x);
+  return amplitude * amplitude;
+}
+
 HoldSpectra::Spectrum sumOf(const HoldSpectra& spectra, std::size_t without) {
   HoldSpectra::Spectrum sum{};
   for (std::size_t group = 0; group < HoldSpectra::kGroups; ++group) {
     if (group == without) continue;
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += spectra.power[group][i];
+  }
+  for (std::size_t i = 0; i < sum.size(); ++i) {
+    sum[i] /= powerOfChange(spectra.reach, frequencyOf(i));
   }
   return sum;
 }
@@ -67,6 +78,7 @@ HoldSpectra::Spectrum sumOf(const HoldSpectra& spectra, std::size_t without) {
 void HoldSpectra::pool(const HoldSpectra& other) {
   if (other.hold == 0) return;
   hold = other.hold;
+  reach = other.reach;
   for (std::size_t group = 0; group < kGroups; ++group) {
     blocks[group] += other.blocks[group];
     for (std::size_t i = 0; i < kFrequencies; ++i) power[group][i] += other.power[group][i];
@@ -84,6 +96,7 @@ HoldPeriodFinder::HoldPeriodFinder(double hold, double frame_period)
   distance_ = static_cast<std::size_t>(std::max(1.0, std::floor(frames / kPartOfHold)));
   stride_ = static_cast<std::size_t>(std::max(1.0, std::floor(frames / kDifferencesPerHold)));
   headings_.resize(2 * distance_ + 1);
+  spectra_.reach = static_cast<double>(distance_) / frames;
 }
 
 void HoldPeriodFinder::add(const Sample& sample) {

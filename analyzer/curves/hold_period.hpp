@@ -16,7 +16,8 @@ struct HoldSpectra {
   static constexpr std::size_t kGroups = 16;       ///< Blocks in turn; they give the error.
   using Spectrum = std::array<double, kFrequencies>;
 
-  double hold = 0;  ///< Of the program, s; 0: there are no spectra.
+  double hold = 0;   ///< Of the program, s; 0: there are no spectra.
+  double reach = 0;  ///< Distance of the headings of a difference, in holds.
   std::array<Spectrum, kGroups> power{};
   std::array<double, kGroups> blocks{};
 

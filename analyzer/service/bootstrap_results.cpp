@@ -110,7 +110,8 @@ FilmReference filmsLike(const ProgramLaw& law, const BlockData& data) {
     expected.push_back(shape.expected(true, i));
   }
   plan.sigma = std::sqrt(std::max(0.0, measured.offset / 4));
-  plan.sigma_theta = std::sqrt(headingOffset(angular, expected) / 2);
+  plan.sigma_theta =
+      std::sqrt(std::max(0.0, headingOffset(angular, expected, secondLag(shape))) / 2);
   FilmReference films(plan);
   films.finish();
   return films;

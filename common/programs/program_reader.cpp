@@ -32,9 +32,10 @@ class ProgramReader {
     const ModelLookup& model_of = context.model_of;
     ProgramFile program;
     program.text.name = name;
-    if (!model_of && table_.contains("fileversion")) {
-      places_["fileversion"] = table_.get("fileversion");
-      problem("fileversion",
+    const char* const experiment = table_.contains("fileversion") ? "fileversion" : "programs";
+    if (!model_of && table_.contains(experiment) && !table_.contains("phases")) {
+      places_[experiment] = table_.get(experiment);
+      problem(experiment,
               "found an experiment file, allowed the file of one program of motion "
               "(docs/programs.md); an experiment is checked with its programs by ./lab check " +
                   document_.file());

@@ -7,7 +7,6 @@
 #include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <string_view>
 
 #include "robot/dynamics/byte_code.hpp"
@@ -110,7 +109,7 @@ class Compiler {
   // --- names ---
 
   void declareNames() {
-    std::set<std::string> taken;
+    std::map<std::string, std::string> taken;
     const auto declare = [&](const std::string& name, const std::string& key, const char* what) {
       if (!isName(name)) {
         error(key, 0,
@@ -120,8 +119,10 @@ class Compiler {
         error(key, 0,
               std::string(what) + " '" + name +
                   "' has a meaning in the language (docs/programs.md); choose another name");
-      } else if (!taken.insert(name).second) {
-        error(key, 0, "the name '" + name + "' is used twice in this program; rename one");
+      } else if (const auto [first, is_new] = taken.try_emplace(name, what); !is_new) {
+        error(key, 0,
+              "the name '" + name + "' is used twice in this program: a " + first->second +
+                  " has it already; rename one");
       }
     };
     for (const auto& [name, value] : text_.parameters) {

@@ -30,7 +30,10 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
   checkScenes(experiment, file.parent_path());
   const auto coefficients = [&](const Program& program) {
-    return analysis::coefficientsText(program, experiment.hardware.diameter);
+    const double wheel_base = experiment.hardware.diameter;
+    const std::string coefficients = analysis::coefficientsText(program, wheel_base);
+    return coefficients + (coefficients.empty() ? "" : "; ") +
+           analysis::referenceText(program, wheel_base);
   };
   fmt::print("{}", printableLines(describeExperiment(experiment, coefficients)));
   const std::string problem = loadProblem(experiment, std::thread::hardware_concurrency());

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "analyzer/law_knowledge.hpp"
+#include "analyzer/laws.hpp"
 #include "common/files/file_text.hpp"
 #include "common/programs/shipped_programs.hpp"
 #include "common/text/nearest_word.hpp"
@@ -91,6 +92,8 @@ std::string describeProgram(const ProgramFile& program) {
                    phase.name, rangeText(phase.left, "cm/s"), rangeText(phase.right, "cm/s"),
                    holdText(phase.hold), (phase.cost + phase.interruption_cost) / kCyclesPerMs);
   }
+  const double wheel_base = dynamics::WheelLimits().wheel_base;
+  fmt::format_to(out, "{}\n", analysis::referenceText(toProgram(program), wheel_base));
   for (const language::Problem& warning : compiled.warnings) {
     fmt::format_to(out, "warning: {}: {}\n", warning.key, warning.message);
   }

@@ -212,6 +212,15 @@ TEST(LawOf, GivesTheReasonWhereThereCanBeNoLaw) {
   EXPECT_EQ(reason(withoutLaw("run_reverse")), "");
 }
 
+TEST(LawOf, SaysBeforeARunWhatTheMotionIsComparedWith) {
+  const auto text = [](const Program& program) { return referenceText(program, kPaperWheelBase); };
+  EXPECT_EQ(text(shippedProgram("abp")), "judged by the exact law");
+  EXPECT_EQ(text(withoutLaw("abp")), "judged by the simulated reference");
+  EXPECT_EQ(text(withFormulas()), "judged by the program's formulas");
+  EXPECT_THAT(text(shippedProgram("phototaxis")),
+              HasSubstr("not judged: the program reads light, infrared sensors or senses"));
+}
+
 TEST(LawOf, TellsProgramsApart) {
   const ProgramLaw abp = lawOf(withoutLaw("abp"), kPaperWheelBase);
   EXPECT_EQ(abp, lawOf(withoutLaw("abp"), kPaperWheelBase));
