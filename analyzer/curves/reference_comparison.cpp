@@ -16,10 +16,10 @@ using units::kNan;
 
 constexpr double kRecordingsPerLag = 20;  // as in curves()
 constexpr double kMinDraws = 100;
-constexpr double kOffsetError = 0.05;  // relative error of the noise
-constexpr double kMostScatter = 0.5;   // of a cube root; beyond, a lag is not judged
-constexpr double kTolerance = 0.05;    // of an MSD, for calibration
-constexpr double kOnePercentZ = 3.2;   // the largest |z| of normal lags exceeds it in 1 %
+constexpr double kOffsetError = 0.05;     // relative error of the noise
+constexpr double kMostScatter = 0.5;      // of a cube root; beyond, a lag is not judged
+constexpr double kTolerance = 0.05;       // of an MSD, for calibration
+constexpr double kOnePercentZ = 3.2;      // the largest |z| of normal lags exceeds it in 1 %
 constexpr std::size_t kLastNoiseLag = 8;  // index of the second lag for the noise of the heading
 constexpr int kFewestFilms = 20;
 

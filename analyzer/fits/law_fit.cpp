@@ -6,7 +6,6 @@
 #include <functional>
 
 #include "analyzer/curves/statistics.hpp"
-#include "analyzer/fits/distance_distribution.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {
@@ -102,8 +101,7 @@ class Fit {
       const double motion = 1 - offset() * c.joined / reference_(j);
       systematic_(j) = std::pow(options_.systematic_floor * motion, 2);
     }
-    scatter_ = deviations.transpose() * deviations / (recordings.recordings - 1);
-    covariance_ = scatter_;
+    covariance_ = deviations.transpose() * deviations / (recordings.recordings - 1);
     covariance_.diagonal() += systematic_;
     regularise();
   }
@@ -248,8 +246,7 @@ class Fit {
   Matrix deviations_;  ///< Relative deviations of the recordings, scaled to the measured time; one
                        ///< row each.
   Vector systematic_;  ///< Variances.
-  Matrix scatter_;     ///< Covariance of the recordings.
-  Matrix covariance_;  ///< The same with the systematic errors.
+  Matrix covariance_;
   Matrix jacobian_;
 };
 
@@ -301,8 +298,7 @@ void Fit::report(LawFit& fit, int recordings) const {
   fit.regularised = regularised_;
   fit.freedom = static_cast<int>(columns() - parameters_);
   fit.chi2 = factor.matrixL().solve(left).squaredNorm();
-  const Matrix inverse = factor.solve(Matrix::Identity(index(columns()), index(columns())));
-  fit.p_value = DistanceDistribution(scatter_, inverse, jacobian_, recordings).tail(fit.chi2);
+  fit.p_value = hotellingTail(fit.chi2, fit.freedom, n);
   const std::string note = angular_ ? "GLS fit of the exact law to MSD and angular MSD"
                                     : "GLS fit of the exact law to the MSD alone: no headings";
   for (std::size_t p = 0; p < free_.size(); ++p) {

@@ -50,7 +50,7 @@ TEST(ProgramCommand, RefusesAWrongLaw) {
   support::writeFile(file, kProgram);
 
   EXPECT_THAT(problemsOf([&] { static_cast<void>(loadProgram(file.string())); }),
-              ElementsAre(HasSubstr("mine.toml:1:32: law.gamma: found a number in s, expected a "
+              ElementsAre(HasSubstr("mine.toml:1:31: law.gamma: found a number in s, expected a "
                                     "number in 1/s for gamma of the law \"rtp\"")));
 }
 
@@ -63,7 +63,7 @@ TEST(ProgramCommand, AWrongLawStopsCheckAndRunToo) {
   support::writeFile(options.file,
                      std::string(kSmall) + "[programs.mine]\nmodel = \"mine.toml\"\n");
 
-  const auto one = ElementsAre(HasSubstr("mine.toml:1:32: law.gamma: found a number in s"));
+  const auto one = ElementsAre(HasSubstr("mine.toml:1:31: law.gamma: found a number in s"));
   EXPECT_THAT(problemsOf([&] { static_cast<void>(check(options.file, {})); }), one);
   EXPECT_THAT(problemsOf([&] { static_cast<void>(programsOfRun(options)); }), one);
   EXPECT_THAT(problemsOf([&] { static_cast<void>(run(options, {})); }), one);
