@@ -386,7 +386,7 @@ class MessageTable::Implementation {
 
   void addRows(std::size_t count, std::int64_t parent) {
     const std::size_t rows = rows_ + count;
-    if (rows > capacity_) reserve(std::max(rows, capacity_ + capacity_ / 2));
+    if (rows > capacity_) reserve(std::max(rows, 2 * capacity_));
     fill(event_, count, event_now_);
     fill(received_, count, received_now_);
     fill(parent_, count, parent);
