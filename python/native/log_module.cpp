@@ -53,7 +53,7 @@ const char* dtypeOf(schema::Kind kind) {
 /// An array that owns the column's memory.
 py::array arrayOf(schema::Column& column, std::size_t rows) {
   if (rows == 0) return py::array(py::dtype(dtypeOf(column.kind)), std::vector<py::ssize_t>{0});
-  auto block = column.values.release();
+  auto block = column.values.release(rows * column.itemSize());
   std::byte* data = block.get();
   const py::capsule owner(block.release(), [](void* memory) {
     schema::ColumnMemory::Free()(static_cast<std::byte*>(memory));
