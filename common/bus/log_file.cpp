@@ -1,10 +1,6 @@
 #include "common/bus/log_file.hpp"
 
-#include <fcntl.h>
 #include <lcm/lcm.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -20,6 +16,7 @@
 #include "common/bus/contract_upgrade.hpp"
 #include "common/bus/value_checker.hpp"
 #include "common/files/file_text.hpp"
+#include "common/files/mapped_file.hpp"
 
 namespace lab {
 namespace fs = std::filesystem;
@@ -33,47 +30,6 @@ constexpr std::size_t kTime_at = 12;
 constexpr std::size_t kChannelLength_at = 20;
 constexpr std::size_t kDataLength_at = 24;
 constexpr std::int32_t kLongestChannel = 999;  // the limit of LCM's own reader
-
-/// A file mapped into memory. LCM's reader copies every event, which takes as long as decoding it.
-class MappedFile {
- public:
-  explicit MappedFile(const fs::path& path) {
-    const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (file < 0) throw std::runtime_error("cannot open the log " + path.string());
-    struct stat status {};
-    const bool known = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
-    size_ = known ? static_cast<std::size_t>(status.st_size) : 0;
-    if (size_ > 0) data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
-    ::close(file);
-    if (!known || data_ == MAP_FAILED) {
-      throw std::runtime_error("cannot read the log " + path.string());
-    }
-    if (size_ > 0) ::madvise(data_, size_, MADV_SEQUENTIAL);
-  }
-  ~MappedFile() {
-    if (size_ > 0) ::munmap(data_, size_);
-  }
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-
-  [[nodiscard]] Bytes bytes() const { return {static_cast<const std::uint8_t*>(data_), size_}; }
-
-  /// Gives back the memory of what lies before `at`, which has been read: a log may be larger than
-  /// the memory that its reader may take.
-  void release(const std::uint8_t* at) {
-    constexpr std::size_t kStep = 1U << 26U;
-    const auto read = static_cast<std::size_t>(at - static_cast<const std::uint8_t*>(data_));
-    if (read < released_ + kStep) return;
-    const std::size_t end = read / kStep * kStep;
-    ::madvise(static_cast<std::uint8_t*>(data_) + released_, end - released_, MADV_DONTNEED);
-    released_ = end;
-  }
-
- private:
-  void* data_ = nullptr;
-  std::size_t size_ = 0;
-  std::size_t released_ = 0;
-};
 
 template <class Integer>
 Integer bigEndian(Bytes file, std::size_t at) {
@@ -264,10 +220,11 @@ class LogReader::Implementation {
   }
 
   [[nodiscard]] const LogReadResult& result() const { return result_; }
+  [[nodiscard]] const LogPosition& position() const { return position_; }
 
  private:
   struct File {
-    explicit File(const fs::path& path) : mapped(path), reader(mapped.bytes()) {}
+    explicit File(const fs::path& path) : mapped(path, "log"), reader(mapped.bytes()) {}
     MappedFile mapped;
     EventReader reader;
     std::vector<Event> ahead;
@@ -284,6 +241,9 @@ class LogReader::Implementation {
     const Event event = file.ahead.front();
     file.ahead.erase(file.ahead.begin());
     ++result_.events;
+    position_ = {opened_ - 1,
+                 static_cast<std::uint64_t>(event.data.data() - file.mapped.bytes().data()),
+                 event.data.size()};
     const std::int64_t utime = times_.of(event, file.ahead, result_);
     file.mapped.release(event.data.data());
     newer_ = upgraded(event.data);
@@ -296,6 +256,7 @@ class LogReader::Implementation {
   ArrivalTimes times_;
   std::optional<std::vector<std::uint8_t>> newer_;
   LogReadResult result_;
+  LogPosition position_;
 };
 
 LogReader::LogReader(std::vector<fs::path> files)
@@ -303,6 +264,7 @@ LogReader::LogReader(std::vector<fs::path> files)
 LogReader::~LogReader() = default;
 std::optional<Packet> LogReader::next() { return implementation_->next(); }
 const LogReadResult& LogReader::result() const { return implementation_->result(); }
+const LogPosition& LogReader::position() const { return implementation_->position(); }
 
 LogReadResult readLog(const std::vector<fs::path>& files, const PacketHandler& handler) {
   LogReader reader(files);

@@ -1,6 +1,7 @@
 /// Message logs in the format of lcm-logger.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -45,6 +46,13 @@ struct LogReadResult {
   std::int64_t bad_times = 0;  ///< events whose time of arrival was damaged
 };
 
+/// Where the message of an event is, as it was logged.
+struct LogPosition {
+  std::size_t file = 0;  ///< index
+  std::uint64_t offset = 0;
+  std::size_t size = 0;
+};
+
 /// Reads the events of log files one by one, in the order of the files. LCM's own reader stops at
 /// the first damaged byte, or skips good events after a damaged length. This one continues at the
 /// next whole event and counts the damaged place. Messages of older contract versions are converted
@@ -64,6 +72,9 @@ class LogReader {
 
   /// The counts so far.
   [[nodiscard]] const LogReadResult& result() const;
+
+  /// Of the last event.
+  [[nodiscard]] const LogPosition& position() const;
 
  private:
   class Implementation;

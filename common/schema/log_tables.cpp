@@ -1,68 +1,88 @@
 #include "common/schema/log_tables.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <map>
+#include <memory>
 #include <utility>
+
+#include "common/bus/contract_upgrade.hpp"
+#include "common/files/mapped_file.hpp"
 
 namespace lab::schema {
 namespace fs = std::filesystem;
-namespace {
 
-/// Calls `take(number, packet)` for every message of this channel and type.
-void readChannel(const std::vector<fs::path>& files, std::string_view channel, const Type& type,
-                 const std::function<void(std::int64_t, const Packet&)>& take) {
-  std::int64_t number = 0;
-  readLog(files, [&](const Packet& packet) {
-    const std::int64_t event = number++;
-    if (packet.channel != channel) return;
-    if (fingerprintOf(packet.data.data(), packet.data.size()) == type.hash) take(event, packet);
-  });
-}
-
-}  // namespace
-
-const LoggedChannel* LogContents::find(std::string_view channel) const {
-  const LoggedChannel* found = nullptr;
-  for (const LoggedChannel& logged : channels) {
-    const bool wanted = logged.channel == channel && logged.type != nullptr;
-    if (wanted && (found == nullptr || logged.messages > found->messages)) found = &logged;
-  }
-  return found;
-}
-
-LogContents logContents(const std::vector<fs::path>& files) {
-  LogContents contents;
-  std::map<std::pair<std::string, std::int64_t>, LoggedChannel> channels;
-  contents.read = readLog(files, [&](const Packet& packet) {
-    const std::int64_t hash = fingerprintOf(packet.data.data(), packet.data.size());
+LogIndex::LogIndex(std::vector<fs::path> files) : files_(std::move(files)) {
+  struct Found {
+    LoggedChannel logged;
+    std::vector<Entry> entries;
+  };
+  // By channel, unknown types last, and type.
+  std::map<std::pair<std::string, std::int64_t>, Found> found;
+  LogReader reader(files_);
+  for (std::int64_t event = 0; const auto packet = reader.next(); ++event) {
+    const std::int64_t hash = fingerprintOf(packet->data.data(), packet->data.size());
     const Type* type = messageSchema().findHash(hash);
-    LoggedChannel& logged = channels[{std::string(packet.channel), type == nullptr ? 0 : hash}];
+    Found& of = found[{std::string(packet->channel), type == nullptr ? 0 : hash}];
+    LoggedChannel& logged = of.logged;
     if (logged.messages == 0) {
-      logged.channel = packet.channel;
+      logged.channel = packet->channel;
       logged.type = type;
-      logged.first_utime = packet.received_utime;
+      logged.first_utime = packet->received_utime;
     }
     ++logged.messages;
-    logged.bytes += static_cast<std::int64_t>(packet.data.size());
-    logged.last_utime = packet.received_utime;
-  });
-  for (auto& [key, logged] : channels) contents.channels.push_back(std::move(logged));
-  std::ranges::stable_partition(contents.channels,
-                                [](const LoggedChannel& logged) { return logged.type != nullptr; });
-  return contents;
+    logged.bytes += static_cast<std::int64_t>(packet->data.size());
+    logged.last_utime = packet->received_utime;
+    const LogPosition& at = reader.position();
+    of.entries.push_back({event, packet->received_utime, at.offset,
+                          static_cast<std::uint32_t>(at.size),
+                          static_cast<std::uint32_t>(at.file)});
+  }
+  result_ = reader.result();
+  for (const bool known : {true, false}) {
+    for (auto& [key, of] : found) {
+      if ((of.logged.type != nullptr) != known) continue;
+      channels_.push_back(std::move(of.logged));
+      entries_.push_back(std::move(of.entries));
+    }
+  }
 }
 
-LoadedTable loadTable(const std::vector<fs::path>& files, std::string_view channel,
-                      const Type& type, std::string_view path,
+const LoggedChannel* LogIndex::find(std::string_view channel) const {
+  const LoggedChannel* best = nullptr;
+  for (const LoggedChannel& logged : channels_) {
+    const bool wanted = logged.channel == channel && logged.type != nullptr;
+    if (wanted && (best == nullptr || logged.messages > best->messages)) best = &logged;
+  }
+  return best;
+}
+
+void LogIndex::read(std::string_view channel, const Type& type,
+                    const std::function<void(std::int64_t, const Packet&)>& take) const {
+  for (std::size_t i = 0; i < channels_.size(); ++i) {
+    if (channels_[i].channel != channel || channels_[i].type != &type) continue;
+    std::unique_ptr<MappedFile> mapped;
+    std::size_t file = 0;
+    for (const Entry& entry : entries_[i]) {
+      if (!mapped || file != entry.file) {
+        file = entry.file;
+        mapped = std::make_unique<MappedFile>(files_[file], "log");
+      }
+      // A log that has become shorter since then.
+      if (entry.offset + entry.size > mapped->bytes().size()) continue;
+      const Bytes data =
+          mapped->bytes().subspan(static_cast<std::size_t>(entry.offset), entry.size);
+      mapped->release(data.data());
+      const auto newer = upgraded(data);
+      take(entry.event, {channel, newer ? Bytes(*newer) : data, entry.utime});
+    }
+  }
+}
+
+LoadedTable loadTable(const LogIndex& log, std::string_view channel, const Type& type,
+                      std::string_view path,
                       const std::optional<std::vector<std::string>>& selection) {
   LoadedTable loaded{MessageTable(type, path, selection)};
-  MessageTable counted(type, path, std::vector<std::string>{});
-  readChannel(files, channel, type, [&](std::int64_t event, const Packet& packet) {
-    counted.take(event, packet.received_utime, packet.data);
-  });
-  loaded.table.reserve(counted.rows());
-  readChannel(files, channel, type, [&](std::int64_t event, const Packet& packet) {
+  log.read(channel, type, [&](std::int64_t event, const Packet& packet) {
     if (!loaded.table.take(event, packet.received_utime, packet.data)) ++loaded.undecodable;
   });
   return loaded;

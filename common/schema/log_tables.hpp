@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -24,29 +25,52 @@ struct LoggedChannel {
   std::int64_t last_utime = 0;
 };
 
-struct LogContents {
-  std::vector<LoggedChannel> channels;  ///< in alphabetical order, known types first
-  LogReadResult read;
+/// A log of which it is known where each message is, so that a channel is read without the others.
+class LogIndex {
+ public:
+  /// Reads the log once, but not the contents of its messages.
+  /// @param files as logSeries() gives them
+  /// @throws std::runtime_error if a file cannot be read
+  explicit LogIndex(std::vector<std::filesystem::path> files);
+
+  /// In alphabetical order, known types first.
+  [[nodiscard]] const std::vector<LoggedChannel>& channels() const { return channels_; }
 
   /// The channel's known type with most messages; nullptr: it has none.
   [[nodiscard]] const LoggedChannel* find(std::string_view channel) const;
-};
 
-/// Reads channels, types and times, but no contents.
-/// @param files as logSeries() gives them
-/// @throws std::runtime_error if a file cannot be read
-[[nodiscard]] LogContents logContents(const std::vector<std::filesystem::path>& files);
+  [[nodiscard]] const LogReadResult& result() const { return result_; }
+  [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
+
+  /// Calls `take(number of the event, packet)` for every message of this channel and type.
+  /// @throws std::runtime_error if a file cannot be read
+  void read(std::string_view channel, const Type& type,
+            const std::function<void(std::int64_t, const Packet&)>& take) const;
+
+ private:
+  struct Entry {
+    std::int64_t event;
+    std::int64_t utime;
+    std::uint64_t offset;
+    std::uint32_t size;
+    std::uint32_t file;
+  };
+
+  std::vector<std::filesystem::path> files_;
+  std::vector<LoggedChannel> channels_;
+  std::vector<std::vector<Entry>> entries_;  ///< of each of channels_
+  LogReadResult result_;
+};
 
 struct LoadedTable {
   MessageTable table;
   std::int64_t undecodable = 0;  ///< messages of this type that are damaged, which are left out
 };
 
-/// The table of all messages of one channel and type. Reads the log twice, so that the table takes
-/// no more memory than its numbers.
+/// The table of all messages of one channel and type. It takes no more memory than its numbers.
 /// @param selection as for MessageTable
 [[nodiscard]] LoadedTable loadTable(
-    const std::vector<std::filesystem::path>& files, std::string_view channel, const Type& type,
-    std::string_view path, const std::optional<std::vector<std::string>>& selection = std::nullopt);
+    const LogIndex& log, std::string_view channel, const Type& type, std::string_view path,
+    const std::optional<std::vector<std::string>>& selection = std::nullopt);
 
 }  // namespace lab::schema

@@ -13,7 +13,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "columns are little-endian");
 
-constexpr int kNone = -1;              // no column: the value is skipped
+constexpr int kNone = -1;  // no column: the value is skipped
+constexpr std::size_t kFewRows = 256;
 constexpr std::size_t kMostLists = 8;  // of different lengths, in one struct
 
 template <class Bits>
@@ -166,6 +167,18 @@ void ColumnMemory::reserve(std::size_t bytes) {
   static_cast<void>(memory_.release());
   memory_.reset(larger);
   capacity_ = bytes;
+}
+
+ColumnMemory::Block ColumnMemory::release(std::size_t bytes) {
+  if (bytes > 0 && bytes < capacity_) {
+    auto* smaller = static_cast<std::byte*>(std::realloc(memory_.get(), bytes));
+    if (smaller != nullptr) {
+      static_cast<void>(memory_.release());
+      memory_.reset(smaller);
+    }
+  }
+  capacity_ = 0;
+  return std::move(memory_);
 }
 
 std::int32_t TextPool::codeOf(std::string_view text) {
@@ -386,7 +399,7 @@ class MessageTable::Implementation {
 
   void addRows(std::size_t count, std::int64_t parent) {
     const std::size_t rows = rows_ + count;
-    if (rows > capacity_) reserve(std::max(rows, capacity_ + capacity_ / 2));
+    if (rows > capacity_) reserve(std::max({rows, 2 * capacity_, kFewRows}));
     fill(event_, count, event_now_);
     fill(received_, count, received_now_);
     fill(parent_, count, parent);

@@ -30,10 +30,8 @@ class ColumnMemory {
     void operator()(std::byte* memory) const { std::free(memory); }
   };
   using Block = std::unique_ptr<std::byte, Free>;
-  [[nodiscard]] Block release() {
-    capacity_ = 0;
-    return std::move(memory_);
-  }
+  /// Gives the memory away, without what is beyond `bytes`.
+  [[nodiscard]] Block release(std::size_t bytes);
 
  private:
   Block memory_;

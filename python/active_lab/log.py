@@ -46,12 +46,12 @@ class Log:
             raise ValueError(f"{self.path}: this is not an LCM log; expected a file that lcm-logger or "
                              "lab run wrote")
         self.files: List[Path] = [Path(file) for file in _core.log_series(self.path)]
-        contents = _core.log_contents(self.files)
-        self._channels = contents["channels"]
+        self._index = _core.LogIndex(self.files)
+        self._channels = self._index.channels
         #: Number of messages.
-        self.message_count: int = contents["events"]
+        self.message_count: int = self._index.events
         #: Damaged places that were skipped.
-        self.damaged_places: int = contents["damaged_places"]
+        self.damaged_places: int = self._index.damaged_places
 
     @property
     def channels(self) -> pandas.DataFrame:
@@ -113,7 +113,7 @@ class Log:
                            + ", ".join(known))
         self._require_memory(channel, path, type_name, wanted)
         needed = wanted + (["parent"] if above and "parent" not in wanted else [])
-        values, rows, damaged = _core.load_table(self.files, channel, type_name, path, needed)
+        values, rows, damaged = self._index.table(channel, type_name, path, needed)
         series = {name: _column(values[name]) for name in wanted}
         described = {name: known[name] for name in wanted}
         for name in above:
@@ -135,14 +135,14 @@ class Log:
         if not path or not (upper == "" or level == upper or level.startswith(upper + ".")):
             raise KeyError(f"above: {upper!r} is no table above {path!r}")
         while level != upper:
-            values, _, _ = _core.load_table(self.files, channel, type_name, level, ["parent"])
+            values, _, _ = self._index.table(channel, type_name, level, ["parent"])
             parent = numpy.asarray(values["parent"])[parent]
             level = level.rpartition(".")[0]
         known = _core.table_columns(type_name, level)
         if column not in known:
             raise KeyError(f"above: the table {upper!r} of {channel} has no column {column!r}; it has "
                            + ", ".join(known))
-        values, _, _ = _core.load_table(self.files, channel, type_name, level, [column])
+        values, _, _ = self._index.table(channel, type_name, level, [column])
         return _column(values[column]).take(parent), known[column]
 
     def _require_memory(self, channel: str, path: str, type_name: str, columns: List[str]) -> None:

@@ -53,7 +53,7 @@ const char* dtypeOf(schema::Kind kind) {
 /// An array that owns the column's memory.
 py::array arrayOf(schema::Column& column, std::size_t rows) {
   if (rows == 0) return py::array(py::dtype(dtypeOf(column.kind)), std::vector<py::ssize_t>{0});
-  auto block = column.values.release();
+  auto block = column.values.release(rows * column.itemSize());
   std::byte* data = block.get();
   const py::capsule owner(block.release(), [](void* memory) {
     schema::ColumnMemory::Free()(static_cast<std::byte*>(memory));
@@ -62,12 +62,12 @@ py::array arrayOf(schema::Column& column, std::size_t rows) {
                    {static_cast<py::ssize_t>(column.itemSize())}, data, owner);
 }
 
-py::tuple tableOf(const Paths& files, const std::string& channel, const std::string& type,
+py::tuple tableOf(const schema::LogIndex& log, const std::string& channel, const std::string& type,
                   const std::string& path, const std::optional<std::vector<std::string>>& columns) {
   std::optional<schema::LoadedTable> loaded;
   {
     const py::gil_scoped_release released;
-    loaded.emplace(schema::loadTable(files, channel, typeOf(type), path, columns));
+    loaded.emplace(schema::loadTable(log, channel, typeOf(type), path, columns));
   }
   const std::size_t rows = loaded->table.rows();
   py::dict result;
@@ -86,14 +86,14 @@ py::tuple tableOf(const Paths& files, const std::string& channel, const std::str
   return py::make_tuple(result, rows, loaded->undecodable);
 }
 
-py::dict contentsOf(const Paths& files) {
-  schema::LogContents contents;
-  {
-    const py::gil_scoped_release released;
-    contents = schema::logContents(files);
-  }
+std::unique_ptr<schema::LogIndex> indexOf(Paths files) {
+  const py::gil_scoped_release released;
+  return std::make_unique<schema::LogIndex>(std::move(files));
+}
+
+py::list channelsOf(const schema::LogIndex& log) {
   py::list channels;
-  for (const schema::LoggedChannel& logged : contents.channels) {
+  for (const schema::LoggedChannel& logged : log.channels()) {
     py::dict entry;
     entry["channel"] = logged.channel;
     entry["type"] = logged.type == nullptr ? py::object(py::none()) : py::str(logged.type->name);
@@ -103,12 +103,7 @@ py::dict contentsOf(const Paths& files) {
     entry["last_utime"] = logged.last_utime;
     channels.append(entry);
   }
-  py::dict result;
-  result["channels"] = channels;
-  result["events"] = contents.read.events;
-  result["damaged_places"] = contents.read.resyncs;
-  result["bad_times"] = contents.read.bad_times;
-  return result;
+  return channels;
 }
 
 /// The messages of some channels, one after the other.
@@ -142,10 +137,16 @@ void addLogs(py::module_& module) {
   module.def("is_log", &isLog, py::arg("file"));
   module.def("log_series", &logSeries, py::arg("first"),
              "The files of one log: log.lcmlog, log.lcmlog.01, ...");
-  module.def("log_contents", &contentsOf, py::arg("files"));
-  module.def("load_table", &tableOf, py::arg("files"), py::arg("channel"), py::arg("type"),
-             py::arg("path"), py::arg("columns"),
-             "(columns, number of rows, damaged messages left out); texts are (codes, texts).");
+  py::class_<schema::LogIndex>(module, "LogIndex", "Where the messages of a log are.")
+      .def(py::init(&indexOf), py::arg("files"))
+      .def_property_readonly("channels", &channelsOf)
+      .def_property_readonly("events",
+                             [](const schema::LogIndex& log) { return log.result().events; })
+      .def_property_readonly("damaged_places",
+                             [](const schema::LogIndex& log) { return log.result().resyncs; })
+      .def("table", &tableOf, py::arg("channel"), py::arg("type"), py::arg("path"),
+           py::arg("columns"),
+           "(columns, number of rows, damaged messages left out); texts are (codes, texts).");
   py::class_<Messages>(module, "Messages", "Iterator over (channel, received_utime, encoding).")
       .def(py::init<Paths, std::optional<std::set<std::string>>>(), py::arg("files"),
            py::arg("channels"))

@@ -195,9 +195,9 @@ std::int64_t timeZero(const std::vector<fs::path>& log) {
 }
 
 std::int64_t writeCsv(const std::vector<fs::path>& log, const fs::path& folder) {
-  const schema::LogContents contents = schema::logContents(log);
+  const schema::LogIndex contents(log);
   std::map<std::string, std::vector<std::unique_ptr<TableFile>>, std::less<>> tables;
-  for (const schema::LoggedChannel& logged : contents.channels) {
+  for (const schema::LoggedChannel& logged : contents.channels()) {
     if (logged.type == nullptr || contents.find(logged.channel)->type != logged.type) continue;
     for (const std::string& path : schema::tablePaths(*logged.type)) {
       tables[logged.channel].push_back(std::make_unique<TableFile>(folder, logged, path));

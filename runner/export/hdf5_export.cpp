@@ -180,10 +180,10 @@ class TableWriter {
 std::int64_t writeHdf5(const std::vector<fs::path>& log, const fs::path& file,
                        const std::map<std::string, std::string>& about) {
   hdf5::silence();
-  const schema::LogContents contents = schema::logContents(log);
+  const schema::LogIndex contents(log);
   std::vector<std::unique_ptr<TableWriter>> tables;
   std::map<std::string, std::vector<TableWriter*>, std::less<>> by_channel;
-  for (const schema::LoggedChannel& logged : contents.channels) {
+  for (const schema::LoggedChannel& logged : contents.channels()) {
     // A channel has one type; messages of another type on it are a stranger's.
     if (logged.type == nullptr || contents.find(logged.channel)->type != logged.type) continue;
     for (const std::string& path : schema::tablePaths(*logged.type)) {

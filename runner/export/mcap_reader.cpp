@@ -12,12 +12,16 @@
 namespace lab::runner::mcap {
 namespace {
 
-constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 32U;  // of a record
+constexpr std::uint64_t kMostUnpacked = std::uint64_t{1}
+                                        << 28U;  // bytes of a chunk; writers make 1 to 8 MB
 
 class FileReader {
  public:
   FileReader(const std::filesystem::path& file, const std::function<void(const Message&)>& handler)
-      : name_(file.string()), stream_(file, std::ios::binary), handler_(handler) {}
+      : name_(file.string()),
+        size_(std::filesystem::file_size(file)),
+        stream_(file, std::ios::binary),
+        handler_(handler) {}
 
   ReadResult read() {
     std::string magic(kMagic.size(), '\0');
@@ -31,7 +35,7 @@ class FileReader {
       RecordReader fields(head);
       const auto opcode = fields.number<Opcode>();
       const auto length = fields.number<std::uint64_t>();
-      if (length > kMostBytes) fail("a record has an impossible length: the file is damaged");
+      if (length > left()) break;  // the file was cut short
       std::string content(static_cast<std::size_t>(length), '\0');
       if (!stream_.read(content.data(), static_cast<std::streamsize>(length))) break;
       take(opcode, content);
@@ -49,6 +53,9 @@ class FileReader {
     std::string encoding;
     std::uint16_t schema = 0;
   };
+
+  /// Bytes of the file that have not been read.
+  [[nodiscard]] std::uint64_t left() { return size_ - static_cast<std::uint64_t>(stream_.tellg()); }
 
   [[noreturn]] void fail(const std::string& what) const {
     throw std::runtime_error(name_ + ": " + what);
@@ -114,7 +121,10 @@ class FileReader {
     const auto crc = fields.number<std::uint32_t>();
     const std::string compression(fields.text());
     const std::string_view stored = fields.take(fields.number<std::uint64_t>());
-    if (size > kMostBytes) fail("a chunk has an impossible length: the file is damaged");
+    if (size > kMostUnpacked) {
+      fail("found a chunk of " + std::to_string(size) + " bytes, expected at most " +
+           std::to_string(kMostUnpacked) + ": the file is damaged");
+    }
     std::string unpacked;
     std::string_view records = stored;
     if (compression == "zstd") {
@@ -135,11 +145,13 @@ class FileReader {
     while (!inner.rest().empty() && inner.possible()) {
       const auto opcode = inner.number<Opcode>();
       const std::string_view content = inner.take(inner.number<std::uint64_t>());
+      if (opcode == Opcode::kChunk) fail("found a chunk in a chunk: the file is damaged");
       if (inner.possible()) take(opcode, content);
     }
   }
 
   std::string name_;
+  std::uint64_t size_;
   std::ifstream stream_;
   const std::function<void(const Message&)>& handler_;
   std::map<std::uint16_t, Schema> schemas_;
