@@ -399,7 +399,9 @@ TEST_F(TrackStitcherTest, ReportsWhatTheRobotDidInEveryFrame) {
   std::vector<FrameState> states;
   for (const FrameReport& frame : dut.takeReports()) {
     if (states.empty() || states.back() != frame.state) states.push_back(frame.state);
-    if (frame.state != FrameState::kLost) EXPECT_EQ(frame.light_front, 0.25F);
+    if (frame.state != FrameState::kLost) {
+      EXPECT_EQ(frame.light_front, 0.25F);
+    }
     if (frame.state == FrameState::kContact && frame.time > 3.1 && frame.time < 3.9) {
       EXPECT_TRUE(frame.contact_wall);
       EXPECT_FALSE(frame.contact_robot);
