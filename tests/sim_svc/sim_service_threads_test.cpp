@@ -58,8 +58,10 @@ eta_rad_s = 3
   MemoryBus bus([&loop] { return loop.now(); });
   loop.drainWith([&bus] { bus.deliver(); });
   Messages messages;
-  bus.subscribeAll(
-      [&messages](const Packet& packet) { messages.emplace_back(packet.channel, packet.data); });
+  bus.subscribeAll([&messages](const Packet& packet) {
+    messages.emplace_back(std::string(packet.channel),
+                          std::vector(packet.data.begin(), packet.data.end()));
+  });
   Node node(bus, loop, {"sim_svc", robot_state_t::SIM, 1});
   SimService service(
       {.node = node, .loop = loop, .experiment = experiment, .directory = {}, .threads = threads});
