@@ -12,7 +12,7 @@ double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
 Vec turned(Vec v) { return {-v.y, v.x}; }
 
 // The displacement of a disk by a push of 1.
-Vec responseOf(const ContactDisk& disk, double across, Vec push) {
+Vec shiftOf(const ContactDisk& disk, double across, Vec push) {
   const double along = (1 - across) * dot(disk.heading, push);
   return {across * push.x + along * disk.heading.x, across * push.y + along * disk.heading.y};
 }
@@ -28,46 +28,9 @@ struct Remaining {
   double slide = 0;
 };
 
-}  // namespace
-
-ContactSolver::Row ContactSolver::rowOf(const DiskContact& contact,
-                                        std::span<const ContactDisk> disks) const {
-  const Vec normal = contact.normal;
-  const Vec tangent = turned(normal);
-  Row row;
-  row.first_normal = responseOf(disks[contact.first], mobility_.across, normal);
-  row.first_tangent = responseOf(disks[contact.first], mobility_.across, tangent);
-  row.tt = mobility_.turn;
-  if (contact.second != DiskContact::kFixed) {
-    row.second_normal = responseOf(disks[contact.second], mobility_.across, normal);
-    row.second_tangent = responseOf(disks[contact.second], mobility_.across, tangent);
-    row.tt += mobility_.turn;
-  }
-  row.nn = dot(normal, row.first_normal) + dot(normal, row.second_normal);
-  row.nt = dot(normal, row.first_tangent) + dot(normal, row.second_tangent);
-  row.tt += dot(tangent, row.first_tangent) + dot(tangent, row.second_tangent);
-  return row;
-}
-
-void ContactSolver::apply(const Row& row, const DiskContact& contact, double normal, double tangent,
-                          std::span<ContactDisk> disks) const {
-  ContactDisk& first = disks[contact.first];
-  first.shift.x += normal * row.first_normal.x + tangent * row.first_tangent.x;
-  first.shift.y += normal * row.first_normal.y + tangent * row.first_tangent.y;
-  first.roll -= tangent * mobility_.turn;
-  if (contact.second == DiskContact::kFixed) return;
-  ContactDisk& second = disks[contact.second];
-  second.shift.x -= normal * row.second_normal.x + tangent * row.second_tangent.x;
-  second.shift.y -= normal * row.second_normal.y + tangent * row.second_tangent.y;
-  second.roll -= tangent * mobility_.turn;
-}
-
-namespace {
-
 // The pushes of a contact that slides, with a tangential push of `friction` times the normal one.
 // Returns false if the rims would slide with the friction instead of against it.
-template <class Row>
-bool slides(const Row& row, Remaining free, double friction, Push& push) {
+bool slides(const ContactResponse& row, Remaining free, double friction, Push& push) {
   const double per_normal = row.nn + friction * row.nt;
   if (per_normal <= 0) return false;
   push.normal = -free.gap / per_normal;
@@ -77,8 +40,7 @@ bool slides(const Row& row, Remaining free, double friction, Push& push) {
 }
 
 // The pushes of one contact by Coulomb's law: open, rolling, or sliding in either direction.
-template <class Row>
-Push coulombPush(const Row& row, Remaining free, double friction, double most) {
+Push coulombPush(const ContactResponse& row, Remaining free, double friction, double most) {
   if (free.gap >= 0) return {};
   Push push;
   const double determinant = row.nn * row.tt - row.nt * row.nt;
@@ -101,8 +63,8 @@ Push coulombPush(const Row& row, Remaining free, double friction, double most) {
 }
 
 // One step towards the pushes of a contact whose friction has a known limit.
-template <class Row>
-Push limitedPush(const Row& row, Remaining free, double most_tangent, double most, double tangent) {
+Push limitedPush(const ContactResponse& row, Remaining free, double most_tangent, double most,
+                 double tangent) {
   Push push;
   push.normal = std::clamp(-(free.gap + row.nt * tangent) / row.nn, 0.0, most);
   const double rolling = -(free.slide + row.nt * push.normal) / row.tt;
@@ -120,13 +82,45 @@ double linearGap(const DiskContact& contact, std::span<const ContactDisk> disks)
 
 }  // namespace
 
+ContactResponse ContactSolver::responseOf(const DiskContact& contact,
+                                          std::span<const ContactDisk> disks) const {
+  const Vec normal = contact.normal;
+  const Vec tangent = turned(normal);
+  ContactResponse row;
+  row.first_normal = shiftOf(disks[contact.first], mobility_.across, normal);
+  row.first_tangent = shiftOf(disks[contact.first], mobility_.across, tangent);
+  row.tt = mobility_.turn;
+  if (contact.second != DiskContact::kFixed) {
+    row.second_normal = shiftOf(disks[contact.second], mobility_.across, normal);
+    row.second_tangent = shiftOf(disks[contact.second], mobility_.across, tangent);
+    row.tt += mobility_.turn;
+  }
+  row.nn = dot(normal, row.first_normal) + dot(normal, row.second_normal);
+  row.nt = dot(normal, row.first_tangent) + dot(normal, row.second_tangent);
+  row.tt += dot(tangent, row.first_tangent) + dot(tangent, row.second_tangent);
+  return row;
+}
+
+void ContactSolver::apply(const ContactResponse& row, const DiskContact& contact, double normal,
+                          double tangent, std::span<ContactDisk> disks) const {
+  ContactDisk& first = disks[contact.first];
+  first.shift.x += normal * row.first_normal.x + tangent * row.first_tangent.x;
+  first.shift.y += normal * row.first_normal.y + tangent * row.first_tangent.y;
+  first.roll -= tangent * mobility_.turn;
+  if (contact.second == DiskContact::kFixed) return;
+  ContactDisk& second = disks[contact.second];
+  second.shift.x -= normal * row.second_normal.x + tangent * row.second_tangent.x;
+  second.shift.y -= normal * row.second_normal.y + tangent * row.second_tangent.y;
+  second.roll -= tangent * mobility_.turn;
+}
+
 int ContactSolver::solve(std::span<ContactDisk> disks, std::span<DiskContact> contacts) {
   const bool isotropic = mobility_.across == 1;
   rows_.clear();
   for (const DiskContact& contact : contacts) {
     const bool pushed = contact.normal_push != 0 || contact.tangent_push != 0;
     if (isotropic && !pushed) continue;
-    const Row row = rowOf(contact, disks);
+    const ContactResponse row = responseOf(contact, disks);
     if (!isotropic) rows_.push_back(row);
     if (pushed) apply(row, contact, contact.normal_push, contact.tangent_push, disks);
   }
@@ -136,7 +130,7 @@ int ContactSolver::solve(std::span<ContactDisk> disks, std::span<DiskContact> co
   for (int sweep = 1; sweep <= kMostSweeps; ++sweep) {
     if (sweep == kCoulombSweeps && friction_ > 0) {
       for (const DiskContact& contact : contacts) {
-        most_tangent_.push_back(friction_ * contact.normal_push);
+        most_tangent_.push_back(friction_ * std::max(0.0, contact.normal_push));
       }
     }
     const double change = isotropic ? sweepIsotropic(disks, contacts) : sweepRows(disks, contacts);
@@ -242,7 +236,7 @@ double ContactSolver::sweepRows(std::span<ContactDisk> disks,
     DiskContact& contact = contacts[c];
     const double gap = linearGap(contact, disks);
     if (gap >= 0 && contact.normal_push == 0 && contact.tangent_push == 0) continue;
-    const Row& row = rows_[c];
+    const ContactResponse& row = rows_[c];
     Push push;
     if (friction_ == 0) {
       push.normal = std::clamp(contact.normal_push - gap / row.nn, 0.0, contact.most_push);

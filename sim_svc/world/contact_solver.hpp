@@ -43,6 +43,19 @@ struct DiskContact {
   double tangent_push = 0;  ///< Along the tangent, which is the normal turned by +90 degrees [m].
 };
 
+/// What a contact does to its disks, which does not change during the solution: the displacements
+/// of both by pushes of 1 (of the second one against it), and the matrix (nn, nt; nt, tt) of
+/// displacements of the rims against each other.
+struct ContactResponse {
+  Vec first_normal;
+  Vec first_tangent;
+  Vec second_normal;
+  Vec second_tangent;
+  double nn = 0;
+  double nt = 0;
+  double tt = 0;
+};
+
 /// The displacements and pushes with which, at the end of the step,
 ///
 /// - no gap is negative, a push acts only where the gap is 0, and pushes do not pull;
@@ -75,21 +88,9 @@ class ContactSolver {
   int solve(std::span<ContactDisk> disks, std::span<DiskContact> contacts);
 
  private:
-  /// What does not change during the iteration: the displacements of both disks by pushes of 1 (of
-  /// the second one against it), and the matrix (nn, nt; nt, tt) of displacements of the rims
-  /// against each other.
-  struct Row {
-    Vec first_normal;
-    Vec first_tangent;
-    Vec second_normal;
-    Vec second_tangent;
-    double nn = 0;
-    double nt = 0;
-    double tt = 0;
-  };
-
-  [[nodiscard]] Row rowOf(const DiskContact& contact, std::span<const ContactDisk> disks) const;
-  void apply(const Row& row, const DiskContact& contact, double normal, double tangent,
+  [[nodiscard]] ContactResponse responseOf(const DiskContact& contact,
+                                           std::span<const ContactDisk> disks) const;
+  void apply(const ContactResponse& row, const DiskContact& contact, double normal, double tangent,
              std::span<ContactDisk> disks) const;
   void accelerate(std::span<ContactDisk> disks, std::span<DiskContact> contacts);
   double sweepIsotropic(std::span<ContactDisk> disks, std::span<DiskContact> contacts) const;
@@ -97,7 +98,7 @@ class ContactSolver {
 
   SlipMobility mobility_;
   double friction_;
-  std::vector<Row> rows_;  ///< Per contact.
+  std::vector<ContactResponse> rows_;  ///< Per contact.
   std::vector<double> now_, before_, extrapolated_;
   double momentum_ = 1;
   std::vector<double> most_tangent_;  ///< Per contact; empty while Coulomb's law holds exactly.

@@ -160,7 +160,7 @@ void DiskArena::relistIfMoved(std::size_t i) {
 }
 
 void DiskArena::listNeighbours() {
-  const double contact_gap = slides() ? SlidingContacts::kFarthestGap + 1 : 1;
+  const double contact_gap = slides() ? ContactPairs::kFarthestGap + 1 : 1;
   const double reach = std::max(2 * settings_.radius + settings_.sensing_range,
                                 contact_distance_ + contact_gap * settings_.largest_move);
   neighbours_.build(bodies_.centre, settings_.arena, reach + skin_ + settings_.largest_move);

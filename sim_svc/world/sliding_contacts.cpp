@@ -8,9 +8,6 @@ namespace lab::sim {
 namespace {
 
 constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-// Walls as partners: left, right, bottom, top.
-constexpr std::uint32_t kFirstWall = kNone - 4;
-
 // A kinematic disk pushes with at most this, in units of the largest move: more than the pushes of
 // a column of robots, and less than infinite, so that a robot between a kinematic disk and a wall
 // overlaps the disk and not the wall.
@@ -20,31 +17,11 @@ constexpr int kMostHalvings = 8;
 
 constexpr std::size_t kContactsOfARun = 200;
 
-// In units of the largest move. Robots are usually slower, so that the close pairs hold for tens of
-// steps.
-constexpr double kCloseMove = 2;
-
-bool isWall(std::uint32_t partner) { return partner >= kFirstWall; }
-
 double dot(Vec a, Vec b) { return a.x * b.x + a.y * b.y; }
 
 Vec difference(Vec a, Vec b) { return {a.x - b.x, a.y - b.y}; }
 
 Vec sum(Vec a, Vec b) { return {a.x + b.x, a.y + b.y}; }
-
-// Into the arena.
-Vec wallNormal(std::uint32_t wall) {
-  switch (wall - kFirstWall) {
-    case 0:
-      return {1, 0};
-    case 1:
-      return {-1, 0};
-    case 2:
-      return {0, 1};
-    default:
-      return {0, -1};
-  }
-}
 
 }  // namespace
 
@@ -52,16 +29,17 @@ SlidingContacts::SlidingContacts(const SlidingSettings& settings)
     : settings_(settings),
       solvers_(1, ContactSolver(settings.mobility, settings.friction)),
       most_push_(kMostPush * settings.largest_move / std::min(1.0, settings.mobility.across)),
-      close_move_(kCloseMove * settings.largest_move) {}
+      close_(settings.arena, settings.radius, settings.largest_move) {}
 
 void SlidingContacts::resolve(const MovedDisks& disks, double dt, WorkerTeam& team) {
   parent_.resize(disks.robots, kNone);
   slot_.resize(disks.robots, kNone);
-  findPairs(disks, settings_.largest_move);
+  reach_ = settings_.largest_move;
+  close_.findNear(disks, pairs_);
   takePushes(previous_, previous_dt_ > 0 ? dt / previous_dt_ : 0, false);
   run(disks, false, team);
   previous_.clear();
-  for (const Pair& pair : pairs_) {
+  for (const ContactPair& pair : pairs_) {
     if (pair.normal_push > 0) previous_.push_back(pair);
   }
   previous_dt_ = dt;
@@ -70,7 +48,8 @@ void SlidingContacts::resolve(const MovedDisks& disks, double dt, WorkerTeam& te
 void SlidingContacts::pushOut(const MovedDisks& disks) {
   parent_.resize(disks.robots, kNone);
   slot_.resize(disks.robots, kNone);
-  findPairs(disks, settings_.largest_move);
+  reach_ = settings_.largest_move;
+  close_.findNear(disks, pairs_);
   WorkerTeam alone(1);
   run(disks, true, alone);
 }
@@ -79,13 +58,13 @@ void SlidingContacts::run(const MovedDisks& disks, bool at_rest, WorkerTeam& tea
   shifts_.clear();
   touches_.clear();
   double deepest = 0;
-  for (const Pair& pair : pairs_) deepest = std::min(deepest, pair.gap);
+  for (const ContactPair& pair : pairs_) deepest = std::min(deepest, pair.gap);
   if (deepest >= -kSlack) {
-    for (Pair& pair : pairs_) pair.normal_push = pair.tangent_push = 0;
+    for (ContactPair& pair : pairs_) pair.normal_push = pair.tangent_push = 0;
     return;
   }
   // Others that the overlapping disks may be pushed against take part from the beginning.
-  for (Pair& pair : pairs_) pair.selected = pair.gap < -deepest;
+  for (ContactPair& pair : pairs_) pair.selected = pair.gap < -deepest;
   do {
     formIslands(disks, at_rest);
     solveIslands(disks, team);
@@ -93,83 +72,11 @@ void SlidingContacts::run(const MovedDisks& disks, bool at_rest, WorkerTeam& tea
   report();
 }
 
-// The pairs with a gap below `reach`.
-void SlidingContacts::findPairs(const MovedDisks& disks, double reach) {
-  reach_ = reach;
-  pairs_.clear();
-  if (reach > settings_.largest_move) {
-    searchPairs(disks, reach, reach);
-    return;
-  }
-  if (close_at_.size() != disks.bodies->centre.size() ||
-      anyMoved(disks.bodies->centre, close_at_, close_move_)) {
-    listClosePairs(disks);
-  }
-  const double distance = 2 * settings_.radius + reach;
-  for (const ClosePair close : close_) {
-    const Vec centre = disks.to(close.first);
-    if (isWall(close.second)) {
-      const double gap = wallGap(close.second, centre);
-      if (gap < reach) pairs_.push_back({.first = close.first, .second = close.second, .gap = gap});
-      continue;
-    }
-    const Vec apart = difference(centre, disks.to(close.second));
-    const double squared = dot(apart, apart);
-    if (squared >= distance * distance) continue;
-    pairs_.push_back({.first = close.first,
-                      .second = close.second,
-                      .gap = std::sqrt(squared) - 2 * settings_.radius});
-  }
-}
-
-void SlidingContacts::listClosePairs(const MovedDisks& disks) {
-  searchPairs(disks, settings_.largest_move + 2 * close_move_,
-              settings_.largest_move + close_move_);
-  close_.clear();
-  for (const Pair& pair : pairs_) close_.push_back({pair.first, pair.second});
-  close_at_ = disks.bodies->centre;
-  pairs_.clear();
-}
-
-// Adds all pairs of disks with a gap below one limit, and robots with a gap to a wall below
-// another.
-void SlidingContacts::searchPairs(const MovedDisks& disks, double pair_gap, double wall_gap) {
-  const double distance = 2 * settings_.radius + pair_gap;
-  for (std::uint32_t i = 0; i < disks.robots; ++i) {
-    const Vec centre = disks.to(i);
-    const std::size_t begin = pairs_.size();
-    for (const std::uint32_t j : disks.neighbours->of(i)) {
-      if (j < i) continue;
-      const Vec apart = difference(centre, disks.to(j));
-      const double squared = dot(apart, apart);
-      if (squared >= distance * distance) continue;
-      pairs_.push_back({.first = i, .second = j, .gap = std::sqrt(squared) - 2 * settings_.radius});
-    }
-    if (pairs_.size() > begin + 1) {
-      std::sort(pairs_.begin() + static_cast<std::ptrdiff_t>(begin), pairs_.end(),
-                [](const Pair& a, const Pair& b) { return a.second < b.second; });
-    }
-    addWalls(i, centre, wall_gap);
-  }
-}
-
-void SlidingContacts::addWalls(std::uint32_t robot, Vec centre, double reach) {
-  const double near = settings_.radius + reach;
-  if (centre.x >= near && centre.x <= settings_.arena.width - near && centre.y >= near &&
-      centre.y <= settings_.arena.height - near) {
-    return;
-  }
-  for (std::uint32_t wall = kFirstWall; wall < kNone; ++wall) {
-    const double gap = wallGap(wall, centre);
-    if (gap < reach) pairs_.push_back({.first = robot, .second = wall, .gap = gap});
-  }
-}
-
 // Gives the pairs the pushes of other pairs, which are in the same order.
-void SlidingContacts::takePushes(std::span<const Pair> pairs, double factor, bool select) {
+void SlidingContacts::takePushes(std::span<const ContactPair> pairs, double factor, bool select) {
   auto other = pairs.begin();
-  for (Pair& pair : pairs_) {
-    const auto isBefore = [&pair](const Pair& a) {
+  for (ContactPair& pair : pairs_) {
+    const auto isBefore = [&pair](const ContactPair& a) {
       return a.first != pair.first ? a.first < pair.first : a.second < pair.second;
     };
     while (other != pairs.end() && isBefore(*other)) ++other;
@@ -196,19 +103,19 @@ void SlidingContacts::formIslands(const MovedDisks& disks, bool at_rest) {
   robot_index_.clear();
   islands_.clear();
   island_of_.clear();
-  for (const Pair& pair : pairs_) {
+  for (const ContactPair& pair : pairs_) {
     if (!pair.selected) continue;
     parent_[pair.first] = pair.first;
     if (pair.second < disks.robots) parent_[pair.second] = pair.second;
   }
-  for (const Pair& pair : pairs_) {
+  for (const ContactPair& pair : pairs_) {
     if (!pair.selected || pair.second >= disks.robots) continue;
     const std::uint32_t a = rootOf(pair.first);
     const std::uint32_t b = rootOf(pair.second);
     parent_[std::max(a, b)] = std::min(a, b);
   }
   // Until the disks get their slots, the slot of a root is the number of its island.
-  for (const Pair& pair : pairs_) {
+  for (const ContactPair& pair : pairs_) {
     if (!pair.selected) continue;
     std::uint32_t& number = slot_[rootOf(pair.first)];
     if (number == kNone) {
@@ -242,8 +149,8 @@ void SlidingContacts::formIslands(const MovedDisks& disks, bool at_rest) {
   }
 }
 
-void SlidingContacts::addContact(const Pair& pair, const Island& island, const MovedDisks& disks,
-                                 bool at_rest) {
+void SlidingContacts::addContact(const ContactPair& pair, const Island& island,
+                                 const MovedDisks& disks, bool at_rest) {
   const auto first_disk = static_cast<std::uint32_t>(island.first_disk);
   DiskContact contact;
   contact.gap = pair.gap;
@@ -335,10 +242,10 @@ void SlidingContacts::limit(const MovedDisks& disks, const Island& island) {
     };
     bool fits = true;
     for (std::size_t c = 0; c < island.contacts && fits; ++c) {
-      const Pair& pair = pairs_[pair_index_[island.first_contact + c]];
+      const ContactPair& pair = pairs_[pair_index_[island.first_contact + c]];
       if (!isWall(pair.second) && pair.second >= disks.robots) continue;
       const Vec second = isWall(pair.second) ? Vec{} : place(pair.second);
-      fits = gapOf(pair, place(pair.first), second) >= -kSlack;
+      fits = close_.gapOf(pair, place(pair.first), second) >= -kSlack;
     }
     for (std::size_t d = island.first_disk; d < island.first_disk + island.disks && fits; ++d) {
       const Vec shift = difference(place(robot_index_[d]), disks.to(robot_index_[d]));
@@ -360,7 +267,7 @@ void SlidingContacts::limit(const MovedDisks& disks, const Island& island) {
 bool SlidingContacts::selectOverlapping(const MovedDisks& disks) {
   double farthest = 0;
   for (std::size_t c = 0; c < contacts_.size(); ++c) {
-    Pair& pair = pairs_[pair_index_[c]];
+    ContactPair& pair = pairs_[pair_index_[c]];
     pair.normal_push = contacts_[c].normal_push;
     pair.tangent_push = contacts_[c].tangent_push;
   }
@@ -369,22 +276,23 @@ bool SlidingContacts::selectOverlapping(const MovedDisks& disks) {
   }
   if (4 * farthest > reach_ * reach_) {
     // Disks may overlap that were not close after the free motion.
-    std::vector<Pair> selected;
-    for (const Pair& pair : pairs_) {
+    std::vector<ContactPair> selected;
+    for (const ContactPair& pair : pairs_) {
       if (pair.selected) selected.push_back(pair);
     }
-    findPairs(disks, kFarthestGap * settings_.largest_move);
+    reach_ = ContactPairs::kFarthestGap * settings_.largest_move;
+    close_.findFar(disks, pairs_);
     takePushes(selected, 1, true);
   }
   bool any = false;
-  for (Pair& pair : pairs_) {
+  for (ContactPair& pair : pairs_) {
     if (pair.selected) continue;
     if (slot_[pair.first] == kNone &&
         (pair.second >= disks.robots || slot_[pair.second] == kNone)) {
       continue;
     }
     const Vec second = isWall(pair.second) ? Vec{} : shifted(disks, pair.second);
-    if (gapOf(pair, shifted(disks, pair.first), second) >= -kSlack) continue;
+    if (close_.gapOf(pair, shifted(disks, pair.first), second) >= -kSlack) continue;
     pair.selected = true;
     any = true;
   }
@@ -397,31 +305,12 @@ void SlidingContacts::report() {
     if (disk.shift.x == 0 && disk.shift.y == 0 && disk.roll == 0) continue;
     shifts_.push_back({robot_index_[d], disk.shift, disk.roll / settings_.radius});
   }
-  for (Pair& pair : pairs_) {
+  for (ContactPair& pair : pairs_) {
     if (!pair.selected) pair.normal_push = pair.tangent_push = 0;
     if (pair.normal_push > 0) {
       touches_.push_back(
           {pair.first, isWall(pair.second) ? Touch::kWall : pair.second, !pair.pressed});
     }
-  }
-}
-
-double SlidingContacts::gapOf(const Pair& pair, Vec first, Vec second) const {
-  if (isWall(pair.second)) return wallGap(pair.second, first);
-  const Vec apart = difference(first, second);
-  return std::sqrt(dot(apart, apart)) - 2 * settings_.radius;
-}
-
-double SlidingContacts::wallGap(std::uint32_t wall, Vec centre) const {
-  switch (wall - kFirstWall) {
-    case 0:
-      return centre.x - settings_.radius;
-    case 1:
-      return settings_.arena.width - centre.x - settings_.radius;
-    case 2:
-      return centre.y - settings_.radius;
-    default:
-      return settings_.arena.height - centre.y - settings_.radius;
   }
 }
 
@@ -431,7 +320,7 @@ Vec SlidingContacts::shifted(const MovedDisks& disks, std::uint32_t disk) const 
 }
 
 double SlidingContacts::squaredFarthestShift() const {
-  const double farthest = kFarthestGap / 2 * settings_.largest_move;
+  const double farthest = ContactPairs::kFarthestGap / 2 * settings_.largest_move;
   return farthest * farthest;
 }
 

@@ -20,6 +20,7 @@ constexpr double kStallEnds = -0.7;       // [ln]
 constexpr double kStallEndsAlone = -2.3;  // [ln]
 const double kLogTwoPi = std::log(2 * std::numbers::pi);
 constexpr double kPushed = -9.2;   // [ln] one slice in 10000: moved by something else
+constexpr double kSlips = -1;      // [ln] in contact, every third slice: by what it touches
 constexpr double kForget = 0.998;  // [1] per slice: forgets within a minute
 
 double square(double x) { return x * x; }
@@ -147,24 +148,26 @@ PairEvidence::Driven PairEvidence::compare(const SliceMotion& cap, const Wheels&
 
 /// In contact a robot moves forward less than its wheels, by an amount as unknown as that of a
 /// foreign cap, or backwards if it reverses more often than it reports. It turns as its wheels, or
-/// less.
+/// less. It may also slip: others push and turn it.
 double PairEvidence::heldUp(const SliceMotion& cap, const WheelPath& robot, double variance) const {
   const double tolerance = 3 * std::sqrt(variance);
   const double forward = (cap.travel.left + cap.travel.right) / 2;
   const double turn = cap.travel.right - cap.travel.left;
   const double full_turn = robot.right - robot.left;
-  if (std::abs(forward) > std::abs(robot.left + robot.right) / 2 + tolerance / 2) return kPushed;
+  const double slips = cap.touching ? kSlips : kPushed;
+  const bool faster = std::abs(forward) > std::abs(robot.left + robot.right) / 2 + tolerance / 2;
+  if (faster && !cap.touching) return kPushed;
   const double before = cap.before.right - cap.before.left;
   // An agreement of the turn is evidence only if a turn was reported.
   const double turns_anew = std::abs(full_turn) < tolerance
                                 ? 0
                                 : std::min(square(turn - before) / (2 * variance), kTurnsAnew);
   const double turning = turns_anew - square(turn - full_turn) / (2 * variance);
-  const double resting = isSlower(turn, full_turn, tolerance) ? 0 : kPushed;
+  const double resting = isSlower(turn, full_turn, tolerance) ? 0 : slips;
   // Foreign caps get into contact too: if the cap slowed down, this is no evidence.
   const double begins =
       std::min(0.0, (cap.touching ? kStallBegins : kStallAlone) + cap.speed_change_log_ratio);
-  return (stalled_ ? kStallGoesOn : begins) + std::max(turning, resting);
+  return (stalled_ ? kStallGoesOn : begins) + (faster ? slips : std::max(turning, resting));
 }
 
 void PairEvidence::addDriven(const SliceMotion& cap, const Driven& driven) {
