@@ -159,8 +159,11 @@ RobotTelemetry AnalysisFeed::telemetry(const robot_state_t& state, std::int64_t 
   telemetry.reversing = has(state, robot_state_t::FLAG_REVERSING);
   telemetry.v_l = state.program_left;
   telemetry.v_r = state.program_right;
-  telemetry.contact =
-      has(state, robot_state_t::FLAG_CONTACT_ROBOT) || has(state, robot_state_t::FLAG_CONTACT_WALL);
+  telemetry.contact_robot = has(state, robot_state_t::FLAG_CONTACT_ROBOT);
+  telemetry.contact_wall = has(state, robot_state_t::FLAG_CONTACT_WALL);
+  telemetry.contact = telemetry.contact_robot || telemetry.contact_wall;
+  telemetry.light_front = state.light_front;
+  telemetry.light_back = state.light_back;
   telemetry.stopped =
       has(state, robot_state_t::FLAG_STOPPED) || has(state, robot_state_t::FLAG_LEASE_EXPIRED);
   telemetry.tumble_count = state.tumble_count;

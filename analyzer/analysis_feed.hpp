@@ -76,6 +76,12 @@ class AnalysisFeed {
   /// Called with every piece, from within take() and flush(), in time order for each robot.
   void onPiece(PieceSink sink);
 
+  /// As Analysis::onFrame() and Analysis::wholeMotion().
+  void onFrame(std::function<void(int robot, const FrameReport& frame)> sink) {
+    analysis_.onFrame(std::move(sink));
+  }
+  void wholeMotion() { analysis_.wholeMotion(); }
+
   /// As Analysis::stitch().
   void stitch(bool join, bool compare) { analysis_.stitch(join, compare); }
 
@@ -86,6 +92,10 @@ class AnalysisFeed {
 
   /// As Analysis::simulateReferences().
   void simulateReferences() { analysis_.simulateReferences(); }
+
+  /// Sets the time of the messages that is 0 s in the analysis, unless it is set. The first message
+  /// does so.
+  void anchor(std::int64_t utime);
 
   /// The time of the analysis (s) for a time of the messages.
   [[nodiscard]] double seconds(std::int64_t utime) const;
@@ -114,7 +124,6 @@ class AnalysisFeed {
     std::int64_t number = 0;
   };
 
-  void anchor(std::int64_t utime);
   void define(const Program& program);
   [[nodiscard]] const ProgramLaw& lawOfProgram(const program_id_t& program);
   [[nodiscard]] program_id_t idOf(const ProgramLaw& law) const;

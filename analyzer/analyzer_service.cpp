@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "analyzer/service/analysis_message.hpp"
+#include "analyzer/service/collective_message.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
@@ -25,11 +26,13 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
-      feed_(context.experiment) {
+      feed_(context.experiment),
+      crowd_(context.experiment) {
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
                                    [this](const tracked_frame_t& frame) { take(frame); });
   node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
     feed_.take(status);
+    crowd_.take(status);
     // Once, so that it does not hide a later error until the next heartbeat.
     if (feed_.refused() > 0 && !std::exchange(refused_state_noted_, true)) {
       node_.noteError(feed_.refusal());
@@ -44,7 +47,10 @@ AnalyzerService::AnalyzerService(const ServiceContext& context)
 }
 
 void AnalyzerService::take(const tracked_frame_t& frame) {
-  if (shedding_.takesFrame(node_.backlog())) feed_.take(frame);
+  if (shedding_.takesFrame(node_.backlog())) {
+    feed_.take(frame);
+    crowd_.take(frame);
+  }
   if (shedding_.leftOut() == 0) return;
   stream_count_t row{};
   row.channel = channels::kTrackedFrame;
@@ -76,6 +82,7 @@ void AnalyzerService::beginRound() {
   round_ = feed_.results(Depth::kLive, [this] { keepAlive(); });
   if (shedding_.computed(begin_utime_, loop_.now())) noteOverload();
   round_utime_ = feed_.lastFrameUtime();
+  crowd_round_ = collectiveMessages(crowd_);
   published_ = 0;
 }
 
@@ -94,9 +101,16 @@ void AnalyzerService::publishDue() {
     beginRound();
   }
   ++slot_;
-  const std::size_t due = round_.size() * static_cast<std::size_t>(slot_) / kSlots;
+  const std::size_t all = crowd_round_.size() + round_.size();
+  const std::size_t due = all * static_cast<std::size_t>(slot_) / kSlots;
   for (; published_ < due; ++published_) {
-    const FeedResult& result = round_[published_];
+    if (published_ < crowd_round_.size()) {
+      collective_t& crowd = crowd_round_[published_];
+      if (crowd.program.hash != 0) crowd.program.name = programName(experiment_, crowd.program);
+      node_.publish(channels::kCollective, crowd);
+      continue;
+    }
+    const FeedResult& result = round_[published_ - crowd_round_.size()];
     analysis_t message = toMessage(result, programName(experiment_, result.program));
     message.utime = round_utime_;
     node_.publish(channels::kAnalysis, message);

@@ -2,18 +2,21 @@
 #pragma once
 
 #include <cstdint>
+#include <lab/collective_t.hpp>
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
+#include "analyzer/service/collective_feed.hpp"
 #include "analyzer/service/load_shedding.hpp"
 #include "common/service/service_main.hpp"
 
 namespace lab::analysis {
 
 /// Listens to frames, robots and light, and publishes the results so far: one ANALYSIS message per
-/// program for the pool of its robots and one for each robot. Each is sent once a second, evenly
-/// spread over the second. Under overload it first computes results less often, then skips camera
-/// frames (LoadShedding); the heartbeat says so and counts the frames.
+/// program for the pool of its robots and one for each robot, and one COLLECTIVE message for all
+/// robots and one per program. Each is sent once a second, evenly spread over the second. Under
+/// overload it first computes results less often, then skips camera frames (LoadShedding); the
+/// heartbeat says so and counts the frames.
 class AnalyzerService final : public Service {
  public:
   explicit AnalyzerService(const ServiceContext& context);
@@ -29,11 +32,13 @@ class AnalyzerService final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   AnalysisFeed feed_;
+  CollectiveFeed crowd_;
   /// Whether the first robot state that the feed refused was reported as an error.
   bool refused_state_noted_ = false;
-  std::vector<FeedResult> round_;  ///< Results of the current second.
-  std::size_t published_ = 0;      ///< Number of them already published.
-  std::int64_t round_utime_ = 0;   ///< Last frame in them [us since 1970].
+  std::vector<collective_t> crowd_round_;  ///< Results of the current second, sent first.
+  std::vector<FeedResult> round_;          ///< The same of single robots and programs.
+  std::size_t published_ = 0;              ///< Number of both already published.
+  std::int64_t round_utime_ = 0;           ///< Last frame in them [us since 1970].
   LoadShedding shedding_;
   /// Start of the computation of the current results [us since 1970].
   std::int64_t begin_utime_ = 0;

@@ -7,7 +7,8 @@ set(staged "${CMAKE_BINARY_DIR}/packaging")
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 
 # Only the command active-lab is in PATH. Programs find each other in their common folder.
-install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-export lab-preview lab-program lab-reproduce
+install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-export lab-preview lab-program
+  lab-reproduce lab-sweep
   lab-run-virtual lab-track recorder analyzer projector_ctl robot_bridge sim_svc tracker_svc
   RUNTIME DESTINATION ${programs} COMPONENT main)
 if(TARGET dashboard)

@@ -2,10 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
-#include <set>
 #include <stdexcept>
 #include <string>
+#include <unordered_set>
 
 #include "common/math/random.hpp"
 
@@ -15,15 +16,81 @@ namespace {
 constexpr int kTries = 2000;
 constexpr double kClearance = 1e-4;  // m between robots placed at random
 constexpr int kShakes = 300;
+// A robot that starts at a wall within the range of its infrared sensors, or in a corner, may turn
+// back again and again, or push against the wall for minutes.
+constexpr double kWallClearance = 0.05;  // m
+constexpr int kTriesClearOfWalls = 1000;
+constexpr double kMostOfArena = 0.2;  // that the clearance takes at each side
 
 using dynamics::Pose;
+
+/// Places by cells, so that only the neighbours of a place are looked at.
+class PlaceGrid {
+ public:
+  /// @param distance up to which neighbours are found [m]
+  PlaceGrid(const Arena& arena, double distance, std::size_t places) : next_(places, kNone) {
+    // In an arena much larger than the robots need, larger cells save memory.
+    const double per_place =
+        std::sqrt(arena.width * arena.height / static_cast<double>(places + 1));
+    cell_ = std::max(distance, per_place / 2);
+    columns_ = static_cast<std::size_t>(arena.width / cell_) + 1;
+    rows_ = static_cast<std::size_t>(arena.height / cell_) + 1;
+    first_.assign(columns_ * rows_, kNone);
+  }
+
+  void add(std::size_t i, const Pose& pose) {
+    std::size_t& first = first_[row(pose.y) * columns_ + column(pose.x)];
+    next_[i] = first;
+    first = i;
+  }
+
+  /// @param pose at which it was added
+  void remove(std::size_t i, const Pose& pose) {
+    std::size_t* link = &first_[row(pose.y) * columns_ + column(pose.x)];
+    while (*link != i) link = &next_[*link];
+    *link = next_[i];
+  }
+
+  /// Calls visit(j) for all places within the distance of `pose`, and for others near it.
+  template <class Visit>
+  void visitNear(const Pose& pose, const Visit& visit) const {
+    const std::size_t c = column(pose.x);
+    const std::size_t r = row(pose.y);
+    for (std::size_t y = r == 0 ? 0 : r - 1; y <= std::min(r + 1, rows_ - 1); ++y) {
+      for (std::size_t x = c == 0 ? 0 : c - 1; x <= std::min(c + 1, columns_ - 1); ++x) {
+        for (std::size_t j = first_[y * columns_ + x]; j != kNone; j = next_[j]) visit(j);
+      }
+    }
+  }
+
+ private:
+  static constexpr std::size_t kNone = std::numeric_limits<std::size_t>::max();
+
+  [[nodiscard]] std::size_t column(double x) const {
+    return std::min(static_cast<std::size_t>(std::max(x, 0.0) / cell_), columns_ - 1);
+  }
+  [[nodiscard]] std::size_t row(double y) const {
+    return std::min(static_cast<std::size_t>(std::max(y, 0.0) / cell_), rows_ - 1);
+  }
+
+  double cell_ = 0;  // [m]
+  std::size_t columns_ = 0;
+  std::size_t rows_ = 0;
+  std::vector<std::size_t> first_;  // per cell: a place, or kNone
+  std::vector<std::size_t> next_;   // per place: another one in the same cell, or kNone
+};
 
 /// The poses assigned so far, by robot.
 class PlacementSearch {
  public:
   PlacementSearch(const std::vector<Place>& places, const Arena& arena, double radius,
                   std::uint64_t seed)
-      : places_(places), arena_(arena), radius_(radius), seed_(seed), poses_(places.size()) {
+      : places_(places),
+        arena_(arena),
+        radius_(radius),
+        seed_(seed),
+        poses_(places.size()),
+        placed_(arena, 2 * radius + kClearance, places.size()) {
     placeGiven();
   }
 
@@ -51,7 +118,7 @@ class PlacementSearch {
         throw std::invalid_argument(name + " has a start pose that overlaps robot " +
                                     std::to_string(places_[*other].id));
       }
-      placed_.push_back(i);
+      placed_.add(i, poses_[i]);
     }
   }
 
@@ -59,12 +126,18 @@ class PlacementSearch {
     Random random(deriveSeed(seed_, places_[i].id, "place"));
     Pose pose;
     pose.theta = (2 * random.uniform() - 1) * std::numbers::pi;
+    const auto within = [&](double extent, bool clear) {
+      const double free = extent - 2 * radius_;
+      const double clearance = clear ? std::min(kWallClearance, kMostOfArena * free) : 0;
+      return radius_ + clearance + random.uniform() * (free - 2 * clearance);
+    };
     for (int attempt = 0; attempt < kTries; ++attempt) {
-      pose.x = radius_ + random.uniform() * (arena_.width - 2 * radius_);
-      pose.y = radius_ + random.uniform() * (arena_.height - 2 * radius_);
+      const bool clear = attempt < kTriesClearOfWalls;
+      pose.x = within(arena_.width, clear);
+      pose.y = within(arena_.height, clear);
       if (!overlapping(pose, i, kClearance)) {
         poses_[i] = pose;
-        placed_.push_back(i);
+        placed_.add(i, pose);
         return true;
       }
     }
@@ -72,7 +145,10 @@ class PlacementSearch {
   }
 
   void placeOnLattice() {
-    std::erase_if(placed_, [&](std::size_t i) { return !places_[i].given; });
+    placed_ = PlaceGrid(arena_, 2 * radius_ + kClearance, places_.size());
+    for (std::size_t i = 0; i < places_.size(); ++i) {
+      if (places_[i].given) placed_.add(i, poses_[i]);
+    }
     std::vector<Pose> sites = freeSites();
     Random random(deriveSeed(seed_, 0, "lattice"));
     std::size_t next = 0;
@@ -87,7 +163,7 @@ class PlacementSearch {
       poses_[i] = sites[next++];
       poses_[i].theta =
           (2 * Random(deriveSeed(seed_, places_[i].id, "place")).uniform() - 1) * std::numbers::pi;
-      placed_.push_back(i);
+      placed_.add(i, poses_[i]);
     }
   }
 
@@ -119,6 +195,8 @@ class PlacementSearch {
         pose.x += (2 * random.uniform() - 1) * step;
         pose.y += (2 * random.uniform() - 1) * step;
         if (!places_[i].given && isInside(pose) && !overlapping(pose, i, kClearance / 2)) {
+          placed_.remove(i, poses_[i]);
+          placed_.add(i, pose);
           poses_[i] = pose;
         }
       }
@@ -130,13 +208,19 @@ class PlacementSearch {
            pose.y <= arena_.height - radius_;
   }
 
-  // Any placed robot other than i that a robot at `pose` would be too close to.
+  // The first placed robot other than i that a robot at `pose` would be too close to.
   std::optional<std::size_t> overlapping(const Pose& pose, std::size_t i, double clearance) const {
     const double distance = 2 * radius_ + clearance;
-    for (const std::size_t j : placed_) {
-      if (j != i && std::hypot(poses_[j].x - pose.x, poses_[j].y - pose.y) < distance) return j;
-    }
-    return std::nullopt;
+    std::optional<std::size_t> first;
+    placed_.visitNear(pose, [&](std::size_t j) {
+      if (j == i || (first && *first < j)) return;
+      const double dx = poses_[j].x - pose.x;
+      const double dy = poses_[j].y - pose.y;
+      // hypot() is slow; most places are far from the limit.
+      if (dx * dx + dy * dy > 1.001 * distance * distance) return;
+      if (std::hypot(dx, dy) < distance) first = j;
+    });
+    return first;
   }
 
   const std::vector<Place>& places_;
@@ -144,14 +228,15 @@ class PlacementSearch {
   double radius_;
   std::uint64_t seed_;
   std::vector<Pose> poses_;
-  std::vector<std::size_t> placed_;
+  PlaceGrid placed_;
 };
 
 }  // namespace
 
 std::vector<Pose> placeRobots(const std::vector<Place>& places, const Arena& arena, double radius,
                               std::uint64_t seed) {
-  std::set<std::int32_t> ids;
+  std::unordered_set<std::int32_t> ids;
+  ids.reserve(places.size());
   for (const Place& place : places) {
     if (!ids.insert(place.id).second) {
       throw std::invalid_argument("robot " + std::to_string(place.id) + " is listed twice");

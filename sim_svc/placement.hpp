@@ -18,7 +18,8 @@ struct Place {
 
 /// Poses without overlap for disks of the given radius, in the order of `places`. Each robot
 /// without a given pose tries random poses from its own random stream until one is free, so adding
-/// a robot at the end does not move the others. If that fails (above about half of the area
+/// a robot at the end does not move the others. It keeps 5 cm from the walls while there is room.
+/// If that fails (above about half of the area
 /// covered), all robots without a given pose are put on a hexagonal lattice and moved at random.
 /// @throws std::invalid_argument naming the robots, if given poses overlap or lie outside, if an id
 ///         occurs twice, or if there is no room

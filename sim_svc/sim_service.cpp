@@ -1,10 +1,13 @@
 #include "sim_svc/sim_service.hpp"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <lab/robot_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <memory>
 #include <string>
 
 #include "common/bus/channels.hpp"
@@ -31,6 +34,19 @@ std::int64_t period_us(double rate) { return std::max<std::int64_t>(1, std::llro
 
 }  // namespace
 
+// Without a warp, the field is evaluated at all places at once.
+void SimService::ShownLight::atPlaces(const double* x, const double* y, std::size_t count,
+                                      double* out) const {
+  if (!warp_.isIdentity()) {
+    LightSampler::atPlaces(x, y, count, out);
+    return;
+  }
+  field_.evaluateAt(x, y, count, out);
+  for (std::size_t i = 0; i < count; ++i) {
+    out[i] = tones_.light(out[i], {x[i], y[i]}, {x[i], y[i]});
+  }
+}
+
 SimService::SimService(const ServiceContext& context)
     : node_(context.node),
       loop_(context.loop),
@@ -52,6 +68,7 @@ SimService::SimService(const ServiceContext& context)
       origin_utime_(start_utime_ - units::microseconds(world_.settings().boot_spread)),
       kinematic_robots_(world_, context.experiment, context.directory, start_utime_) {
   world_.setLight(&light_);
+  world_.setThreads(context.threads > 0 ? context.threads : availableProcessors());
   const MotorCalibrations motors = activeMotors(context.experiment, context.directory);
   bus_robots_.handle(toMessage(motors));
   addExternalRobots(context, motors);
@@ -200,9 +217,9 @@ void SimService::paintFrame(std::int64_t exposure) {
   std::vector<PaintedRobot> robots;
   for (std::size_t i = 0; i < world_.size(); ++i) {
     const dynamics::Pose pose = world_.pose(i);
-    const Motion motion = world_.motion(i);
-    robots.push_back({pose.x, pose.y, pose.theta, motion.speed * std::cos(pose.theta),
-                      motion.speed * std::sin(pose.theta), motion.turn});
+    const Velocity velocity = world_.velocity(i);
+    robots.push_back(
+        {pose.x, pose.y, pose.theta, velocity.linear.x, velocity.linear.y, velocity.turn});
   }
   kinematic_robots_.addPainted(exposure, experiment_.camera.exposure, robots);
   camera_->take(tracker_.frame().frame, exposure, std::move(robots));
@@ -254,12 +271,21 @@ void SimService::sampleTruth() {
 }
 
 ServiceDescription serviceDescription() {
+  const auto threads = std::make_shared<std::size_t>(0);
   return {.name = "sim_svc",
           .summary = "Simulated robots, arena and camera",
           .origin = robot_state_t::SIM,
-          .make = [](const ServiceContext& context) -> std::unique_ptr<Service> {
-            return std::make_unique<SimService>(context);
+          .make = [threads](const ServiceContext& context) -> std::unique_ptr<Service> {
+            ServiceContext own = context;
+            if (*threads > 0) own.threads = *threads;
+            return std::make_unique<SimService>(own);
           },
+          .add_options =
+              [threads](CLI::App& app) {
+                app.add_option("--threads", *threads,
+                               "Threads that simulate robots (default: one per processor)")
+                    ->check(CLI::Range(1, 1024));
+              },
           .uses_ports = usesPorts("sim_svc")};
 }
 

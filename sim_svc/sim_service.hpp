@@ -1,6 +1,7 @@
 /// Connects the simulated robots, arena and camera with the bus.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <lab/light_status_t.hpp>
@@ -43,6 +44,7 @@ class SimService final : public Service {
     ShownLight(const optics::ProjectorWarp& warp, const optics::ProjectorTones& tones)
         : warp_(warp), tones_(tones) {}
     void show(light::CompiledField field) { field_ = std::move(field); }
+    void atPlaces(const double* x, const double* y, std::size_t count, double* out) const override;
     [[nodiscard]] double at(double x, double y) const override {
       const std::optional<optics::Place> source =
           warp_.isIdentity() ? optics::Place{x, y} : warp_.source({x, y});

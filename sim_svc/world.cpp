@@ -1,8 +1,11 @@
 #include "sim_svc/world.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <utility>
 
 #include "sim_svc/placement.hpp"
 
@@ -15,6 +18,7 @@ constexpr double kBatteryFull = 4.15;         // V, of a Li-ion cell
 constexpr double kBatterySpread = 0.02;       // V
 constexpr double kBatteryFall = 0.15 / 3600;  // V/s
 constexpr double kMicro = 1e-6;
+constexpr std::size_t kGroup = 256;  // robots that move together, on one thread
 
 std::vector<dynamics::Pose> place(const WorldSettings& settings,
                                   const std::vector<RobotSetup>& robots) {
@@ -26,13 +30,30 @@ std::vector<dynamics::Pose> place(const WorldSettings& settings,
   return placeRobots(places, settings.arena, settings.radius, settings.seed);
 }
 
+// The farthest that a robot can move by itself in a time [s]: 1.5 is the largest wheel gain, see
+// factor(), and displace() keeps the noise within 5 standard deviations.
+double largestMove(const WorldSettings& settings, double time) {
+  return std::max(1.5 * settings.max_wheel_speed * time,
+                  5 * settings.speed_noise * std::sqrt(time));
+}
+
+// Robots that push each other overlap during a step. With moves of at most half a radius the sides
+// on which they touch are certain.
+WorldSettings withShortTicks(WorldSettings settings) {
+  if (settings.contact == ContactRule::kStop) return settings;
+  const double most = settings.radius / 2;
+  while (settings.tick_us > 1 &&
+         largestMove(settings, static_cast<double>(settings.tick_us) * 1e-6) > most) {
+    settings.tick_us = (settings.tick_us + 1) / 2;
+  }
+  return settings;
+}
+
 DiskArenaSettings diskSettings(const WorldSettings& settings) {
-  const double tick = static_cast<double>(settings.tick_us) * 1e-6;
-  // 1.5 is the largest wheel gain, see factor(); the clamp of displace() enforces the 5 sigma.
   const double largest_move =
-      std::max(1.5 * settings.max_wheel_speed * tick, 5 * settings.speed_noise * std::sqrt(tick)) +
-      1e-6;
-  return {settings.arena, settings.radius, settings.ir_range, largest_move};
+      largestMove(settings, static_cast<double>(settings.tick_us) * 1e-6) + 1e-6;
+  return {settings.arena,   settings.radius,           settings.ir_range, largest_move,
+          settings.contact, settings.contact_friction, settings.slip};
 }
 
 // Limited, because the bounds of the neighbour lists assume a largest speed.
@@ -43,8 +64,8 @@ double factor(Random& random, double error) {
 }  // namespace
 
 World::World(const WorldSettings& settings, const std::vector<RobotSetup>& robots)
-    : settings_(settings),
-      disks_(diskSettings(settings), place(settings, robots)),
+    : settings_(withShortTicks(settings)),
+      disks_(diskSettings(settings_), place(settings, robots)),
       sensors_({settings.radius, settings.ir_range, settings.light_offset, settings.light_noise}) {
   for (const RobotSetup& robot : robots) {
     addRobot(robot);
@@ -87,6 +108,11 @@ void World::addRobot(const RobotSetup& setup) {
   electronics_.push_back(robot);
 }
 
+void World::setThreads(std::size_t threads) {
+  // Fewer robots move as one group.
+  team_ = std::make_shared<WorkerTeam>(size() > kGroup ? threads : 1);
+}
+
 void World::setMotors(std::size_t i, const MotorChange& change) {
   Electronics& robot = electronics_[i];
   if (robot.next_change == robot.changes.size()) {
@@ -110,9 +136,97 @@ void World::step(std::int64_t dt_us) {
   time_us_ += dt_us;
   disks_.beginStep();
   const double to = time();
-  for (std::size_t i = 0; i < size(); ++i) {
-    advanceRobot(i, from, to);
+  if (settings_.contact == ContactRule::kStop) {
+    stepOneByOne(from, to);
+  } else {
+    stepTogether(from, to);
   }
+  disks_.endStep(to - from, *team_);
+}
+
+void World::stepOneByOne(double from, double to) {
+  for (std::size_t i = 0; i < size(); ++i) {
+    double now = from;
+    while (advanceToScan(i, now, to)) scanNow(i);
+    if (isNoisy()) addNoise(i, to - from);
+    disks_.relistIfMoved(i);
+  }
+}
+
+// Robots do not interact while they move. Groups of them have a fixed size, so that every robot is
+// treated alike with any number of threads; one group's data fit into a processor's cache.
+void World::stepTogether(double from, double to) {
+  moves_.resize(size());
+  scratch_.resize(team_->size());
+  const std::size_t groups = (size() + kGroup - 1) / kGroup;
+  team_->run(groups, [&](std::size_t group, std::size_t worker) {
+    advanceGroup(group * kGroup, std::min((group + 1) * kGroup, size()), from, to,
+                 scratch_[worker]);
+  });
+}
+
+// Moves a group of robots up to their next scans, evaluates the light there at once, and so on
+// until no robot has a scan left in this step.
+void World::advanceGroup(std::size_t begin, std::size_t end, double from, double to,
+                         Scratch& scratch) {
+  const std::size_t robots = end - begin;
+  const double* next = next_event_.data();
+  double* moves = moves_.data();
+  for (std::size_t i = begin; i < end; ++i) {
+    const double until = next[i] < to ? next[i] : to;
+    moves[i] = until > from ? until - from : 0;
+  }
+  disks_.moveEach(begin, end, moves);
+  // Without branches, which a processor would guess wrong for every second robot.
+  scratch.due.resize(robots);
+  std::size_t due = 0;
+  for (std::size_t i = begin; i < end; ++i) {
+    scratch.due[due] = static_cast<std::uint32_t>(i);
+    due += next[i] <= to ? 1U : 0U;
+  }
+  Scans& scans = scratch.scans;
+  Scans& next_scans = scratch.next_scans;
+  scans.begin(due);
+  for (std::size_t k = 0; k < due; ++k) {
+    const std::size_t i = scratch.due[k];
+    double now = std::max(from, next_event_[i]);
+    if (advanceToScan(i, now, to)) scans.add(i, now, sensors_.lightPlaces(disks_, i));
+  }
+  while (scans.count > 0) {
+    sensors_.lightAt(scans.x.data(), scans.y.data(), 2 * scans.count, scans.light.data());
+    for (std::size_t k = 0; k < scans.count; ++k) {
+      scan(scans.robots[k], scans.light[2 * k], scans.light[2 * k + 1]);
+    }
+    moveAfterScans(begin, end, to, scans);
+    next_scans.begin(scans.count);
+    for (std::size_t k = 0; k < scans.count; ++k) {
+      const std::size_t i = scans.robots[k];
+      if (next_event_[i] > to) continue;
+      double now = std::max(scans.at[k], next_event_[i]);
+      if (advanceToScan(i, now, to)) next_scans.add(i, now, sensors_.lightPlaces(disks_, i));
+    }
+    std::swap(scans, next_scans);
+  }
+  if (isNoisy()) {
+    for (std::size_t i = begin; i < end; ++i) addNoise(i, to - from);
+  }
+}
+
+// Moves robots of a group from their scans to their next events, or to the end of the step.
+void World::moveAfterScans(std::size_t begin, std::size_t end, double to, const Scans& scans) {
+  const bool many = scans.count > (end - begin) / 6;  // several at a time, with those that stay
+  if (many) std::fill_n(moves_.begin() + static_cast<std::ptrdiff_t>(begin), end - begin, 0.0);
+  for (std::size_t k = 0; k < scans.count; ++k) {
+    const std::size_t i = scans.robots[k];
+    const double move = std::min(next_event_[i], to) - scans.at[k];
+    if (move <= 0) continue;
+    if (many) {
+      moves_[i] = move;
+    } else {
+      disks_.moveFor(i, move);
+    }
+  }
+  if (many) disks_.moveEach(begin, end, moves_.data());
 }
 
 void World::advanceTo(std::int64_t time_us) {
@@ -122,36 +236,26 @@ void World::advanceTo(std::int64_t time_us) {
   }
 }
 
-void World::advanceRobot(std::size_t i, double from, double to) {
-  double now = from;
+// Advances robot i to its next scan, or to the end of the step. @return whether there is a scan
+bool World::advanceToScan(std::size_t i, double& now, double to) {
   while (next_event_[i] <= to) {
     // An order may have left an event that is already due.
     if (next_event_[i] > now) {
       disks_.moveFor(i, next_event_[i] - now);
       now = next_event_[i];
     }
-    handleEvent(i);
+    Electronics& robot = electronics_[i];
+    if (robot.external) {
+      changeMotors(i);
+      continue;
+    }
+    robot.local_ms = robot.next_event_ms;
+    if (robot.local_ms == robot.next_scan_ms) return true;
+    robot.core.advanceTo(static_cast<std::uint32_t>(robot.local_ms));
+    afterCore(i);
   }
   disks_.moveFor(i, to - now);
-  if (settings_.speed_noise > 0 || settings_.turn_noise > 0) {
-    addNoise(i, to - from);
-  }
-  disks_.relistIfMoved(i);
-}
-
-void World::handleEvent(std::size_t i) {
-  Electronics& robot = electronics_[i];
-  if (robot.external) {
-    changeMotors(i);
-    return;
-  }
-  robot.local_ms = robot.next_event_ms;
-  if (robot.local_ms == robot.next_scan_ms) {
-    scan(i);
-  } else {
-    robot.core.advanceTo(static_cast<std::uint32_t>(robot.local_ms));
-  }
-  afterCore(i);
+  return false;
 }
 
 void World::addNoise(std::size_t i, double dt) {
@@ -165,17 +269,28 @@ void World::addNoise(std::size_t i, double dt) {
   disks_.displace(i, forward, rotation);
 }
 
+void World::scanNow(std::size_t i) {
+  const auto [front, back] = sensors_.lightPlaces(disks_, i);
+  const std::array<double, 2> x = {front.x, back.x};
+  const std::array<double, 2> y = {front.y, back.y};
+  std::array<double, 2> light{};
+  sensors_.lightAt(x.data(), y.data(), 2, light.data());
+  scan(i, light[0], light[1]);
+}
+
 // Reads the sensors at the robot's present time and passes the readings to its core.
-void World::scan(std::size_t i) {
+void World::scan(std::size_t i, double front, double back) {
   Electronics& robot = electronics_[i];
   robot.last_scan_ms = robot.next_scan_ms;
   robot.next_scan_ms += std::max<std::int64_t>(1, robot.core.settings().sensor_period_ms);
-  const SensorScan readings = sensors_.scan(disks_, i, robot.light_gains, robot.light_noise);
+  const SensorScan readings =
+      sensors_.scan(disks_, i, robot.light_gains, front, back, robot.light_noise);
   robot.sensors = readings.all;
   const double battery = robot.battery_full - kBatteryFall * time();
-  robot.core.setBattery(static_cast<std::uint16_t>(std::lround(std::max(0.0, battery) * 1e3)));
+  robot.core.setBattery(roundedCounts(std::max(0.0, battery) * 1e3));
   robot.core.sense(static_cast<std::uint32_t>(robot.local_ms),
                    robot.reverses_from_robots ? readings.all : readings.walls_only);
+  afterCore(i);
 }
 
 // Applies the next motor change of an external robot.

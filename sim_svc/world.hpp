@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -16,6 +17,7 @@
 #include "sim_svc/world/robot_clock.hpp"
 #include "sim_svc/world/sensor_model.hpp"
 #include "sim_svc/world/wheel_motor.hpp"
+#include "sim_svc/world/worker_team.hpp"
 
 namespace lab::sim {
 
@@ -35,11 +37,14 @@ struct WorldSettings {
   double turn_noise = 0;          ///< Random rotation of a moving robot [rad/sqrt(s)].
   double clock_error = 0.005;     ///< Of each robot's clock rate, relative.
   double boot_spread = 1;         ///< Robots boot at random times between 0 and this [s].
+  ContactRule contact = ContactRule::kSlide;
+  double contact_friction = 0.2;  ///< Coefficient between rims, and between rim and wall.
+  SlipMobility slip;              ///< How contact forces move robots against their wheels.
   double ir_range = 0.05;         ///< From the rim [m].
   double light_offset = 0.03;     ///< Distance of the light sensors before and behind the axle [m].
   double light_noise = 0;         ///< Of a light reading [counts].
   double light_gain_error = 0;    ///< Of each light sensor's gain, relative.
-  std::int64_t tick_us = 10000;   ///< Longest step [us].
+  std::int64_t tick_us = 10000;   ///< Longest step [us]; the world shortens it for fast robots.
 };
 
 /// One robot at the start.
@@ -85,15 +90,21 @@ struct RobotState {
 /// number comes from a stream of (seed, robot id, purpose), so adding a robot does not change the
 /// others' random streams.
 ///
-/// Robots move one after the other, in the order of their setups. Each moves through the whole step
-/// along exact arcs; events of its core happen at the exact time of its own clock inside the step.
-/// A move stops where the robot would touch another robot or a wall (nothing is pushed and nothing
-/// slides), while the rotation continues; so robots never overlap. For the move of a robot, the
-/// others stand at their present positions, which are at most one tick old (2.7 mm at full speed).
+/// Each robot moves through the whole step along exact arcs; events of its core happen at the exact
+/// time of its own clock inside the step. It senses the others where they were at the start of the
+/// step, at most one tick ago (2.7 mm at full speed). At the end of the step, contact forces remove
+/// the overlaps (ContactRule::kSlide): robots slide along each other and along walls, push each
+/// other and turn each other. The wheels turn as they are driven; what the contacts add is slip,
+/// which the robots' electronics do not see. Without contacts the arcs remain as they are.
+///
+/// With ContactRule::kStop robots move one after the other, in the order of their setups, and sense
+/// the others where they are. A move stops where the robot would touch another robot or a wall
+/// (nothing is pushed and nothing slides), while the rotation continues. With both rules robots do
+/// not overlap.
 ///
 /// Kinematic disks are disks that are moved from outside: real robots that a camera sees, or
-/// recorded ones. For the sensors and contacts of robots they are like robots. They push robots
-/// away: see moveKinematicDisk().
+/// recorded ones. For the sensors and contacts of robots they are like robots that nothing moves.
+/// They push robots away: see moveKinematicDisk().
 ///
 /// Each robot boots at a random time. Before that time its sensors give no readings; so no light
 /// band is known, and no program starts. Cores also need settings and a lease: see order().
@@ -101,6 +112,10 @@ class World {
  public:
   /// @throws std::invalid_argument if the robots do not fit or two have the same id (placeRobots)
   World(const WorldSettings& settings, const std::vector<RobotSetup>& robots);
+
+  /// Lets several threads work on each step. The results have the same bits with any number. The
+  /// light and its functions must then allow calls from several threads.
+  void setThreads(std::size_t threads);
 
   /// Sets the light on the arena; nullptr is dark. It must outlive the world or the next call.
   void setLight(const LightSampler* light) { sensors_.setLight(light); }
@@ -154,9 +169,10 @@ class World {
   std::size_t addKinematicDisk() { return disks_.addKinematicDisk(); }
 
   /// Puts a kinematic disk at a position, which may lie outside the arena. Robots that it overlaps
-  /// are pushed out along the line of centres, as far as walls, other robots and other disks allow;
-  /// the rest of the push follows as soon as it is possible. A position that is not finite hides
-  /// the disk.
+  /// are pushed out, with ContactRule::kSlide together with the robots that they touch, as far as
+  /// walls and other disks allow; the rest of the push follows as soon as it is possible. With
+  /// kStop a robot that is pushed does not push others. A position that is not finite hides the
+  /// disk.
   void moveKinematicDisk(std::size_t disk, Vec centre) { disks_.moveKinematicDisk(disk, centre); }
 
   /// Takes a kinematic disk out of the arena.
@@ -182,8 +198,8 @@ class World {
   [[nodiscard]] RobotState state(std::size_t i) const;
   [[nodiscard]] dynamics::Pose pose(std::size_t i) const { return disks_.pose(i); }
 
-  /// How robot i moves now. A robot held by a wall or another robot only turns.
-  [[nodiscard]] Motion motion(std::size_t i) const { return disks_.motion(i); }
+  /// How robot i really moves now.
+  [[nodiscard]] Velocity velocity(std::size_t i) const { return disks_.velocity(i); }
   [[nodiscard]] const dynamics::RobotCore& core(std::size_t i) const {
     return electronics_[i].core;
   }
@@ -194,6 +210,9 @@ class World {
 
   /// Contacts between two robots begun since the start.
   [[nodiscard]] std::int64_t collisions() const { return disks_.collisions(); }
+
+  /// Counts of the solver of ContactRule::kSlide.
+  [[nodiscard]] const SlidingContacts& sliding() const { return disks_.sliding(); }
 
  private:
   struct Electronics {
@@ -225,12 +244,52 @@ class World {
     LightGains light_gains;
   };
 
+  /// The robots that read their sensors next in a step, with the light there.
+  struct Scans {
+    std::size_t count = 0;
+    std::vector<std::uint32_t> robots;
+    std::vector<double> at;    ///< Per robot [s of world time].
+    std::vector<double> x, y;  ///< Of the light sensors [m]: front and back one of each robot.
+    std::vector<double> light;
+
+    void begin(std::size_t most) {
+      count = 0;
+      if (robots.size() >= most) return;
+      robots.resize(most);
+      at.resize(most);
+      for (std::vector<double>* values : {&x, &y, &light}) values->resize(2 * most);
+    }
+    void add(std::size_t robot, double time, const std::array<Vec, 2>& places) {
+      robots[count] = static_cast<std::uint32_t>(robot);
+      at[count] = time;
+      for (std::size_t sensor = 0; sensor < 2; ++sensor) {
+        x[2 * count + sensor] = places[sensor].x;
+        y[2 * count + sensor] = places[sensor].y;
+      }
+      ++count;
+    }
+  };
+
+  /// Memory of one thread.
+  struct Scratch {
+    std::vector<std::uint32_t> due;  ///< Robots with an event in the step.
+    Scans scans;
+    Scans next_scans;
+  };
+
   void addRobot(const RobotSetup& setup);
-  void advanceRobot(std::size_t i, double from, double to);
+  void stepOneByOne(double from, double to);
+  void stepTogether(double from, double to);
+  void advanceGroup(std::size_t begin, std::size_t end, double from, double to, Scratch& scratch);
+  bool advanceToScan(std::size_t i, double& now, double to);
+  void moveAfterScans(std::size_t begin, std::size_t end, double to, const Scans& scans);
+  [[nodiscard]] bool isNoisy() const {
+    return settings_.speed_noise > 0 || settings_.turn_noise > 0;
+  }
   void addNoise(std::size_t i, double dt);
-  void handleEvent(std::size_t i);
   void changeMotors(std::size_t i);
-  void scan(std::size_t i);
+  void scanNow(std::size_t i);
+  void scan(std::size_t i, double front, double back);
   void afterCore(std::size_t i);
   void drive(std::size_t i, dynamics::WheelSpeedsUmS wheels);
   void turnWheels(std::size_t i, double left, double right);
@@ -244,6 +303,9 @@ class World {
   std::vector<double>
       next_event_;  ///< Per robot [s of world time]; not in Electronics, for the cache.
   std::vector<Electronics> electronics_;
+  std::vector<double> moves_;  ///< Per robot: how long it moves next in a step [s].
+  std::shared_ptr<WorkerTeam> team_ = std::make_shared<WorkerTeam>(1);
+  std::vector<Scratch> scratch_;  ///< Per thread.
 };
 
 }  // namespace lab::sim

@@ -109,7 +109,13 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
     }
     const std::vector<double> curves = recordingCurves(poses, frames, measured, every, stretches);
     // A recording without windows of some lag does not contribute to the covariance.
-    if (std::any_of(curves.begin(), curves.end(), [](double v) { return std::isnan(v); })) continue;
+    bool whole = true;
+    for (std::size_t column = 0; column < curves.size(); ++column) {
+      const std::size_t lag = column % frames.size();
+      const bool needed = column < frames.size() || plan.angular.empty() || plan.angular[lag];
+      whole = whole && (!needed || std::isfinite(curves[column]));
+    }
+    if (!whole) continue;
     ++result.recordings;
     result.values.insert(result.values.end(), curves.begin(), curves.end());
   }

@@ -29,8 +29,9 @@ struct SimulatedCurves {
   std::vector<double> lags;  ///< s, ascending.
   double duration = 0;       ///< Observed time of each recording, s.
   int recordings = 0;
-  bool cut = false;            ///< They have cuts like the measured recording.
-  std::vector<double> values;  ///< One row [MSD(lags), angular MSD(lags)] per recording, SI units.
+  bool cut = false;  ///< They have cuts like the measured recording.
+  /// One row [MSD(lags), angular MSD(lags)] per recording, SI units; nan: not needed, no windows.
+  std::vector<double> values;
   std::vector<double>
       law;  ///< The exact law at the lags with the offsets of the noise, same order.
 
@@ -49,7 +50,9 @@ struct BootstrapPlan {
       0;  ///< Frame period of the measured recording, s, whose selection of windows is used.
   RecordingGaps gaps;        ///< Gaps of the measured recording.
   std::vector<double> lags;  ///< s; rounded to whole periods.
-  double duration = 0;       ///< Of each recording, s.
+  /// By lag, whether the angular MSD is needed: gaps may leave no window for it. Empty: everywhere.
+  std::vector<bool> angular;
+  double duration = 0;  ///< Of each recording, s.
   int recordings = 500;
   std::uint64_t seed =
       1;  ///< Recording i has the seed `seed` + i, so all plans use the same random numbers.

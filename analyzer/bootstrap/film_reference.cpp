@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 
 #include "common/math/units.hpp"
 
@@ -48,7 +49,13 @@ void FilmReference::advance(int films) {
           drawStretches(plan_.gaps, plan_.frame_period, plan_.frame_period, poses.x.size(), ~seed);
     }
     const std::vector<double> curves = recordingCurves(poses, lags_, lags_, 1, stretches);
-    if (std::ranges::any_of(curves, [](double value) { return std::isnan(value); })) continue;
+    // Without windows of some lag a film does not count. Gaps may leave no angular window of long
+    // lags in any film; then these lags are not judged.
+    const auto isMissing = [](double value) { return std::isnan(value); };
+    if (std::any_of(curves.begin(), curves.begin() + static_cast<std::ptrdiff_t>(lags_.size()),
+                    isMissing)) {
+      continue;
+    }
     const double number = ++curves_.recordings;
     for (std::size_t i = 0; i < curves.size(); ++i) {
       curves_.law[i] += (curves[i] - curves_.law[i]) / number;

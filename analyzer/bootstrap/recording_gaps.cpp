@@ -1,6 +1,7 @@
 #include "analyzer/bootstrap/recording_gaps.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -10,7 +11,14 @@
 namespace lab::analysis {
 
 double SegmentLengths::lengthOf(std::size_t bin) {
-  return std::exp2((static_cast<double>(bin) + 0.5) / 4);
+  static const std::array<double, kBins> kLengths = [] {
+    std::array<double, kBins> lengths;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      lengths[i] = std::exp2((static_cast<double>(i) + 0.5) / 4);
+    }
+    return lengths;
+  }();
+  return kLengths[bin];
 }
 
 void SegmentLengths::add(double frames) {
@@ -31,6 +39,7 @@ double SegmentLengths::covered(double lag) const {
   double all = 0;
   double within = 0;
   for (std::size_t i = 0; i < kBins; ++i) {
+    if (counts_[i] == 0) continue;
     all += counts_[i] * lengthOf(i);
     within += counts_[i] * std::max(lengthOf(i) - lag, 0.0);
   }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <utility>
 
 namespace lab::analysis {
 namespace {
@@ -25,7 +24,8 @@ double kurtosis(double fourth, double second, double n) {
 }  // namespace
 
 BlockStore::BlockStore(std::size_t lags, double block_length)
-    : block_length_(block_length), open_end_(block_length), closed_total_(lags) {
+    : block_length_(block_length), open_end_(block_length), closed_(std::make_shared<Closed>()) {
+  closed_->total.resize(lags);
   open_.lags.resize(lags);
 }
 
@@ -35,41 +35,41 @@ void BlockStore::addTime(double dt) {
   time_ += dt;
   if (!closes) return;
   close();
-  if (closed_.size() == kMaxBlocks) {
-    mergePairs();
+  if (closed_->each.size() == kMaxBlocks) {
+    mergePairs(*closed_);
+    block_length_ *= 2;
   }
   // Blocks end at multiples of the length, so the excess of one block does not shift the later
   // ones.
-  open_end_ = static_cast<double>(closed_.size() + 1) * block_length_;
+  open_end_ = static_cast<double>(closed_->each.size() + 1) * block_length_;
 }
 
 void BlockStore::close() {
-  std::vector<LagSums> lags = std::exchange(open_.lags, {});
-  closed_.push_back(open_);
-  open_ = BlockSums{};
-  packed_.reserve(packed_.size() + lags.size());
-  for (std::size_t i = 0; i < lags.size(); ++i) {
-    closed_total_[i] += lags[i];
-    packed_.push_back(pack(lags[i]));
-    lags[i] = LagSums{};
+  if (closed_.use_count() > 1) closed_ = std::make_shared<Closed>(*closed_);
+  closed_->unpacked.reset();
+  closed_->each.push_back(open_);
+  static_cast<BlockCounts&>(open_) = BlockCounts{};
+  closed_->packed.reserve(closed_->packed.size() + open_.lags.size());
+  for (std::size_t i = 0; i < open_.lags.size(); ++i) {
+    closed_->total[i] += open_.lags[i];
+    closed_->packed.push_back(pack(open_.lags[i]));
+    open_.lags[i] = LagSums{};
   }
-  open_.lags = std::move(lags);
 }
 
-void BlockStore::mergePairs() {
-  const std::size_t n = open_.lags.size();
+void BlockStore::mergePairs(Closed& closed) {
+  const std::size_t n = closed.total.size();
   for (std::size_t b = 0; b < kMaxBlocks / 2; ++b) {
-    closed_[2 * b] += closed_[2 * b + 1];
-    closed_[b] = closed_[2 * b];
+    closed.each[2 * b] += closed.each[2 * b + 1];
+    closed.each[b] = closed.each[2 * b];
     for (std::size_t i = 0; i < n; ++i) {
-      LagSums sum = unpack(packed_[2 * b * n + i]);
-      sum += unpack(packed_[(2 * b + 1) * n + i]);
-      packed_[b * n + i] = pack(sum);
+      LagSums sum = unpack(closed.packed[2 * b * n + i]);
+      sum += unpack(closed.packed[(2 * b + 1) * n + i]);
+      closed.packed[b * n + i] = pack(sum);
     }
   }
-  closed_.resize(kMaxBlocks / 2);
-  packed_.resize(kMaxBlocks / 2 * n);
-  block_length_ *= 2;
+  closed.each.resize(kMaxBlocks / 2);
+  closed.packed.resize(kMaxBlocks / 2 * n);
 }
 
 BlockStore::Packed BlockStore::pack(const LagSums& sums) {
@@ -100,24 +100,33 @@ LagSums BlockStore::unpack(const Packed& packed) {
   return sums;
 }
 
-std::vector<BlockSums> BlockStore::blocks() const {
-  const std::size_t n = open_.lags.size();
-  std::vector<BlockSums> blocks = closed_;
-  for (std::size_t b = 0; b < blocks.size(); ++b) {
-    blocks[b].lags.resize(n);
-    for (std::size_t i = 0; i < n; ++i) {
-      blocks[b].lags[i] = unpack(packed_[b * n + i]);
-    }
+std::shared_ptr<const ClosedBlocks> BlockStore::closed() const {
+  if (!closed_->unpacked) {
+    closed_->unpacked = std::make_shared<const ClosedBlocks>(unpackAll(*closed_));
   }
-  for (std::size_t i = 0; !blocks.empty() && i < n; ++i) {
-    makeExact(blocks, i);
-  }
-  blocks.push_back(open_);
-  return blocks;
+  return closed_->unpacked;
 }
 
-void BlockStore::makeExact(std::vector<BlockSums>& blocks, std::size_t i) const {
-  LagSums missing = closed_total_[i];
+ClosedBlocks BlockStore::unpackAll(const Closed& closed) {
+  const std::size_t n = closed.total.size();
+  ClosedBlocks unpacked;
+  unpacked.blocks.resize(closed.each.size());
+  for (std::size_t b = 0; b < closed.each.size(); ++b) {
+    BlockSums& block = unpacked.blocks[b];
+    static_cast<BlockCounts&>(block) = closed.each[b];
+    static_cast<BlockCounts&>(unpacked.total) += closed.each[b];
+    block.lags.reserve(n);
+    for (std::size_t i = 0; i < n; ++i) block.lags.push_back(unpack(closed.packed[b * n + i]));
+  }
+  for (std::size_t i = 0; !closed.each.empty() && i < n; ++i) {
+    makeExact(closed, unpacked.blocks, i);
+  }
+  unpacked.total.lags = closed.total;
+  return unpacked;
+}
+
+void BlockStore::makeExact(const Closed& closed, std::vector<BlockSums>& blocks, std::size_t i) {
+  LagSums missing = closed.total[i];
   LagSums* most = &blocks.front().lags[i];
   LagSums* most_angular = most;
   for (BlockSums& block : blocks) {
@@ -135,8 +144,15 @@ void BlockStore::makeExact(std::vector<BlockSums>& blocks, std::size_t i) const 
 }
 
 std::size_t BlockStore::memoryBytes() const {
-  return sizeof(*this) + (open_.lags.capacity() + closed_total_.capacity()) * sizeof(LagSums) +
-         closed_.capacity() * sizeof(BlockSums) + packed_.capacity() * sizeof(Packed);
+  std::size_t bytes = sizeof(*this) + sizeof(Closed) +
+                      (open_.lags.capacity() + closed_->total.capacity()) * sizeof(LagSums) +
+                      closed_->each.capacity() * sizeof(BlockCounts) +
+                      closed_->packed.capacity() * sizeof(Packed);
+  if (closed_->unpacked) {
+    bytes += closed_->unpacked->blocks.size() *
+             (sizeof(BlockSums) + open_.lags.size() * sizeof(LagSums));
+  }
+  return bytes;
 }
 
 }  // namespace lab::analysis

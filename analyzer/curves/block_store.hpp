@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "analyzer/curves/block_sums.hpp"
@@ -35,9 +36,9 @@ class BlockStore {
 
   [[nodiscard]] double time() const { return time_; }  ///< [s] free time of all blocks
 
-  /// All blocks in time order, the open one last. Their sum is exact: per lag, the rounding errors
-  /// are added to the block with the most windows.
-  [[nodiscard]] std::vector<BlockSums> blocks() const;
+  /// All blocks. Their sum is exact: per lag, the rounding errors are added to the block with the
+  /// most windows.
+  [[nodiscard]] BlockTrack blocks() const { return {closed(), open_}; }
 
   [[nodiscard]] std::size_t memoryBytes() const;
 
@@ -52,20 +53,29 @@ class BlockStore {
     std::uint16_t r_kurtosis = 0;
     std::uint16_t a_kurtosis = 0;
   };
+  /// The closed blocks. Copies of the store share them: they change rarely, and a copy is made for
+  /// every query.
+  struct Closed {
+    std::vector<LagSums> total;                    ///< Sums over all of them, per lag.
+    std::vector<BlockCounts> each;                 ///< In time order.
+    std::vector<Packed> packed;                    ///< Their lags, ordered by block, then by lag.
+    std::shared_ptr<const ClosedBlocks> unpacked;  ///< nullptr: not asked for yet.
+  };
 
+  /// Unpacked; kept until another block closes.
+  [[nodiscard]] std::shared_ptr<const ClosedBlocks> closed() const;
   static Packed pack(const LagSums& sums);
   static LagSums unpack(const Packed& packed);
   void close();
-  void mergePairs();
-  void makeExact(std::vector<BlockSums>& blocks, std::size_t lag) const;
+  static void mergePairs(Closed& closed);
+  static ClosedBlocks unpackAll(const Closed& closed);
+  static void makeExact(const Closed& closed, std::vector<BlockSums>& blocks, std::size_t lag);
 
   double block_length_;
   double open_end_;  ///< [s] free time at which the open block closes
   double time_ = 0;  ///< [s] free time of all blocks
   BlockSums open_;
-  std::vector<LagSums> closed_total_;  ///< Sums over all closed blocks, per lag.
-  std::vector<BlockSums> closed_;      ///< The closed blocks, with empty `lags`.
-  std::vector<Packed> packed_;  ///< The lags of the closed blocks, ordered by block, then by lag.
+  std::shared_ptr<Closed> closed_;
 };
 
 }  // namespace lab::analysis

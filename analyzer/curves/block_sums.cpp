@@ -2,27 +2,7 @@
 
 namespace lab::analysis {
 
-LagSums& LagSums::operator+=(const LagSums& other) {
-  windows += other.windows;
-  angular_windows += other.angular_windows;
-  r2 += other.r2;
-  r4 += other.r4;
-  a2 += other.a2;
-  a4 += other.a4;
-  return *this;
-}
-
-LagSums& LagSums::operator-=(const LagSums& other) {
-  windows -= other.windows;
-  angular_windows -= other.angular_windows;
-  r2 -= other.r2;
-  r4 -= other.r4;
-  a2 -= other.a2;
-  a4 -= other.a4;
-  return *this;
-}
-
-BlockSums& BlockSums::operator+=(const BlockSums& other) {
+BlockCounts& BlockCounts::operator+=(const BlockCounts& other) {
   time += other.time;
   forward += other.forward;
   forward_time += other.forward_time;
@@ -36,16 +16,10 @@ BlockSums& BlockSums::operator+=(const BlockSums& other) {
   run_time += other.run_time;
   run_span += other.run_span;
   tumbles += other.tumbles;
-  if (lags.size() < other.lags.size()) {
-    lags.resize(other.lags.size());
-  }
-  for (std::size_t i = 0; i < other.lags.size(); ++i) {
-    lags[i] += other.lags[i];
-  }
   return *this;
 }
 
-BlockSums& BlockSums::operator-=(const BlockSums& other) {
+BlockCounts& BlockCounts::operator-=(const BlockCounts& other) {
   time -= other.time;
   forward -= other.forward;
   forward_time -= other.forward_time;
@@ -59,16 +33,29 @@ BlockSums& BlockSums::operator-=(const BlockSums& other) {
   run_time -= other.run_time;
   run_span -= other.run_span;
   tumbles -= other.tumbles;
+  return *this;
+}
+
+BlockSums& BlockSums::operator+=(const BlockSums& other) {
+  BlockCounts::operator+=(other);
   if (lags.size() < other.lags.size()) {
     lags.resize(other.lags.size());
   }
   for (std::size_t i = 0; i < other.lags.size(); ++i) {
-    lags[i] -= other.lags[i];
+    lags[i] += other.lags[i];
   }
   return *this;
 }
 
+BlockTrack::BlockTrack(std::initializer_list<BlockSums> blocks) : open_(*(blocks.end() - 1)) {
+  auto closed = std::make_shared<ClosedBlocks>();
+  closed->blocks.assign(blocks.begin(), blocks.end() - 1);
+  for (const BlockSums& block : closed->blocks) closed->total += block;
+  closed_ = std::move(closed);
+}
+
 void BlockData::pool(const BlockData& other) {
+  holds.pool(other.holds);
   if (lags.empty()) {
     *this = other;
     return;
@@ -83,12 +70,18 @@ void BlockData::pool(const BlockData& other) {
 BlockSums BlockData::total() const {
   BlockSums sum;
   sum.lags.resize(lags.size());
-  for (const auto& track : tracks) {
-    for (const BlockSums& block : track) {
-      sum += block;
-    }
+  for (const BlockTrack& track : tracks) {
+    sum += track.closedTotal();
+    sum += track.open();
   }
   return sum;
+}
+
+double coveredShare(const RecordingGaps& gaps, double lag, const LagSums& sums, bool angular) {
+  const double covered = gaps.covered(lag);
+  if (!angular) return covered;
+  if (sums.windows == 0) return 0;
+  return covered * static_cast<double>(sums.angular_windows) / sums.windows;
 }
 
 RecordingGaps gapsOf(const BlockData& data, const BlockSums& total) {
@@ -107,10 +100,9 @@ RecordingGaps gapsOf(const BlockData& data, const BlockSums& total) {
 
 double BlockData::observed() const {
   double time = 0;
-  for (const auto& track : tracks) {
-    for (const BlockSums& block : track) {
-      time += block.time;
-    }
+  for (const BlockTrack& track : tracks) {
+    time += track.closedTotal().time;
+    time += track.open().time;
   }
   return time;
 }

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <optional>
 
+#include "analyzer/curves/hold_period.hpp"
+#include "analyzer/curves/lag_errors.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
 #include "common/math/units.hpp"
@@ -15,8 +16,6 @@ namespace {
 
 using units::kNan;
 
-constexpr double kBlocksPerLag = 5;
-constexpr std::size_t kEnoughBlocks = 12;
 constexpr double kTrustedBlocks = 180;    // for lags beyond track / 180 blocks are not sufficient
 constexpr double kRecordingsPerLag = 20;  // lags beyond recording / 20 are too skewed to judge
 constexpr double kMinDraws = 100;         // draws or tumbles for a verdict
@@ -26,135 +25,37 @@ constexpr double kManyBlocks = 1e9;
 
 double mean(double sum, std::uint32_t n) { return n > 0 ? sum / n : kNan; }
 
-/// The means of all lags, raw and with the noise offset removed, as one vector for the jackknife.
-class LagFunctions {
- public:
-  /// @param offset of the noise in the MSD, used if the data do not determine it
-  LagFunctions(const Estimator& estimator, const BlockData& data, double offset)
-      : estimator_(estimator),
-        lags_(data.lags),
-        period_(data.frame_period),
-        n_(data.lags.size()),
-        offset_(finiteOrZero(offset)) {}
-
-  std::vector<double> operator()(const BlockSums& sums) const {
-    const Quantities q = estimator_(sums);
-    const double offset = std::isfinite(q[kPositionOffset]) ? q[kPositionOffset] : offset_;
-    const double joins = sums.joins / sums.time;
-    const double angular_offset = finiteOrZero(q[kHeadingOffset]);
-    std::vector<double> result(4 * n_);
-    for (std::size_t i = 0; i < n_; ++i) {
-      const LagSums& lag = sums.lags[i];
-      result[i] = mean(lag.r2, lag.windows);
-      result[n_ + i] = mean(lag.a2, lag.angular_windows);
-      result[2 * n_ + i] = result[i] - offset * joinNoise(i, joins);
-      result[3 * n_ + i] = result[n_ + i] - angular_offset;
-    }
-    return result;
-  }
-
-  /// Noise of windows across joins: the positions on both sides of a join are noisy too, and shared
-  /// by these windows.
-  [[nodiscard]] double joinNoise(std::size_t i, double joins_per_second) const {
-    const double frames = lags_[i];
-    return 1 + joins_per_second * period_ * (frames - 2);
-  }
-
- private:
-  const Estimator& estimator_;
-  const std::vector<int>& lags_;
-  double period_;
-  std::size_t n_;
-  double offset_;
-};
-
-/// The block errors of all lags, each from blocks long enough for it.
-class LagErrors {
- public:
-  LagErrors(const BlockData& data, const LagFunctions& functions)
-      : data_(data), functions_(functions) {
-    for (const auto& track : data.tracks) {
-      for (const BlockSums& block : track) {
-        native_ = std::max(native_, block.time);
-      }
-    }
-  }
-
-  struct Error {
-    double raw = 0;        ///< Of the mean.
-    double corrected = 0;  ///< Of the mean, less the noise offset.
-    double freedom = 0;    ///< Degrees of freedom of both.
-    bool enough = false;   ///< Enough blocks, each long enough.
-  };
-
-  Error at(double tau, std::size_t column, std::size_t corrected_column) {
-    // Block lengths are powers of two, so that few distinct groupings are needed.
-    double length = native_;
-    while (length < kBlocksPerLag * tau) {
-      length *= 2;
-    }
-    const Replicates* replicates = &grouped(length);
-    const bool enough = replicates->shares.size() >= kEnoughBlocks;
-    while (replicates->shares.size() < kEnoughBlocks && length > native_) {
-      length /= 2;
-      replicates = &grouped(length);
-    }
-    // Windows extend by tau into the block before, so neighbouring blocks are correlated.
-    const double overlap = enough ? 1 / std::sqrt(1 - tau / (4 * length)) : 1;
-    return {overlap * replicates->sigma(column), overlap * replicates->sigma(corrected_column),
-            replicates->degreesOfFreedom(), enough};
-  }
-
- private:
-  const Replicates& grouped(double length) {
-    auto found = cache_.find(length);
-    if (found == cache_.end()) {
-      found = cache_.emplace(length, jackknife(groupBlocks(data_, length), functions_)).first;
-    }
-    return found->second;
-  }
-
-  const BlockData& data_;
-  const LagFunctions& functions_;
-  double native_ = 0;
-  std::map<double, Replicates> cache_;
-};
-
-/// The law at the measured speed, if the difference may be a calibration error.
-ExactLaw calibrated(const ProgramLaw& law, double speed, double tolerance) {
+/// The MSD of the law at the measured speed over that at the programmed one, if the difference may
+/// be a calibration error; else 1. At a constant speed the MSD is proportional to its square.
+double calibration(const ProgramLaw& law, double speed, double tolerance) {
   const std::optional<double> constant = law->constantSpeed();
-  const bool close = constant && std::abs(speed / *constant - 1) <= tolerance;
-  return ExactLaw(close ? law.withSpeed(speed) : law);
+  const double ratio = constant ? speed / *constant : 1;
+  return std::abs(ratio - 1) <= tolerance ? ratio * ratio : 1;
 }
 
 }  // namespace
 
-double modelMsdError(const ExactLaw& law, double tau, double observed) {
-  return law.program()->relativeMsdError(tau, law.msd(tau), observed);
-}
-
-double modelAngularError(const ExactLaw& law, double tau, double observed) {
-  return law.program()->relativeAngularError(tau, observed);
-}
-
 Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& options) {
+  if (!(data.observed() > 0)) return {};
+  return curves(Estimator(law, data), data, options);
+}
+
+Curves curves(const Estimator& estimator, const BlockData& data, const CurveOptions& options) {
   Curves result;
-  const double observed = data.observed();
-  const ExactLaw exact(law);
-  if (!(observed > 0)) {
-    return result;
-  }
+  const ProgramLaw& law = estimator.law();
+  const BlockSums& total = estimator.total();
+  const double observed = total.time;
+  result.hold = holdPeriod(data.holds);
   const std::size_t n = data.lags.size();
-  const BlockSums total = data.total();
-  const Estimator estimator(law, data);
-  const double speed = estimator(total)[kSpeed];
-  const ExactLaw reference = calibrated(law, speed, options.speed_tolerance);
-  const LagFunctions functions(estimator, data, options.offset);
+  const ExactLaw exact(law);
+  const double calibrated = calibration(law, estimator(total)[kSpeed], options.speed_tolerance);
   // Without headings, only a fit determines the tracker noise.
-  const bool by_fit = !std::isfinite(estimator(total)[kPositionOffset]);
+  const bool by_fit = !std::isfinite(estimator.noise(total).position_offset);
   const bool noise_known = !by_fit || std::isfinite(options.offset);
-  const std::vector<double> means = functions(total);
-  LagErrors errors(data, functions);
+  const LagNoise noise = LagNoise::of(estimator, total, options.offset);
+  std::vector<double> times;
+  for (std::size_t i = 0; i < n; ++i) times.push_back(data.lagTime(i, total));
+  const LagErrors errors = lagErrors(data, estimator, times, options.offset);
   const bool enough_draws = observed / law->drawTime() >= kMinDraws;
   const auto tracks = static_cast<double>(data.tracks.size());
   const double segments = std::max(tracks, total.segments);
@@ -166,9 +67,13 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
   };
 
   for (std::size_t i = 0; i < n; ++i) {
-    const double tau = data.lagTime(i, total);
+    const double tau = times[i];
     const LagSums& sums = total.lags[i];
     const auto point = [&](bool angular) {
+      // Cuts leave few windows of long lags, in segments that are not representative.
+      const double covered = coveredShare(gaps, tau / data.frame_period, sums, angular);
+      const bool is_cut = gaps.cut || (angular && sums.angular_windows < sums.windows);
+      const double seen = std::max(covered * observed, tau);
       CurvePoint p;
       p.tau = tau;
       p.windows = angular ? sums.angular_windows : sums.windows;
@@ -178,21 +83,20 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
       p.kurtosis = fourth / (p.value * p.value);
       p.exact = angular ? exact.angularMsd(tau) : exact.msd(tau);
       p.paper = angular ? paperAngularMsd(law, tau) : law->paperMsd(tau);
-      const double expected = angular ? reference.angularMsd(tau) : reference.msd(tau);
-      const std::size_t column = angular ? n + i : i;
-      LagErrors::Error error = errors.at(tau, column, 2 * n + column);
-      // Cuts leave few windows of long lags, in segments that are not representative.
-      const double covered = gaps.covered(tau / data.frame_period);
-      const double seen = std::max(covered * observed, tau);
-      const double model = expected * (angular ? modelAngularError(exact, tau, seen)
-                                               : modelMsdError(exact, tau, seen));
-      const double simulated = recording_error(angular, tau);
-      p.noise = p.value - means[2 * n + column];
+      const double expected = angular ? p.exact : calibrated * p.exact;
+      LagError error = (angular ? errors.angular_msd : errors.msd)[i];
+      const double model = expected * (angular ? law->relativeAngularError(tau, seen)
+                                               : law->relativeMsdError(tau, p.exact, seen));
+      const double simulated =
+          angular && covered < kLeastCovered ? kNan : recording_error(angular, tau);
+      const double offset = angular ? noise.heading : noise.inMsd(data.lags[i], data.frame_period);
+      const double corrected = p.value - offset;
+      p.noise = p.value - corrected;
       if (std::isfinite(simulated)) {
         error.raw = simulated * (expected + p.noise);
         error.corrected = simulated * expected;
         error.freedom = kManyBlocks;
-      } else if (!error.enough || gaps.cut) {
+      } else if (!error.enough || is_cut) {
         error.raw = std::fmax(error.raw, model);
       }
       const bool own = !error.enough || angular || law->predictsMsdError();
@@ -204,7 +108,7 @@ Curves curves(const ProgramLaw& law, const BlockData& data, const CurveOptions& 
       p.n_eff = (fourth - p.value * p.value) / (p.sigma * p.sigma);
       const double offset_error = by_fit && !angular ? options.offset_sigma : 0;
       p.z = normalDeviate(
-          (means[2 * n + column] - expected) /
+          (corrected - expected) /
               std::hypot(error.corrected, options.systematic_floor * expected, offset_error),
           error.freedom);
       p.selection_biased = options.unbiased_lag > 0 && tau > options.unbiased_lag;
@@ -234,6 +138,12 @@ Verdict judge(const Curves& curves) {
         verdict.angular = angular;
       }
     }
+  }
+  if (curves.hold && verdict.judged >= kMinJudged && std::abs(curves.hold->z) > verdict.max_z) {
+    verdict.max_z = std::abs(curves.hold->z);
+    verdict.tau = curves.hold->value;
+    verdict.angular = true;
+    verdict.hold = true;
   }
   if (verdict.judged >= kMinJudged) {
     verdict.kind = verdict.max_z < kLimitZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;

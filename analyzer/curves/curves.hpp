@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
 #include "analyzer/curves/estimates.hpp"
+#include "analyzer/curves/hold_period.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
 #include "analyzer/laws.hpp"
 #include "common/math/units.hpp"
@@ -29,6 +31,7 @@ struct CurvePoint {
 struct Curves {
   std::vector<CurvePoint> msd;
   std::vector<CurvePoint> angular_msd;
+  std::optional<HoldPeriod> hold;  ///< Of programs that draw a turning rate at equal intervals.
 };
 
 struct CurveOptions {
@@ -48,12 +51,6 @@ struct CurveOptions {
   double offset_sigma = 0;
 };
 
-/// The relative standard error of the MSD over one recording of length T = `observed` (s) that the
-/// law predicts: sqrt(2 tau / 3T) in 2D, sqrt(4 tau / 3T) for motion along one axis, plus the
-/// scatter of the draws at short lags. Used if blocks are too short or too few.
-[[nodiscard]] double modelMsdError(const ExactLaw& law, double tau, double observed);
-[[nodiscard]] double modelAngularError(const ExactLaw& law, double tau, double observed);
-
 /// MSD and angular MSD with errors from blocks that are at least five lags long. If there are fewer
 /// than twelve blocks, the error is the larger one of the block error and the prediction of the
 /// law. z compares with the exact law, at the measured speed if that is within speed_tolerance of
@@ -64,6 +61,10 @@ struct CurveOptions {
 [[nodiscard]] Curves curves(const ProgramLaw& law, const BlockData& data,
                             const CurveOptions& options);
 
+/// The same with the estimators of these data, of which there must be some.
+[[nodiscard]] Curves curves(const Estimator& estimator, const BlockData& data,
+                            const CurveOptions& options);
+
 enum class VerdictKind { kUndecided = 0, kAgrees = 1, kDisagrees = 2 };
 
 /// Whether the measured motion is the programmed one.
@@ -72,12 +73,18 @@ struct Verdict {
   double max_z = 0;      ///< Largest |z| over the judged lags of both curves.
   double tau = 0;        ///< The lag of max_z, s.
   bool angular = false;  ///< max_z is in the angular MSD.
+  bool hold = false;     ///< max_z is that of the hold time, and tau the measured hold time.
   int judged = 0;        ///< Number of judged lags.
+  /// By ProgramResult::fit, if there is one: whether no parameters describe the curves, and whether
+  /// the programmed ones do not. Either makes it kDisagrees.
+  bool misfit = false;
+  bool rejected = false;
 };
 
 /// Judges by the largest |z|, because the lags are strongly correlated and the sum of z^2 has no
-/// known distribution. The largest |z| exceeds 3.2 in 1 % of recordings of the true law; below 4
-/// the motion agrees. Undecided with fewer than five judged lags.
+/// known distribution. The measured hold time counts as one more lag: the curves hardly depend on
+/// it if the diffusivities are right. The largest |z| exceeds 3.2 in 1 % of recordings of the true
+/// law; below 4 the motion agrees. Undecided with fewer than five judged lags.
 [[nodiscard]] Verdict judge(const Curves& curves);
 
 }  // namespace lab::analysis

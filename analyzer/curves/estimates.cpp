@@ -1,10 +1,13 @@
 #include "analyzer/curves/estimates.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "analyzer/curves/lags.hpp"
+#include "analyzer/curves/robot_scatter.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/laws/numerics.hpp"
 #include "common/math/units.hpp"
@@ -17,6 +20,7 @@ using units::kNan;
 constexpr double kBlocksPerReach = 5;       // minimal length of a block, in lags
 constexpr double kRecordingsPerSlope = 20;  // minimal length of a recording, in lags of the slope
 constexpr double kManyBlocks = 1e9;
+constexpr double kWholeTrack = 1e300;     // s
 constexpr double kCorrectionShare = 0.1;  // share of a correction that counts as its uncertainty
 
 /// The relative error of a quantity in a recording of length T that the law predicts, for
@@ -68,34 +72,50 @@ void setInterval(Estimate& estimate, double degrees_of_freedom, bool known_error
 
 }  // namespace
 
-Estimator::Estimator(const ProgramLaw& law, const BlockData& data) : law_(law) {
-  const BlockSums total = data.total();
-  const ExactLaw exact(law);
-  const auto unit_law = law->curvesAtMean(1);
-  const auto noise_law = law->curvesAtMean(0);
+Estimator::Estimator(const ProgramLaw& law, const BlockData& data)
+    : law_(law), total_(data.total()) {
   held_ = law->held();
   wheels_ = law->drawnWheels();
   runs_ = law->runs();
-  const double turning2 = held_ ? 2 * law->rotationalDiffusivity() / held_->hold : 1;
-  for (std::size_t i = 0; i < data.lags.size(); ++i) {
-    const double tau = data.lagTime(i, total);
-    lag_times_.push_back(tau);
-    shape_.push_back(exact.angularMsd(tau) / turning2);
-    noise_part_.push_back(noise_law ? noise_law->msd(tau) : kNan);
-    mean_part_.push_back(unit_law ? unit_law->msd(tau) - noise_part_.back() : kNan);
-  }
+  const std::size_t n = data.lags.size();
+  for (std::size_t i = 0; i < n; ++i) lag_times_.push_back(data.lagTime(i, total_));
   first_lag_ = lag_times_.front();
-  const bool dense = data.lags.size() > 2 && data.lags[0] == 1 && data.lags[2] == 3;
+  const bool dense = n > 2 && data.lags[0] == 1 && data.lags[2] == 3;
   third_lag_ = dense ? 2 : 0;
-  const double turn = held_ ? held_->hold : runs_.value_or(RunsAndTurns{}).turn_time;
+  const double change = law->changeTime();
+  const double turn = held_                   ? held_->hold
+                      : runs_                 ? runs_->turn_time
+                      : std::isfinite(change) ? change
+                                              : 0;
   hold_ = nearestLag(data.lags, turn / data.frame_period);
   two_holds_ = nearestLag(data.lags, 2 * turn / data.frame_period);
   const double persistence = law->persistenceTime();
   slope_begin_ = nearestLag(data.lags, 5 * persistence / data.frame_period);
   slope_end_ = nearestLag(data.lags, 10 * persistence / data.frame_period);
   const bool reached = lag_times_[slope_end_] > 8 * persistence && slope_end_ > slope_begin_;
-  const bool enough = kRecordingsPerSlope * lag_times_[slope_end_] <= data.observed();
+  const bool enough = kRecordingsPerSlope * lag_times_[slope_end_] <= total_.time;
   slope_time_ = reached && enough ? lag_times_[slope_end_] - lag_times_[slope_begin_] : 0;
+
+  noise_lags_ = {0, hold_, two_holds_};
+  needed_ = {0, hold_, two_holds_, slope_begin_, slope_end_};
+  if (dense) needed_.insert(needed_.end(), {1, 2});
+  for (std::vector<std::size_t>* lags_once : {&noise_lags_, &needed_}) {
+    std::ranges::sort(*lags_once);
+    lags_once->erase(std::ranges::unique(*lags_once).begin(), lags_once->end());
+  }
+
+  const ExactLaw exact(law);
+  const auto unit_law = law->curvesAtMean(1);
+  const auto noise_law = law->curvesAtMean(0);
+  const double turning2 = held_ ? 2 * law->rotationalDiffusivity() / held_->hold : 1;
+  shape_.assign(n, kNan);
+  mean_part_ = noise_part_ = shape_;
+  for (const std::size_t i : {std::size_t{0}, hold_, two_holds_}) {
+    const double tau = lag_times_[i];
+    shape_[i] = exact.angularMsd(tau) / turning2;
+    if (noise_law) noise_part_[i] = noise_law->msd(tau);
+    if (unit_law) mean_part_[i] = unit_law->msd(tau) - noise_part_[i];
+  }
 }
 
 double Estimator::msd(const BlockSums& sums, std::size_t i) const {
@@ -114,21 +134,25 @@ double Estimator::reach(Quantity quantity) const {
   return lag_times_[two_holds_];
 }
 
-void Estimator::measureTurning(const BlockSums& sums, Quantities& q) const {
-  const auto scale = [&](std::size_t from, std::size_t to) {
-    return to > from ? (angular(sums, to) - angular(sums, from)) / (shape_[to] - shape_[from])
-                     : kNan;
-  };
-  if (held_) q[kRotationalDiffusivity] = 0.5 * held_->hold * scale(hold_, two_holds_);
-  const double short_scale = hold_ > 0 ? scale(0, hold_) : scale(hold_, two_holds_);
-  q[kHeadingOffset] = angular(sums, 0) - short_scale * shape_[0];
+/// <omega^2> from the difference of two lags; nan if they are the same.
+double Estimator::turningScale(const BlockSums& sums, std::size_t from, std::size_t to) const {
+  return to > from ? (angular(sums, to) - angular(sums, from)) / (shape_[to] - shape_[from]) : kNan;
 }
 
-void Estimator::measureNoise(const BlockSums& sums, Quantities& q) const {
-  const double heading_noise = std::isfinite(q[kHeadingOffset]) ? 0.5 * q[kHeadingOffset] : 0;
+TrackerNoise Estimator::noise(const BlockSums& sums) const {
+  const double scale =
+      hold_ > 0 ? turningScale(sums, 0, hold_) : turningScale(sums, hold_, two_holds_);
+  TrackerNoise noise;
+  noise.heading_offset = angular(sums, 0) - scale * shape_[0];
+  const double heading_noise = std::isfinite(noise.heading_offset) ? 0.5 * noise.heading_offset : 0;
   const double across = sums.steps > 0 ? sums.sideways2 / sums.steps : kNan;
   // Noise of the heading turns part of the forward step sideways.
-  q[kPositionOffset] = 2 * (across - 0.5 * heading_noise * (msd(sums, 0) - 2 * across));
+  noise.position_offset = 2 * (across - 0.5 * heading_noise * (msd(sums, 0) - 2 * across));
+  return noise;
+}
+
+double Estimator::speed(const BlockSums& sums, const TrackerNoise& noise) const {
+  const double heading_noise = std::isfinite(noise.heading_offset) ? 0.5 * noise.heading_offset : 0;
   double correction = heading_noise / 4;
   if (!held_ && !runs_) {
     correction = chordOfUnknownTurning(sums);
@@ -136,7 +160,7 @@ void Estimator::measureNoise(const BlockSums& sums, Quantities& q) const {
     // The chord of an arc is shorter than the arc; between runs, a robot turns on the spot.
     correction += (angular(sums, 0) - 2 * heading_noise) / 24;
   }
-  q[kSpeed] = sums.forward_time > 0 ? sums.forward / sums.forward_time * (1 + correction) : kNan;
+  return sums.forward_time > 0 ? sums.forward / sums.forward_time * (1 + correction) : kNan;
 }
 
 /// Correction of the forward step for an unknown program. The heading may turn uniformly or
@@ -154,8 +178,13 @@ double Estimator::chordOfUnknownTurning(const BlockSums& sums) const {
 Quantities Estimator::operator()(const BlockSums& sums) const {
   Quantities q;
   q.fill(kNan);
-  measureTurning(sums, q);
-  measureNoise(sums, q);
+  if (held_) {
+    q[kRotationalDiffusivity] = 0.5 * held_->hold * turningScale(sums, hold_, two_holds_);
+  }
+  const TrackerNoise tracker = noise(sums);
+  q[kPositionOffset] = tracker.position_offset;
+  q[kHeadingOffset] = tracker.heading_offset;
+  q[kSpeed] = speed(sums, tracker);
   if (runs_) {
     q[kTumbleRate] = sums.run_time > 0 ? sums.tumbles / sums.run_time : kNan;
     // In frames in which a tumble begins or ends, part of a run is projected on a heading that has
@@ -189,15 +218,27 @@ namespace {
 /// Collects the estimates of one program.
 class Report {
  public:
-  Report(const ProgramLaw& law, const BlockData& data)
-      : law_(law), data_(data), estimator_(law, data), observed_(data.observed()) {
+  Report(const Estimator& estimator, const BlockData& data)
+      : law_(estimator.law()),
+        data_(data),
+        estimator_(estimator),
+        total_(estimator.total()),
+        observed_(total_.time) {
     main_ = replicate(kRotationalDiffusivity);
+    if (data.tracks.size() > 1) robots_ = replicatesOf(groupBlocks(data, kWholeTrack));
   }
 
   std::vector<Estimate> all() {
+    list();
+    holdTime();
+    return std::move(list_);
+  }
+
+ private:
+  void list() {
     if (!law_.known()) {
       direct(kSpeed, "v", "m/s", kNan, "forward displacement over time");
-      return std::move(list_);
+      return;
     }
     if (law_->held()) {
       direct(kRotationalDiffusivity, "D_r", "rad^2/s", law_->rotationalDiffusivity(),
@@ -213,19 +254,41 @@ class Report {
     }
     if (const auto runs = law_->runs()) tumbling(*runs);
     derived();
-    if (std::isnan(law_->persistenceTime())) return std::move(list_);
+    if (std::isnan(law_->persistenceTime())) return;
     direct(kSlopeDiffusivity, "D_slope", "m^2/s", ExactLaw(law_).diffusivity(),
            "slope of the MSD from 5 to 10 persistence times, intercept free");
-    return std::move(list_);
   }
 
- private:
+  /// The time between draws, from when the turning rate changes.
+  void holdTime() {
+    const std::optional<HoldPeriod> hold = holdPeriod(data_.holds);
+    if (!hold) return;
+    const double half = studentQuantile(HoldSpectra::kGroups - 1) * hold->sigma;
+    list_.push_back({std::isnan(law_->parameter("epsilon")) ? "hold" : "epsilon", "s", hold->value,
+                     hold->sigma, hold->value - half, hold->value + half, hold->programmed,
+                     hold->blocks,
+                     "when the turning rate changes (line in a spectrum of the headings); the "
+                     "robots' clocks may be wrong by 0.5 %"});
+  }
+
   Replicates replicate(Quantity quantity) const {
-    return jackknife(groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity)),
+    return replicatesOf(groupBlocks(data_, kBlocksPerReach * estimator_.reach(quantity)));
+  }
+
+  Replicates replicatesOf(const std::vector<BlockGroup>& groups) const {
+    return jackknife(groups, totalOf(groups, data_, total_), estimator_.neededLags(),
                      [this](const BlockSums& sums) {
                        const Quantities q = estimator_(sums);
                        return std::vector<double>(q.begin(), q.end());
                      });
+  }
+
+  /// Robots differ in clocks and wheels, which the scatter of blocks of one robot does not show.
+  /// @param sigma standard error by the scatter of robots
+  void widen(Estimate& estimate, double sigma) const {
+    if (robots_.shares.size() < 2) return;
+    if (estimate.low95 > 0) sigma /= estimate.value;
+    widenTo(estimate, {sigma, std::max(1.0, robots_.degreesOfFreedom())});
   }
 
   void direct(Quantity quantity, const std::string& name, const char* unit, double theory,
@@ -243,6 +306,7 @@ class Report {
       known = known || error.known;
     }
     setInterval(estimate, dof, known, quantity != kSpeed);
+    if (robots_.shares.size() > 1) widen(estimate, robots_.sigma(quantity));
     list_.push_back(estimate);
   }
 
@@ -266,7 +330,7 @@ class Report {
   /// scatter of blocks is too large by a known amount. The remaining scatter counts only if it
   /// exceeds the noise significantly (draws of the wheels, unevenness of real ones).
   SpeedError speedError(const Replicates& replicates, double block_sigma) const {
-    const BlockSums total = data_.total();
+    const BlockSums& total = total_;
     const Quantities q = estimator_(total);
     const double time = total.forward_time;
     const double scale = law_->runs() ? total.run_span / total.run_time : 1;
@@ -290,7 +354,7 @@ class Report {
   }
 
   void tumbling(const RunsAndTurns& runs) {
-    const BlockSums total = data_.total();
+    const BlockSums& total = total_;
     const double run_time = total.run_time;
     const Interval count = poissonInterval(total.tumbles);
     Estimate gamma{"gamma",
@@ -313,6 +377,11 @@ class Report {
       tau.value = kNan;
       tau.note += "; no tumble seen";
     }
+    if (robots_.shares.size() > 1) {
+      const double sigma = robots_.sigma(kTumbleRate);
+      widen(gamma, sigma);
+      widen(tau, sigma / (gamma.value * gamma.value));
+    }
     list_.push_back(gamma);
     list_.push_back(tau);
   }
@@ -322,50 +391,72 @@ class Report {
     return law_->measured({q[kRotationalDiffusivity], q[kSpeed], q[kAmplitude], q[kTumbleRate]});
   }
 
+  /// D and L_s of a law.
+  struct Derived {
+    explicit Derived(const ProgramLaw& law) {
+      const ExactLaw exact(law);
+      values = {exact.diffusivity(), exact.persistenceLength()};
+    }
+    std::array<double, 2> values;
+  };
+
   /// D and L_s: the exact law at the measured parameters, errors by linear propagation.
   void derived() {
-    if (!measured(main_.values)) return;
-    propagate("D", "m^2/s", "exact law at the measured parameters",
-              [](const ExactLaw& law) { return law.diffusivity(); });
-    if (law_->constantSpeed()) {
-      propagate("L_s", "m", "integral of C(l), exact law at the measured parameters",
-                [](const ExactLaw& law) { return law.persistenceLength(); });
-    }
-  }
-
-  template <typename Function>
-  void propagate(const char* name, const char* unit, const char* note, Function function) {
-    const auto at = [&](const std::vector<double>& q) { return function(ExactLaw(*measured(q))); };
-    const double value = at(main_.values);
-    std::vector<double> without(main_.without.size(), value);
-    double model2 = 0;
+    const std::optional<ProgramLaw> now = measured(main_.values);
+    if (!now) return;
+    const Derived value(*now);
+    const Derived theory(law_);
+    std::vector<std::pair<Quantity, Derived>> slopes;
     for (const Quantity q : {kRotationalDiffusivity, kSpeed, kAmplitude, kTumbleRate}) {
       std::vector<double> shifted = main_.values;
       const double step = 1e-3 * shifted[q];
+      if (!std::isfinite(step)) continue;  // the law does not depend on it
       shifted[q] += step;
-      const double slope = (at(shifted) - value) / step;
-      if (!std::isfinite(slope)) {
-        continue;
+      Derived& slope = slopes.emplace_back(q, Derived(*measured(shifted))).second;
+      for (std::size_t k = 0; k < slope.values.size(); ++k) {
+        slope.values[k] = (slope.values[k] - value.values[k]) / step;
       }
-      for (std::size_t b = 0; b < without.size(); ++b) {
-        without[b] += slope * (main_.without[b][q] - main_.values[q]);
-      }
-      const double model = slope * main_.values[q] * modelError(law_, q, observed_);
-      model2 += model * model;
     }
-    Estimate estimate{
-        name, unit, value, main_.sigmaOf(value, without), 0, 0, function(ExactLaw(law_)), 0, note};
-    const double dof = main_.degreesOfFreedom();
-    const bool known = boundedByModel(estimate, std::sqrt(model2), dof);
-    setInterval(estimate, dof, known, true);
-    list_.push_back(estimate);
+    const auto propagate = [&](std::size_t k, const char* name, const char* unit,
+                               const char* note) {
+      std::vector<double> without(main_.without.size(), value.values[k]);
+      std::vector<double> without_robot(robots_.without.size(), value.values[k]);
+      double model2 = 0;
+      for (const auto& [q, slope] : slopes) {
+        if (!std::isfinite(slope.values[k])) continue;
+        for (std::size_t b = 0; b < without.size(); ++b) {
+          without[b] += slope.values[k] * (main_.without[b][q] - main_.values[q]);
+        }
+        for (std::size_t r = 0; r < without_robot.size(); ++r) {
+          without_robot[r] += slope.values[k] * (robots_.without[r][q] - robots_.values[q]);
+        }
+        const double model = slope.values[k] * main_.values[q] * modelError(law_, q, observed_);
+        model2 += model * model;
+      }
+      Estimate estimate{name, unit, value.values[k],  main_.sigmaOf(value.values[k], without),
+                        0,    0,    theory.values[k], 0,
+                        note};
+      const double dof = main_.degreesOfFreedom();
+      const bool known = boundedByModel(estimate, std::sqrt(model2), dof);
+      setInterval(estimate, dof, known, true);
+      if (robots_.shares.size() > 1) {
+        widen(estimate, robots_.sigmaOf(value.values[k], without_robot));
+      }
+      list_.push_back(estimate);
+    };
+    propagate(0, "D", "m^2/s", "exact law at the measured parameters");
+    if (law_->constantSpeed()) {
+      propagate(1, "L_s", "m", "integral of C(l), exact law at the measured parameters");
+    }
   }
 
   const ProgramLaw& law_;
   const BlockData& data_;
-  Estimator estimator_;
+  const Estimator& estimator_;
+  const BlockSums& total_;
   double observed_;
   Replicates main_;
+  Replicates robots_;  ///< One group per robot; empty: a single robot.
   std::vector<Estimate> list_;
 };
 
@@ -375,7 +466,27 @@ std::vector<Estimate> estimate(const ProgramLaw& law, const BlockData& data) {
   if (!(data.observed() > 0)) {
     return {};
   }
-  return Report(law, data).all();
+  return estimate(Estimator(law, data), data);
+}
+
+std::vector<Estimate> estimate(const Estimator& estimator, const BlockData& data) {
+  return Report(estimator, data).all();
+}
+
+std::vector<std::string> estimateNames(const ProgramLaw& law) {
+  if (!law.known()) return {"v"};
+  std::vector<std::string> names;
+  if (law->held()) names.emplace_back("D_r");
+  names.push_back(law->speedName());
+  if (law->drawnWheels()) names.insert(names.end(), {"V", "D_t"});
+  if (law->runs()) names.insert(names.end(), {"gamma", "tau_r"});
+  constexpr MeasuredMotion kAny{1, 1, 1, 1, units::kNan};
+  if (law->measured(kAny)) {
+    names.emplace_back("D");
+    if (law->constantSpeed()) names.emplace_back("L_s");
+  }
+  if (!std::isnan(law->persistenceTime())) names.emplace_back("D_slope");
+  return names;
 }
 
 }  // namespace lab::analysis

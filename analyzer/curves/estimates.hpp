@@ -40,6 +40,12 @@ enum Quantity : std::size_t {
 };
 using Quantities = std::array<double, kQuantities>;
 
+/// The noise of the tracker; nan if the data do not determine it.
+struct TrackerNoise {
+  double position_offset = 0;  ///< 4 sigma^2, contribution to the MSD, m^2.
+  double heading_offset = 0;   ///< 2 sigma_theta^2, rad^2.
+};
+
 /// The estimators of one program on one lag grid, as functions of the sums:
 ///
 /// - D_r = epsilon <omega^2> / 2 with <omega^2> = [A(t2) - A(t1)] / [F(t2) - F(t1)], t1 and t2 the
@@ -58,7 +64,15 @@ class Estimator {
  public:
   Estimator(const ProgramLaw& law, const BlockData& data);
 
+  [[nodiscard]] const ProgramLaw& law() const { return law_; }
+  [[nodiscard]] const BlockSums& total() const { return total_; }  ///< Of the data.
+
   [[nodiscard]] Quantities operator()(const BlockSums& sums) const;
+  [[nodiscard]] TrackerNoise noise(const BlockSums& sums) const;
+
+  /// Indices of the lags that all this needs; and those that noise() needs. Each one once.
+  [[nodiscard]] const std::vector<std::size_t>& neededLags() const { return needed_; }
+  [[nodiscard]] const std::vector<std::size_t>& noiseLags() const { return noise_lags_; }
 
   /// The longest lag (s) that a quantity needs. Blocks must be several times longer.
   [[nodiscard]] double reach(Quantity quantity) const;
@@ -66,11 +80,14 @@ class Estimator {
  private:
   [[nodiscard]] double msd(const BlockSums& sums, std::size_t i) const;
   [[nodiscard]] double angular(const BlockSums& sums, std::size_t i) const;
-  void measureTurning(const BlockSums& sums, Quantities& q) const;
-  void measureNoise(const BlockSums& sums, Quantities& q) const;
+  [[nodiscard]] double turningScale(const BlockSums& sums, std::size_t from, std::size_t to) const;
+  [[nodiscard]] double speed(const BlockSums& sums, const TrackerNoise& noise) const;
   [[nodiscard]] double chordOfUnknownTurning(const BlockSums& sums) const;
 
   ProgramLaw law_;
+  BlockSums total_;
+  std::vector<std::size_t> needed_;
+  std::vector<std::size_t> noise_lags_;
   std::optional<HeldDraws> held_;
   std::optional<DrawnWheels> wheels_;
   std::optional<RunsAndTurns> runs_;
@@ -82,6 +99,7 @@ class Estimator {
   std::size_t slope_end_ = 0;
   double slope_time_ = 0;  ///< s, 0: no slope.
   std::vector<double> lag_times_;
+  // By lag, filled at one frame and at the lags nearest to epsilon and 2 epsilon.
   std::vector<double> shape_;       ///< F: angular MSD of the law over <omega^2>.
   std::vector<double> mean_part_;   ///< MSD of unit mean wheel speed.
   std::vector<double> noise_part_;  ///< MSD of the programmed noise of the wheels.
@@ -89,5 +107,11 @@ class Estimator {
 
 /// All estimates of a program with their theoretical values, in the order of display.
 [[nodiscard]] std::vector<Estimate> estimate(const ProgramLaw& law, const BlockData& data);
+
+/// The same with the estimators of these data.
+[[nodiscard]] std::vector<Estimate> estimate(const Estimator& estimator, const BlockData& data);
+
+/// The names of the estimates that a program has, before anything is measured.
+[[nodiscard]] std::vector<std::string> estimateNames(const ProgramLaw& law);
 
 }  // namespace lab::analysis

@@ -42,31 +42,32 @@ std::optional<Fix> FrameHistory::find(std::int64_t slot) const {
 
 std::optional<Fix> FrameHistory::interpolated(double time, std::int64_t guess,
                                               double period) const {
+  const std::int64_t oldest = first_ - static_cast<std::int64_t>(kHistory);
+  const auto timeAt = [&](std::int64_t slot) {
+    return slot < oldest || slot > newest() ? kLost
+                                            : time_[static_cast<std::size_t>(slot - oldest)];
+  };
   // Every join shifts the slots against free time by a fraction of a period: correct the guess.
-  std::optional<Fix> near;
-  for (int back = 0; back < kSearch && !near; ++back) {
-    near = find(guess - back);
-  }
-  if (!near) {
-    return std::nullopt;
-  }
-  const std::int64_t centre = near->slot - std::lround((near->time - time) / period);
-  std::optional<Fix> after;
+  std::int64_t near = guess;
+  while (near > guess - kSearch && std::isnan(timeAt(near))) --near;
+  if (near == guess - kSearch) return std::nullopt;
+  const std::int64_t centre = near - std::lround((timeAt(near) - time) / period);
+  std::int64_t after = 0;
+  double end = kLost;
   for (std::int64_t slot = centre + kSearch / 2; slot >= centre - kSearch / 2; --slot) {
-    const std::optional<Fix> fix = find(slot);
-    if (!fix) {
+    const double begin = timeAt(slot);
+    if (std::isnan(begin)) continue;
+    if (begin > time) {
+      after = slot;
+      end = begin;
       continue;
     }
-    if (fix->time > time) {
-      after = fix;
-      continue;
-    }
-    if (!after || after->time - fix->time > kBracket * period) {
-      return std::nullopt;
-    }
-    const double w = (time - fix->time) / (after->time - fix->time);
-    return Fix{fix->slot, time, fix->x + w * (after->x - fix->x), fix->y + w * (after->y - fix->y),
-               fix->theta + w * (after->theta - fix->theta)};
+    if (!(end - begin <= kBracket * period)) return std::nullopt;
+    const Fix from = at(static_cast<std::size_t>(slot - oldest));
+    const Fix to = at(static_cast<std::size_t>(after - oldest));
+    const double w = (time - begin) / (end - begin);
+    return Fix{slot, time, from.x + w * (to.x - from.x), from.y + w * (to.y - from.y),
+               from.theta + w * (to.theta - from.theta)};
   }
   return std::nullopt;
 }

@@ -16,11 +16,11 @@ using units::kNan;
 
 constexpr double kRecordingsPerLag = 20;  // as in curves()
 constexpr double kMinDraws = 100;
-constexpr double kOffsetError = 0.05;  // relative error of the noise
-constexpr double kMostScatter = 0.5;   // of a cube root; beyond, a lag is not judged
-constexpr double kTolerance = 0.05;    // of an MSD, for calibration
-constexpr double kOnePercentZ = 3.2;   // the largest |z| of normal lags exceeds it in 1 %
-constexpr std::size_t kNoiseLag = 8;   // index of the lag for the noise of the heading, at most
+constexpr double kOffsetError = 0.05;     // relative error of the noise
+constexpr double kMostScatter = 0.5;      // of a cube root; beyond, a lag is not judged
+constexpr double kTolerance = 0.05;       // of an MSD, for calibration
+constexpr double kOnePercentZ = 3.2;      // the largest |z| of normal lags exceeds it in 1 %
+constexpr std::size_t kLastNoiseLag = 8;  // index of the second lag for the noise of the heading
 constexpr int kFewestFilms = 20;
 
 /// Nearly normal, and nearly ratio - 1 where the ratio is nearly 1 (Wilson and Hilferty).
@@ -47,6 +47,7 @@ class Comparison {
     for (std::size_t i = 0; i < lags_; ++i) {
       shape_.push_back(films_.expected(true, i));
     }
+    second_lag_ = secondLag(films_);
     for (std::size_t column = 0; column < 2 * lags_; ++column) {
       point(column).exact = films_.expected(column >= lags_, column % lags_);
       scales_.push_back(errorScale(films.curves(), observed_, segments_, tau(column)));
@@ -83,28 +84,26 @@ class Comparison {
   [[nodiscard]] Ratios ofMeasurement() const {
     std::vector<double> angular;
     for (std::size_t i = 0; i < lags_; ++i) angular.push_back(result_.angular_msd[i].value);
-    const double offset = headingOffset(angular, shape_);
+    const double offset = headingOffset(angular, shape_, second_lag_);
     Ratios ratios(2 * lags_);
     for (std::size_t i = 0; i < lags_; ++i) {
       CurvePoint& msd = result_.msd[i];
       CurvePoint& turn = result_.angular_msd[i];
-      turn.noise = offset;
+      turn.noise = std::max(0.0, offset);
       ratios[i] = (msd.value - msd.noise) / films_.expected(false, i);
       ratios[lags_ + i] = (turn.value - offset) / shape_[i];
     }
     return ratios;
   }
 
-  /// Scaled to the errors of the measured time.
+  /// Scaled to the errors of the measured time. The noise of the heading is estimated as in the
+  /// measurement, even if the film has none: it is what is known worst.
   [[nodiscard]] Ratios ofFilm(int film) const {
     const SimulatedCurves& simulated = films_.curves();
     const double offset = 4 * films_.plan().sigma * films_.plan().sigma;
-    double angular_offset = 0;
-    if (films_.plan().sigma_theta > 0) {
-      std::vector<double> angular;
-      for (std::size_t i = 0; i < lags_; ++i) angular.push_back(simulated.value(film, lags_ + i));
-      angular_offset = headingOffset(angular, shape_);
-    }
+    std::vector<double> angular;
+    for (std::size_t i = 0; i < lags_; ++i) angular.push_back(simulated.value(film, lags_ + i));
+    const double angular_offset = headingOffset(angular, shape_, second_lag_);
     Ratios ratios(2 * lags_, kNan);
     for (const std::size_t column : columns_) {
       const double value =
@@ -116,8 +115,9 @@ class Comparison {
 
   [[nodiscard]] bool mayBeJudged(std::size_t column) const {
     const CurvePoint& one = point(column);
-    const double covered = gaps_.covered(tau(column) / data_.frame_period);
     const bool angular = column >= lags_;
+    const double covered =
+        coveredShare(gaps_, tau(column) / data_.frame_period, total_.lags[column % lags_], angular);
     return enough_draws_ && (angular || noise_known_) && !one.selection_biased &&
            std::isfinite(one.value) && covered >= kLeastCovered &&
            kRecordingsPerLag * tau(column) <= covered * observed_;
@@ -204,18 +204,45 @@ class Comparison {
   bool enough_draws_ = false;
   bool noise_known_ = false;
   std::vector<double> shape_;         ///< Expected angular MSD.
+  std::size_t second_lag_ = 0;        ///< For the noise of the heading.
   std::vector<std::size_t> columns_;  ///< That may be judged, ascending.
   std::vector<double> scales_;        ///< From the error of a film to that of the measured time.
 };
 
 }  // namespace
 
-double headingOffset(const std::vector<double>& angular, const std::vector<double>& shape) {
-  const std::size_t second = std::min(kNoiseLag, shape.size() - 1);
-  if (shape.size() < 2) return 0;
+double headingOffset(const std::vector<double>& angular, const std::vector<double>& shape,
+                     std::size_t second) {
+  if (second == 0 || second >= shape.size()) return 0;
   const double scale = (angular[second] - angular[0]) / (shape[second] - shape[0]);
   const double offset = angular[0] - scale * shape[0];
-  return std::isfinite(offset) ? std::max(0.0, offset) : 0;
+  return std::isfinite(offset) ? offset : 0;
+}
+
+std::size_t secondLag(const FilmReference& films) {
+  const SimulatedCurves& curves = films.curves();
+  const std::size_t lags = curves.lags.size();
+  std::vector<double> shape;
+  for (std::size_t i = 0; i < lags; ++i) shape.push_back(films.expected(true, i));
+  std::size_t best = 0;
+  double least = 0;
+  for (std::size_t second = 1; second < lags && second <= kLastNoiseLag; ++second) {
+    double sum = 0;
+    double squares = 0;
+    for (int film = 0; film < curves.recordings; ++film) {
+      std::vector<double> angular(lags);
+      angular[0] = curves.value(film, lags);
+      angular[second] = curves.value(film, lags + second);
+      const double offset = headingOffset(angular, shape, second);
+      sum += offset;
+      squares += offset * offset;
+    }
+    const double scatter = squares - sum * sum / curves.recordings;
+    if (best != 0 && !(scatter < least)) continue;
+    best = second;
+    least = scatter;
+  }
+  return best;
 }
 
 void compareWithFilms(Curves& result, const FilmReference& films, const ProgramLaw& law,

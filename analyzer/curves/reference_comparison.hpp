@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "analyzer/bootstrap/film_reference.hpp"
@@ -8,10 +9,15 @@
 namespace lab::analysis {
 
 /// The heading noise in the angular MSD [rad^2] of a curve whose shape without noise is known, from
-/// the first lag and one of about a hold; 0 if it cannot be determined.
+/// the first lag and another one; its error may make it negative. 0 if it cannot be determined.
 /// @param angular the curve with its noise, shape the curve without noise, by lag
+/// @param second index of the other lag
 [[nodiscard]] double headingOffset(const std::vector<double>& angular,
-                                   const std::vector<double>& shape);
+                                   const std::vector<double>& shape, std::size_t second);
+
+/// The second lag with which headingOffset() scatters least over the films: the motion at both lags
+/// must fluctuate together, which depends on how long holds are.
+[[nodiscard]] std::size_t secondLag(const FilmReference& films);
 
 /// Judges measured curves of a program by simulated films of it (Law::isSimulated): fills `exact`
 /// with the expected curves, and z.

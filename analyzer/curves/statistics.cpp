@@ -2,6 +2,7 @@
 // poissonInterval are kept: their bits are part of the ANALYSIS messages in logs of virtual time.
 #include "analyzer/curves/statistics.hpp"
 
+#include <boost/math/distributions/students_t.hpp>
 #include <boost/math/special_functions/beta.hpp>
 #include <boost/math/special_functions/erf.hpp>
 #include <cmath>
@@ -53,6 +54,11 @@ double studentQuantile(double degrees_of_freedom) {
   const double g3 = x * (((3 * x2 + 19) * x2 + 17) * x2 - 15) / 384;
   const double g4 = x * ((((79 * x2 + 776) * x2 + 1482) * x2 - 1920) * x2 - 945) / 92160;
   return x + (g1 + (g2 + (g3 + g4 / nu) / nu) / nu) / nu;
+}
+
+double studentQuantile95(double degrees_of_freedom) {
+  if (!(degrees_of_freedom > 0)) return std::numeric_limits<double>::infinity();
+  return boost::math::quantile(boost::math::students_t(degrees_of_freedom), 0.975);
 }
 
 double normalDeviate(double t, double degrees_of_freedom) {

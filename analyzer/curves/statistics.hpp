@@ -6,6 +6,9 @@ namespace lab::analysis {
 /// The two-sided 95 % quantile of Student's t; 1.96 for many degrees of freedom, infinite below 1.
 [[nodiscard]] double studentQuantile(double degrees_of_freedom);
 
+/// The same for any positive number of degrees of freedom, exactly.
+[[nodiscard]] double studentQuantile95(double degrees_of_freedom);
+
 /// The normal deviate with the same tail probability as the value t of Student's t with that many
 /// degrees of freedom (Wallace's approximation).
 [[nodiscard]] double normalDeviate(double t, double degrees_of_freedom);

@@ -6,10 +6,10 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kHoldFrames = 50;     // largest number of frames in a simulated hold
+constexpr double kHoldFrames = 50;      // largest number of frames in a simulated hold
 constexpr double kRecordingLags = 30;  // length of a simulated recording, in longest lags
-constexpr double kMostFrames = 16000;  // largest number of frames in a simulated recording
-constexpr double kLagsPerTrack = 5;    // length of a track, in longest lags
+constexpr double kMostFrames = 16000;   // largest number of frames in a simulated recording
+constexpr double kLagsPerTrack = 5;     // length of a track, in longest lags
 
 }  // namespace
 
@@ -55,7 +55,10 @@ SimulatedCurves simulateForFit(const ProgramLaw& law, double offset, double angu
   recordings.duration = plan.duration;
   recordings.recordings = options.recordings;
   recordings.seed = options.seed;
-  for (const std::size_t lag : plan.lags) recordings.lags.push_back(curves.lags[lag]);
+  for (const std::size_t lag : plan.lags) {
+    recordings.lags.push_back(curves.lags[lag]);
+    recordings.angular.push_back(std::isfinite(curves.angular_msd[lag]));
+  }
   return simulateCurves(recordings);
 }
 

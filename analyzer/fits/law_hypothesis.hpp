@@ -10,7 +10,8 @@
 
 namespace lab::analysis {
 
-/// The curves of block data as input of fits and tests, SI units; nan for lags without windows.
+/// The curves of block data as input of fits and tests, SI units; nan for lags without windows, and
+/// for the angular MSD also for lags whose few windows are not representative.
 struct MeasuredCurves {
   std::vector<double> lags;  ///< Mean duration of the windows, s.
   std::vector<double> msd;
@@ -22,6 +23,7 @@ struct MeasuredCurves {
   double segments = 1;         ///< Number of pieces, which windows do not leave.
   RecordingGaps gaps;
   double offset = 0;          ///< 4 sigma^2 by the live estimator, m^2.
+  double offset_sigma = 0;    ///< Its standard error, m^2.
   double angular_offset = 0;  ///< 2 sigma_theta^2, rad^2.
 };
 
@@ -33,9 +35,9 @@ struct LawTest {
   std::vector<double> lags;  ///< s.
   double distance2 = 0;      ///< Squared Mahalanobis distance.
   int freedom = 0;           ///< Number of lags of all curves, less 1 if the speed is free.
-  double p_value = 0;        ///< By Hotelling's distribution; nan: too few lags.
+  double p_value = 0;        ///< By DistanceDistribution; nan: too few lags.
   double deviate = 0;        ///< The normal deviate of equal probability, in standard deviations.
-  double speed = 0;          ///< Free speed over the programmed one; 1: not free.
+  double speed = 0;          ///< Free speed over the programmed one; 1: not free, or too far off.
 };
 
 enum class TestedLaw {
@@ -53,8 +55,8 @@ enum class TestedLaw {
 struct TestOptions {
   double systematic_floor =
       0.002;  ///< Relative systematic error of each lag, independent of the others.
-  double speed_tolerance = 0.05;
-  double longest_lag = 0;  ///< Longer lags are selected by their outcome, s; 0: none.
+  double speed_tolerance = 0.05;  ///< Of the speed, relative; farther off, it is not free.
+  double longest_lag = 0;         ///< Longer lags are selected by their outcome, s; 0: none.
 };
 
 [[nodiscard]] LawTest testLaw(TestedLaw tested, const ProgramLaw& law, const MeasuredCurves& curves,

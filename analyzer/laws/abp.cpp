@@ -41,7 +41,7 @@ class Abp : public HeldNoiseLaw {
   [[nodiscard]] std::optional<HeldDraws> held() const override { return HeldDraws{hold(), 0.8}; }
   [[nodiscard]] std::optional<double> constantSpeed() const override { return v_; }
   [[nodiscard]] std::shared_ptr<const HeldNoise> heldNoise() const override {
-    return cachedHeldNoise({false, v_, eta_, 0, hold()});
+    return std::make_shared<const HeldNoise>(HeldNoise::uniformTurning(v_, eta_, hold()));
   }
 
   [[nodiscard]] std::unique_ptr<Motion> motion() const override {

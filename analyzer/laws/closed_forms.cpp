@@ -49,10 +49,6 @@ ProgramLaw closedForm(std::string_view name,
     }
     value.value = given->second;
   }
-  if (parameters.size() > values.size()) {
-    throw std::invalid_argument("law \"" + form->name + "\": found more parameters than its " +
-                                std::to_string(values.size()));
-  }
   return ProgramLaw(form->make(std::move(values), wheel_base));
 }
 

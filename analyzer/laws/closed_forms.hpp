@@ -28,9 +28,10 @@ struct ClosedForm {
 /// The names of the closed forms that satisfy `has`, as "one, two, three".
 [[nodiscard]] std::string closedFormsWith(const std::function<bool(const Law&)>& has);
 
-/// @param parameters names and values (SI units), all that the form has, in any order
+/// @param parameters names and values (SI units), all that the form has, in any order; others have
+///   no meaning (lawProblems() refuses them where somebody writes them)
 /// @param wheel_base distance between the wheels, m
-/// @throws std::invalid_argument for an unknown name, or a parameter too many or too few
+/// @throws std::invalid_argument for an unknown name, or a parameter too few
 [[nodiscard]] ProgramLaw closedForm(std::string_view name,
                                     const std::vector<std::pair<std::string, double>>& parameters,
                                     double wheel_base);

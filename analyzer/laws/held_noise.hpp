@@ -1,5 +1,7 @@
 #pragma once
 
+#include <memory>
+
 #include "analyzer/laws/chebyshev.hpp"
 
 namespace lab::analysis {
@@ -13,6 +15,9 @@ namespace lab::analysis {
 /// C_v(s) = va^2 g(s) + (1 - s/epsilon)_+ psi(s). For s below epsilon, g is a convolution of chi.
 /// For longer s, g is a function of the phase in the hold, the same for all holds, times a power of
 /// q. MSD(tau) = 2 int_0^tau (tau - s) C_v(s) ds is therefore a geometric sum over holds.
+///
+/// g and psi are tabulated on one hold when they are first needed. The tables do not depend on va
+/// and are kept, so they are built once for all mean speeds; the diffusivity needs none.
 class HeldNoise {
  public:
   /// Constant speed v (m/s), turning rate uniform in [-eta, eta] (rad/s): the ABP.
@@ -38,13 +43,13 @@ class HeldNoise {
   [[nodiscard]] double diffusivity() const;
 
   /// D_r = epsilon <omega^2> / 2 in rad^2/s: exact.
-  [[nodiscard]] double rotationalDiffusivity() const { return 0.5 * epsilon_ * omega2_; }
+  [[nodiscard]] double rotationalDiffusivity() const { return 0.5 * shape_.epsilon * omega2_; }
 
   /// chi(t) = <cos(omega t)> for one draw of the turning rate.
   [[nodiscard]] double chi(double t) const;
   /// <(v - va)^2 cos(omega t)> for one draw of the wheels, m^2/s^2.
   [[nodiscard]] double psi(double t) const;
-  [[nodiscard]] double epsilon() const { return epsilon_; }           ///< s.
+  [[nodiscard]] double epsilon() const { return shape_.epsilon; }     ///< s.
   [[nodiscard]] double meanSpeed() const { return va_; }              ///< m/s.
   [[nodiscard]] double meanSquareTurning() const { return omega2_; }  ///< <omega^2>, rad^2/s^2.
   /// Number of Chebyshev points that resolve all functions on one hold to full precision.
@@ -53,27 +58,31 @@ class HeldNoise {
  private:
   enum class Noise { kTurning, kWheels };
 
-  HeldNoise(Noise noise, double va, double width, double amplitude, double epsilon);
+  /// What the tables depend on.
+  struct Shape {
+    Noise noise = Noise::kTurning;
+    double width = 0;  ///< Scale of the turning rate, 1/s: eta, or amplitude / wheel base.
+    double amplitude = 0;
+    double epsilon = 0;
+    bool operator==(const Shape&) const = default;
+  };
+  struct Tables;
+  struct LazyTables;
 
+  HeldNoise(double va, const Shape& shape);
+
+  [[nodiscard]] Tables makeTables() const;
+  [[nodiscard]] const Tables& tables() const;
   /// int_0^tau (tau - s) g(s) ds.
   [[nodiscard]] double meanSpeedPart(double tau) const;
+  /// int_0^tau (tau - s) (1 - s/epsilon)_+ psi(s) ds.
+  [[nodiscard]] double spreadPart(double tau) const;
 
-  Noise noise_;
   double va_;
-  double width_;  ///< Scale of the turning rate, 1/s: eta, or amplitude / wheel base.
-  double amplitude_;
-  double epsilon_;
+  Shape shape_;
   double omega2_;  ///< <omega^2>.
   double q_;
-  ChebyshevSeries first_;        ///< g on the first hold.
-  ChebyshevSeries first_once_;   ///< Its integral.
-  ChebyshevSeries first_twice_;  ///< Its double integral.
-  ChebyshevSeries later_;        ///< g on the second hold. On hold m + 1 g is this times q^(m-1).
-  ChebyshevSeries later_once_;
-  ChebyshevSeries later_twice_;
-  ChebyshevSeries spread_;  ///< (1 - s/epsilon) psi(s).
-  ChebyshevSeries spread_once_;
-  ChebyshevSeries spread_twice_;
+  std::shared_ptr<LazyTables> lazy_;
 };
 
 }  // namespace lab::analysis

@@ -42,6 +42,7 @@ class HeldNoiseLaw : public Law {
   [[nodiscard]] double changeTime() const override { return hold_; }
   [[nodiscard]] double longestChange() const override { return 8 * hold_; }
   [[nodiscard]] double kinkSpacing() const override { return hold_; }
+  [[nodiscard]] double steadyHold() const override { return hold_; }
 
  protected:
   [[nodiscard]] double hold() const { return hold_; }
@@ -49,20 +50,5 @@ class HeldNoiseLaw : public Law {
  private:
   double hold_;
 };
-
-/// The parameters of a HeldNoise.
-struct HeldNoiseKey {
-  bool wheels = false;    ///< Drawn wheels; else a drawn turning rate.
-  double speed = 0;       ///< m/s.
-  double amplitude = 0;   ///< m/s, or rad/s.
-  double wheel_base = 0;  ///< m.
-  double hold = 0;        ///< s.
-
-  bool operator==(const HeldNoiseKey&) const = default;
-};
-
-/// Cached: building a HeldNoise takes thousands of sines, and a live analysis asks for the same few
-/// laws repeatedly.
-[[nodiscard]] std::shared_ptr<const HeldNoise> cachedHeldNoise(const HeldNoiseKey& key);
 
 }  // namespace lab::analysis

@@ -165,6 +165,8 @@ class Law {
   [[nodiscard]] virtual std::optional<RunsAndTurns> runs() const { return std::nullopt; }
   /// The speed while it drives straight or along an arc, if it is always the same, m/s.
   [[nodiscard]] virtual std::optional<double> constantSpeed() const { return std::nullopt; }
+  /// The time, always the same, after which a new turning rate is drawn, s; 0: there is none such.
+  [[nodiscard]] virtual double steadyHold() const { return 0; }
   /// The MSD is a straight line from one hold on, to lowest order.
   [[nodiscard]] virtual bool isDiffusive() const { return false; }
   /// The noise of the law for windows of a fixed phase; nullptr: its draws are not held.

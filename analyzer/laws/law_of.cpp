@@ -85,6 +85,16 @@ std::string coefficientsText(const Program& program, double wheel_base) {
   return text;
 }
 
+std::string referenceText(const Program& program, double wheel_base) {
+  const ProgramLaw law = lawOf(program, wheel_base);
+  if (!law.known()) return "not judged: it stands";
+  std::string reason = law->whyNoVerdict();
+  if (reason.empty()) return "judged by " + law->reference();
+  if (reason.ends_with('.')) reason.pop_back();
+  if (reason.starts_with("The ")) reason[0] = 't';
+  return "not judged: " + reason;
+}
+
 ProgramLaw lawOfUnknown(std::uint32_t hash, const std::string& name, double wheel_base) {
   Program program;
   program.hash = hash;

@@ -114,7 +114,8 @@ class DrawnWheelsLaw : public HeldNoiseLaw {
  private:
   [[nodiscard]] bool exists() const { return hold() > 0 && wheelBase() > 0; }
   [[nodiscard]] std::shared_ptr<const HeldNoise> noiseAt(double mean) const {
-    return cachedHeldNoise({true, mean, amplitude_, wheelBase(), hold()});
+    return std::make_shared<const HeldNoise>(
+        HeldNoise::uniformWheels(mean, amplitude_, wheelBase(), hold()));
   }
 
   bool brownian_;

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 
+#include "analyzer/laws/si_dimension.hpp"
 #include "robot/language/formula.hpp"
 
 namespace lab::analysis {
@@ -34,28 +35,6 @@ std::vector<LawParameter> parametersOf(const Program& program) {
   return parameters;
 }
 
-/// The dimension of an SI unit as ProgramParameter has it: "m^2/s", "rad/s", "1".
-language::Dimension dimensionOf(const std::string& unit) {
-  language::Dimension dimension;
-  int sign = 1;
-  for (std::size_t at = 0; at < unit.size();) {
-    const std::size_t end = unit.find_first_of(" /()", at);
-    std::string word = unit.substr(at, end - at);
-    int exponent = 1;
-    if (const std::size_t power = word.find('^'); power != std::string::npos) {
-      exponent = std::stoi(word.substr(power + 1));
-      word.resize(power);
-    }
-    if (word == "m") dimension.length += sign * exponent;
-    if (word == "s") dimension.time += sign * exponent;
-    if (word == "volt") dimension.voltage += sign * exponent;
-    if (end == std::string::npos) break;
-    if (unit[end] == '/') sign = -1;
-    at = end + 1;
-  }
-  return dimension;
-}
-
 /// The parameters in the units of programs.
 std::vector<language::Parameter> languageParameters(const Program& program) {
   std::vector<language::Parameter> parameters;
@@ -75,25 +54,31 @@ class ProgramCodeLaw : public Law {
         code_(std::make_shared<const std::vector<std::uint8_t>>(program.code)),
         body_(body),
         free_(!program.reads_surroundings),
-        hold_(meanHold(code_, body)) {}
+        hold_(holdFacts(code_, body)) {}
 
   [[nodiscard]] bool equals(const Law& other) const override {
     const auto* same = dynamic_cast<const ProgramCodeLaw*>(&other);
     return same != nullptr && Law::equals(other) && *code_ == *same->code_ && body_ == same->body_;
   }
-  [[nodiscard]] double drawTime() const override { return hold_; }
-  [[nodiscard]] double changeTime() const override { return hold_; }
-  [[nodiscard]] double longestChange() const override { return 8 * hold_; }
+  [[nodiscard]] double drawTime() const override { return hold_.mean; }
+  [[nodiscard]] double changeTime() const override { return hold_.mean; }
+  [[nodiscard]] double longestChange() const override { return 8 * hold_.mean; }
+  [[nodiscard]] double steadyHold() const override {
+    return hold_.turning_scatter > 0 ? hold_.constant : 0;
+  }
+  [[nodiscard]] double relativeAngularError(double tau, double observed) const override {
+    return std::sqrt((4 * tau / 3 + hold_.turning_scatter) / observed);
+  }
   [[nodiscard]] std::string characteristicEstimate() const override { return "v"; }
   [[nodiscard]] std::unique_ptr<Motion> motion() const override {
-    return free_ && std::isfinite(hold_) ? programMotion(code_, body_) : nullptr;
+    return free_ && std::isfinite(hold_.mean) ? programMotion(code_, body_) : nullptr;
   }
 
  private:
   ByteCode code_;
   RobotBody body_;
   bool free_;
-  double hold_;  ///< Mean duration, s.
+  HoldFacts hold_;
 };
 
 class FormulaCurves : public LawCurves {

@@ -126,21 +126,51 @@ std::unique_ptr<Motion> programMotion(const ByteCode& code, const RobotBody& bod
   return std::make_unique<ProgramMotion>(code, body);
 }
 
-double meanHold(const ByteCode& code, const RobotBody& body) {
+HoldFacts holdFacts(const ByteCode& code, const RobotBody& body) {
   constexpr int kMostArcs = 20000;
   constexpr int kMostHolds = 4000;
   RobotBody ideal = body;
   ideal.clock_error = 0;
   ProgramMotion motion(code, ideal);
   Random random(1);
-  double time = 0;
+  struct Hold {
+    double duration = 0;
+    double turning2 = 0;
+  };
+  std::vector<Hold> holds(1);
   Arc arc = motion.first(random);
+  int begun = motion.holds();
   for (int i = 0; i < kMostArcs && motion.holds() <= kMostHolds; ++i) {
-    if (arc.duration >= kForever) return std::numeric_limits<double>::infinity();
-    time += arc.duration;
+    if (arc.duration >= kForever) return {std::numeric_limits<double>::infinity(), 0, 0};
+    if (motion.holds() != begun) holds.emplace_back();
+    begun = motion.holds();
+    holds.back().duration += arc.duration;
+    holds.back().turning2 = arc.turning * arc.turning;
     arc = motion.next(random);
   }
-  return time / motion.holds();
+  double time = 0;
+  double turning2 = 0;
+  for (const Hold& hold : holds) {
+    time += hold.duration;
+    turning2 += hold.duration * hold.turning2;
+  }
+  turning2 /= time;
+  double scatter = 0;
+  double longest = 0;
+  double shortest = std::numeric_limits<double>::infinity();
+  // The last one may be incomplete.
+  for (std::size_t i = 0; i + 1 < holds.size(); ++i) {
+    longest = std::max(longest, holds[i].duration);
+    shortest = std::min(shortest, holds[i].duration);
+  }
+  for (const Hold& hold : holds) {
+    scatter += std::pow(hold.duration * (hold.turning2 - turning2), 2);
+  }
+  HoldFacts facts;
+  facts.mean = time / static_cast<double>(holds.size());
+  if (turning2 > 0) facts.turning_scatter = scatter / (time * turning2 * turning2);
+  if (longest - shortest < 0.5 * kMilli) facts.constant = longest;
+  return facts;
 }
 
 }  // namespace lab::analysis

@@ -30,7 +30,15 @@ using ByteCode = std::shared_ptr<const std::vector<std::uint8_t>>;
 /// sensors read 0. Each motion has a clock rate of its own.
 [[nodiscard]] std::unique_ptr<Motion> programMotion(const ByteCode& code, const RobotBody& body);
 
-/// The mean duration of a hold, s, from the first thousands of holds; infinite: it has no end.
-[[nodiscard]] double meanHold(const ByteCode& code, const RobotBody& body);
+/// What the first thousands of holds of a program tell.
+struct HoldFacts {
+  double mean = 0;  ///< Mean duration, s; infinite: one has no end.
+  /// The relative variance of the mean squared turning rate over a time T is this time over T, s,
+  /// if holds are independent.
+  double turning_scatter = 0;
+  /// The duration of every hold, s, if it is always the same; else 0.
+  double constant = 0;
+};
+[[nodiscard]] HoldFacts holdFacts(const ByteCode& code, const RobotBody& body);
 
 }  // namespace lab::analysis

@@ -52,26 +52,27 @@ struct Pool {
   }
 };
 
-/// The mean over robots, weighted by the inverse variances.
+/// The mean over robots, weighted by the number of single values: inverse variances would not be
+/// weights where a camera without noise leaves none, and would prefer some robots by chance.
 Measured weighted(const std::vector<const FoundRuns*>& robots, Measured FoundRuns::*member) {
-  double weights = 0;
   double sum = 0;
+  double variance = 0;
   double scatter2 = 0;
   double count = 0;
   for (const FoundRuns* robot : robots) {
     const Measured& one = robot->*member;
-    if (!(one.sigma > 0) || !std::isfinite(one.value)) {
+    if (!std::isfinite(one.sigma) || !std::isfinite(one.value)) {
       continue;
     }
-    weights += 1 / (one.sigma * one.sigma);
-    sum += one.value / (one.sigma * one.sigma);
+    sum += one.count * one.value;
+    variance += one.count * one.count * one.sigma * one.sigma;
     scatter2 += one.count * one.scatter * one.scatter;
     count += one.count;
   }
-  if (!(weights > 0)) {
+  if (!(count > 0)) {
     return {kNan, kNan, kNan, 0};
   }
-  return {sum / weights, 1 / std::sqrt(weights), std::sqrt(scatter2 / count), count};
+  return {sum / count, std::sqrt(variance) / count, std::sqrt(scatter2 / count), count};
 }
 
 Estimate normal(const char* name, const char* unit, double value, double sigma, double theory,

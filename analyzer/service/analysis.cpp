@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
+#include <iterator>
 #include <utility>
 
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/reference_comparison.hpp"
+#include "analyzer/curves/robot_scatter.hpp"
 #include "analyzer/service/bootstrap_results.hpp"
 #include "light/median.hpp"
 
@@ -20,6 +21,22 @@ constexpr std::size_t kMaxDwellTimes = 100000;  // limit of memory, per program
 constexpr int kLiveFilms = 120;                 // of the reference of a program
 constexpr int kLiveFilmsPerCall = 8;
 constexpr double kLiveFilmFrames = 30000;
+
+}  // namespace
+
+namespace {
+
+/// The intervals of all robots together contain the scatter between robots.
+void widenRuns(RunStatistics& pool, const std::vector<ProgramResult>& robots) {
+  std::vector<const std::vector<Estimate>*> estimates;
+  std::vector<double> weights;
+  for (const ProgramResult& robot : robots) {
+    if (!robot.runs || !robot.runs->problem.empty()) continue;
+    estimates.push_back(&robot.runs->estimates);
+    weights.push_back(robot.runs->observed);
+  }
+  widenByRobots(pool.estimates, estimates, weights);
+}
 
 }  // namespace
 
@@ -113,9 +130,13 @@ void Analysis::measurePeriod(bool force) {
 }
 
 void Analysis::dispatch(const Frame& frame) {
+  std::vector<int>& ids = frame_robots_;
+  ids.clear();
+  for (const FramePose& pose : frame.poses) ids.push_back(pose.robot);
+  std::ranges::sort(ids);
+  const bool any_twice = std::ranges::adjacent_find(ids) != ids.end();
   for (const FramePose& pose : frame.poses) {
-    const auto same = [&pose](const FramePose& other) { return other.robot == pose.robot; };
-    if (std::count_if(frame.poses.begin(), frame.poses.end(), same) > 1) {
+    if (any_twice && std::ranges::equal_range(ids, pose.robot).size() > 1) {
       ++counters_.duplicate_robots;
       continue;
     }
@@ -128,7 +149,31 @@ void Analysis::dispatch(const Frame& frame) {
   }
 }
 
+ProgramAnalysis* Analysis::analysisOf(Robot& robot, int program) {
+  const auto known = robot.programs.find(program);
+  if (known != robot.programs.end()) return known->second.get();
+  if (of_robots_ >= kMostOfRobots) return nullptr;
+  ++of_robots_;
+  auto analysis = std::make_unique<ProgramAnalysis>(programs_[static_cast<std::size_t>(program)],
+                                                    config_.frame_period, config_.max_lag);
+  if (config_.compare_joins) analysis->collectJoins(config_.frame_period, config_.max_lag);
+  if (config_.find_runs) analysis->collectRuns(config_.frame_period);
+  if (config_.whole_motion) analysis->collectWhole(config_.frame_period, config_.max_lag);
+  return robot.programs.emplace(program, std::move(analysis)).first->second.get();
+}
+
+void Analysis::takeReports(int id, Robot& robot) {
+  for (const FrameReport& frame : robot.stitcher.takeReports()) {
+    if (config_.whole_motion && frame.program >= 0 && frame.state != FrameState::kLost) {
+      ProgramAnalysis* const program = analysisOf(robot, frame.program);
+      if (program != nullptr) program->addFrame(frame);
+    }
+    if (frame_sink_) frame_sink_(id, frame);
+  }
+}
+
 void Analysis::take(int id, Robot& robot) {
+  if (config_.stitcher.report_frames) takeReports(id, robot);
   for (const Sample& sample : samples_) {
     const ProgramLaw& law = programs_[static_cast<std::size_t>(sample.program)];
     if (config_.samples_only) {
@@ -137,21 +182,10 @@ void Analysis::take(int id, Robot& robot) {
       }
       continue;
     }
-    auto& program = robot.programs[sample.program];
-    if (!program) {
-      if (of_robots_ >= kMostOfRobots) {
-        robot.programs.erase(sample.program);
-        ++counters_.left_out;
-        continue;
-      }
-      ++of_robots_;
-      program = std::make_unique<ProgramAnalysis>(law, config_.frame_period, config_.max_lag);
-      if (config_.compare_joins) {
-        program->collectJoins(config_.frame_period, config_.max_lag);
-      }
-      if (config_.find_runs) {
-        program->collectRuns(config_.frame_period);
-      }
+    ProgramAnalysis* const program = analysisOf(robot, sample.program);
+    if (program == nullptr) {
+      ++counters_.left_out;
+      continue;
     }
     program->add(sample);
     if (sink_) {
@@ -208,11 +242,97 @@ void Analysis::judgeLive(int program, const BlockData& data, const CurveOptions&
   const auto found = references_.find(program);
   if (found != references_.end() && found->second.complete()) {
     compareWithFilms(result.curves, found->second, result.law, data, options);
-    result.verdict = judge(result.curves);
+    judgeMotion(result);
     return;
   }
   result.no_verdict = "The reference is being simulated.";
   for (Estimate& estimate : result.estimates) estimate.note += "; reference being simulated";
+}
+
+ProgramResult Analysis::liveResult(LiveResult& last, int program, std::int64_t samples,
+                                   const ProgramTally& tally, const CurveOptions& options,
+                                   const std::function<const BlockData&()>& data) const {
+  const auto reference = references_.find(program);
+  const bool judged = reference != references_.end() && reference->second.complete();
+  if (!last.isOf(samples, options.unbiased_lag, judged)) {
+    const ProgramLaw& law = programs_[static_cast<std::size_t>(program)];
+    last = {samples, options.unbiased_lag, judged, analyse(law, data(), tally, options)};
+    judgeLive(program, data(), options, last.result);
+  }
+  setTally(last.result, tally);
+  judgeMotion(last.result);  // depends on the share of contacts
+  return last.result;
+}
+
+std::vector<ProgramResult> Analysis::programResults(int program, Depth depth,
+                                                    const CurveOptions& options,
+                                                    const std::function<void()>& meanwhile) const {
+  const ProgramLaw& law = programs_[static_cast<std::size_t>(program)];
+  std::vector<ProgramResult> results(1);  // the pool is the first one
+  std::vector<ProgramResult> each;
+  std::vector<const ProgramAnalysis*> robots;
+  ProgramTally sum;
+  std::int64_t samples = 0;
+  JoinBlocks joins;
+  WholeSums whole;
+  std::vector<FoundRuns> runs;
+  const auto resultOf = [&](LiveResult& last, std::int64_t of_samples, const ProgramTally& tally,
+                            const auto& data) {
+    return depth == Depth::kLive ? liveResult(last, program, of_samples, tally, options, data)
+                                 : analyse(law, data(), tally, options, depth);
+  };
+  for (const auto& [id, robot] : robots_) {
+    const auto found = robot.programs.find(program);
+    if (found == robot.programs.end()) continue;
+    const ProgramAnalysis& own = *found->second;
+    const ProgramTally tally = robot.stitcher.tally(program);
+    sum += tally;
+    samples += own.samples();
+    robots.push_back(&own);
+    each.push_back(resultOf(own.live(), own.samples(), tally,
+                            [&own]() -> const BlockData& { return own.data(); }));
+    each.back().robot = id;
+    if (meanwhile) meanwhile();
+    if (own.whole()) {
+      const WholeSums own_whole = own.whole()->sums();
+      each.back().whole = own_whole.motion();
+      whole.pool(own_whole);
+    }
+    if (own.joins()) {
+      const JoinBlocks own_joins = own.joins()->blocks();
+      each.back().joins = compareJoins(own_joins);
+      joins.pool(own_joins);
+    }
+    if (own.runs()) {
+      runs.push_back(own.runs()->find());
+      each.back().runs = runStatistics(law, {&runs.back()});
+    }
+  }
+  if (each.empty()) return {};
+  BlockData pool;
+  const auto pooled = [&]() -> const BlockData& {
+    for (std::size_t i = pool.tracks.size(); i < robots.size(); ++i) pool.pool(robots[i]->data());
+    return pool;
+  };
+  // A pool of one robot equals that robot.
+  results.front() =
+      each.size() == 1 ? each.front() : resultOf(pools_[program], samples, sum, pooled);
+  results.front().robot = kPool;
+  if (depth == Depth::kFull) {
+    std::vector<const BlockData*> data;
+    for (const ProgramAnalysis* own : robots) data.push_back(&own->data());
+    addBootstrapResults(results.front(), pooled(), each, data, options);
+  }
+  if (!runs.empty()) {
+    std::vector<const FoundRuns*> all;
+    for (const FoundRuns& own : runs) all.push_back(&own);
+    results.front().runs = runStatistics(law, all);
+    if (each.size() > 1) widenRuns(*results.front().runs, each);
+  }
+  if (!whole.blocks.lags.empty()) results.front().whole = whole.motion();
+  if (!joins.lags.empty()) results.front().joins = compareJoins(joins);
+  std::ranges::move(each, std::back_inserter(results));
+  return results;
 }
 
 std::vector<ProgramResult> Analysis::results(Depth depth,
@@ -222,64 +342,8 @@ std::vector<ProgramResult> Analysis::results(Depth depth,
     const int program = static_cast<int>(key);
     CurveOptions options = config_.curves;
     options.unbiased_lag = spatial_light_ ? kUnbiasedShare * medianDwellTime(program) : 0;
-    BlockData pool;
-    JoinBlocks joins;
-    ProgramTally sum;
-    std::vector<ProgramResult> each;
-    std::vector<FoundRuns> runs;
-    std::deque<BlockData> blocks;        // of each
-    std::vector<const BlockData*> data;  // the same
-    for (const auto& [id, robot] : robots_) {
-      const auto found = robot.programs.find(program);
-      if (found == robot.programs.end()) {
-        continue;
-      }
-      const ProgramTally tally = robot.stitcher.tally(program);
-      const BlockData& own_blocks = blocks.emplace_back(found->second->data());
-      pool.pool(own_blocks);
-      sum.samples += tally.samples;
-      sum.in_contact += tally.in_contact;
-      sum.lost += tally.lost;
-      sum.segments += tally.segments;
-      sum.reversals += tally.reversals;
-      data.push_back(&own_blocks);
-      each.push_back(analyse(programs_[key], own_blocks, tally, options, depth));
-      each.back().robot = id;
-      if (depth == Depth::kLive) judgeLive(program, own_blocks, options, each.back());
-      if (meanwhile) meanwhile();
-      if (found->second->joins()) {
-        const JoinBlocks own = found->second->joins()->blocks();
-        each.back().joins = compareJoins(own);
-        joins.pool(own);
-      }
-      if (found->second->runs()) {
-        runs.push_back(found->second->runs()->find());
-        each.back().runs = runStatistics(programs_[key], {&runs.back()});
-      }
-    }
-    if (!each.empty()) {
-      // A pool of one robot equals that robot.
-      results.push_back(each.size() == 1 ? each.front()
-                                         : analyse(programs_[key], pool, sum, options, depth));
-      results.back().robot = kPool;
-      if (depth == Depth::kLive && each.size() > 1) {
-        judgeLive(program, pool, options, results.back());
-      }
-      if (depth == Depth::kFull) {
-        addBootstrapResults(results.back(), pool, each, data, options);
-      }
-      if (!runs.empty()) {
-        std::vector<const FoundRuns*> all;
-        for (const FoundRuns& own : runs) {
-          all.push_back(&own);
-        }
-        results.back().runs = runStatistics(programs_[key], all);
-      }
-      if (!joins.lags.empty()) {
-        results.back().joins = compareJoins(joins);
-      }
-      results.insert(results.end(), each.begin(), each.end());
-    }
+    std::ranges::move(programResults(program, depth, options, meanwhile),
+                      std::back_inserter(results));
   }
   return results;
 }

@@ -39,6 +39,8 @@ struct AnalysisConfig {
   /// Fills ProgramResult::runs. Keeps up to 20 positions per second of programs with runs (3 MB per
   /// hour), so it is for closed recordings, not for live displays.
   bool find_runs = false;
+  /// Fills ProgramResult::whole, also of programs without free motion; doubles the work of a frame.
+  bool whole_motion = false;
   bool samples_only = false;  ///< Tracks are stitched and output as samples; there are no results.
   bool without_law =
       false;  ///< Robots without a program (kNone) are analysed too: curves and speed.
@@ -91,6 +93,20 @@ class Analysis {
     piece_sink_ = std::move(sink);
   }
 
+  /// Called with every frame that was classified, in time order for each robot; the frames whose
+  /// pose or time is invalid are left out. Its sample, if it has one, follows. Call it before the
+  /// first frame.
+  void onFrame(std::function<void(int robot, const FrameReport& frame)> sink) {
+    frame_sink_ = std::move(sink);
+    config_.stitcher.report_frames = true;
+  }
+
+  /// Sets AnalysisConfig::whole_motion. Call it before the first frame.
+  void wholeMotion() {
+    config_.whole_motion = true;
+    config_.stitcher.report_frames = true;
+  }
+
   /// Simulates some more films of each program whose reference must be simulated
   /// (Law::isSimulated), for the verdicts of Depth::kLive. A call takes some tens of milliseconds;
   /// after about fifteen, the references are complete. Depth::kFull does not need it.
@@ -110,7 +126,8 @@ class Analysis {
   void samplesOnly() { config_.samples_only = true; }
 
   /// Per program with a law, in the order of first appearance: the pool of all its robots, then
-  /// each robot by number. Programs without a sample are left out.
+  /// each robot by number. Programs without a sample are left out, unless the whole motion is
+  /// wanted.
   /// @param meanwhile called after each robot, because hundreds of them take seconds; may be empty
   [[nodiscard]] std::vector<ProgramResult> results(
       Depth depth = Depth::kLive, const std::function<void()>& meanwhile = {}) const;
@@ -140,6 +157,16 @@ class Analysis {
   void dispatch(const Frame& frame);
   void measurePeriod(bool force);
   void take(int id, Robot& robot);
+  [[nodiscard]] std::vector<ProgramResult> programResults(
+      int program, Depth depth, const CurveOptions& options,
+      const std::function<void()>& meanwhile) const;
+  /// The last result, or a new one if it is not of these samples.
+  ProgramResult liveResult(LiveResult& last, int program, std::int64_t samples,
+                           const ProgramTally& tally, const CurveOptions& options,
+                           const std::function<const BlockData&()>& data) const;
+  void takeReports(int id, Robot& robot);
+  /// nullptr: beyond the limit.
+  ProgramAnalysis* analysisOf(Robot& robot, int program);
   void judgeLive(int program, const BlockData& data, const CurveOptions& options,
                  ProgramResult& result) const;
 
@@ -151,10 +178,13 @@ class Analysis {
   std::size_t of_robots_ = 0;                    ///< Programs, summed over the robots.
   std::vector<Frame> first_frames_;  ///< Frames that wait until the frame period is known.
   std::vector<Sample> samples_;
+  std::vector<int> frame_robots_;            ///< Kept to reuse its memory.
   std::map<int, FilmReference> references_;  ///< By program.
+  mutable std::map<int, LiveResult> pools_;  ///< The last ones, by program.
   bool spatial_light_ = false;
   std::function<void(int, const ProgramLaw&, const Sample&)> sink_;
   std::function<void(int, const ProgramLaw&, const Piece&)> piece_sink_;
+  std::function<void(int, const FrameReport&)> frame_sink_;
 };
 
 }  // namespace lab::analysis

@@ -24,6 +24,7 @@ static_assert(analysis_t::POOL == kPool);
 /// the last.
 std::vector<std::size_t> evenly(std::size_t count, std::size_t most) {
   std::vector<std::size_t> kept;
+  kept.reserve(std::min(count, most));
   if (count <= most) {
     for (std::size_t i = 0; i < count; ++i) kept.push_back(i);
     return kept;
@@ -41,7 +42,14 @@ curve_t toMessage(const std::vector<CurvePoint>& curve, const std::string& name,
   curve_t message{};
   message.name = name;
   message.unit = unit;
-  for (const std::size_t i : evenly(seen.size(), most)) {
+  const std::vector<std::size_t> kept = evenly(seen.size(), most);
+  for (auto* column :
+       {&message.lag, &message.value, &message.sigma, &message.exact, &message.paper}) {
+    column->reserve(kept.size());
+  }
+  message.windows.reserve(kept.size());
+  message.biased.reserve(kept.size());
+  for (const std::size_t i : kept) {
     const CurvePoint& point = *seen[i];
     message.lag.push_back(static_cast<float>(point.tau));
     message.value.push_back(static_cast<float>(point.value));

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include "analyzer/curves/reference_comparison.hpp"
+#include "analyzer/curves/robot_scatter.hpp"
 #include "analyzer/fits/law_fit.hpp"
 
 namespace lab::analysis {
@@ -20,14 +23,22 @@ constexpr int kPilotFilms = 12;
 struct ProgramRecordings {
   SimulatedCurves fit;
   SimulatedCurves test;
-  RecordingGaps gaps;  ///< Gaps of these recordings.
+  RecordingGaps gaps;               ///< Gaps of these recordings.
+  std::vector<double> angular_msd;  ///< Of the pool; nan: not in these recordings.
 };
 
 void complete(ProgramResult& result, const BlockData& data, CurveOptions options,
               ProgramRecordings& recordings, bool first) {
   MeasuredCurves curves_now = measuredCurves(result.law, data);
-  if (first) recordings.gaps = curves_now.gaps;
+  if (first) {
+    recordings.gaps = curves_now.gaps;
+    recordings.angular_msd = curves_now.angular_msd;
+  }
   curves_now.gaps = recordings.gaps;
+  for (std::size_t i = 0; i < curves_now.angular_msd.size(); ++i) {
+    if (std::isnan(recordings.angular_msd[i]))
+      curves_now.angular_msd[i] = recordings.angular_msd[i];
+  }
   FitOptions fit_options;
   fit_options.systematic_floor = options.systematic_floor;
   fit_options.longest_lag = options.unbiased_lag;
@@ -48,7 +59,7 @@ void complete(ProgramResult& result, const BlockData& data, CurveOptions options
   if (recordings.test.recordings == 0) return;
   options.recordings = &recordings.test;
   result.curves = curves(result.law, data, options);
-  result.verdict = judge(result.curves);
+  judgeMotion(result);
   if (!result.fit->fitted()) return;
   const TestOptions test_options{options.systematic_floor, options.speed_tolerance,
                                  options.unbiased_lag};
@@ -58,6 +69,23 @@ void complete(ProgramResult& result, const BlockData& data, CurveOptions options
   result.fit->exact = test(TestedLaw::kExact);
   result.fit->exact_msd = test(TestedLaw::kExactMsd);
   result.fit->paper = test(TestedLaw::kPaper);
+  judgeMotion(result);
+}
+
+/// The intervals of the fit of all robots contain the scatter between their own fits.
+void widenFit(ProgramResult& pool, const std::vector<ProgramResult>& robots) {
+  if (robots.size() < 2 || !pool.fit || !pool.fit->fitted()) return;
+  std::vector<const std::vector<Estimate>*> parameters;
+  std::vector<const std::vector<Estimate>*> derived;
+  std::vector<double> weights;
+  for (const ProgramResult& robot : robots) {
+    if (!robot.fit || !robot.fit->fitted()) continue;
+    parameters.push_back(&robot.fit->parameters);
+    derived.push_back(&robot.fit->derived);
+    weights.push_back(robot.observed);
+  }
+  widenByRobots(pool.fit->parameters, parameters, weights);
+  widenByRobots(pool.fit->derived, derived, weights);
 }
 
 /// The films of a program without curves, like the recording of `data`.
@@ -82,7 +110,8 @@ FilmReference filmsLike(const ProgramLaw& law, const BlockData& data) {
     expected.push_back(shape.expected(true, i));
   }
   plan.sigma = std::sqrt(std::max(0.0, measured.offset / 4));
-  plan.sigma_theta = std::sqrt(headingOffset(angular, expected) / 2);
+  plan.sigma_theta =
+      std::sqrt(std::max(0.0, headingOffset(angular, expected, secondLag(shape))) / 2);
   FilmReference films(plan);
   films.finish();
   return films;
@@ -91,7 +120,7 @@ FilmReference filmsLike(const ProgramLaw& law, const BlockData& data) {
 void judgeByFilms(ProgramResult& result, const BlockData& data, const CurveOptions& options,
                   const FilmReference& films) {
   compareWithFilms(result.curves, films, result.law, data, options);
-  result.verdict = judge(result.curves);
+  judgeMotion(result);
 }
 
 }  // namespace
@@ -122,6 +151,7 @@ void addBootstrapResults(ProgramResult& pool, const BlockData& pool_data,
       complete(robots[i], *robot_data[i], options, recordings, false);
     }
   }
+  widenFit(pool, robots);
 }
 
 }  // namespace lab::analysis

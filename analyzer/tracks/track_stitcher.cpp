@@ -53,6 +53,17 @@ double runTimeAt(double time, const RobotTelemetry& before, const RobotTelemetry
 
 }  // namespace
 
+ProgramTally& ProgramTally::operator+=(const ProgramTally& other) {
+  samples += other.samples;
+  in_contact += other.in_contact;
+  in_reversal += other.in_reversal;
+  stopped += other.stopped;
+  lost += other.lost;
+  segments += other.segments;
+  reversals += other.reversals;
+  return *this;
+}
+
 void TrackStitcher::addFrame(const TrackPoint& point, std::vector<Sample>& out) {
   ++counters_.frames;
   if (!point.valid || !std::isfinite(point.time) || !std::isfinite(point.x) ||
@@ -134,8 +145,9 @@ void TrackStitcher::process(TrackPoint point, std::vector<Sample>& out) {
   }
   Context context;
   const FrameClass frame_class = classify(point, context);
+  if (config_.report_frames) report(point, frame_class, context);
   if (frame_class != FrameClass::kFree) {
-    drop(frame_class, context.program);
+    drop(frame_class, context);
     return;
   }
   double gap = last_ ? point.time - last_->time : 0;
@@ -147,6 +159,7 @@ void TrackStitcher::process(TrackPoint point, std::vector<Sample>& out) {
         const bool real = suspect_ && reachable(*suspect_, point);
         suspect_ = point;
         if (!real) {
+          if (config_.report_frames) reports_.back().state = FrameState::kLost;
           return;
         }
         // Two frames agree with each other and not with the track: a real jump.
@@ -185,6 +198,10 @@ TrackStitcher::FrameClass TrackStitcher::classify(const TrackPoint& point, Conte
   }
   const RobotTelemetry* before = next == log_.begin() ? nullptr : &*(next - 1);
 
+  const bool before_is_nearer =
+      before != nullptr && point.time - before->time < next->time - point.time;
+  context.nearest = before_is_nearer ? before : &*next;
+
   // The epoch: that of the next message if it has begun, else the one before.
   const RobotTelemetry* state = &*next;
   if (point.time < next->program_start) {
@@ -200,7 +217,8 @@ TrackStitcher::FrameClass TrackStitcher::classify(const TrackPoint& point, Conte
   context.tumble_count = last->tumble_count;
   context.run_time = before != nullptr ? runTimeAt(point.time, *before, *next) : next->run_time;
   context.sense_distance = state->sense_distance;
-  if (state->program < 0 || state->stopped || (since_before && before->stopped)) {
+  context.stopped = state->stopped || (since_before && before->stopped);
+  if (state->program < 0 || context.stopped) {
     return FrameClass::kStanding;
   }
   if (nearContact(point.time, next)) {
@@ -295,7 +313,43 @@ bool TrackStitcher::reachable(const TrackPoint& from, const TrackPoint& to) cons
   return turns && distance <= config_.max_wheel_speed * dt + noise + kPositionSlack;
 }
 
-void TrackStitcher::drop(FrameClass frame_class, int program) {
+void TrackStitcher::report(const TrackPoint& point, FrameClass frame_class,
+                           const Context& context) {
+  FrameReport& frame = reports_.emplace_back();
+  frame.time = point.time;
+  frame.x = point.x;
+  frame.y = point.y;
+  frame.theta = config_.headings ? point.theta : units::kNan;
+  frame.program = context.program;
+  frame.epoch = context.epoch;
+  if (context.nearest != nullptr) {
+    frame.contact_robot = context.nearest->contact_robot;
+    frame.contact_wall = context.nearest->contact_wall;
+    frame.light_front = context.nearest->light_front;
+    frame.light_back = context.nearest->light_back;
+  }
+  switch (frame_class) {
+    case FrameClass::kFree:
+      frame.state = FrameState::kFree;
+      break;
+    case FrameClass::kReversal:
+      frame.state = FrameState::kReversing;
+      break;
+    case FrameClass::kContact:
+      frame.state = FrameState::kContact;
+      break;
+    case FrameClass::kStanding:
+      frame.state = context.stopped ? FrameState::kStopped : FrameState::kOther;
+      break;
+    case FrameClass::kUncovered:
+    case FrameClass::kLostReversal:
+      frame.state = FrameState::kLost;
+      break;
+  }
+}
+
+void TrackStitcher::drop(FrameClass frame_class, const Context& context) {
+  const int program = context.program;
   PieceEnd reason = PieceEnd::kStop;
   switch (frame_class) {
     case FrameClass::kUncovered:
@@ -306,9 +360,11 @@ void TrackStitcher::drop(FrameClass frame_class, int program) {
       return;
     case FrameClass::kStanding:
       ++counters_.standing;
+      if (program >= 0) ++tallyOf(program).stopped;
       break;
     case FrameClass::kReversal:
       ++counters_.in_reversal;
+      ++tallyOf(program).in_reversal;
       return;
     case FrameClass::kContact:
       ++counters_.in_contact;
@@ -435,7 +491,8 @@ void TrackStitcher::append(TrackPoint point, const Context& context, double gap,
   sample_.tumble_count = context.tumble_count;
   sample_.run_time = context.run_time;
   last_ = point;
-  last_context_ = {context.program, context.epoch, context.reversals, nullptr, 0, 0, 0};
+  last_context_ = {context.program, context.epoch, context.reversals, nullptr, 0, 0, 0,
+                   false,           nullptr};
   if (piece_.frames++ == 0) {
     piece_.program = sample_.program;
     piece_.segment = sample_.segment;

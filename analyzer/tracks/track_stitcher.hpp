@@ -38,9 +38,13 @@ struct RobotTelemetry {
   double reversal_dx = units::kNan;
   double reversal_dy = units::kNan;
   bool reversing = false;
-  double v_l = 0;                 ///< The program's held wheel speeds, also while
-  double v_r = 0;                 ///< reversing, m/s.
-  bool contact = false;           ///< Touches another robot.
+  double v_l = 0;              ///< The program's held wheel speeds, also while
+  double v_r = 0;              ///< reversing, m/s.
+  bool contact = false;        ///< Touches another robot or a wall.
+  bool contact_robot = false;  ///< Touches a robot; only reported, not used.
+  bool contact_wall = false;   ///< Touches a wall; only reported, not used.
+  float light_front = static_cast<float>(units::kNan);  ///< Sensor readings, 0 to 1; nan: unknown.
+  float light_back = static_cast<float>(units::kNan);
   bool stopped = false;           ///< Stopped by a command.
   std::int64_t tumble_count = 0;  ///< Tumbles begun.
   double run_time = 0;            ///< Time spent in runs, reversals excluded, s.
@@ -65,6 +69,31 @@ struct Sample {
   double run_time = 0;  ///< s.
 };
 
+/// What a robot did in a frame.
+enum class FrameState : std::uint8_t {
+  kFree,       ///< In the statistics.
+  kReversing,  ///< Turns back from an obstacle.
+  kContact,    ///< Touches a robot or a wall, or did so shortly before or after.
+  kStopped,    ///< Stopped by a command or by the end of its lease.
+  kLost,       ///< The pose, the robot's state or the times of a reversal are not known.
+  kOther,      ///< Runs no program of motion.
+};
+
+/// A frame of a robot as it was classified, whether or not it is in the statistics. SI units.
+struct FrameReport {
+  double time = 0;  ///< Camera time, s.
+  double x = 0;     ///< As tracked, m.
+  double y = 0;
+  double theta = 0;        ///< rad, any branch; nan: unknown.
+  int program = -1;        ///< The caller's key.
+  std::int64_t epoch = 0;  ///< Of the program.
+  FrameState state = FrameState::kLost;
+  bool contact_robot = false;  ///< As the robot reported at the time next to the frame's.
+  bool contact_wall = false;
+  float light_front = static_cast<float>(units::kNan);
+  float light_back = static_cast<float>(units::kNan);
+};
+
 /// Limits of the robots, and waiting times.
 struct StitcherConfig {
   double reorder_delay = 0.5;   ///< Longest wait of a frame for telemetry, s.
@@ -77,6 +106,7 @@ struct StitcherConfig {
   double wheel_base = 0.075;      ///< m.
   bool headings = true;           ///< False: theta of the frames is not used.
   bool join = true;               ///< False: reversals are removed, and the track is cut there.
+  bool report_frames = false;     ///< Fills TrackStitcher::takeReports().
 };
 
 /// Reason for the end of a piece of free motion.
@@ -135,10 +165,14 @@ struct StitcherCounters {
 /// Counts of one program.
 struct ProgramTally {
   std::int64_t samples = 0;
-  std::int64_t in_contact = 0;  ///< Frames cut for a contact.
-  std::int64_t lost = 0;        ///< Frames without telemetry, and outliers.
+  std::int64_t in_contact = 0;   ///< Frames cut for a contact.
+  std::int64_t in_reversal = 0;  ///< Frames in reversals.
+  std::int64_t stopped = 0;      ///< Frames in which the robot was stopped.
+  std::int64_t lost = 0;         ///< Frames without telemetry, and outliers.
   std::int64_t segments = 0;
   std::int64_t reversals = 0;  ///< Removed and joined.
+
+  ProgramTally& operator+=(const ProgramTally& other);
 };
 
 /// Appendix B of the paper, online, for one robot: removes the reported reversals from its track
@@ -169,6 +203,9 @@ class TrackStitcher {
   [[nodiscard]] const StitcherCounters& counters() const { return counters_; }
   /// The pieces that ended since the last call, in time order.
   [[nodiscard]] std::vector<Piece> takePieces() { return std::exchange(pieces_, {}); }
+  /// The frames that were classified since the last call, in time order; none for frames whose pose
+  /// or time is invalid. Empty unless StitcherConfig::report_frames is set.
+  [[nodiscard]] std::vector<FrameReport> takeReports() { return std::exchange(reports_, {}); }
   /// Zeros for an unknown key.
   [[nodiscard]] ProgramTally tally(int program) const;
 
@@ -179,11 +216,13 @@ class TrackStitcher {
   struct Context {
     int program = -1;
     std::int64_t epoch = 0;
-    std::int64_t reversals = 0;             ///< Finished before the frame.
-    const RobotTelemetry* after = nullptr;  ///< Has the times of the last of them.
-    std::int64_t tumble_count = 0;          ///< Tumbles begun before the frame.
-    double run_time = 0;                    ///< At the frame, s.
-    double sense_distance = 0;              ///< m.
+    std::int64_t reversals = 0;               ///< Finished before the frame.
+    const RobotTelemetry* after = nullptr;    ///< Has the times of the last of them.
+    std::int64_t tumble_count = 0;            ///< Tumbles begun before the frame.
+    double run_time = 0;                      ///< At the frame, s.
+    double sense_distance = 0;                ///< m.
+    bool stopped = false;                     ///< By a command or by the end of the lease.
+    const RobotTelemetry* nearest = nullptr;  ///< The state next to the frame in time.
   };
   enum class FrameClass { kFree, kUncovered, kStanding, kReversal, kContact, kLostReversal };
   enum class Link { kFirst, kSamePiece, kJoin, kCut, kLostReversal };
@@ -195,7 +234,8 @@ class TrackStitcher {
   [[nodiscard]] bool nearReversal(double time, Log::const_iterator next) const;
   [[nodiscard]] Link linkTo(const TrackPoint& point, const Context& context) const;
   [[nodiscard]] bool reachable(const TrackPoint& from, const TrackPoint& to) const;
-  void drop(FrameClass frame_class, int program);
+  void report(const TrackPoint& point, FrameClass frame_class, const Context& context);
+  void drop(FrameClass frame_class, const Context& context);
   void join(const TrackPoint& point, const RobotTelemetry& reversal);
   void append(TrackPoint point, const Context& context, double gap, std::vector<Sample>& out);
   void watchSense(TrackPoint& point, double sense_distance);
@@ -209,6 +249,7 @@ class TrackStitcher {
   StitcherCounters counters_;
   std::vector<ProgramTally> tallies_;
   std::vector<Piece> pieces_;
+  std::vector<FrameReport> reports_;
   Piece piece_;  ///< The current piece; no frames: none.
   std::deque<TrackPoint> pending_;
   Log log_;

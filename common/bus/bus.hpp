@@ -18,6 +18,9 @@ struct Packet {
   std::string_view channel;
   Bytes data;
   std::int64_t received_utime = 0;  ///< [us since 1970]
+  /// The same for all receivers of a message in this process, which can share what they decode; 0:
+  /// they cannot.
+  std::uint64_t number = 0;
 };
 
 using PacketHandler = std::function<void(const Packet&)>;

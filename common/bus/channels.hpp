@@ -22,6 +22,7 @@ inline constexpr std::string_view kLightSeen = "LIGHT_SEEN";
 inline constexpr std::string_view kLightDelivery = "LIGHT_DELIVERY";
 inline constexpr std::string_view kLinkStatus = "LINK_STATUS";
 inline constexpr std::string_view kAnalysis = "ANALYSIS";
+inline constexpr std::string_view kCollective = "COLLECTIVE";
 inline constexpr std::string_view kServiceStatus = "SERVICE_STATUS";
 inline constexpr std::string_view kExperimentEvent = "EXPERIMENT_EVENT";
 inline constexpr std::string_view kExperimentCommand = "EXPERIMENT_COMMAND";
@@ -34,7 +35,7 @@ inline constexpr std::array kAll{
     kCalibrationStatus, kTrackedFrame,    kTrackedDetails,    kTrackerStatus,    kLightCommand,
     kLightStatus,       kLightSeen,       kLightDelivery,     kLinkStatus,       kAnalysis,
     kServiceStatus,     kExperimentEvent, kExperimentCommand, kExperimentStatus, kClock,
-    kSimTruth,          kRobotSenses};
+    kSimTruth,          kRobotSenses,     kCollective};
 
 /// LCM's own probe, which every starting subscriber sends to itself. It is ignored.
 inline constexpr std::string_view kLcmSelfTest = "LCM_SELF_TEST";

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <lab/analysis_t.hpp>
 #include <lab/clock_t.hpp>
+#include <lab/collective_t.hpp>
 #include <lab/experiment_command_t.hpp>
 #include <lab/experiment_event_t.hpp>
 #include <lab/experiment_status_t.hpp>
@@ -39,11 +40,11 @@ std::array<Type, sizeof...(Messages)> types() {
 
 const auto& allTypes() {
   static const auto all =
-      types<analysis_t, clock_t, experiment_command_t, experiment_event_t, experiment_status_t,
-            light_command_t, light_delivery_t, light_seen_t, light_status_t, link_status_t,
-            robot_calibration_t, robot_command_t, robot_senses_t, robot_status_t, robot_steps_t,
-            robot_stop_t, service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t,
-            tracker_status_t>();
+      types<analysis_t, clock_t, collective_t, experiment_command_t, experiment_event_t,
+            experiment_status_t, light_command_t, light_delivery_t, light_seen_t, light_status_t,
+            link_status_t, robot_calibration_t, robot_command_t, robot_senses_t, robot_status_t,
+            robot_steps_t, robot_stop_t, service_status_t, sim_truth_t, tracked_details_t,
+            tracked_frame_t, tracker_status_t>();
   return all;
 }
 

@@ -1,5 +1,6 @@
 #include "common/bus/memory_bus.hpp"
 
+#include <atomic>
 #include <cstdint>
 #include <stdexcept>
 #include <string_view>
@@ -41,7 +42,8 @@ void MemoryBus::deliver() {
 }
 
 void MemoryBus::deliver(const Message& message) {
-  const Packet packet{message.channel, message.data, clock_()};
+  static std::atomic<std::uint64_t> messages = 0;
+  const Packet packet{message.channel, message.data, clock_(), ++messages};
   for (Listener& listener : listeners_) {
     if (!listener.channel.empty() && listener.channel != message.channel) continue;
     if (loss_ > 0 && listener.random.uniform() < loss_) continue;

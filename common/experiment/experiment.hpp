@@ -95,24 +95,35 @@ struct Reversal {
   bool operator==(const Reversal&) const = default;
 };
 
+/// More robots are simulated in virtual time only: their messages do not fit into one datagram
+/// (lcmtypes/README.md).
+inline constexpr std::size_t kMostLiveRobots = 250;
+
+/// What simulated robots do at contact.
+enum class Contact : std::int8_t { kSlide = 0, kStop = 1 };
+
 /// The hardware of the robots. Errors apply to simulated bodies, and no other part knows them.
 struct RobotHardware {
-  double diameter = 0.075;           ///< [m] and wheel base d
-  double max_wheel_speed = 0.27;     ///< [m/s]
-  bool pwm_steps = true;             ///< wheel speeds rounded to 256 levels; false: ideal wheels
-  double clock_error = 0.005;        ///< [1] standard deviation of the robots' clock rates
-  double wheel_gain_error = 0;       ///< [1] standard deviation of each wheel's gain
-  double wheel_base_error = 0;       ///< [1] standard deviation of the distance between the wheels
-  double motor_dead_band = 0;        ///< [1] fraction of full duty up to which a wheel stands
-  double speed_noise = 0;            ///< [m/sqrt(s)] random forward displacement, off by default
-  double turn_noise = 0;             ///< [rad/sqrt(s)] random rotation, off by default
-  double sensor_period = 0.02;       ///< [s]
-  double light_gain_error = 0;       ///< [1] standard deviation of each light sensor's gain
-  double light_noise = 0;            ///< [1] standard deviation of a light reading, of full scale
-  double ir_range = 0.05;            ///< [m] from the rim
-  double status_rate = 50;           ///< [1/s]
-  double lease = 1.0;                ///< [s] robots stop after this time without a command
-  double free_run = 0;               ///< [s] replaces the lease if it is longer
+  double diameter = 0.075;        ///< [m] and wheel base d
+  double max_wheel_speed = 0.27;  ///< [m/s]
+  bool pwm_steps = true;          ///< wheel speeds rounded to 256 levels; false: ideal wheels
+  double clock_error = 0.005;     ///< [1] standard deviation of the robots' clock rates
+  double wheel_gain_error = 0;    ///< [1] standard deviation of each wheel's gain
+  double wheel_base_error = 0;    ///< [1] standard deviation of the distance between the wheels
+  double motor_dead_band = 0;     ///< [1] fraction of full duty up to which a wheel stands
+  double speed_noise = 0;         ///< [m/sqrt(s)] random forward displacement, off by default
+  double turn_noise = 0;          ///< [rad/sqrt(s)] random rotation, off by default
+  Contact contact = Contact::kSlide;
+  double contact_friction = 0.2;  ///< [1] between rims, and between rim and wall
+  double slip_across = 1;         ///< [1] mobility across the wheels, of that along them
+  double slip_turn = 1;           ///< [1] mobility of the rim in turning, of that along the wheels
+  double sensor_period = 0.02;    ///< [s]
+  double light_gain_error = 0;    ///< [1] standard deviation of each light sensor's gain
+  double light_noise = 0;         ///< [1] standard deviation of a light reading, of full scale
+  double ir_range = 0.05;         ///< [m] from the rim
+  double status_rate = 50;        ///< [1/s]
+  double lease = 1.0;             ///< [s] robots stop after this time without a command
+  double free_run = 0;            ///< [s] replaces the lease if it is longer
   bool resume_after_reboot = false;  ///< a robot on the wire continues after a reboot
   std::string motors;                ///< calibration file of simulated robots: path as in the file
 
@@ -131,6 +142,25 @@ struct SerialLines {
   bool operator==(const SerialLines&) const = default;
 };
 
+/// How a layer depends on what the robots do together: a gate, a control loop or a quorum. The
+/// runner applies it once a second, by the analyzer's numbers.
+struct CrowdRule {
+  std::string gate;     ///< collective number: the layer is shown while it is above or below
+  std::string hold;     ///< collective number that the intensity holds at `target`
+  bool quorum = false;  ///< only robots whose local density is above or below are followed
+  std::string program;  ///< of the number; empty: all robots
+  std::optional<double> above;  ///< in the unit of the report, such as cm/s
+  std::optional<double> below;
+  double target = 0;         ///< in the unit of the report
+  double gain = 0;           ///< [1] intensity per unit of the number; negative: light lowers it
+  double integral_time = 0;  ///< [s] 0: no integral part
+  double lowest = 0;         ///< [1] limits of the intensity
+  double highest = 1;        ///< [1]
+
+  [[nodiscard]] bool given() const { return !gate.empty() || !hold.empty() || quorum; }
+  bool operator==(const CrowdRule&) const = default;
+};
+
 /// A layer with the fields of light_layer_t. light/field/layer.hpp lists the kinds and their keys.
 struct LayerSpec {
   std::int8_t kind = 1;
@@ -147,6 +177,7 @@ struct LayerSpec {
   double phase = 0;    ///< [rad] or [1]
   std::string image;   ///< path as written in the file, relative to it
   light::Drive drive;  ///< its images are paths as written in the file
+  CrowdRule crowd;
 
   bool operator==(const LayerSpec&) const = default;
 };
@@ -187,8 +218,8 @@ struct Senses {
 enum class Region : std::int8_t { kNone = 0, kCircle = 1, kRectangle = 2 };
 enum class Who : std::int8_t { kAny = 0, kAll = 1 };
 
-/// A condition that ends a light step early, or in a StopRule the run: a region, an estimate or a
-/// number of tumbles.
+/// A condition that ends a light step early, or in a StopRule the run: a region, an estimate, a
+/// collective number or a number of tumbles.
 struct EndCondition {
   Region region = Region::kNone;
   Who who = Who::kAny;  ///< which robots must be in the region, if `robot` is 0
@@ -202,18 +233,23 @@ struct EndCondition {
   std::string program;        ///< of the estimate
   double relative_error = 0;  ///< [1] standard error over value
 
+  std::string observable;       ///< collective number, empty: none; `program` empty: all robots
+  std::optional<double> above;  ///< in the unit of the report, such as cm/s
+  std::optional<double> below;
+  double over = 10;  ///< [s] its mean over this time is compared
+
   std::int64_t tumbles = 0;  ///< since the step began; 0: no such condition
   std::int32_t robot = 0;    ///< 0: see `who` for a region; else all robots together
 
   [[nodiscard]] bool given() const {
-    return region != Region::kNone || !estimate.empty() || tumbles != 0;
+    return region != Region::kNone || !estimate.empty() || !observable.empty() || tumbles != 0;
   }
   bool operator==(const EndCondition&) const = default;
 };
 
 /// A rule that ends a run early when an estimate is precise enough.
 struct StopRule {
-  EndCondition until;   ///< a condition on an estimate
+  EndCondition until;   ///< a condition on an estimate or a collective number
   double at_least = 0;  ///< [s] time of the script before which the rule is ignored
 
   bool operator==(const StopRule&) const = default;
@@ -319,8 +355,23 @@ struct Camera {
   return camera.tracker == Tracker::kCamera && camera.source == kSimulatedCamera;
 }
 
+/// A named part of the arena, for times and fluxes of robots.
+struct RegionSpec {
+  std::string name;
+  Region shape = Region::kRectangle;
+  double x = 0;       ///< [m] centre
+  double y = 0;       ///< [m]
+  double radius = 0;  ///< [m] of a circle
+  double width = 0;   ///< [m] of a rectangle, along x
+  double height = 0;  ///< [m]
+
+  bool operator==(const RegionSpec&) const = default;
+};
+
 struct AnalysisOptions {
-  double max_lag = 100;  ///< [s]
+  double max_lag = 100;             ///< [s]
+  double cluster_distance = 0;      ///< [m] between centres; 0: 1.1 diameters
+  std::vector<RegionSpec> regions;  ///< a robot is in the first one that holds its centre
 
   bool operator==(const AnalysisOptions&) const = default;
 };

@@ -15,6 +15,7 @@
 #include "common/experiment/script_plan.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_values.hpp"
+#include "common/text/format.hpp"
 #include "light/field/field.hpp"
 
 namespace lab {
@@ -25,6 +26,7 @@ using keys::fileText;
 using keys::numberText;
 using keys::unitOf;
 
+constexpr int kParameterDigits = 6;
 constexpr std::size_t kLabel = 14;  // columns before the text of a line
 
 std::string line(std::string label, const std::string& text) {
@@ -41,13 +43,8 @@ std::string rounded(double value) {
 std::string parameters(const Program& program) {
   std::string text = program.description;
   for (const ProgramParameter& parameter : program.parameters) {
-    const bool length = parameter.unit == "m" || parameter.unit.starts_with("m/");
-    text += (text.empty() ? "" : ", ") + parameter.name + " = ";
-    if (length) {
-      text += centimetreText(parameter.value) + " c" + parameter.unit;
-    } else {
-      text += numberText(parameter.value) + (parameter.unit == "1" ? "" : " " + parameter.unit);
-    }
+    text += (text.empty() ? "" : ", ") + parameter.name + " = " +
+            quantityText(parameter.value, parameter.unit, kParameterDigits);
   }
   return text;
 }
@@ -119,7 +116,11 @@ std::string describeRobots(const Experiment& e) {
          describeBody(e, Body::kWire, "simulated on the wire") +
          describeBody(e, Body::kFirmware, "running the firmware on a simulated chip") +
          describeBody(e, Body::kSerial, "real, on " + e.serial.ports) +
-         describeBody(e, Body::kReplay, "replayed");
+         describeBody(e, Body::kReplay, "replayed") +
+         (e.robots.size() > kMostLiveRobots
+              ? line("", "  more than " + std::to_string(kMostLiveRobots) +
+                             ": in virtual time only (--virtual-time)")
+              : "");
 }
 
 std::string describeTable(const LightTable& table) {

@@ -9,6 +9,7 @@
 
 #include "common/experiment/experiment.hpp"
 #include "common/files/experiment_error.hpp"
+#include "common/programs/law_knowledge.hpp"
 
 namespace lab {
 
@@ -16,9 +17,11 @@ namespace lab {
 /// in the light script count from its start.
 /// @param overrides "key=value" each, as after --set; they replace values of the file before it is
 ///   checked. Keys are paths ("robots[0].x_cm"); a value that is not TOML is taken as a text.
+/// @param laws what is known of laws; without it, they are not checked
 /// @throws ExperimentError with up to 20 problems
 [[nodiscard]] Experiment loadExperiment(const std::filesystem::path& file,
-                                        const std::vector<std::string>& overrides = {});
+                                        const std::vector<std::string>& overrides = {},
+                                        const LawKnowledge& laws = {});
 
 /// Reads the experiment of a run to show it, as parseExperiment() reads the one in its log: keys
 /// that only whoever executes it must refuse are accepted, and image files are not looked for.
@@ -30,9 +33,10 @@ namespace lab {
 /// @param directory of the image files; if none is given, image files are not looked for, and keys
 ///   that can run code are accepted: the experiment must not be executed
 /// @throws ExperimentError
-[[nodiscard]] Experiment parseExperiment(
-    std::string_view text, const std::string& name, const std::vector<std::string>& overrides = {},
-    const std::optional<std::filesystem::path>& directory = {});
+[[nodiscard]] Experiment parseExperiment(std::string_view text, const std::string& name,
+                                         const std::vector<std::string>& overrides = {},
+                                         const std::optional<std::filesystem::path>& directory = {},
+                                         const LawKnowledge& laws = {});
 
 /// The text of an experiment file with all defaults filled in. parseExperiment() gives an equal
 /// experiment, to the last bit if its numbers came from a file. About half of all other numbers

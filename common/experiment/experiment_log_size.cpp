@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <lab/analysis_t.hpp>
+#include <lab/collective_t.hpp>
 #include <lab/experiment_status_t.hpp>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
@@ -26,6 +27,9 @@ constexpr double kEventHeader = 28;       // bytes of an lcm-logger event before
 constexpr std::size_t kUsualSender = 10;  // length of a sender's name
 constexpr int kUsualLags = 57;            // of the analyzer's curves
 constexpr int kUsualEstimates = 8;
+constexpr int kCollectiveCurves = 9;
+constexpr int kUsualPoints = 38;  // of its curves, on average
+constexpr int kUsualObservables = 20;
 constexpr double kCommandRate = 5;  // [1/s] ROBOT_COMMAND
 constexpr double kLightCommandRate = 2;
 constexpr double kLightStatusRate = 10;
@@ -87,6 +91,22 @@ double analysisBytes() {
   return eventBytes(channels::kAnalysis, message);
 }
 
+/// Without the robots of the last frame.
+double collectiveBytes() {
+  observable_curve_t curve{};
+  curve.num_points = kUsualPoints;
+  for (auto* column : {&curve.x, &curve.value, &curve.low, &curve.high}) {
+    column->resize(kUsualPoints);
+  }
+  collective_t message{};
+  message.num_curves = kCollectiveCurves;
+  message.curves.assign(kCollectiveCurves, curve);
+  message.num_observables = kUsualObservables;
+  message.observables.resize(kUsualObservables);
+  for (observable_t& number : message.observables) number.name.assign(16, 'x');
+  return eventBytes(channels::kCollective, message);
+}
+
 template <typename Message>
 double lightBytes(std::string_view channel, const LightStep& step) {
   Message message{};
@@ -146,7 +166,8 @@ double expectedLogBytes(const Experiment& experiment) {
       kExperimentStatusRate * eventBytes(channels::kExperimentStatus, experiment_status_t{}) +
       kCommandRate * eventBytes(channels::kRobotCommand, lightTableCommand(experiment)) +
       (robots + 1.0) * static_cast<double>(experiment.programs.size()) * analysisBytes() +
-      stepsPerSecond(experiment) * kStepBytes;
+      (robots > 1 ? static_cast<double>(experiment.programs.size()) + 1 : 0) * collectiveBytes() +
+      robots * crowd_member_t{}.getEncodedSize() + stepsPerSecond(experiment) * kStepBytes;
   return experiment.duration * per_second;
 }
 

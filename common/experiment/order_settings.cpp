@@ -3,7 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <map>
+#include <string>
+#include <tuple>
+#include <vector>
 
+#include "common/files/experiment_error.hpp"
+#include "common/programs/program_file.hpp"
 #include "robot/dynamics/byte_code.hpp"
 
 namespace lab {
@@ -38,8 +44,41 @@ std::string numbersRefusal(const robot_order_t& order, const dynamics::WheelLimi
   return finite ? "" : "a light band or the hysteresis is not a number";
 }
 
+/// Files are checked with the nominal distance between the wheels. That of a robot, from its
+/// calibration, may exceed it by this factor; what is then faster than its wheels is limited and
+/// counted.
+constexpr double kWheelBaseTolerance = 1.1;
+constexpr double kWheelBaseStep = 0.005;  // m; robots of one kind share the check of a text
+constexpr std::size_t kTextsKept = 256;
+
+/// Why the text of the program would be refused in an experiment file; empty: it would not.
+std::string checkText(const program_t& program, const dynamics::WheelLimits& limits) {
+  const std::string who = "program \"" + program.id.name + "\"";
+  try {
+    const ProgramFile read = readProgram(program.text, who, program.id.name, limits);
+    const bool same = read.compiled.code == program.code;
+    return same ? ""
+                : who + ": its text does not compile to its byte code; send both of one program";
+  } catch (const ExperimentError& error) {
+    return error.problems().front();
+  }
+}
+
+/// The same, remembered: hundreds of robots get the same text.
+std::string textRefusal(const program_t& program, const dynamics::WheelLimits& limits) {
+  using Key = std::tuple<std::string, std::vector<std::uint8_t>, double, double>;
+  thread_local std::map<Key, std::string> known;
+  const double base = std::max(
+      kWheelBaseStep,
+      std::floor(limits.wheel_base / kWheelBaseTolerance / kWheelBaseStep) * kWheelBaseStep);
+  const Key key{program.text, program.code, limits.v_max, base};
+  if (const auto found = known.find(key); found != known.end()) return found->second;
+  if (known.size() >= kTextsKept) known.clear();
+  return known[key] = checkText(program, {limits.v_max, base});
+}
+
 /// Why no robot can run the program; empty if one can.
-std::string programRefusal(const program_t& program) {
+std::string programRefusal(const program_t& program, const dynamics::WheelLimits& limits) {
   if (program.id.hash == 0 && program.code.empty()) return "";
   const std::string who = "program \"" + program.id.name + "\": ";
   const auto size = static_cast<std::uint16_t>(std::min<std::size_t>(program.code.size(), 0xFFFF));
@@ -51,7 +90,9 @@ std::string programRefusal(const program_t& program) {
   }
   const std::uint32_t hash =
       dynamics::programHash(program.code.data(), static_cast<std::uint8_t>(size));
-  return hash == program.id.hash ? "" : who + "its hash is not that of its byte code";
+  if (hash != program.id.hash) return who + "its hash is not that of its byte code";
+  // Without a text there is nothing to check; what is too fast is then limited and counted.
+  return program.text.empty() ? "" : textRefusal(program, limits);
 }
 
 }  // namespace
@@ -77,7 +118,7 @@ OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimi
   light.reading = static_cast<dynamics::LightReading>(order.light_sensor);
   for (std::uint8_t slot = 0; slot < light.count; ++slot) {
     const light_band_t& band = order.bands[slot];
-    result.refusal = programRefusal(band.program);
+    result.refusal = programRefusal(band.program, limits);
     if (!result.refusal.empty()) return result;
     light.bands[slot] = {counts(band.low), counts(band.high), slot};
     result.core.programs[slot] = static_cast<std::uint32_t>(band.program.id.hash);

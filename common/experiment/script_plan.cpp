@@ -60,6 +60,19 @@ std::string conditionText(const EndCondition& until) {
     return until.estimate + " of " + (robot.empty() ? "" : robot + " running ") + until.program +
            " is known to " + fileText(until.relative_error, unitOf("_percent")) + " %";
   }
+  if (!until.observable.empty()) {
+    const std::string whose = until.program.empty() ? "" : " of " + until.program;
+    std::string text;
+    const auto add = [&text](const std::string& part) {
+      text += (text.empty() ? "" : " and ") + part;
+    };
+    if (until.above) add("above " + keys::numberText(*until.above));
+    if (until.below) add("below " + keys::numberText(*until.below));
+    if (until.relative_error > 0) {
+      add("known to " + fileText(until.relative_error, unitOf("_percent")) + " %");
+    }
+    return until.observable + whose + " is " + text;
+  }
   if (until.tumbles != 0) {
     const std::string count =
         until.tumbles == 1 ? "a tumble" : std::to_string(until.tumbles) + " tumbles";

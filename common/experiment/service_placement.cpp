@@ -23,8 +23,18 @@ bool waitsForEstimates(const Experiment& experiment) {
                              [](const LightStep& step) { return !step.until.estimate.empty(); });
 }
 
+bool needsCrowd(const Experiment& experiment) {
+  const bool stops = std::ranges::any_of(
+      experiment.stop_when, [](const StopRule& rule) { return !rule.until.observable.empty(); });
+  return stops || std::ranges::any_of(experiment.light.steps, [](const LightStep& step) {
+           return !step.until.observable.empty() ||
+                  std::ranges::any_of(step.layers,
+                                      [](const LayerSpec& layer) { return layer.crowd.given(); });
+         });
+}
+
 bool isDispensable(const Experiment& experiment, std::string_view service) {
-  if (service == "analyzer") return !waitsForEstimates(experiment);
+  if (service == "analyzer") return !waitsForEstimates(experiment) && !needsCrowd(experiment);
   if (service == "dds_gateway") return !experiment.gateway.commands && !joinsHosts(experiment);
   return service == kObserverService;
 }

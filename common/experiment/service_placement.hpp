@@ -24,6 +24,9 @@ inline constexpr std::string_view kObserverService = "dashboard";
 /// Whether the script or stop_when waits for estimates of the analyzer.
 [[nodiscard]] bool waitsForEstimates(const Experiment& experiment);
 
+/// Whether the script, stop_when or a layer of the light depends on collective numbers.
+[[nodiscard]] bool needsCrowd(const Experiment& experiment);
+
 /// Whether a run that needs this service can go on without it: nothing that happens to the robots
 /// depends on it, and the log can be analyzed later.
 [[nodiscard]] bool isDispensable(const Experiment& experiment, std::string_view service);

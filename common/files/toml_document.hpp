@@ -23,6 +23,7 @@ class TomlDocument {
   TomlDocument(std::string_view text, std::string file, const std::vector<std::string>& overrides);
 
   [[nodiscard]] const toml::table& root() const { return root_; }
+  [[nodiscard]] const std::string& file() const { return file_; }
 
   /// The location of a value: its line, or the override that set it.
   [[nodiscard]] FileLocation place(const toml::node& node) const;

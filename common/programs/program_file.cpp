@@ -68,10 +68,11 @@ std::string inLine(const std::vector<language::NamedText>& texts) {
 }  // namespace
 
 ProgramFile readProgram(std::string_view text, const std::string& file, const std::string& name,
-                        const dynamics::WheelLimits& limits) {
+                        const dynamics::WheelLimits& limits, const LawCheck& check_law) {
   const keys::TomlDocument document(text, file, {});
   keys::Problems problems([&](const std::string& path) { return document.place(path); });
-  ProgramFile program = readProgramTable(document, document.root(), "", name, limits, {}, problems);
+  ProgramFile program =
+      readProgramTable(document, document.root(), "", name, {limits, {}, check_law}, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));
   return program;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/programs/law_knowledge.hpp"
 #include "common/programs/program.hpp"
 #include "robot/dynamics/wheel_limits.hpp"
 #include "robot/language/compiler.hpp"
@@ -31,11 +32,13 @@ using ModelLookup = std::function<std::optional<language::ProgramText>(const std
 /// @param text the TOML document
 /// @param file its name, for messages
 /// @param name of the program
+/// @param check_law of the program's law; empty: it is not checked
 /// @throws ExperimentError that names every problem with line, column, what was found and what is
 ///   expected
-[[nodiscard]] ProgramFile readProgram(
-    std::string_view text, const std::string& file, const std::string& name,
-    const dynamics::WheelLimits& limits = dynamics::WheelLimits());
+[[nodiscard]] ProgramFile readProgram(std::string_view text, const std::string& file,
+                                      const std::string& name,
+                                      const dynamics::WheelLimits& limits = dynamics::WheelLimits(),
+                                      const LawCheck& check_law = {});
 
 /// The program as the lab passes it on.
 [[nodiscard]] Program toProgram(const ProgramFile& file);

@@ -10,6 +10,7 @@
 
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
+#include "common/programs/parameter_keys.hpp"
 #include "common/programs/shipped_programs.hpp"
 #include "common/text/nearest_word.hpp"
 
@@ -27,10 +28,19 @@ class ProgramReader {
                 keys::Problems& problems)
       : document_(document), table_(table), path_(std::move(path)), problems_(problems) {}
 
-  ProgramFile read(const std::string& name, const dynamics::WheelLimits& limits,
-                   const ModelLookup& model_of) {
+  ProgramFile read(const std::string& name, const ProgramContext& context) {
+    const ModelLookup& model_of = context.model_of;
     ProgramFile program;
     program.text.name = name;
+    const char* const experiment = table_.contains("fileversion") ? "fileversion" : "programs";
+    if (!model_of && table_.contains(experiment) && !table_.contains("phases")) {
+      places_[experiment] = table_.get(experiment);
+      problem(experiment,
+              "found an experiment file, allowed the file of one program of motion "
+              "(docs/programs.md); an experiment is checked with its programs by ./lab check " +
+                  document_.file());
+      return program;
+    }
     if (model_of && table_.contains("model")) {
       readModel(model_of, program.text);
     } else if (model_of && !table_.contains("phases")) {
@@ -45,21 +55,35 @@ class ProgramReader {
     }
     program.text.name = name;
     if (failed_) return program;
-    program.compiled = language::compile(program.text, limits);
+    program.compiled = language::compile(program.text, context.limits, meant);
     if (const std::size_t size = programToml(program.text).size(); size > kLongestProgramText) {
       problem("", "found a text of " + std::to_string(size) + " bytes, allowed at most " +
                       std::to_string(kLongestProgramText) +
                       ": shorten the description or the names");
       return program;
     }
-    for (const language::Problem& problem : program.compiled.errors) {
-      const std::string shown = problem.key.empty() && path_.empty() ? name : problem.key;
-      problems_.addAt(place(problem.key, problem.offset), shownPath(shown), problem.message);
+    if (!unitsAreThoseOfTheModel(program.compiled)) return program;
+    report(program.compiled.errors, name);
+    if (program.compiled.ok() && context.check_law) {
+      report(context.check_law(program.text, program.compiled), name);
     }
     return program;
   }
 
  private:
+  static std::string meant(std::string_view word, const std::vector<std::string>& words) {
+    return didYouMean(word, words);
+  }
+
+  void report(const std::vector<language::Problem>& found, const std::string& name) {
+    for (const language::Problem& problem : found) {
+      std::string shown = problem.key.empty() && path_.empty() ? name : problem.key;
+      // law = "abp" has no key law.name.
+      if (shown == "law.name" && !places_.contains(shown)) shown = "law";
+      problems_.addAt(place(problem.key, problem.offset), shownPath(shown), problem.message);
+    }
+  }
+
   /// The path of a key in the document.
   [[nodiscard]] std::string shownPath(const std::string& key) const {
     return key.empty() || path_.empty() ? path_ + key : path_ + "." + key;
@@ -89,7 +113,7 @@ class ProgramReader {
 
   void readKey(const std::string& key, const toml::node& node, language::ProgramText& program) {
     if (key == "description") {
-      program.description = textOf(node, key);
+      program.description = textOf(node, key).value_or("");
     } else if (key == "phases") {
       readPhases(node, program);
     } else if (key == "law") {
@@ -124,7 +148,7 @@ class ProgramReader {
   void readModel(const ModelLookup& model_of, language::ProgramText& program) {
     const toml::node& node = *table_.get("model");
     places_["model"] = &node;
-    const std::string model = textOf(node, "model");
+    const std::string model = textOf(node, "model").value_or("");
     if (failed_) return;
     std::optional<language::ProgramText> found = model_of(model);
     if (!found) {
@@ -134,37 +158,102 @@ class ProgramReader {
       return;
     }
     program = std::move(*found);
+    model_ = language::compile(program, kWidestWheels).parameters;
     readTable(table_, "", {}, [&](const std::string& key, const toml::node& value) {
       if (key == "model") return;
       if (key == "description") {
-        program.description = textOf(value, key);
+        program.description = textOf(value, key).value_or("");
       } else if (key == "parameters") {
         std::vector<language::NamedText> changes;
         readNamed(value, key, changes);
         for (const auto& [name, text] : changes) change(program, "parameters." + name, name, text);
       } else if (!readNumberKey(key, value, program)) {
-        problem(key, "found an unknown key, allowed with model = \"" + model +
-                         "\": description, parameters" + parameterKeys(program));
+        refuseBesideModel(key, model, program);
       }
     });
   }
 
-  /// "v_cm_s = 5" means v = "5 cm/s".
+  void refuseBesideModel(const std::string& key, const std::string& model,
+                         const language::ProgramText& program) {
+    std::string allowed = "allowed with model = \"" + model + "\": description, parameters";
+    std::vector<std::string> names{"description", "parameters"};
+    for (const auto& [name, text] : program.parameters) {
+      const std::string keys = keysOf(name, program);
+      allowed += (names.size() == 2 ? "; or a parameter with its unit: " : ", ") +
+                 keys.substr(0, keys.find_first_of(", "));
+      names.push_back(keys.substr(0, keys.find_first_of(", ")));
+    }
+    if (std::ranges::find(kKeys, key) == kKeys.end()) {
+      problem(key, "found an unknown key, " + allowed + didYouMean(key, names));
+      return;
+    }
+    const std::string copy = model.ends_with(".toml") ? "change it in " + model
+                                                      : "copy its text into this file (./lab "
+                                                        "program show " +
+                                                            model + ")";
+    problem(key, "found " + key + " beside model, which brings its own; to change it, " + copy +
+                     "; " + allowed);
+  }
+
+  /// The keys of a parameter, by the model's unit.
+  [[nodiscard]] std::string keysOf(const std::string& name,
+                                   const language::ProgramText& program) const {
+    const auto known = std::ranges::find(model_, name, &language::Parameter::name);
+    const auto text = std::ranges::find(program.parameters, name, &language::NamedText::first);
+    if (known == model_.end() || text == program.parameters.end()) return name;
+    const bool angle = text->second.find("rad") != std::string::npos ||
+                       text->second.find("deg") != std::string::npos;
+    return keysOfParameter(name, known->dimension, angle);
+  }
+
+  /// "v_cm_s = 5" means v = "5 cm/s". False: no parameter begins like the key.
   bool readNumberKey(const std::string& key, const toml::node& node,
                      language::ProgramText& program) {
-    const keys::FileUnit& unit = keys::unitOf(key);
-    const std::string name = key.substr(0, key.size() - unit.suffix.size());
-    const auto parameter = std::ranges::find(program.parameters, name, &language::NamedText::first);
-    if (parameter == program.parameters.end() || unit.suffix.empty()) return false;
-    const auto value = node.value<double>();
-    if (!node.is_number() || !value || !std::isfinite(*value)) {
-      problem(key,
-              "found " + displayText(node) + ", allowed a number in " + std::string(unit.text));
-      return true;
+    auto parameter = program.parameters.end();
+    for (auto one = program.parameters.begin(); one != program.parameters.end(); ++one) {
+      const bool begins = key == one->first || key.starts_with(one->first + "_");
+      const bool longer =
+          parameter == program.parameters.end() || one->first.size() > parameter->first.size();
+      if (begins && longer) parameter = one;
     }
-    parameter->second = keys::numberText(*value) + " " + std::string(unit.text);
-    places_["parameters." + name] = &node;
+    if (parameter == program.parameters.end()) return false;
+    const std::string name = parameter->first;
+    const auto unit = unitOfSuffix(key.substr(std::min(key.size(), name.size() + 1)));
+    const auto known = std::ranges::find(model_, name, &language::Parameter::name);
+    if (known == model_.end()) return false;
+    const std::string allowed = ", allowed for " + name + ": " + keysOf(name, program) +
+                                ", or a text with its unit in parameters";
+    const auto value = node.value<double>();
+    if (!unit) {
+      problem(key, "found an unknown unit" + allowed);
+    } else if (!node.is_number() || !value || !std::isfinite(*value)) {
+      problem(key,
+              "found " + displayText(node) + ", allowed a number" +
+                  (unit->text.empty() ? "" : " in " + unit->text) +
+                  (node.is_string() ? ", or parameters = {" + name + " = " + displayText(node) + "}"
+                                    : ""));
+    } else if (!(unit->dimension == known->dimension)) {
+      problem(key, "found " + numberOf(unit->dimension) + allowed);
+    } else {
+      parameter->second = keys::numberText(*value) + (unit->text.empty() ? "" : " " + unit->text);
+      places_["parameters." + name] = &node;
+    }
     return true;
+  }
+
+  /// Reports parameters of another dimension than the model has.
+  bool unitsAreThoseOfTheModel(const language::CompiledProgram& compiled) {
+    bool fine = true;
+    for (const language::Parameter& parameter : compiled.parameters) {
+      const auto known = std::ranges::find(model_, parameter.name, &language::Parameter::name);
+      if (known == model_.end() || known->dimension == parameter.dimension) continue;
+      if (!places_.contains("parameters." + parameter.name)) continue;  // follows from another one
+      problem("parameters." + parameter.name, "found " + numberOf(parameter.dimension) +
+                                                  ", allowed " + numberOf(known->dimension) +
+                                                  ", as the model has");
+      fine = false;
+    }
+    return fine;
   }
 
   void change(language::ProgramText& program, const std::string& key, const std::string& name,
@@ -179,14 +268,6 @@ class ProgramReader {
     std::string all;
     for (const std::string& known : names) all += (all.empty() ? "" : ", ") + known;
     problem(key, "found an unknown parameter, allowed: " + all + didYouMean(name, names));
-  }
-
-  /// ", v (v_cm_s), epsilon (epsilon_s)" without the units, which only the compiler knows.
-  static std::string parameterKeys(const language::ProgramText& program) {
-    std::string all;
-    for (const auto& [name, text] : program.parameters)
-      all += (all.empty() ? ", or a parameter with its unit: " : ", ") + name;
-    return all;
   }
 
   template <typename Take>
@@ -214,13 +295,14 @@ class ProgramReader {
     }
   }
 
-  std::string textOf(const toml::node& node, const std::string& path) {
-    if (const auto text = node.value_exact<std::string>()) return *text;
+  /// Nothing if it is no text, which is then reported.
+  std::optional<std::string> textOf(const toml::node& node, const std::string& path) {
+    if (auto text = node.value_exact<std::string>()) return text;
     const bool number = node.is_number();
     problem(path, "found " + displayText(node) + ", allowed a text" +
                       (number ? ": \"" + displayText(node) + "\", with its unit if it has one"
                               : " in quotes"));
-    return "";
+    return std::nullopt;
   }
 
   const toml::table* tableOf(const toml::node& node, const std::string& path) {
@@ -235,7 +317,7 @@ class ProgramReader {
     const toml::table* table = tableOf(node, path);
     if (table == nullptr) return;
     readTable(*table, path, {}, [&](const std::string& key, const toml::node& value) {
-      texts.emplace_back(key, textOf(value, path + "." + key));
+      texts.emplace_back(key, textOf(value, path + "." + key).value_or(""));
     });
   }
 
@@ -266,15 +348,16 @@ class ProgramReader {
                   readNamed(node, key_path, phase.set);
                   return;
                 }
-                std::string& text = phase.*texts.at(key);
-                text = textOf(node, key_path);
-                if (text.empty()) problem(key_path, "found an empty text, allowed an expression");
+                const std::optional<std::string> text = textOf(node, key_path);
+                phase.*texts.at(key) = text.value_or("");
+                if (text == "") problem(key_path, "found an empty text, allowed an expression");
               });
   }
 
   const keys::TomlDocument& document_;
   const toml::table& table_;
   const std::string path_;
+  std::vector<language::Parameter> model_;  ///< The parameters of the model, if there is one.
   std::map<std::string, const toml::node*> places_;  ///< by key
   keys::Problems& problems_;
   bool failed_ = false;
@@ -284,9 +367,8 @@ class ProgramReader {
 
 ProgramFile readProgramTable(const keys::TomlDocument& document, const toml::table& table,
                              const std::string& path, const std::string& name,
-                             const dynamics::WheelLimits& limits, const ModelLookup& model_of,
-                             keys::Problems& problems) {
-  return ProgramReader(document, table, path, problems).read(name, limits, model_of);
+                             const ProgramContext& context, keys::Problems& problems) {
+  return ProgramReader(document, table, path, problems).read(name, context);
 }
 
 }  // namespace lab

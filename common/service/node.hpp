@@ -15,6 +15,7 @@
 #include "common/bus/arrival_clock.hpp"
 #include "common/bus/bus.hpp"
 #include "common/bus/message_values.hpp"
+#include "common/bus/received_message.hpp"
 #include "common/bus/stream_counter.hpp"
 #include "common/loop/loop.hpp"
 
@@ -64,12 +65,13 @@ class Node {
     if (timesFollowClock(channel)) clock.emplace();
     bus_.subscribe(channel, [this, handler = std::move(handler),
                              clock = std::move(clock)](const Packet& packet) mutable {
-      Message message{};
-      if (!decode(packet.data, message)) {
+      const auto received = receive<Message>(packet);
+      if (!received->decoded) {
         streams_.countDecodeError(packet.channel);
         return;
       }
-      if (const auto found = removeImpossible(message)) {
+      const Message& message = received->message;
+      if (const auto& found = received->removed) {
         refuse(packet.channel, message.sender, found->first, found->count);
         if (!found->usable) return;
       }

@@ -1,6 +1,7 @@
 /// The common main() of all services: parses the command line, constructs the service, runs it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -44,6 +45,8 @@ struct ServiceContext {
   std::filesystem::path programs = {};  ///< folder of the executables of this software
   Cameras& cameras = noCameras();
   DescriptorWatcher& descriptors = noDescriptorWatcher();
+  std::size_t threads =
+      0;  ///< for long computations, which do not depend on it; 0: one a processor
 };
 
 class AsioLoop;

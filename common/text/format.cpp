@@ -26,6 +26,7 @@ constexpr std::array kUnits{UnitRow{"m", "cm", "cm", 1e2},
                             UnitRow{"m^2", "cm²", "cm2", 1e4},
                             UnitRow{"m/s", "cm/s", "cm_s", 1e2},
                             UnitRow{"m^2/s", "cm²/s", "cm2_s", 1e4},
+                            UnitRow{"m^2/s^2", "cm²/s²", "cm2_s2", 1e4},
                             UnitRow{"rad", "rad", "rad", 1},
                             UnitRow{"rad^2", "rad²", "rad2", 1},
                             UnitRow{"rad/s", "rad/s", "rad_s", 1},
@@ -34,6 +35,44 @@ constexpr std::array kUnits{UnitRow{"m", "cm", "cm", 1e2},
                             UnitRow{"s", "s", "s", 1},
                             UnitRow{"1", "", "", 1},
                             UnitRow{"", "", "", 1}};
+
+/// A unit of metres, seconds and others in centimetres: "1/(m s^2)" as "1/(cm s²)".
+DisplayUnit inCentimetres(const std::string& si_unit) {
+  constexpr std::string_view kLetters =
+      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
+  DisplayUnit unit;
+  int sign = 1;
+  for (std::size_t at = 0; at < si_unit.size();) {
+    if (kLetters.find(si_unit[at]) == std::string_view::npos) {
+      if (si_unit[at] == '/') {
+        sign = -1;
+        unit.key = unit.key == "1" ? "per" : unit.key;
+      }
+      unit.text += si_unit[at++];
+      continue;
+    }
+    const std::size_t end = std::min(si_unit.find_first_not_of(kLetters, at), si_unit.size());
+    std::string word = si_unit.substr(at, end - at);
+    at = end;
+    int exponent = 1;
+    if (at + 1 < si_unit.size() && si_unit[at] == '^' && si_unit[at + 1] >= '2' &&
+        si_unit[at + 1] <= '9') {
+      exponent = si_unit[at + 1] - '0';
+      at += 2;
+    }
+    if (word == "m") {
+      word = "cm";
+      unit.factor *= std::pow(100.0, sign * exponent);
+    }
+    unit.text += word;
+    unit.key += (unit.key.empty() ? "" : "_") + word;
+    if (exponent > 1) {
+      unit.text += exponent == 2 ? "²" : exponent == 3 ? "³" : "^" + std::to_string(exponent);
+      unit.key += std::to_string(exponent);
+    }
+  }
+  return unit;
+}
 
 std::string withoutTrailingZeros(std::string text) {
   if (text.find('.') == std::string::npos || text.find('e') != std::string::npos) return text;
@@ -58,7 +97,16 @@ DisplayUnit displayUnit(const std::string& si_unit) {
   for (const UnitRow& row : kUnits) {
     if (row.si == si_unit) return {std::string(row.text), std::string(row.key), row.factor};
   }
-  return {si_unit, sanitizedFileName(si_unit), 1};
+  if (si_unit.find_first_of("/^") == std::string::npos) {
+    return {si_unit, sanitizedFileName(si_unit), 1};
+  }
+  return inCentimetres(si_unit);
+}
+
+std::string quantityText(double value, const std::string& si_unit, int digits) {
+  const DisplayUnit unit = displayUnit(si_unit);
+  const std::string number = fmt::format("{:.{}g}", value * unit.factor, digits);
+  return unit.text.empty() ? number : number + " " + unit.text;
 }
 
 std::string valueText(double value, double error) {

@@ -15,8 +15,13 @@ struct DisplayUnit {
   double factor = 1;  ///< displayed value = factor * SI value
 };
 
-/// @param si_unit as the analysis writes it: "m^2/s". An unknown unit is displayed as it is.
+/// @param si_unit as the analysis and programs write it: "m^2/s", "1/(m s)". An unknown unit is
+///   displayed as it is.
 [[nodiscard]] DisplayUnit displayUnit(const std::string& si_unit);
+
+/// "5 cm/s", "0.3333 1/s", "2": a number in its display unit.
+/// @param digits significant ones, at most
+[[nodiscard]] std::string quantityText(double value, const std::string& si_unit, int digits);
 
 /// "0.748": rounded to two significant figures of `error`, to four significant figures if there is
 /// no error; "–" if the value is not finite.

@@ -85,7 +85,8 @@ void takeSummary(const fs::path& folder, PastRun& run) {
   run.marked = run.marked || facts->faults > 0;
   run.lost = facts->lost;
   for (SummaryFacts::Program& program : facts->programs) {
-    run.verdicts.push_back({std::move(program.name), std::move(program.verdict), program.max_z});
+    run.verdicts.push_back(
+        {std::move(program.name), std::move(program.verdict), program.max_z, program.restricted});
   }
 }
 
@@ -103,7 +104,8 @@ nlohmann::ordered_json toJson(const PastRun& run) {
   for (const RunVerdict& verdict : run.verdicts) {
     verdicts.push_back({{"program", verdict.program},
                         {"verdict", verdict.verdict},
-                        {"max_z", orNull(verdict.max_z)}});
+                        {"max_z", orNull(verdict.max_z)},
+                        {"restricted", verdict.restricted}});
   }
   return {{"name", run.name},
           {"experiment", orNull(run.experiment)},

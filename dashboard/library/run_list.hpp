@@ -17,6 +17,7 @@ struct RunVerdict {
   std::string program;
   std::string verdict;
   std::optional<double> max_z;
+  bool restricted = false;  ///< an agreement is not shown in green
 };
 
 struct PastRun {

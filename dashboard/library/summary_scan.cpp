@@ -16,7 +16,12 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
   [[nodiscard]] bool isSummary() const { return format_; }
 
   bool null() override { return goesOn(); }
-  bool boolean(bool) override { return goesOn(); }
+  bool boolean(bool value) override {
+    if (!isDeep() && isInProgram() && path_ == "/programs[]/pool/restricted") {
+      facts_.programs.back().restricted = value;
+    }
+    return goesOn();
+  }
   bool number_integer(number_integer_t value) override {
     return number(static_cast<double>(value));
   }

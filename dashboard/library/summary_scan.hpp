@@ -14,6 +14,7 @@ struct SummaryFacts {
     std::string name;
     std::string verdict;
     std::optional<double> max_z;
+    bool restricted = false;  ///< an agreement is not shown in green
   };
 
   std::string experiment;

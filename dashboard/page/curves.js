@@ -1,5 +1,5 @@
-// Measured curves of all robots or of one robot (MSD, angular MSD, C(l), run times), with the exact
-// laws and the formulas of the paper.
+// Measured curves of all robots or of one robot (MSD, angular MSD, C(l), run times), with what is
+// expected (the laws of the programs) and the formulas of the paper.
 
 import {get} from "./api.js";
 import {Chart} from "./chart.js";
@@ -14,7 +14,7 @@ export function curveSeries(curve, look, paper) {
   const lag = curve.lag ?? curve.lag_cm;
   const note = (i) =>
       `${look.label}, lag ${number(lag[i])} ${lagUnit(curve)}: ${number(curve.value[i])} ± ` +
-      `${number(curve.sigma[i], 2)} ${unit(curve.unit)}; exact law ${number(curve.exact?.[i])}; ` +
+      `${number(curve.sigma[i], 2)} ${unit(curve.unit)}; expected ${number(curve.exact?.[i])}; ` +
       `${curve.windows?.[i] ?? "?"} windows${curve.biased?.[i] ? "; biased: no verdict" : ""}`;
   const series = [{
     kind: "points",
@@ -45,7 +45,7 @@ const MEANINGS = [
     x: [],
     y: []
   },
-  {kind: "line", label: "exact law", color: "currentColor", x: [], y: []},
+  {kind: "line", label: "expected", color: "currentColor", x: [], y: []},
   {kind: "line", label: "paper's formula", color: "currentColor", dash: PAPER_DASH, x: [], y: []},
 ];
 
@@ -94,7 +94,7 @@ export class Curves {
       title: "Run times",
       x: {label: "run time (s)"},
       y: {label: "runs", log: true},
-      empty: "no run-and-tumble program has run yet"
+      empty: "no program with runs and turns has run yet"
     });
     stream.on("lab", () => {
       this.#programs();
@@ -185,11 +185,15 @@ export class Curves {
 
   #verdicts(pools) {
     const words = {
-      agrees: ["good", "agrees with the exact law"],
-      disagrees: ["bad", "deviates from the exact law"]
+      agrees: ["good", "agrees with its program"],
+      disagrees: ["bad", "deviates from its program"]
     };
     find("verdicts").replaceChildren(...pools.map((pool) => {
-      const [kind, text] = words[pool.verdict] ?? ["quiet", "undecided"];
+      const [plain, word] = words[pool.verdict] ?? ["quiet", "undecided"];
+      // As in the report: a verdict is about free motion.
+      const reserve = pool.verdict === "agrees" && pool.contact_share > 0.1;
+      const kind = reserve ? "warn" : plain;
+      const text = reserve ? `${word} in its free motion` : word;
       const parts = [
         `max |z| ${number(pool.max_z, 2)}`, `${seconds(pool.observed_s)} observed`,
         `${pool.reversals ?? 0} reversals`, `${number(100 * pool.contact_share, 2)} % in contact`

@@ -4,6 +4,7 @@ import {ArenaView} from "./arena_view.js";
 import {CameraPicture} from "./camera.js";
 import {Connection} from "./connection.js";
 import {Controls} from "./controls.js";
+import {Crowd} from "./crowd.js";
 import {Curves} from "./curves.js";
 import {find} from "./dom.js";
 import {Estimates} from "./estimates.js";
@@ -33,7 +34,7 @@ function listenToTheme() {
 listenToTheme();
 const stream = new Stream();
 let run = null;
-const removeCurves = () => ["pool/", "history/", "runtimes/"].forEach((old) => stream.remove(old));
+const removeCurves = () => ["pool/", "history/", "runtimes/", "crowd"].forEach((old) => stream.remove(old));
 stream.on("lab", (lab) => {
   if (run !== null && run !== lab.run) removeCurves();
   if (!lab.replay) stream.remove("player");
@@ -48,6 +49,7 @@ stream.on("player", (player) => {
 const view = new ArenaView(stream);
 const controls = new Controls(stream);
 const curves = new Curves(stream);
+const crowd = new Crowd(stream, view);
 const estimates = new Estimates(stream, curves);
 const robot = new RobotPanel(stream, view);
 const runs = new Runs(stream);
@@ -75,6 +77,7 @@ window.labPage = {
   get charts() {
     return {
       ...curves.charts(),
+      ...crowd.charts(),
       history: estimates.chart(),
       speed: robot.chart(),
       compare: runs.charts().msd

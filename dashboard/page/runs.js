@@ -149,16 +149,20 @@ function picture(cell, run) {
 function verdicts(cell, run) {
   // summary.json has "disagrees" for what pages and reports call "deviates".
   const words = {agrees: ["good", "agrees"], disagrees: ["bad", "deviates"]};
-  const word = (verdict) => {
+  const word = ({verdict, restricted}) => {
     const [kind, text] = words[verdict] ?? ["quiet", verdict ?? DASH];
-    return el("span", {class: kind, text});
+    const reserve = restricted && verdict === "agrees";
+    return el("span", {
+      class: reserve ? "warn" : kind,
+      text: reserve ? `${text} in its free motion` : text
+    });
   };
   cell.replaceChildren(
       ...(run.verdicts ?? [])
           .map(
               (one) =>
                   el("div", {}, `${one.program}: `,
-                     word(one.verdict),
+                     word(one),
                      typeof one.max_z === "number" ?
                          el("span", {class: "quiet", text: ` (max |z| ${number(one.max_z, 2)})`}) :
                          null)));

@@ -1,5 +1,5 @@
-/// C(l) = <n(0) . n(l)>: the correlation of the heading n along the path, for active Brownian
-/// particles (ABP).
+/// C(l) = <n(0) . n(l)>: the correlation of the heading n along the path, for programs
+/// of constant speed whose heading diffuses.
 #pragma once
 
 #include <array>
@@ -65,7 +65,8 @@ class HeadingCorrelation {
   std::map<int, std::deque<Heading>> headings_;
 };
 
-/// The correlation for each ABP program of the experiment. Uses the analyzer's code for tracks.
+/// The correlation for each program of the experiment that has one. Uses the analyzer's code for
+/// tracks.
 class CorrelationView {
  public:
   explicit CorrelationView(const RunInfo& run_info) : run_info_(run_info) {}
@@ -75,7 +76,7 @@ class CorrelationView {
   void clear();
 
   /// @param speed [m/s] measured; if it is not above 0, the programmed speed is used
-  /// @return nothing if the program is not an ABP or there are too few data
+  /// @return nothing if the speed or the noise of the program is not constant, or with too few data
   [[nodiscard]] std::optional<LengthCurve> curve(const std::string& program, double speed) const;
 
  private:
@@ -83,7 +84,7 @@ class CorrelationView {
 
   const RunInfo& run_info_;
   std::unique_ptr<analysis::AnalysisFeed> feed_;
-  bool wanted_ = true;  ///< false if the experiment has no ABP program
+  bool wanted_ = true;  ///< false if the experiment has no such program
   std::map<std::string, HeadingCorrelation> programs_;
 };
 

@@ -20,13 +20,6 @@ const char* verdictName(std::int8_t verdict) {
   }
 }
 
-template <class Values>
-Json numbers(const Values& values, double factor) {
-  Json out = Json::array();
-  for (const auto value : values) out.push_back(number(static_cast<double>(value) * factor));
-  return out;
-}
-
 Json curveJson(const curve_t& curve) {
   const lab::DisplayUnit unit = lab::displayUnit(curve.unit);
   return {{"name", curve.name},

@@ -17,6 +17,7 @@ constexpr std::int64_t kUnwatched_us = 1'000'000;     // between frames while no
 constexpr std::size_t kMaxSenders = 16;               // of frames
 constexpr std::int64_t kRunnerSilent_us = 1'000'000;  // it sends five messages a second
 constexpr const char* kPool = "pool";
+constexpr const char* kCrowd = "crowd";
 constexpr const char* kRuns = "runtimes";
 constexpr const char* kHistory = "history";
 
@@ -85,6 +86,9 @@ void LabView::subscribe() {
     if (history_.take(analysis, timeline_.startUtime())) {
       publishNamedTopic(kHistory, analysis.program.name, history_.json(analysis.program.name));
     }
+  });
+  on<collective_t>(channels::kCollective, [this](const auto& message, std::int64_t) {
+    crowd_.take(message, timeline_.startUtime());
   });
   on<service_status_t>(channels::kServiceStatus,
                        [this](const auto& status, std::int64_t now) { health_.take(status, now); });
@@ -197,6 +201,7 @@ void LabView::clearRun() {
   trails_.clear();
   run_times_.clear();
   curves_.clear();
+  crowd_.clear();
   correlation_.clear();
   history_.clear();
   timeline_.clear();
@@ -206,7 +211,8 @@ void LabView::clearRun() {
   frames_.clear();
   for (const std::string& topic : named_topics_) hub_.remove(topic);
   named_topics_.clear();
-  for (const char* topic : {".light", "light", "delivery", "camera", "player"}) hub_.remove(topic);
+  for (const char* topic : {".light", "crowd", "light", "delivery", "camera", "player"})
+    hub_.remove(topic);
 }
 
 void LabView::publish(std::string_view topic, std::string text) {
@@ -250,6 +256,13 @@ void LabView::publishPools() {
       json["curves"].push_back(curveJson(*curve));
     }
     publishNamedTopic(kPool, name, toText(json));
+  }
+  for (const std::string& name : crowd_.takeChanged()) {
+    if (name.empty()) {
+      publish(kCrowd, crowd_.json(name));
+    } else {
+      publishNamedTopic(kCrowd, name, crowd_.json(name));
+    }
   }
   for (const std::string& name : run_times_.takeChanged()) {
     publishNamedTopic(kRuns, name, run_times_.json(name));

@@ -16,6 +16,7 @@
 #include "dashboard/health/health_view.hpp"
 #include "dashboard/health/process_meter.hpp"
 #include "dashboard/views/correlation_view.hpp"
+#include "dashboard/views/crowd_view.hpp"
 #include "dashboard/views/curves_view.hpp"
 #include "dashboard/views/history_view.hpp"
 #include "dashboard/views/light_picture.hpp"
@@ -102,6 +103,7 @@ class LabView {
   TracksView tracks_;
   RunTimes run_times_{run_info_};
   CurvesView curves_;
+  CrowdView crowd_;
   CorrelationView correlation_{run_info_};
   HistoryView history_;
   TimelineView timeline_;

@@ -52,10 +52,8 @@ std::string greek(std::string name) {
 std::string parameters(const Program& program) {
   std::string text;
   for (const ProgramParameter& parameter : program.parameters) {
-    const bool length = parameter.unit == "m" || parameter.unit.starts_with("m/");
-    text += fmt::format("{}{} {:.4g}", text.empty() ? "" : ", ", greek(parameter.name),
-                        length ? cm(parameter.value) : parameter.value);
-    if (parameter.unit != "1") text += (length ? " c" : " ") + parameter.unit;
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", greek(parameter.name),
+                        quantityText(parameter.value, parameter.unit, 4));
   }
   return text;
 }

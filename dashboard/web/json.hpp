@@ -14,6 +14,14 @@ using Json = nlohmann::ordered_json;
 
 using lab::number;
 
+/// Each of the values times `factor`.
+template <class Values>
+[[nodiscard]] Json numbers(const Values& values, double factor) {
+  Json out = Json::array();
+  for (const auto value : values) out.push_back(number(static_cast<double>(value) * factor));
+  return out;
+}
+
 /// A time [us since 1970]; null if it is 0, which means unknown.
 [[nodiscard]] inline Json timeOrNull(std::int64_t utime) {
   return utime == 0 ? Json() : Json(utime);

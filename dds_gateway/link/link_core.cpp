@@ -14,7 +14,7 @@ namespace {
 constexpr std::array kMeasurements{channels::kTrackedFrame,  channels::kTrackedDetails,
                                    channels::kRobotSteps,    channels::kLightSeen,
                                    channels::kLightDelivery, channels::kAnalysis,
-                                   channels::kSimTruth};
+                                   channels::kSimTruth,      channels::kCollective};
 
 constexpr std::int64_t kEchoLost = 10'000'000;  // [us]
 

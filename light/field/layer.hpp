@@ -92,7 +92,7 @@ struct Layer {
 };
 
 /// Limits checked by validate().
-inline constexpr double kLargestPlace = 10;      ///< [m] of every length
+inline constexpr double kLargestPlace = 30;      ///< [m] of every length
 inline constexpr double kFurthestPlace = 1e6;    ///< [m] of x and y: layers move, for days
 inline constexpr double kLargestPhase = 1e9;     ///< [rad] or [1]
 inline constexpr double kSmallestSize = 0.001;   ///< [m] of size, if the kind uses it

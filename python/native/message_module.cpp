@@ -42,7 +42,7 @@ class Decoder {
   Decoder(const Type& type, std::span<const std::uint8_t> encoding)
       : type_(type), left_(encoding) {}
 
-  py::object decode() {
+  py::object toPython() {
     take(sizeof(std::int64_t));
     py::object message = readStruct(type_);
     if (!left_.empty()) fail();
@@ -304,7 +304,7 @@ void addMessages(py::module_& module) {
               "the message is of a type that this version does not know: its fingerprint is that "
               "of no type in active_lab.messages");
         }
-        return Decoder(*type, view).decode();
+        return Decoder(*type, view).toPython();
       },
       py::arg("encoding"));
   module.def(

@@ -42,7 +42,8 @@ inline int32_t clampWheel(int32_t um_s, int32_t max_um_s, bool& saturated) {
 }
 
 /// The signed duty -255..255 for a wheel speed, rounded to nearest (half away from zero).
-/// Truncation would lower D_r by 1.3 % and the diffusion of a slow Brownian program by 5 %.
+/// Truncation would lower D_r by 1.3 % and the diffusion of slow wheels without a mean speed by 5
+/// %.
 inline int16_t dutyForSpeed(int32_t um_s, int32_t max_um_s) {
   if (max_um_s <= 0) {
     return 0;

@@ -163,9 +163,9 @@ class RobotCore {
   uint32_t holdStartMs() const { return hold_start_ms_; }
   uint32_t holdDurationMs() const { return hold_duration_ms_; }
 
-  /// Time in the first phase of programs since boot, without reversals. For run-and-tumble
-  /// programs, tumble_count / run time is the maximum likelihood estimate of gamma with
-  /// right-censored runs.
+  /// Time in the first phase of programs since boot, without reversals. Where the
+  /// first phase is a run, tumble_count / run time is the maximum likelihood estimate of the rate
+  /// at which runs end, with right-censored runs.
   uint32_t runTimeMs(uint32_t now_ms) const;
 
   const CoreSettings& settings() const { return settings_; }

@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
+#include <iterator>
 #include <numbers>
+#include <utility>
 
 namespace lab::language {
 namespace {
@@ -88,11 +91,15 @@ std::string typeText(const CheckedExpression& x) {
 
 class Checker {
  public:
-  Checker(std::string_view text, const Scope& scope, std::vector<RangeNote>& notes)
-      : text_(text), scope_(scope), notes_(notes) {}
+  Checker(std::string_view text, const Scope& scope, std::vector<RangeNote>& notes, Type wanted)
+      : text_(text), scope_(scope), notes_(notes), phase_wanted_(wanted == Type::kPhase) {}
 
   CheckedExpression check(const Expression& node) {
+    const bool branches =
+        node.kind == Expression::kName || (node.kind == Expression::kCall && node.name == "if");
+    const bool wanted = std::exchange(phase_wanted_, phase_wanted_ && branches);
     CheckedExpression result = checkNode(node);
+    phase_wanted_ = wanted;
     if (result.type == Type::kNumber && result.constant && !result.endless) {
       limit(result.range.low, node);
     }
@@ -172,7 +179,12 @@ class Checker {
       throw SyntaxError(node.offset,
                         "'" + node.name + "' is a function: write " + std::string(function->usage));
     }
-    throw SyntaxError(node.offset, "unknown name '" + node.name + "'" + scope_.knownNames());
+    if (phase_wanted_) {
+      throw SyntaxError(node.offset,
+                        "unknown name '" + node.name + "'" + scope_.knownPhases(node.name));
+    }
+    throw SyntaxError(node.offset,
+                      "unknown name '" + node.name + "'" + scope_.knownNames(node.name));
   }
 
   static CheckedExpression readInput(std::uint8_t input, const Dimension& dimension,
@@ -272,18 +284,25 @@ class Checker {
   CheckedExpression checkCall(const Expression& node) {
     const Function* function = functionNamed(node.name);
     if (function == nullptr) {
-      throw SyntaxError(node.offset, "unknown function '" + node.name + "'; there are " + names());
+      throw SyntaxError(node.offset, "unknown function '" + node.name + "'; there are " + names() +
+                                         suggestion(scope_.suggest, node.name, functionNames()));
     }
     if (node.operands.size() != function->operands) {
       throw SyntaxError(node.offset, "'" + node.name + "' has " +
                                          std::to_string(node.operands.size()) +
-                                         " arguments, expected " + std::string(function->usage));
+                                         " arguments, expected " + std::string(function->usage) +
+                                         commaAdvice(text_.substr(node.offset, node.length)));
     }
     std::vector<CheckedExpression> x;
+    const bool wanted = phase_wanted_;
     for (const Expression& operand : node.operands) {
+      phase_wanted_ = wanted && !x.empty();  // the condition of `if` is no phase
       x.push_back(check(operand));
     }
     if (node.name == "if") {
+      if (wanted) {
+        requireType(x[1], Type::kPhase, node.operands[1], "to go to");
+      }
       return select(node, x);
     }
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -299,11 +318,15 @@ class Checker {
     return draw ? checkDraw(node, x) : checkFunction(node, x);
   }
 
+  static std::vector<std::string> functionNames() {
+    std::vector<std::string> names;
+    for (const Function& function : kFunctions) names.emplace_back(function.name);
+    return names;
+  }
+
   static std::string names() {
     std::string text;
-    for (const Function& function : kFunctions) {
-      text += (text.empty() ? "" : ", ") + std::string(function.name);
-    }
+    for (const std::string& name : functionNames()) text += (text.empty() ? "" : ", ") + name;
     return text;
   }
 
@@ -410,10 +433,21 @@ class Checker {
     CheckedExpression result;
     if (name == "uniform") {
       const Dimension common = commonDimension(node, 0, x[0], x[1]);
+      if (x[0].range.low > x[1].range.high) {
+        throw SyntaxError(node.offset,
+                          "the draw begins above its end: " + quoted(node.operands[0]) + " is " +
+                              valueText(x[0]) + ", " + quoted(node.operands[1]) + " is " +
+                              valueText(x[1]) + ", expected uniform(low, high)");
+      }
       result = combined(Type::kNumber, common, join(x[0].range, x[1].range), dynamics::kUniform,
                         {x[0], x[1]});
     } else if (name == "normal") {
       const Dimension common = commonDimension(node, 0, x[0], x[1]);
+      if (x[1].range.high < 0) {
+        throw SyntaxError(node.operands[1].offset, "the deviation " + quoted(node.operands[1]) +
+                                                       " is " + valueText(x[1]) +
+                                                       ", expected 0 or more");
+      }
       const double reach = kLargestNormal * x[1].range.magnitude();
       result = combined(Type::kNumber, common, sum(x[0].range, bounds(-reach, reach)),
                         dynamics::kNormal, {x[0], x[1]});
@@ -459,6 +493,13 @@ class Checker {
                                             " can lie outside 0 to 1, where it counts as 0 or 1"});
     }
     return combined(Type::kTruth, kPure, Interval{0, 1, x.constant}, dynamics::kChance, {x});
+  }
+
+  /// "-1 1/s"; the largest value of a number that is not constant.
+  static std::string valueText(const CheckedExpression& x) {
+    std::array<char, 32> text{};
+    std::snprintf(text.data(), text.size(), "%.4g", x.range.high);
+    return text.data() + (x.dimension == kPure ? "" : " " + unitText(x.dimension));
   }
 
   void requirePositive(const CheckedExpression& x, const Expression& node,
@@ -509,29 +550,47 @@ class Checker {
   std::string_view text_;
   const Scope& scope_;
   std::vector<RangeNote>& notes_;
+  bool phase_wanted_;  ///< The node shall be a phase.
 };
+
+std::string listed(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+/// Names that the language gives a meaning.
+std::vector<std::string> namesOfTheLanguage() {
+  std::vector<std::string> names{"pi", "forever"};
+  for (const Sensor& sensor : kSensors) names.emplace_back(sensor.name);
+  for (const Function& function : kFunctions) names.emplace_back(function.name);
+  return names;
+}
 
 }  // namespace
 
-std::string Scope::knownNames() const {
-  std::string text;
-  const auto add = [&](const std::string& name) { text += (text.empty() ? "" : ", ") + name; };
-  for (const auto& [name, value] : parameters) {
-    add(name);
-  }
-  for (const auto& [name, value] : states) {
-    add(name);
-  }
-  for (const auto& [name, value] : phases) {
-    add(name);
-  }
-  return "; this program has " + (text.empty() ? "no names of its own" : text) +
-         ", and docs/programs.md lists those of the language";
+std::string Scope::knownNames(std::string_view unknown) const {
+  const std::string_view instead = otherUnit(unknown);
+  if (!instead.empty()) return ": write " + std::string(instead) + " for this unit";
+  std::vector<std::string> names;
+  for (const auto& [name, value] : parameters) names.push_back(name);
+  for (const auto& [name, value] : states) names.push_back(name);
+  for (const auto& [name, value] : phases) names.push_back(name);
+  const std::string own = names.empty() ? "no names of its own" : listed(names);
+  std::ranges::copy(namesOfTheLanguage(), std::back_inserter(names));
+  return "; this program has " + own + ", and docs/programs.md lists those of the language" +
+         suggestion(suggest, unknown, names);
+}
+
+std::string Scope::knownPhases(std::string_view unknown) const {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : phases) names.push_back(name);
+  return ", expected a phase: " + listed(names) + suggestion(suggest, unknown, names);
 }
 
 CheckedExpression checkExpression(std::string_view text, const Expression& expression,
-                                  const Scope& scope, std::vector<RangeNote>& notes) {
-  return Checker(text, scope, notes).check(expression);
+                                  const Scope& scope, std::vector<RangeNote>& notes, Type wanted) {
+  return Checker(text, scope, notes, wanted).check(expression);
 }
 
 void requireDimension(const CheckedExpression& number, const Dimension& dimension,

@@ -11,6 +11,7 @@
 #include "robot/language/dimension.hpp"
 #include "robot/language/expression.hpp"
 #include "robot/language/interval.hpp"
+#include "robot/language/suggestion.hpp"
 
 namespace lab::language {
 
@@ -44,8 +45,11 @@ struct Scope {
   std::map<std::string, CheckedExpression, std::less<>> parameters;
   std::map<std::string, StateVariable, std::less<>> states;
   std::map<std::string, std::uint8_t, std::less<>> phases;
+  Suggest suggest = nullptr;
   /// The end of a message about an unknown name: what there is.
-  [[nodiscard]] std::string knownNames() const;
+  [[nodiscard]] std::string knownNames(std::string_view unknown) const;
+  /// The same where only a phase can stand.
+  [[nodiscard]] std::string knownPhases(std::string_view unknown) const;
 };
 
 /// Notes of what can go wrong when the program runs.
@@ -56,8 +60,10 @@ struct RangeNote {
 
 /// Checks an expression. Throws SyntaxError where it is wrong. Appends to `notes` what can only
 /// saturate when the program runs.
+/// @param wanted what it shall be, for messages; another type is no error here
 [[nodiscard]] CheckedExpression checkExpression(std::string_view text, const Expression& expression,
-                                                const Scope& scope, std::vector<RangeNote>& notes);
+                                                const Scope& scope, std::vector<RangeNote>& notes,
+                                                Type wanted = Type::kNumber);
 
 /// Throws SyntaxError unless the number has the dimension (or is the literal 0). `what` names it in
 /// the message.

@@ -1,12 +1,12 @@
 #include "robot/language/compiler.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <functional>
 #include <map>
 #include <optional>
-#include <set>
 #include <string_view>
 
 #include "robot/dynamics/byte_code.hpp"
@@ -27,6 +27,18 @@ constexpr double kLongestHold = dynamics::kLongestHoldMs * 1e-3;  // s
 constexpr double kRoundingSlack = 1e-9;  // so that a limit met exactly is not refused
 /// The ranges of state variables are extended so often. What still grows then is unlimited.
 constexpr int kRangeRounds = 12;
+
+/// What a parameter may have been meant to be.
+constexpr std::array<Dimension, 10> kUsualDimensions{{kPure,
+                                                      kLength,
+                                                      kTime,
+                                                      kSpeed,
+                                                      kRate,
+                                                      kVoltage,
+                                                      {-1, 0, 0},
+                                                      {2, -1, 0},
+                                                      {2, 0, 0},
+                                                      {1, -2, 0}}};
 
 std::string number(double value) {
   char text[32];
@@ -62,17 +74,22 @@ struct CheckedPhase {
 
 class Compiler {
  public:
-  Compiler(const ProgramText& text, const dynamics::WheelLimits& limits)
+  Compiler(const ProgramText& text, const dynamics::WheelLimits& limits, Suggest suggest)
       : text_(text),
+        limits_(limits),
         wheel_limit_(limits.v_max * kCmPerMetre),
         half_base_(limits.wheel_base * kCmPerMetre / 2) {
     result_.name = text.name;
+    scope_.suggest = suggest;
   }
 
   CompiledProgram compile() {
     declareNames();
     if (result_.ok()) {
       checkAll();
+      if (!result_.ok()) {
+        blameParameter();
+      }
     }
     if (result_.ok()) {
       findRanges();
@@ -92,7 +109,7 @@ class Compiler {
   // --- names ---
 
   void declareNames() {
-    std::set<std::string> taken;
+    std::map<std::string, std::string> taken;
     const auto declare = [&](const std::string& name, const std::string& key, const char* what) {
       if (!isName(name)) {
         error(key, 0,
@@ -102,8 +119,10 @@ class Compiler {
         error(key, 0,
               std::string(what) + " '" + name +
                   "' has a meaning in the language (docs/programs.md); choose another name");
-      } else if (!taken.insert(name).second) {
-        error(key, 0, "the name '" + name + "' is used twice in this program; rename one");
+      } else if (const auto [first, is_new] = taken.try_emplace(name, what); !is_new) {
+        error(key, 0,
+              "the name '" + name + "' is used twice in this program: a " + first->second +
+                  " has it already; rename one");
       }
     };
     for (const auto& [name, value] : text_.parameters) {
@@ -136,14 +155,15 @@ class Compiler {
   // --- types and dimensions ---
 
   /// The checked expression of a key; nothing after an error, which is then noted.
-  std::optional<CheckedExpression> read(const std::string& key, const std::string& text) {
+  std::optional<CheckedExpression> read(const std::string& key, const std::string& text,
+                                        Type wanted = Type::kNumber) {
     const auto known = syntax_.find(key);
     try {
       if (known == syntax_.end()) {
         syntax_[key] = parseExpression(text);
       }
       std::vector<RangeNote> notes;
-      CheckedExpression checked = checkExpression(text, syntax_[key], scope_, notes);
+      CheckedExpression checked = checkExpression(text, syntax_[key], scope_, notes, wanted);
       notes_[key] = std::move(notes);
       return checked;
     } catch (const SyntaxError& problem) {
@@ -176,7 +196,7 @@ class Compiler {
   }
 
   std::optional<CheckedExpression> readPhase(const std::string& key, const std::string& text) {
-    std::optional<CheckedExpression> checked = read(key, text);
+    std::optional<CheckedExpression> checked = read(key, text, Type::kPhase);
     if (checked && checked->type != Type::kPhase) {
       error(key, 0,
             "found " + std::string(checked->type == Type::kTruth ? "a condition" : "a number") +
@@ -217,9 +237,13 @@ class Compiler {
               "state variables belong in the phases");
         continue;
       }
-      scope_.parameters[name] = *value;
-      scope_.parameters[name].any_dimension = false;
-      result_.parameters.push_back({name, value->range.low, value->dimension});
+      CheckedExpression& parameter = scope_.parameters[name];
+      parameter = *value;
+      parameter.any_dimension = false;
+      if (name == assumed_parameter_) {
+        parameter.dimension = assumed_dimension_;
+      }
+      result_.parameters.push_back({name, value->range.low, parameter.dimension});
     }
     checkLaw();
     std::swap(waiting_phases_, scope_.phases);
@@ -279,7 +303,8 @@ class Compiler {
       error("parameters.tau", 0, "'tau' is the lag in the formulas of law; rename the parameter");
     }
     try {
-      const Formula checked(text, result_.parameters, formulaDimension(name), isCurve(name));
+      const Formula checked(text, result_.parameters, formulaDimension(name), isCurve(name),
+                            scope_.suggest);
     } catch (const SyntaxError& problem) {
       error("law." + name, problem.offset(), problem.what());
     }
@@ -345,7 +370,8 @@ class Compiler {
     if (state == scope_.states.end()) {
       error(key, 0,
             "'" + name + "' is not a state variable of this program; declare it as state." + name +
-                " = \"...\" with the value that it starts with");
+                " = \"...\" with the value that it starts with" +
+                suggestion(scope_.suggest, name, result_.states));
       return;
     }
     if (const auto value = readNumber(key, text, state->second.dimension, false)) {
@@ -390,6 +416,47 @@ class Compiler {
     if (until) {
       checked.until = *until;
     }
+  }
+
+  /// If all that is wrong are units, and another unit of one parameter makes all right, the mistake
+  /// is that parameter's: it is reported there, with the first of its uses.
+  void blameParameter() {
+    constexpr std::size_t kMostParameters = 30;  // a bound of the time
+    if (result_.parameters.size() > kMostParameters) {
+      return;
+    }
+    std::optional<Parameter> blamed;
+    for (const Parameter& parameter : result_.parameters) {
+      for (const Dimension& dimension : kUsualDimensions) {
+        if (dimension == parameter.dimension) {
+          continue;
+        }
+        Compiler other(text_, limits_, nullptr);
+        other.assumed_parameter_ = parameter.name;
+        other.assumed_dimension_ = dimension;
+        other.declareNames();
+        other.checkAll();
+        if (!other.result_.ok()) {
+          continue;
+        }
+        if (blamed) {
+          return;  // cannot be told
+        }
+        blamed = {parameter.name, 0, dimension};
+      }
+    }
+    if (!blamed) {
+      return;
+    }
+    const auto found = std::ranges::find(result_.parameters, blamed->name, &Parameter::name);
+    const auto unit = [](const Dimension& dimension) {
+      return dimension == kPure ? "without unit" : "in " + unitText(dimension);
+    };
+    result_.errors = {{"parameters." + blamed->name, 0,
+                       "found a number " + unit(found->dimension) + ", but " +
+                           result_.errors.front().key + " needs '" + blamed->name +
+                           "' to be a number " + unit(blamed->dimension) +
+                           ": change the unit here, or the expression there"}};
   }
 
   // --- ranges ---
@@ -521,6 +588,9 @@ class Compiler {
       append(key, evaluation);
       append(key + ".until", interruption);
     }
+    if (result_.ok()) {
+      warnOfShortHolds();
+    }
     if (code.size() > dynamics::kLargestProgram) {
       error("", 0,
             "compiles to " + std::to_string(code.size()) + " bytes, a robot stores " +
@@ -532,6 +602,62 @@ class Compiler {
       return;
     }
     result_.hash = dynamics::programHash(code.data(), static_cast<std::uint8_t>(code.size()));
+  }
+
+  /// Warns of holds that are too short on average for what the robot computes, which it lengthens
+  /// (dynamics::Machine). A short one among long ones is none of them, so ways from phase to phase
+  /// count that lead back to where they began.
+  void warnOfShortHolds() {
+    const std::size_t n = phases_.size();
+    constexpr double kNone = -1e9;
+    std::vector<double> missing;                                              // [ms] of each hold
+    std::vector<std::vector<double>> ways(n, std::vector<double>(n, kNone));  // most missing
+    for (std::size_t i = 0; i < n; ++i) {
+      const double most_ms = typicalHold(phases_[i].hold) * kMsPerSecond;
+      missing.push_back(neededMs(result_.phases[i].cost) - most_ms);
+      const unsigned next =
+          phases_[i].next.phases | (phases_[i].until ? phases_[i].then.phases : 0U);
+      for (std::size_t j = 0; j < n; ++j) {
+        if ((next >> j & 1U) != 0) ways[i][j] = missing[i];
+      }
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t j = 0; j < n; ++j) {
+          ways[i][j] = std::clamp(ways[i][k] + ways[k][j], ways[i][j], -kNone);
+        }
+      }
+    }
+    for (std::size_t i = 0; i < n; ++i) {
+      if (!(missing[i] > kWholeMs && ways[i][i] > kWholeMs)) continue;
+      const double needed = neededMs(result_.phases[i].cost);
+      result_.warnings.push_back(
+          {"phases." + text_.phases[i].name + ".hold", 0,
+           "is " + number(needed - missing[i]) + " ms, but the robot needs up to " +
+               number(needed) +
+               " ms per hold, because it computes for at most half of its time: holds can be "
+               "lengthened, which is counted; use " +
+               number(std::ceil(needed)) + " ms or more, or fewer draws and divisions"});
+    }
+  }
+
+  /// The time that the robot needs for a hold, as dynamics::Machine counts it [ms].
+  static double neededMs(unsigned cost) {
+    return ((cost >> 8) + 1.0 + dynamics::kHoldOverhead) / dynamics::kComputingPerMs;
+  }
+
+  /// The mean of a hold that is one draw, else its largest value [s].
+  static double typicalHold(const CheckedExpression& hold) {
+    const auto known = [&](std::size_t count) {
+      return hold.children.size() == count &&
+             std::ranges::all_of(hold.children, &CheckedExpression::constant);
+    };
+    if (hold.opcode == dynamics::kExponential && known(1)) return hold.children[0].range.low;
+    if (hold.opcode == dynamics::kNormal && known(2)) return hold.children[0].range.low;
+    if (hold.opcode == dynamics::kUniform && known(2)) {
+      return (hold.children[0].range.low + hold.children[1].range.high) / 2;
+    }
+    return hold.range.high;
   }
 
   static void storeStates(BlockCode& block, std::size_t count,
@@ -575,9 +701,12 @@ class Compiler {
   }
 
   const ProgramText& text_;
+  const dynamics::WheelLimits limits_;
   const double wheel_limit_;  ///< [cm/s]
   const double half_base_;    ///< [cm]
   Scope scope_;
+  std::string assumed_parameter_;  ///< Has another dimension than its text says; empty: none.
+  Dimension assumed_dimension_;
   std::map<std::string, std::uint8_t, std::less<>> waiting_phases_;
   std::map<std::string, Expression> syntax_;             ///< By key, parsed once.
   std::map<std::string, std::vector<RangeNote>> notes_;  ///< By key, of the last check.
@@ -592,8 +721,9 @@ bool isFormula(const std::string& law_key) {
   return law_key == "msd" || law_key == "angular_msd" || law_key == "D" || law_key == "D_r";
 }
 
-CompiledProgram compile(const ProgramText& text, const dynamics::WheelLimits& limits) {
-  return Compiler(text, limits).compile();
+CompiledProgram compile(const ProgramText& text, const dynamics::WheelLimits& limits,
+                        Suggest suggest) {
+  return Compiler(text, limits, suggest).compile();
 }
 
 }  // namespace lab::language

@@ -8,6 +8,7 @@
 #include "robot/language/dimension.hpp"
 #include "robot/language/interval.hpp"
 #include "robot/language/program_text.hpp"
+#include "robot/language/suggestion.hpp"
 
 namespace lab::language {
 
@@ -55,7 +56,9 @@ struct CompiledProgram {
 
 /// Compiles a program: checks names, dimensions and ranges, computes what is constant, and writes
 /// byte code. It never throws for what the text contains; `errors` says all that is wrong.
-[[nodiscard]] CompiledProgram compile(
-    const ProgramText& text, const dynamics::WheelLimits& limits = dynamics::WheelLimits());
+/// @param suggest for messages about unknown names
+[[nodiscard]] CompiledProgram compile(const ProgramText& text,
+                                      const dynamics::WheelLimits& limits = dynamics::WheelLimits(),
+                                      Suggest suggest = nullptr);
 
 }  // namespace lab::language

@@ -25,6 +25,24 @@ constexpr std::array<NamedUnit, 11> kUnits{{
     {"volt", {1, kVoltage}},
 }};
 
+struct OtherUnit {
+  std::string_view name;
+  std::string_view instead;
+};
+
+constexpr std::array<OtherUnit, 37> kOtherUnits{{
+    {"Hz", "1/s"},         {"hz", "1/s"},       {"kHz", "1/ms"},      {"km", "1000 m"},
+    {"dm", "10 cm"},       {"nm", "0.001 um"},  {"inch", "2.54 cm"},  {"us", "0.001 ms"},
+    {"ns", "0.000001 ms"}, {"sec", "s"},        {"second", "s"},      {"seconds", "s"},
+    {"msec", "ms"},        {"minute", "min"},   {"minutes", "min"},   {"h", "60 min"},
+    {"hour", "60 min"},    {"hours", "60 min"}, {"hr", "60 min"},     {"degree", "deg"},
+    {"degrees", "deg"},    {"radian", "rad"},   {"radians", "rad"},   {"rev", "2*pi"},
+    {"turn", "2*pi"},      {"turns", "2*pi"},   {"rpm", "2*pi/min"},  {"V", "volt"},
+    {"Volt", "volt"},      {"volts", "volt"},   {"mV", "0.001 volt"}, {"meter", "m"},
+    {"meters", "m"},       {"metre", "m"},      {"metres", "m"},      {"centimeter", "cm"},
+    {"millimeter", "mm"},
+}};
+
 void addFactor(std::string& text, const char* unit, int exponent) {
   if (exponent == 0) {
     return;
@@ -85,6 +103,23 @@ std::string unitNames() {
     names += (names.empty() ? "" : ", ") + std::string(unit.name);
   }
   return names;
+}
+
+std::string_view otherUnit(std::string_view name) {
+  for (const OtherUnit& unit : kOtherUnits) {
+    if (unit.name == name) {
+      return unit.instead;
+    }
+  }
+  return {};
+}
+
+std::string unitAdvice(std::string_view name) {
+  const std::string_view instead = otherUnit(name);
+  if (!instead.empty()) {
+    return ": write " + std::string(instead) + " for it; the units are " + unitNames();
+  }
+  return ", expected a unit (" + unitNames() + "), an operator or the end";
 }
 
 }  // namespace lab::language

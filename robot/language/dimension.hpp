@@ -43,4 +43,12 @@ struct Unit {
 /// All names of units, for messages.
 [[nodiscard]] std::string unitNames();
 
+/// The end of a message about a name that stands where a unit could: "; write 1/s instead of Hz",
+/// else ", which is no unit; units are ...".
+[[nodiscard]] std::string unitAdvice(std::string_view name);
+
+/// What to write instead of a unit that texts of programs do not have: "1/s" for "Hz"; empty: it
+/// is no such unit.
+[[nodiscard]] std::string_view otherUnit(std::string_view name);
+
 }  // namespace lab::language

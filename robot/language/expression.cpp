@@ -3,6 +3,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <utility>
 
 #include "robot/language/dimension.hpp"
 
@@ -22,6 +23,35 @@ struct Token {
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 bool isLetter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
 bool isSpace(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; }
+
+/// What other languages and texts write, and what to write here.
+struct Foreign {
+  std::string_view symbol;
+  std::string_view instead;
+};
+
+constexpr std::string_view kNoPowers =
+    "there are no powers here: write a product such as x*x, in a formula of law pow(x, n)";
+
+constexpr std::array<Foreign, 18> kForeign{
+    {{"=", "equality is written '=='"},
+     {"^", kNoPowers},
+     {"\u00b2", kNoPowers},
+     {"\u00b3", kNoPowers},
+     {"&", "logic is written 'and', 'or', 'not'"},
+     {"|", "logic is written 'and', 'or', 'not'"},
+     {"!", "logic is written 'and', 'or', 'not'"},
+     {"?", "a choice is written if(condition, a, b)"},
+     {":", "a choice is written if(condition, a, b)"},
+     {"%", "a share is written '5 percent'; there is no remainder"},
+     {"\u00b0", "degrees are written 'deg'"},
+     {"\u00b5", "micrometres are written 'um', microseconds '0.001 ms'"},
+     {"\u03bc", "micrometres are written 'um', microseconds '0.001 ms'"},
+     {"\u00b7", "a product is written '*'"},
+     {"\u00d7", "a product is written '*'"},
+     {"\u2212", "minus is written '-'"},
+     {"\u2013", "minus is written '-'"},
+     {"\u03c0", "write 'pi'"}}};
 
 class Lexer {
  public:
@@ -84,15 +114,12 @@ class Lexer {
     ++at_;
   }
 
-  static std::string describeUnknown(char c) {
-    if (c == '=') {
-      return "found '='; equality is written '=='";
-    }
-    if (c == '^') {
-      return "found '^'; there are no powers, write a product";
-    }
-    if (c == '&' || c == '|' || c == '!') {
-      return std::string("found '") + c + "'; logic is written 'and', 'or', 'not'";
+  [[nodiscard]] std::string describeUnknown(char c) const {
+    const std::string_view rest = text_.substr(at_);
+    for (const Foreign& foreign : kForeign) {
+      if (rest.starts_with(foreign.symbol)) {
+        return "found '" + std::string(foreign.symbol) + "'; " + std::string(foreign.instead);
+      }
     }
     const bool printable = c > ' ' && c < 127;
     return "found " + (printable ? std::string("'") + c + "'" : std::string("a character")) +
@@ -105,12 +132,12 @@ class Lexer {
 
 class Parser {
  public:
-  explicit Parser(std::string_view text) : lexer_(text) { advance(); }
+  explicit Parser(std::string_view text) : text_(text), lexer_(text) { advance(); }
 
   Expression parseAll() {
     Expression result = parseOr();
     if (token_.kind != TokenKind::kEnd) {
-      throw SyntaxError(token_.offset, "found " + found() + ", expected an operator or the end");
+      throw unexpected("an operator or the end");
     }
     return result;
   }
@@ -136,7 +163,29 @@ class Parser {
 
   void advance() {
     last_end_ = token_.end;
-    token_ = lexer_.next();
+    previous_ = std::exchange(token_, lexer_.next());
+  }
+
+  /// A comma that was meant as a decimal point: "0,5".
+  [[nodiscard]] bool isDecimalComma() const {
+    return isSymbol(",") && previous_.kind == TokenKind::kNumber &&
+           previous_.end == token_.offset && token_.end < text_.size() &&
+           isDigit(text_[token_.end]);
+  }
+
+  /// What was found instead of `expected`.
+  [[nodiscard]] SyntaxError unexpected(const std::string& expected) const {
+    if (isDecimalComma()) {
+      std::size_t end = token_.end;
+      while (end < text_.size() && isDigit(text_[end])) {
+        ++end;
+      }
+      const std::string digits(text_.substr(token_.end, end - token_.end));
+      return {previous_.offset, "found '" + previous_.text + "," + digits +
+                                    "'; decimals are written with a point: '" + previous_.text +
+                                    "." + digits + "'"};
+    }
+    return {token_.offset, "found " + found() + ", expected " + expected};
   }
 
   [[nodiscard]] bool isSymbol(std::string_view text) const {
@@ -262,7 +311,10 @@ class Parser {
       return parseName();
     }
     if (!isSymbol("(")) {
-      throw SyntaxError(token_.offset, "found " + found() + ", expected a number, a name or '('");
+      if (isSymbol("*") && previous_.text == "*" && previous_.end == token_.offset) {
+        throw SyntaxError(previous_.offset, "found '**'; " + std::string(kNoPowers));
+      }
+      throw unexpected("a number, a name or '('");
     }
     const std::size_t offset = token_.offset;
     advance();
@@ -281,6 +333,10 @@ class Parser {
     number = finish(std::move(number));
     const bool named = token_.kind == TokenKind::kName && unitNamed(token_.text);
     const bool inverse = token_.kind == TokenKind::kNumber && token_.text == "1";
+    if (token_.kind == TokenKind::kName && !named && !isWord("and") && !isWord("or")) {
+      throw SyntaxError(token_.offset,
+                        "found '" + token_.text + "' after a number" + unitAdvice(token_.text));
+    }
     if (!named && !inverse) {
       return number;
     }
@@ -299,7 +355,7 @@ class Parser {
     node.name = token_.text;
     node.offset = token_.offset;
     if (node.name == "and" || node.name == "or") {
-      throw SyntaxError(node.offset, "found " + found() + ", expected a number, a name or '('");
+      throw unexpected("a number, a name or '('");
     }
     advance();
     if (!isSymbol("(")) {
@@ -321,15 +377,15 @@ class Parser {
 
   void expectClosing(std::size_t opening) {
     if (!isSymbol(")")) {
-      throw SyntaxError(token_.offset, "found " + found() +
-                                           ", expected ')' for the '(' at character " +
-                                           std::to_string(opening + 1));
+      throw unexpected("')' for the '(' at character " + std::to_string(opening + 1));
     }
     advance();
   }
 
+  std::string_view text_;
   Lexer lexer_;
   Token token_;
+  Token previous_;
   std::size_t last_end_ = 0;
   int depth_ = 0;
 };
@@ -337,5 +393,14 @@ class Parser {
 }  // namespace
 
 Expression parseExpression(std::string_view text) { return Parser(text).parseAll(); }
+
+std::string commaAdvice(std::string_view text) {
+  for (std::size_t i = 1; i + 1 < text.size(); ++i) {
+    if (text[i] == ',' && isDigit(text[i - 1]) && isDigit(text[i + 1])) {
+      return "; decimals are written with a point, not a comma";
+    }
+  }
+  return {};
+}
 
 }  // namespace lab::language

@@ -43,4 +43,7 @@ constexpr int kDeepestExpression = 40;
 /// Parses a text. Throws SyntaxError.
 [[nodiscard]] Expression parseExpression(std::string_view text);
 
+/// The end of a message about too many arguments, if the text has a comma between digits.
+[[nodiscard]] std::string commaAdvice(std::string_view text);
+
 }  // namespace lab::language

@@ -103,8 +103,9 @@ std::string describe(const Node& node) {
 
 class Checker {
  public:
-  Checker(std::string_view text, const std::vector<Parameter>& parameters, bool curve)
-      : text_(text), parameters_(parameters), curve_(curve) {}
+  Checker(std::string_view text, const std::vector<Parameter>& parameters, bool curve,
+          Suggest suggest)
+      : text_(text), parameters_(parameters), curve_(curve), suggest_(suggest) {}
 
   Node check(const Expression& expression) const {
     switch (expression.kind) {
@@ -150,13 +151,22 @@ class Checker {
     }
     if (name == "pi") return constant(std::numbers::pi, kPure);
     if (const auto unit = unitNamed(name)) return constant(unit->size, unit->dimension);
+    const std::string_view instead = otherUnit(name);
+    if (!instead.empty()) {
+      throw SyntaxError(expression.offset, "unknown name '" + name + "': write " +
+                                               std::string(instead) + " for this unit");
+    }
     std::string known = curve_ ? "tau (the lag)" : "";
+    std::vector<std::string> names{"pi"};
+    if (curve_) names.emplace_back("tau");
     for (const Parameter& parameter : parameters_) {
       known += (known.empty() ? "" : ", ") + parameter.name;
+      names.push_back(parameter.name);
     }
     throw SyntaxError(expression.offset, "unknown name '" + name + "'; a formula has " +
                                              (known.empty() ? "no names here" : known) +
-                                             ", pi and the units");
+                                             ", pi and the units" +
+                                             suggestion(suggest_, name, names));
   }
 
   Node checkUnary(const Expression& expression) const {
@@ -202,19 +212,23 @@ class Checker {
     const Function* function =
         std::ranges::find(kFunctions, std::string_view(expression.name), &Function::name);
     if (function == kFunctions.end()) {
-      std::string names;
+      std::string list;
+      std::vector<std::string> names;
       for (const Function& one : kFunctions) {
-        names += (names.empty() ? "" : ", ") + std::string(one.name);
+        list += (list.empty() ? "" : ", ") + std::string(one.name);
+        names.emplace_back(one.name);
       }
       throw SyntaxError(expression.offset, "unknown function '" + expression.name +
-                                               "'; a formula has " + names +
-                                               ", and no draws or sensors");
+                                               "'; a formula has " + list +
+                                               ", and no draws or sensors" +
+                                               suggestion(suggest_, expression.name, names));
     }
     if (expression.operands.size() != function->operands) {
-      throw SyntaxError(expression.offset, "'" + expression.name + "' has " +
-                                               std::to_string(expression.operands.size()) +
-                                               " arguments, expected " +
-                                               std::string(function->usage));
+      throw SyntaxError(expression.offset,
+                        "'" + expression.name + "' has " +
+                            std::to_string(expression.operands.size()) + " arguments, expected " +
+                            std::string(function->usage) +
+                            commaAdvice(text_.substr(expression.offset, expression.length)));
     }
     Node node;
     node.operation = function->operation;
@@ -296,6 +310,7 @@ class Checker {
   std::string_view text_;
   const std::vector<Parameter>& parameters_;
   bool curve_;
+  Suggest suggest_;
 };
 
 double evaluate(const Node& node, double tau) {
@@ -368,9 +383,9 @@ double evaluate(const Node& node, double tau) {
 }  // namespace
 
 Formula::Formula(std::string_view text, const std::vector<Parameter>& parameters,
-                 const Dimension& dimension, bool curve) {
+                 const Dimension& dimension, bool curve, Suggest suggest) {
   const Expression expression = parseExpression(text);
-  auto root = std::make_shared<Node>(Checker(text, parameters, curve).check(expression));
+  auto root = std::make_shared<Node>(Checker(text, parameters, curve, suggest).check(expression));
   if (root->truth || !(root->any_dimension || root->dimension == dimension)) {
     throw SyntaxError(
         0, "the formula is " + describe(*root) + ", expected a number " +

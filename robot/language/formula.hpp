@@ -8,6 +8,7 @@
 #include "robot/language/compiler.hpp"
 #include "robot/language/dimension.hpp"
 #include "robot/language/expression.hpp"
+#include "robot/language/suggestion.hpp"
 
 namespace lab::language {
 
@@ -20,9 +21,10 @@ class Formula {
   /// @param parameters of the program
   /// @param dimension that the value must have
   /// @param curve whether `tau` is known
+  /// @param suggest for messages
   /// @throws SyntaxError where it is wrong
   Formula(std::string_view text, const std::vector<Parameter>& parameters,
-          const Dimension& dimension, bool curve);
+          const Dimension& dimension, bool curve, Suggest suggest = nullptr);
 
   /// The value in the units of programs (cm, s, rad).
   [[nodiscard]] double operator()(double tau = 0) const;

@@ -33,7 +33,7 @@ struct RobotSnapshot {
   std::uint32_t reversal_count = 0;
   std::uint32_t tumble_count = 0;
   std::uint32_t saturation_count = 0;
-  double run_time_ms = 0;  ///< time in runs of run-and-tumble, on the robot's clock
+  double run_time_ms = 0;  ///< time in the first phase of programs, on the robot's clock
   double battery = 0;      ///< [V]
 };
 

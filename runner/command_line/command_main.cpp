@@ -28,7 +28,7 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::array<ProgramCommand, 9> kProgramCommands{{
+constexpr std::array<ProgramCommand, 10> kProgramCommands{{
     {"preview", "lab-preview", "Draw the light script as pictures, without a run"},
     {"calibrate", "lab-calibrate", "Calibrate camera, projector, light or motors"},
     {"analyze", "lab-analyze",
@@ -40,6 +40,7 @@ constexpr std::array<ProgramCommand, 9> kProgramCommands{{
     {"track", "lab-track", "Track all robots in a movie or in pictures, without a lab"},
     {"reproduce", "lab-reproduce",
      "Reproduce the paper's figures 2, 3, 4 in virtual time, on one page"},
+    {"sweep", "lab-sweep", "Run an experiment at many points: tables and figures of a campaign"},
     {"program", "lab-program", "List, show, check and trace motion programs"},
     {"doctor", "lab-doctor",
      "Check this machine; for each problem print the command that fixes it"},

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
+#include "analyzer/law_knowledge.hpp"
 #include "analyzer/laws.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/projector_file.hpp"
@@ -21,7 +22,7 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 
 ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
-  const Experiment experiment = loadExperiment(file, set);
+  const Experiment experiment = loadExperiment(file, set, analysis::lawKnowledge());
   if (experiment.camera.tracker == Tracker::kCamera) {
     static_cast<void>(cameraInForce(experiment, file.parent_path()));
   }
@@ -29,7 +30,10 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
   checkScenes(experiment, file.parent_path());
   const auto coefficients = [&](const Program& program) {
-    return analysis::coefficientsText(program, experiment.hardware.diameter);
+    const double wheel_base = experiment.hardware.diameter;
+    const std::string coefficients = analysis::coefficientsText(program, wheel_base);
+    return coefficients + (coefficients.empty() ? "" : "; ") +
+           analysis::referenceText(program, wheel_base);
   };
   fmt::print("{}", printableLines(describeExperiment(experiment, coefficients)));
   const std::string problem = loadProblem(experiment, std::thread::hardware_concurrency());

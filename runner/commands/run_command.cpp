@@ -9,6 +9,7 @@
 #include <optional>
 #include <system_error>
 
+#include "analyzer/law_knowledge.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/process/child_process.hpp"
@@ -82,7 +83,7 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
                     "leave it out");
   }
   const std::vector<std::string> set = settingsOf(options);
-  Experiment experiment = loadExperiment(options.file, set);
+  Experiment experiment = loadExperiment(options.file, set, analysis::lawKnowledge());
   adopt(options.sources, experiment);
   std::optional<UserProgram> user_program;
   if (!options.with.empty()) user_program = findUserProgram(options.with);
@@ -104,7 +105,8 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
               .run_virtual = options.virtual_time ? run_virtual : RunVirtual(),
               .web = web,
               .web_address = options.web_address,
-              .user_program = user_program},
+              .user_program = user_program,
+              .threads = options.threads},
              std::move(experiment), [&](const Progress& progress) {
                elapsed = progress.elapsed;
                line->show(progress);
@@ -125,7 +127,8 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
 }
 
 std::vector<std::string> programsOfRun(const RunOptions& options) {
-  const Experiment experiment = loadExperiment(options.file, settingsOf(options));
+  const Experiment experiment =
+      loadExperiment(options.file, settingsOf(options), analysis::lawKnowledge());
   std::vector<std::string> programs = neededPrograms(experiment, options.virtual_time);
   if (options.virtual_time) programs.emplace_back("lab-run-virtual");
   if (options.report) programs.emplace_back(kReporter);
@@ -141,6 +144,11 @@ void addRunOptions(CLI::App& command, RunOptions& options) {
       "--virtual-time", options.virtual_time,
       "Simulate in one process, as fast as possible; the same seed gives the same log");
   command.add_option("--seed", options.seed, "Replaces the seed of the file")->check(wholeNumber());
+  command
+      .add_option("--threads", options.threads,
+                  "Threads of the simulator (default: one per processor); the results do not "
+                  "depend on it")
+      ->check(CLI::Range(1, 1024));
   addRunsFolder(command, options.out, "Folder for the folders of runs");
   addSettings(command, options.set);
   addSources(command, options.sources);

@@ -21,6 +21,7 @@ struct RunOptions {
   CommandLineSources sources;          ///< what only the command line may name
   std::optional<std::uint64_t> seed;
   bool virtual_time = false;
+  std::size_t threads = 0;  ///< of the simulator; 0: one per processor
   bool report = true;
   std::string with;  ///< a program of the user that takes part, with its arguments; empty: none
   std::optional<bool> web;            ///< the dashboard; not given: see wantsDashboard()

@@ -49,9 +49,8 @@ void writeText(hid_t object, const std::string& name, const std::string& text) {
   constexpr std::size_t kMost = 60'000;
   const std::string kept = text.substr(0, kMost);
   const Handle type = textType(kept.size());
-  std::vector<char> padded(kept.begin(), kept.end());
-  if (padded.empty()) padded.push_back('\0');
-  writeAttribute(object, name, type.get(), padded.data());
+  // A string ends with a 0, so that an empty text has one byte too.
+  writeAttribute(object, name, type.get(), kept.c_str());
 }
 
 void writeNumber(hid_t object, const std::string& name, std::int64_t value) {

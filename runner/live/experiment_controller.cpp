@@ -99,6 +99,10 @@ ExperimentController::ExperimentController(const ServiceContext& context, std::s
     node_.subscribe<analysis_t>(channels::kAnalysis,
                                 [this](const analysis_t& analysis) { take(analysis); });
   }
+  if (needsCrowd(experiment_)) {
+    node_.subscribe<collective_t>(channels::kCollective,
+                                  [this](const collective_t& message) { take(message); });
+  }
 }
 
 void ExperimentController::begin() {
@@ -287,17 +291,28 @@ void ExperimentController::take(const robot_command_t& command) {
   reportRefused();
 }
 
+/// The message that ends the run does not advance the script.
+void ExperimentController::endIfStopRulesHold() {
+  const auto why = stop_rules_.met();
+  if (!why || stop_reached_) return;
+  stop_reached_ = true;
+  over_(Ending::kDone, *why);
+}
+
 void ExperimentController::take(const analysis_t& analysis) {
   if (phase_ == Phase::kScript) {
     stop_rules_.take(analysis);
-    const auto why = stop_rules_.met();
-    if (why && !stop_reached_) {
-      stop_reached_ = true;
-      over_(Ending::kDone, *why);
-    }
+    endIfStopRulesHold();
   }
-  // The message that ends the run does not advance the script.
   if (!stop_reached_) light_.take(analysis);
+}
+
+void ExperimentController::take(const collective_t& message) {
+  if (phase_ == Phase::kScript) {
+    stop_rules_.take(message);
+    endIfStopRulesHold();
+  }
+  if (!stop_reached_) light_.take(message);
 }
 
 void ExperimentController::take(const service_status_t& status) {

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <lab/collective_t.hpp>
 #include <lab/experiment_command_t.hpp>
 #include <lab/experiment_status_t.hpp>
 #include <lab/robot_command_t.hpp>
@@ -86,6 +87,8 @@ class ExperimentController final : public Service {
   void take(const tracked_frame_t& frame);
   void take(const robot_command_t& command);
   void take(const analysis_t& analysis);
+  void take(const collective_t& message);
+  void endIfStopRulesHold();
   void take(const service_status_t& status);
   void take(const experiment_command_t& request);
   /// @return why the request is refused; empty: executed

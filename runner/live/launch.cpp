@@ -151,6 +151,12 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
         "\"sim\", or run in real time",
         camera.source));
   }
+  if (!virtual_time && experiment.robots.size() > kMostLiveRobots) {
+    throw UserError(fmt::format(
+        "robots: found {} robots, a lab in real time has at most {}, because their messages do not "
+        "fit into one datagram; add --virtual-time",
+        experiment.robots.size(), kMostLiveRobots));
+  }
   if (camera.tracker == Tracker::kCamera || options.cameras) requirePipeline(experiment);
   requireParts(experiment, virtual_time);
   requireDisk(experiment, options.out);
@@ -171,6 +177,7 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   const std::int64_t start = wallClock();
   PreparedRun prepared =
       prepareRun(std::move(experiment), options.file.parent_path(), options.out, start);
+  prepared.threads = options.threads;
   prepared.user_program = options.user_program;
   if (prepared.user_program) adoptUserProgram(*prepared.user_program, prepared.directory);
   std::optional<Registration> registration;

@@ -29,6 +29,7 @@ struct LaunchOptions {
   bool web = false;                           ///< starts the dashboard; in real time only
   std::filesystem::path web_address{};        ///< a second file for its address, empty: none
   std::optional<UserProgram> user_program{};  ///< takes part in the run
+  std::size_t threads = 0;                    ///< of the simulator; 0: one per processor
 };
 
 struct Launched {

@@ -89,6 +89,9 @@ std::vector<std::string> Supervisor::argumentsOf(const Entry& entry) const {
   if (entry.name == "tracker_svc" && !pipeline.empty()) {
     arguments.push_back("--camera-pipeline=" + pipeline);
   }
+  if (entry.name == "sim_svc" && run_.threads > 0) {
+    arguments.push_back("--threads=" + std::to_string(run_.threads));
+  }
   if (entry.name != kGatewayService) return arguments;
   if (joinsBuses()) arguments = options_.hosts->linkArguments(entry.host);
   if (const std::string file = run_.experiment.gateway.configuration; !file.empty()) {

@@ -10,6 +10,8 @@
 #include <string_view>
 #include <vector>
 
+#include "analyzer/law_knowledge.hpp"
+#include "analyzer/laws.hpp"
 #include "common/files/file_text.hpp"
 #include "common/programs/shipped_programs.hpp"
 #include "common/text/nearest_word.hpp"
@@ -67,7 +69,11 @@ std::string holdText(const language::Interval& hold) {
 
 ProgramFile loadProgram(const std::string& named) {
   const Source source = sourceOf(named);
-  return readProgram(source.text, source.file, fs::path(source.file).stem().string());
+  const LawCheck check_law = [](const auto& text, const auto& compiled) {
+    return analysis::lawKnowledge().problems(text, compiled, LagRange());
+  };
+  return readProgram(source.text, source.file, fs::path(source.file).stem().string(),
+                     dynamics::WheelLimits(), check_law);
 }
 
 std::string describeProgram(const ProgramFile& program) {
@@ -77,14 +83,17 @@ std::string describeProgram(const ProgramFile& program) {
                   compiled.code.size(), dynamics::kLargestProgram, compiled.hash);
   const auto out = std::back_inserter(text);
   for (const language::Parameter& parameter : compiled.parameters) {
-    fmt::format_to(out, "parameter {} = {:.6g} {}\n", parameter.name, parameter.value,
-                   language::unitText(parameter.dimension));
+    const std::string unit =
+        parameter.dimension == language::kPure ? "" : " " + language::unitText(parameter.dimension);
+    fmt::format_to(out, "parameter {} = {:.6g}{}\n", parameter.name, parameter.value, unit);
   }
   for (const language::PhaseFacts& phase : compiled.phases) {
     fmt::format_to(out, "phase {}: left wheel {}, right wheel {}, hold {}; at most {:.2f} ms\n",
                    phase.name, rangeText(phase.left, "cm/s"), rangeText(phase.right, "cm/s"),
                    holdText(phase.hold), (phase.cost + phase.interruption_cost) / kCyclesPerMs);
   }
+  const double wheel_base = dynamics::WheelLimits().wheel_base;
+  fmt::format_to(out, "{}\n", analysis::referenceText(toProgram(program), wheel_base));
   for (const language::Problem& warning : compiled.warnings) {
     fmt::format_to(out, "warning: {}: {}\n", warning.key, warning.message);
   }

@@ -214,8 +214,8 @@ void writeNewFile(const fs::path& path, const std::string& text) {
 }
 
 std::int64_t diskNeed_bytes(const Experiment& experiment) {
-  constexpr double kTrajectoryRow = 90;  // bytes of a line in trajectories.csv
-  constexpr double kReserve = 100e6;     // bytes
+  constexpr double kTrajectoryRow = 130;  // bytes of a line in trajectories.csv
+  constexpr double kReserve = 100e6;      // bytes
   const double rows =
       static_cast<double>(experiment.robots.size()) * experiment.camera.fps * experiment.duration;
   return static_cast<std::int64_t>(kReserve + static_cast<double>(expectedLogBytes(experiment)) +

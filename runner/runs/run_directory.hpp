@@ -61,6 +61,9 @@ struct PreparedRun {
   Experiment experiment;
   std::string effective;  ///< text of experiment.toml, with every default filled in
   std::filesystem::path directory;
+  /// False: a run in virtual time leaves out the analyzer, whose results nobody reads meanwhile.
+  bool live_analysis = true;
+  std::size_t threads = 0;                    ///< of the simulator; 0: one per processor
   std::optional<UserProgram> user_program{};  ///< takes part in the run
 };
 

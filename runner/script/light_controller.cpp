@@ -114,7 +114,10 @@ void LightController::show(const ScriptTransition& transition) {
   command_.from_utime = loop_.now();
   command_.ramp = step.ramp;
   command_.label = step.label;
-  setLayers(command_, toDrivenLayers(step.layers, images_));
+  crowd_.emplace(experiment_, step.layers);
+  crowd_changed_ = false;
+  setLayers(command_, toDrivenLayers(crowd_->layers(), images_));
+  if (!crowd_->given()) crowd_.reset();
   send();
 
   experiment_event_t event{};
@@ -176,6 +179,21 @@ void LightController::take(const robot_status_t& status) {
 void LightController::take(const analysis_t& analysis) {
   player_.take(analysis);
   update();
+}
+
+void LightController::take(const collective_t& message) {
+  player_.take(message);
+  update();
+  if (!playing_ || player_.paused() || !crowd_) return;
+  crowd_changed_ = crowd_->take(message) || crowd_changed_;
+  // The delays of a step are those of its first command: it is not replaced while they are
+  // measured.
+  if (!crowd_changed_ || watch_) return;
+  crowd_changed_ = false;
+  ++command_.seq;
+  command_.ramp = 0;
+  setLayers(command_, toDrivenLayers(crowd_->layers(), images_));
+  send();
 }
 
 void LightController::take(const tracked_frame_t& frame) {

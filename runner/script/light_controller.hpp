@@ -14,6 +14,7 @@
 
 #include "common/experiment/light_messages.hpp"
 #include "common/service/node.hpp"
+#include "runner/script/crowd_light.hpp"
 #include "runner/script/delivery_times.hpp"
 #include "runner/script/delivery_watch.hpp"
 #include "runner/script/script_player.hpp"
@@ -58,6 +59,8 @@ class LightController {
   void take(const tracked_frame_t& frame);
   void take(const robot_status_t& status);
   void take(const analysis_t& analysis);
+  /// Also applies the crowd rules of the step's layers: changed layers are a new command.
+  void take(const collective_t& message);
 
   /// Label of the current light.
   [[nodiscard]] const std::string& label() const { return command_.label; }
@@ -81,6 +84,8 @@ class LightController {
   light_command_t command_{};
   ScriptPlayer player_;
   bool playing_ = false;
+  std::optional<CrowdLight> crowd_;  ///< of the current step, if it has crowd rules
+  bool crowd_changed_ = false;       ///< its layers are not sent yet
   std::optional<DeliveryWatch> watch_;
   DeliveryTimes deliveries_;
   std::int64_t seen_light_utime_ =

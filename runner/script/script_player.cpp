@@ -55,6 +55,10 @@ void ScriptPlayer::take(const analysis_t& analysis) {
   if (condition_) condition_->take(analysis);
 }
 
+void ScriptPlayer::take(const collective_t& message) {
+  if (condition_) condition_->take(message);
+}
+
 std::optional<std::int64_t> ScriptPlayer::stepEnd() const {
   const LightScript& script = experiment_.light;
   if (script.isPlanned()) {

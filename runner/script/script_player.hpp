@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <lab/analysis_t.hpp>
+#include <lab/collective_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <optional>
@@ -56,6 +57,7 @@ class ScriptPlayer {
   void take(const tracked_frame_t& frame);
   void take(const robot_status_t& status);
   void take(const analysis_t& analysis);
+  void take(const collective_t& message);
 
   /// @return the next transition that is due; nothing if the step goes on. Call again until nothing
   ///   is due. After a condition was met, the next step begins `now`; otherwise it begins when the

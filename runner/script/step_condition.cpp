@@ -19,6 +19,7 @@ StepCondition::StepCondition(const Experiment& experiment, const EndCondition& u
                              const TumbleCount& tumbles, std::int64_t utime)
     : until_(until),
       estimate_(experiment, until),
+      crowd_(experiment, until),
       begin_utime_(utime),
       tumbles_before_(tumbles.total(until.robot)) {
   for (const RobotSpec& robot : experiment.robots) robots_.insert(robot.id);
@@ -63,6 +64,11 @@ void StepCondition::take(const analysis_t& analysis) {
   if (estimate_.take(analysis) && estimate_.holds()) met_ = analysis.utime;
 }
 
+void StepCondition::take(const collective_t& message) {
+  if (until_.observable.empty() || met_ || message.utime < begin_utime_) return;
+  if (crowd_.take(message) && crowd_.holds()) met_ = message.utime;
+}
+
 void StepCondition::take(const TumbleCount& tumbles) {
   if (until_.tumbles == 0 || met_) return;
   tumbles_ = tumbles.total(until_.robot) - tumbles_before_;
@@ -71,6 +77,7 @@ void StepCondition::take(const TumbleCount& tumbles) {
 
 std::string StepCondition::progress() const {
   if (!until_.estimate.empty()) return estimate_.progress();
+  if (!until_.observable.empty()) return crowd_.progress();
   if (until_.tumbles != 0) {
     return fmt::format("{} tumbles, wanted {}", tumbles_, until_.tumbles);
   }

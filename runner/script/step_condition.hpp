@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <lab/analysis_t.hpp>
+#include <lab/collective_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <limits>
 #include <map>
@@ -11,6 +12,7 @@
 #include <string>
 
 #include "common/experiment/experiment.hpp"
+#include "runner/script/crowd_value.hpp"
 #include "runner/script/estimate_precision.hpp"
 #include "runner/script/tumble_count.hpp"
 
@@ -27,6 +29,7 @@ class StepCondition {
 
   void take(const tracked_frame_t& frame);
   void take(const analysis_t& analysis);
+  void take(const collective_t& message);
   void take(const TumbleCount& tumbles);
 
   /// utime of the sample that met the condition; nothing if it is not met.
@@ -42,6 +45,7 @@ class StepCondition {
 
   EndCondition until_;
   EstimatePrecision estimate_;
+  CrowdCondition crowd_;
   std::set<std::int32_t> robots_;  ///< all robots of the experiment
   std::int64_t begin_utime_;
   std::optional<std::int64_t> met_;

@@ -13,16 +13,27 @@ namespace lab::runner {
 
 StopRules::StopRules(const Experiment& experiment) : any_(experiment.stop_on == StopOn::kAny) {
   for (const StopRule& rule : experiment.stop_when) {
-    rules_.push_back({EstimatePrecision(experiment, rule.until), rule.at_least});
+    Rule& one = rules_.emplace_back(
+        Rule{EstimatePrecision(experiment, rule.until), std::nullopt, rule.at_least});
+    if (!rule.until.observable.empty()) one.crowd.emplace(experiment, rule.until);
   }
 }
 
 void StopRules::take(const analysis_t& analysis) {
   if (!begin_utime_ || analysis.utime < *begin_utime_) return;
   for (Rule& rule : rules_) {
-    if (!rule.estimate.take(analysis)) continue;
+    if (rule.crowd || !rule.estimate.take(analysis)) continue;
     rule.utime = analysis.utime;
     rule.elapsed = units::seconds(analysis.utime - *begin_utime_);
+  }
+}
+
+void StopRules::take(const collective_t& message) {
+  if (!begin_utime_ || message.utime < *begin_utime_) return;
+  for (Rule& rule : rules_) {
+    if (!rule.crowd || !rule.crowd->take(message)) continue;
+    rule.utime = message.utime;
+    rule.elapsed = units::seconds(message.utime - *begin_utime_);
   }
 }
 
@@ -33,9 +44,11 @@ std::optional<std::string> StopRules::met() const {
   std::string why;
   for (const Rule& rule : rules_) {
     if (!rule.holds()) continue;
-    why += fmt::format("{}{}: relative error {:.3g} after {:.0f} s, sample {}",
-                       why.empty() ? "stop_when: " : "; ", conditionText(rule.estimate.until()),
-                       rule.estimate.error(), rule.elapsed, rule.utime);
+    const std::string found = rule.crowd
+                                  ? rule.crowd->progress()
+                                  : fmt::format("relative error {:.3g}", rule.estimate.error());
+    why += fmt::format("{}{}: {} after {:.0f} s, sample {}", why.empty() ? "stop_when: " : "; ",
+                       conditionText(rule.estimate.until()), found, rule.elapsed, rule.utime);
   }
   return why;
 }
@@ -45,14 +58,18 @@ std::string StopRules::unmet() const {
       fmt::format("stop_when was not reached{}", any_ && rules_.size() > 1 ? " (any of them)" : "");
   for (const Rule& rule : rules_) {
     if (rule.holds()) continue;
-    text += fmt::format("; {}: {}", conditionText(rule.estimate.until()), rule.estimate.progress());
-    if (rule.estimate.holds()) text += fmt::format(", but before {} s", rule.at_least);
+    text += fmt::format("; {}: {}", conditionText(rule.estimate.until()),
+                        rule.crowd ? rule.crowd->progress() : rule.estimate.progress());
+    if (rule.isMet()) text += fmt::format(", but before {} s", rule.at_least);
   }
   return text;
 }
 
 std::string StopRules::progress(const Rule& rule) const {
   const EndCondition& until = rule.estimate.until();
+  if (rule.crowd) {
+    return fmt::format("{}: {}", conditionText(until), rule.crowd->progress());
+  }
   const std::string robot = until.robot == 0 ? "" : fmt::format(" of robot {}", until.robot);
   const std::string what = fmt::format("{} of {}{}", until.estimate, until.program, robot);
   const double wanted = until.relative_error / units::kPercent;

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <lab/analysis_t.hpp>
+#include <lab/collective_t.hpp>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include "runner/script/crowd_value.hpp"
 #include "runner/script/estimate_precision.hpp"
 
 namespace lab::runner {
@@ -22,6 +24,7 @@ class StopRules {
   void begin(std::int64_t utime) { begin_utime_ = utime; }
 
   void take(const analysis_t& analysis);
+  void take(const collective_t& message);
 
   /// @return why the run ends; nothing if it goes on
   [[nodiscard]] std::optional<std::string> met() const;
@@ -35,12 +38,12 @@ class StopRules {
  private:
   struct Rule {
     EstimatePrecision estimate;
-    double at_least = 0;     ///< [s]
-    double elapsed = 0;      ///< [s] from begin() to the latest estimate
-    std::int64_t utime = 0;  ///< of the latest estimate
-    [[nodiscard]] bool holds() const {
-      return utime != 0 && elapsed >= at_least && estimate.holds();
-    }
+    std::optional<CrowdCondition> crowd;  ///< in place of the estimate
+    double at_least = 0;                  ///< [s]
+    double elapsed = 0;                   ///< [s] from begin() to the latest estimate
+    std::int64_t utime = 0;               ///< of the latest estimate
+    [[nodiscard]] bool isMet() const { return crowd ? crowd->holds() : estimate.holds(); }
+    [[nodiscard]] bool holds() const { return utime != 0 && elapsed >= at_least && isMet(); }
   };
   [[nodiscard]] std::string progress(const Rule& rule) const;
 

@@ -32,12 +32,14 @@ namespace {
 constexpr std::int64_t kSettle_us = 500'000;
 
 /// The services that the experiment needs, except those that run in real time only.
-std::vector<ServiceDescription> virtualServices(const Experiment& experiment) {
+std::vector<ServiceDescription> virtualServices(const PreparedRun& run) {
+  const Experiment& experiment = run.experiment;
   std::vector<ServiceDescription> services = {
       analysis::serviceDescription(), projector::serviceDescription(), bridge::serviceDescription(),
       tracker::serviceDescription(), sim::serviceDescription()};
   std::erase_if(services, [&](const ServiceDescription& service) {
-    return !isNeeded(experiment, service.name);
+    const bool unread = !run.live_analysis && service.name == std::string("analyzer");
+    return unread || !isNeeded(experiment, service.name);
   });
   return services;
 }
@@ -47,9 +49,15 @@ struct Member {
   Member(Bus& bus, Loop& loop, SerialPorts& ports, Cameras& cameras,
          const ServiceDescription& description, const PreparedRun& run)
       : node(bus, loop, {description.name, description.origin, 1}),
-        service(description.make({node, loop, run.experiment, run.directory, ports,
-                                  std::filesystem::canonical("/proc/self/exe").parent_path(),
-                                  cameras})) {}
+        service(description.make(
+            {.node = node,
+             .loop = loop,
+             .experiment = run.experiment,
+             .directory = run.directory,
+             .ports = ports,
+             .programs = std::filesystem::canonical("/proc/self/exe").parent_path(),
+             .cameras = cameras,
+             .threads = run.threads})) {}
   Node node;
   std::unique_ptr<Service> service;
 };
@@ -68,7 +76,7 @@ RunOutcome runVirtual(const PreparedRun& run, const ShowProgress& show,
   MemoryCameras cameras(loop);
   RunOutcome outcome;
   std::list<Member> members;
-  for (const ServiceDescription& description : virtualServices(run.experiment)) {
+  for (const ServiceDescription& description : virtualServices(run)) {
     members.emplace_back(bus, loop, ports, cameras, description, run);
   }
   Node node(bus, loop, {"lab", 0, 1});

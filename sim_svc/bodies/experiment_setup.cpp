@@ -25,6 +25,9 @@ WorldSettings worldSettings(const Experiment& experiment) {
   settings.turn_noise = hardware.turn_noise;
   settings.clock_error = hardware.clock_error;
   settings.ir_range = hardware.ir_range;
+  settings.contact = hardware.contact == Contact::kSlide ? ContactRule::kSlide : ContactRule::kStop;
+  settings.contact_friction = hardware.contact_friction;
+  settings.slip = {hardware.slip_across, hardware.slip_turn};
   return settings;
 }
 

@@ -17,77 +17,110 @@ Vec hiddenPosition(std::size_t kinematic_body) {
 
 bool isHidden(Vec centre) { return centre.x <= -1e6; }
 
+constexpr double kPushTime = 0.01;       // [s] that a push out of a kinematic disk is taken to last
+constexpr double kLeastProgress = 1e-6;  // [m] of such a push
+
 }  // namespace
 
 DiskArena::DiskArena(const DiskArenaSettings& settings, const std::vector<dynamics::Pose>& robots)
     : settings_(settings),
       contact_distance_(2 * settings.radius + kContactGap),
       skin_(settings.radius),
-      robots_(robots.size()) {
+      robots_(robots.size()),
+      sliding_({settings.arena, settings.radius, settings.largest_move, settings.friction,
+                settings.mobility}),
+      contacts_(robots.size()) {
   for (const dynamics::Pose& pose : robots) {
-    Body body;
-    body.theta = pose.theta;
-    body.heading = {std::cos(pose.theta), std::sin(pose.theta)};
-    bodies_.push_back(body);
-    centres_.push_back({pose.x, pose.y});
+    bodies_.add(pose);
   }
+  if (slides()) from_ = bodies_.centre;
   listNeighbours();
 }
 
 void DiskArena::beginStep() {
   ++steps_;
-  if (visible_kinematic_ == 0) return;
-  for (std::size_t body = robots_; body < bodies_.size(); ++body) {
+  if (slides() || visible_kinematic_ == 0) return;
+  for (std::size_t body = robots_; body < bodies_.centre.size(); ++body) {
     pushRobotsOut(body);
   }
 }
 
 void DiskArena::setMotion(std::size_t i, Motion motion) {
-  Body& body = bodies_[i];
-  body.motion = motion;
-  body.heading = {std::cos(body.theta), std::sin(body.theta)};
+  bodies_.speed[i] = motion.speed;
+  bodies_.turn[i] = motion.turn;
+  bodies_.setTheta(i, bodies_.theta[i]);
 }
 
-Motion DiskArena::motion(std::size_t i) const {
-  const Motion motion = bodies_[i].motion;
-  return {touchesRobot(i) || touchesWall(i) ? 0 : motion.speed, motion.turn};
+Velocity DiskArena::velocity(std::size_t i) const {
+  const bool touches = touchesRobot(i) || touchesWall(i);
+  const double speed = touches && !slides() ? 0 : bodies_.speed[i];
+  Velocity velocity{{speed * bodies_.heading_x[i], speed * bodies_.heading_y[i]}, bodies_.turn[i]};
+  if (!touches || !slides()) return velocity;
+  const Velocity& slip = contacts_[i].slip;
+  velocity.linear = {velocity.linear.x + slip.linear.x, velocity.linear.y + slip.linear.y};
+  velocity.turn += slip.turn;
+  return velocity;
 }
 
-void DiskArena::moveFor(std::size_t i, double dt) {
-  if (!isMoving(i)) return;
-  Body& body = bodies_[i];
-  const dynamics::Arc arc = dynamics::makeArcOf(body.motion.speed, body.motion.turn, dt);
-  const Vec along = body.heading;
-  const Vec move =
-      stopAtContact(i, {along.x * arc.dx - along.y * arc.dy, along.y * arc.dx + along.x * arc.dy});
-  centres_[i].x += move.x;
-  centres_[i].y += move.y;
-  body.theta += arc.dtheta;
-  // Rotating the heading is cheaper than cos and sin of theta; setMotion() removes the rounding
-  // errors that this accumulates.
-  body.heading = {along.x * arc.cos_turn - along.y * arc.sin_turn,
-                  along.y * arc.cos_turn + along.x * arc.sin_turn};
+void DiskArena::moveUntilContact(std::size_t i, double dt) {
+  const dynamics::Arc arc = dynamics::makeArcOf(bodies_.speed[i], bodies_.turn[i], dt);
+  const Vec move = stopAtContact(i, bodies_.along(i, arc));
+  bodies_.centre[i].x += move.x;
+  bodies_.centre[i].y += move.y;
+  bodies_.rotate(i, arc);
 }
 
 void DiskArena::displace(std::size_t i, double forward, double rotation) {
-  Body& body = bodies_[i];
   forward = std::clamp(forward, -settings_.largest_move, settings_.largest_move);
-  const Vec move = stopAtContact(i, {forward * body.heading.x, forward * body.heading.y});
-  centres_[i].x += move.x;
-  centres_[i].y += move.y;
-  body.theta += rotation;
-  body.heading = {std::cos(body.theta), std::sin(body.theta)};
+  Vec move = {forward * bodies_.heading_x[i], forward * bodies_.heading_y[i]};
+  if (!slides()) move = stopAtContact(i, move);
+  bodies_.centre[i].x += move.x;
+  bodies_.centre[i].y += move.y;
+  bodies_.turned[i] += rotation;
+  bodies_.setTheta(i, bodies_.theta[i] + rotation);
+}
+
+void DiskArena::endStep(double dt, WorkerTeam& team) {
+  if (!slides()) return;
+  sliding_.resolve(moved(), dt, team);
+  applyContacts(dt);
+  std::fill_n(bodies_.turned.begin(), robots_, 0.0);
+  std::copy(bodies_.centre.begin(), bodies_.centre.end(), from_.begin());
+  if (anyMoved(std::span(bodies_.centre).first(robots_), listed_at_, skin_ / 2)) listNeighbours();
+}
+
+MovedDisks DiskArena::moved() const { return {robots_, from_, &bodies_, &neighbours_}; }
+
+void DiskArena::applyContacts(double dt) {
+  for (const ContactShift& shift : sliding_.shifts()) {
+    Vec& centre = bodies_.centre[shift.robot];
+    centre.x += shift.shift.x;
+    centre.y += shift.shift.y;
+    if (shift.rotation != 0) {
+      bodies_.setTheta(shift.robot, bodies_.theta[shift.robot] + shift.rotation);
+    }
+    contacts_[shift.robot].slip = {{shift.shift.x / dt, shift.shift.y / dt}, shift.rotation / dt};
+  }
+  for (const Touch& touched : sliding_.touches()) {
+    if (touched.other == Touch::kWall) {
+      touch(contacts_[touched.robot].wall);
+      continue;
+    }
+    touch(contacts_[touched.robot].robot);
+    if (touched.other < robots_) touch(contacts_[touched.other].robot);
+    collisions_ += touched.begun ? 1 : 0;
+  }
 }
 
 // The part of `move` up to the first contact, which is counted.
 Vec DiskArena::stopAtContact(std::size_t i, Vec move) {
-  const Vec from = centres_[i];
+  const Vec from = bodies_.centre[i];
   const double reach = contact_distance_ + settings_.largest_move;
   const double wall_share = freeShareToWalls(settings_.arena, settings_.radius, from, move);
   double share = wall_share;
   std::size_t touched = i;
   for (const std::uint32_t j : neighbours_.of(i)) {
-    const Vec to_other = {centres_[j].x - from.x, centres_[j].y - from.y};
+    const Vec to_other = {bodies_.centre[j].x - from.x, bodies_.centre[j].y - from.y};
     if (squared(to_other) >= reach * reach) {
       continue;
     }
@@ -101,10 +134,10 @@ Vec DiskArena::stopAtContact(std::size_t i, Vec move) {
     return move;
   }
   if (touched == i) {
-    touch(bodies_[i].wall_contact);
+    touch(contacts_[i].wall);
   } else {
-    const bool begun = touch(bodies_[i].robot_contact);
-    touch(bodies_[touched].robot_contact);
+    const bool begun = touch(contacts_[i].robot);
+    touch(contacts_[touched].robot);
     collisions_ += begun ? 1 : 0;
   }
   return {share * move.x, share * move.y};
@@ -119,26 +152,27 @@ bool DiskArena::touch(Contact& contact) const {
 }
 
 void DiskArena::relistIfMoved(std::size_t i) {
-  const Vec listed_at = bodies_[i].listed_at;
-  const Vec moved = {centres_[i].x - listed_at.x, centres_[i].y - listed_at.y};
+  const Vec listed_at = listed_at_[i];
+  const Vec moved = {bodies_.centre[i].x - listed_at.x, bodies_.centre[i].y - listed_at.y};
   if (squared(moved) > skin_ * skin_ / 4) {
     listNeighbours();
   }
 }
 
 void DiskArena::listNeighbours() {
+  const double contact_gap = slides() ? SlidingContacts::kFarthestGap + 1 : 1;
   const double reach = std::max(2 * settings_.radius + settings_.sensing_range,
-                                contact_distance_ + settings_.largest_move);
-  neighbours_.build(centres_, settings_.arena, reach + skin_ + settings_.largest_move);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    bodies_[i].listed_at = centres_[i];
-  }
+                                contact_distance_ + contact_gap * settings_.largest_move);
+  neighbours_.build(bodies_.centre, settings_.arena, reach + skin_ + settings_.largest_move);
+  listed_at_ = bodies_.centre;
 }
 
 std::size_t DiskArena::addKinematicDisk() {
-  const std::size_t disk = bodies_.size() - robots_;
-  bodies_.emplace_back();
-  centres_.push_back(hiddenPosition(bodies_.size()));
+  const std::size_t disk = contacts_.size() - robots_;
+  contacts_.emplace_back();
+  const Vec hidden = hiddenPosition(contacts_.size());
+  bodies_.add({hidden.x, hidden.y, 0});
+  if (slides()) from_.push_back(hidden);
   listNeighbours();
   return disk;
 }
@@ -149,16 +183,51 @@ void DiskArena::moveKinematicDisk(std::size_t disk, Vec centre) {
     return;
   }
   const std::size_t body = robots_ + disk;
-  if (isHidden(centres_[body])) ++visible_kinematic_;
-  centres_[body] = centre;
+  const bool appears = isHidden(bodies_.centre[body]);
+  if (appears) ++visible_kinematic_;
+  bodies_.centre[body] = centre;
   relistIfMoved(body);
-  pushRobotsOut(body);
+  if (!slides()) {
+    pushRobotsOut(body);
+    return;
+  }
+  if (appears) from_[body] = centre;
+  pushOutSliding(body);
+  from_[body] = centre;
 }
 
 void DiskArena::hideKinematicDisk(std::size_t disk) {
   const std::size_t body = robots_ + disk;
-  if (!isHidden(centres_[body])) --visible_kinematic_;
-  centres_[body] = hiddenPosition(body);
+  if (!isHidden(bodies_.centre[body])) --visible_kinematic_;
+  bodies_.centre[body] = hiddenPosition(body);
+  if (slides()) from_[body] = bodies_.centre[body];
+}
+
+// Pushes robots out of a kinematic disk in pieces of at most the largest move, for which the
+// neighbour lists are valid, as long as that brings them farther out.
+void DiskArena::pushOutSliding(std::size_t kinematic_body) {
+  double overlap = deepestOverlap(kinematic_body);
+  while (overlap > SlidingContacts::kSlack) {
+    sliding_.pushOut(moved());
+    applyContacts(kPushTime);
+    std::copy_n(bodies_.centre.begin(), robots_, from_.begin());
+    from_[kinematic_body] = bodies_.centre[kinematic_body];
+    for (std::size_t i = 0; i < robots_; ++i) relistIfMoved(i);
+    const double left = deepestOverlap(kinematic_body);
+    if (left > overlap - kLeastProgress) return;
+    overlap = left;
+  }
+}
+
+double DiskArena::deepestOverlap(std::size_t kinematic_body) const {
+  double deepest = 0;
+  for (const std::uint32_t i : neighbours_.of(kinematic_body)) {
+    if (i >= robots_) continue;
+    const Vec apart = {bodies_.centre[i].x - bodies_.centre[kinematic_body].x,
+                       bodies_.centre[i].y - bodies_.centre[kinematic_body].y};
+    deepest = std::max(deepest, 2 * settings_.radius - std::sqrt(squared(apart)));
+  }
+  return deepest;
 }
 
 void DiskArena::pushRobotsOut(std::size_t kinematic_body) {
@@ -175,8 +244,8 @@ void DiskArena::pushRobotsOut(std::size_t kinematic_body) {
 // Pushes in pieces of at most the largest move, for which the neighbour lists are valid.
 void DiskArena::pushOut(std::size_t i, std::size_t kinematic_body) {
   for (;;) {
-    const Vec away = {centres_[i].x - centres_[kinematic_body].x,
-                      centres_[i].y - centres_[kinematic_body].y};
+    const Vec away = {bodies_.centre[i].x - bodies_.centre[kinematic_body].x,
+                      bodies_.centre[i].y - bodies_.centre[kinematic_body].y};
     const double distance = std::hypot(away.x, away.y);
     const double depth = contact_distance_ - distance;
     // Within the gap that robots keep, the disks only touch and do not overlap.
@@ -184,13 +253,13 @@ void DiskArena::pushOut(std::size_t i, std::size_t kinematic_body) {
       return;
     }
     const Vec direction =
-        distance > 0 ? Vec{away.x / distance, away.y / distance} : bodies_[i].heading;
+        distance > 0 ? Vec{away.x / distance, away.y / distance} : bodies_.heading(i);
     const double piece = std::min(depth, settings_.largest_move);
     const Vec move = stopAtContact(i, {piece * direction.x, piece * direction.y});
-    centres_[i].x += move.x;
-    centres_[i].y += move.y;
+    bodies_.centre[i].x += move.x;
+    bodies_.centre[i].y += move.y;
     relistIfMoved(i);
-    if (touch(bodies_[i].robot_contact)) {
+    if (touch(contacts_[i].robot)) {
       ++collisions_;
     }
     if (std::hypot(move.x, move.y) < piece / 2) {

@@ -61,7 +61,7 @@ std::array<std::uint16_t, IrScan::kDirections> IrScan::counts() const {
   }
   for (std::size_t k = 0; k < kDirections; ++k) {
     const double nearness = std::clamp(1 - distance_[k] / range_, 0.0, 1.0);
-    counts[k] = static_cast<std::uint16_t>(std::lround(kFullScale * nearness));
+    counts[k] = roundedCounts(kFullScale * nearness);
   }
   return counts;
 }

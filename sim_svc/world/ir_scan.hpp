@@ -8,6 +8,12 @@
 
 namespace lab::sim {
 
+/// A value from 0 to 65535, rounded to nearest as by std::lround, which is slower.
+[[nodiscard]] inline std::uint16_t roundedCounts(double value) {
+  const auto below = static_cast<std::uint16_t>(value);
+  return static_cast<std::uint16_t>(below + (value - below >= 0.5 ? 1 : 0));
+}
+
 /// One scan: along each of the six directions (counter-clockwise from the heading, in steps of 60
 /// degrees) the distance from the rim to the nearest wall or robot, at most the range.
 class IrScan {

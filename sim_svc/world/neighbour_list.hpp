@@ -9,6 +9,19 @@
 
 namespace lab::sim {
 
+/// Whether any point is farther than `distance` [m] from where it was; both in the same order.
+[[nodiscard]] inline bool anyMoved(std::span<const Vec> points, std::span<const Vec> were,
+                                   double distance) {
+  double farthest = 0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double dx = points[i].x - were[i].x;
+    const double dy = points[i].y - were[i].y;
+    const double squared = dx * dx + dy * dy;
+    farthest = squared > farthest ? squared : farthest;
+  }
+  return farthest > distance * distance;
+}
+
 /// All pairs of points closer than a cut-off, each pair listed at both ends (a Verlet list, built
 /// from a grid of cells in time proportional to the number of points). The order of the neighbours
 /// depends on the positions alone.

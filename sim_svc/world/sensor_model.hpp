@@ -1,6 +1,8 @@
 /// The light and infrared sensors of the simulated robots.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "common/math/random.hpp"
@@ -42,17 +44,22 @@ class SensorModel {
   [[nodiscard]] dynamics::Sensors measure(const DiskArena& disks, std::size_t i,
                                           const LightGains& gains) const;
 
+  /// Where the light sensors of robot i are: the front one, then the back one.
+  [[nodiscard]] std::array<Vec, 2> lightPlaces(const DiskArena& disks, std::size_t i) const;
+
+  /// The intensities at `count` places (x[i], y[i]).
+  void lightAt(const double* x, const double* y, std::size_t count, double* out) const;
+
   /// The readings of robot i.
+  /// @param front, back intensities at its light sensors
   /// @param light_noise the robot's stream; used only if the settings have light noise
   [[nodiscard]] SensorScan scan(const DiskArena& disks, std::size_t i, const LightGains& gains,
-                                Random& light_noise) const;
+                                double front, double back, Random& light_noise) const;
 
  private:
-  void senseLight(const DiskArena& disks, std::size_t i, const LightGains& gains,
+  void senseLight(const LightGains& gains, double front, double back,
                   dynamics::Sensors& sensors) const;
-  [[nodiscard]] std::uint16_t lightCounts(Vec at, double gain) const;
-  [[nodiscard]] IrScan scanWalls(const DiskArena& disks, std::size_t i) const;
-  void addRobots(const DiskArena& disks, std::size_t i, IrScan& ir) const;
+  void senseObstacles(const DiskArena& disks, std::size_t i, SensorScan& scan) const;
 
   SensorSettings settings_;
   const LightSampler* light_ = nullptr;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <lab/analysis_t.hpp>
+#include <lab/collective_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
@@ -40,6 +41,11 @@ class AnalyzerServiceTest : public testing::Test {
       analysis_t message{};
       ASSERT_TRUE(decode(packet.data, message));
       heard_[loop_.now()].push_back(message);
+    });
+    bus_.subscribe(channels::kCollective, [this](const Packet& packet) {
+      collective_t message{};
+      ASSERT_TRUE(decode(packet.data, message));
+      crowds_[loop_.now()].push_back(message);
     });
     loop_.every(20'000, loop_.now(), [this] { publishRobots(); });
     source_.start();
@@ -97,6 +103,7 @@ class AnalyzerServiceTest : public testing::Test {
   }();
   AnalyzerService dut_{{node_, loop_, experiment_, {}}};
   std::map<std::int64_t, std::vector<analysis_t>> heard_;
+  std::map<std::int64_t, std::vector<collective_t>> crowds_;
   std::vector<service_status_t> beats_;
   std::int64_t frame_ = 0;
   bool overloaded_ = false;
@@ -113,6 +120,22 @@ TEST_F(AnalyzerServiceTest, PublishesEachRobotAndThePoolOnceASecond) {
   ASSERT_EQ(messages.size(), kRobots + 1U);
   for (const auto& [robot, count] : messages) EXPECT_EQ(count, 10) << robot;
   EXPECT_EQ(messages.count(analysis_t::POOL), 1U);
+}
+
+TEST_F(AnalyzerServiceTest, PublishesTheCrowdOfAllRobotsAndOfTheProgramOnceASecond) {
+  loop_.runUntil(VirtualLoop::kEpoch + 12'000'000 - 1);
+
+  std::map<std::string, int> messages;
+  for (const auto& [utime, all] : crowds_) {
+    if (utime < VirtualLoop::kEpoch + 2'000'000) continue;
+    EXPECT_EQ(all.size(), 1U) << "together at " << utime;
+    EXPECT_EQ(heard_.count(utime), 0U) << "together with ANALYSIS at " << utime;
+    for (const collective_t& one : all) ++messages[one.program.name];
+  }
+  EXPECT_EQ(messages, (std::map<std::string, int>{{"", 10}, {"abp", 10}}));
+  const collective_t& last = crowds_.rbegin()->second.back();
+  EXPECT_GE(last.utime, loop_.now() - 1'500'000);
+  EXPECT_EQ(last.robots, kRobots);
 }
 
 TEST_F(AnalyzerServiceTest, SpreadsItsMessagesOverTheSecond) {

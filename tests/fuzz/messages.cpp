@@ -3,6 +3,7 @@
 #include <array>
 #include <lab/analysis_t.hpp>
 #include <lab/clock_t.hpp>
+#include <lab/collective_t.hpp>
 #include <lab/experiment_command_t.hpp>
 #include <lab/experiment_event_t.hpp>
 #include <lab/experiment_status_t.hpp>
@@ -43,7 +44,7 @@ TimedMessage nextMessage(Input& input) {
                    tracker_status_t, light_command_t, light_status_t, light_seen_t,
                    light_delivery_t, link_status_t, analysis_t, service_status_t,
                    experiment_event_t, experiment_command_t, experiment_status_t, clock_t,
-                   sim_truth_t, robot_senses_t>();
+                   sim_truth_t, robot_senses_t, collective_t>();
   static_assert(std::tuple_size_v<std::decay_t<decltype(kFingerprints)>> == channels::kAll.size());
   const auto first = input.number<std::uint8_t>();
   const std::size_t channel = (first & 0x7FU) % channels::kAll.size();

@@ -8,6 +8,7 @@
 #include <functional>
 #include <lab/analysis_t.hpp>
 #include <lab/clock_t.hpp>
+#include <lab/collective_t.hpp>
 #include <lab/experiment_command_t.hpp>
 #include <lab/experiment_event_t.hpp>
 #include <lab/experiment_status_t.hpp>
@@ -39,18 +40,18 @@ struct TypeList {};
 
 /// Types that are sent on a channel.
 using ChannelTypes =
-    TypeList<analysis_t, clock_t, experiment_command_t, experiment_event_t, experiment_status_t,
-             light_command_t, light_delivery_t, light_seen_t, light_status_t, link_status_t,
-             robot_calibration_t, robot_command_t, robot_senses_t, robot_status_t, robot_steps_t,
-             robot_stop_t, service_status_t, sim_truth_t, tracked_details_t, tracked_frame_t,
-             tracker_status_t>;
+    TypeList<analysis_t, clock_t, collective_t, experiment_command_t, experiment_event_t,
+             experiment_status_t, light_command_t, light_delivery_t, light_seen_t, light_status_t,
+             link_status_t, robot_calibration_t, robot_command_t, robot_senses_t, robot_status_t,
+             robot_steps_t, robot_stop_t, service_status_t, sim_truth_t, tracked_details_t,
+             tracked_frame_t, tracker_status_t>;
 
 /// Types that are parts of those.
-using PartTypes =
-    TypeList<cap_detail_t, channel_count_t, curve_t, estimate_t, light_band_t, light_delay_t,
-             light_drive_t, light_layer_t, link_peer_t, motor_calibration_t, parameter_t,
-             program_id_t, program_t, robot_order_t, robot_state_t, robot_step_t, sense_values_t,
-             stream_count_t, tracked_pose_t, true_pose_t>;
+using PartTypes = TypeList<cap_detail_t, channel_count_t, crowd_member_t, curve_t, estimate_t,
+                           light_band_t, light_delay_t, light_drive_t, light_layer_t, link_peer_t,
+                           motor_calibration_t, observable_curve_t, observable_t, parameter_t,
+                           program_id_t, program_t, robot_order_t, robot_state_t, robot_step_t,
+                           sense_values_t, stream_count_t, tracked_pose_t, true_pose_t>;
 
 /// Calls `visit.operator()<Type>()` for every type of both lists.
 template <class Visit, class... Types>
@@ -62,12 +63,21 @@ inline auto fields(cap_detail_t& m) {
   return std::tie(m.robot_id, m.track, m.used, m.spacing, m.white, m.u, m.v);
 }
 inline auto fields(channel_count_t& m) { return std::tie(m.channel, m.messages); }
+inline auto fields(crowd_member_t& m) {
+  return std::tie(m.robot_id, m.cluster, m.density, m.hexatic);
+}
 inline auto fields(curve_t& m) {
   return std::tie(m.name, m.unit, m.num_lags, m.lag, m.value, m.sigma, m.exact, m.paper, m.windows,
                   m.biased);
 }
 inline auto fields(estimate_t& m) {
   return std::tie(m.name, m.unit, m.value, m.sigma, m.low, m.high, m.theory, m.note);
+}
+inline auto fields(observable_curve_t& m) {
+  return std::tie(m.name, m.x_unit, m.unit, m.num_points, m.x, m.value, m.low, m.high);
+}
+inline auto fields(observable_t& m) {
+  return std::tie(m.name, m.unit, m.now, m.mean, m.sigma, m.low, m.high);
 }
 inline auto fields(parameter_t& m) { return std::tie(m.name, m.value, m.unit); }
 inline auto fields(program_id_t& m) { return std::tie(m.hash, m.name); }
@@ -136,6 +146,11 @@ inline auto fields(analysis_t& m) {
                   m.curves, m.num_estimates, m.estimates);
 }
 inline auto fields(clock_t& m) { return std::tie(m.utime, m.sender, m.instance, m.seq, m.rate); }
+inline auto fields(collective_t& m) {
+  return std::tie(m.utime, m.sender, m.instance, m.seq, m.program, m.observed, m.robots,
+                  m.num_observables, m.observables, m.num_curves, m.curves, m.num_members,
+                  m.members);
+}
 inline auto fields(experiment_event_t& m) {
   return std::tie(m.utime, m.sender, m.instance, m.seq, m.kind, m.text, m.contract_version,
                   m.fingerprints, m.version, m.step, m.label, m.commanded_utime, m.presented_utime,

@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kLargest = 60'000;  // a little below 60 KB, for the names of senders
 constexpr std::size_t kLargestAnalysis = 8'192;
+constexpr std::size_t kLargestCollective = 24'576;
 constexpr std::string_view kSender = "robot_bridge";
 
 /// `message` with one part per robot in `parts`.
@@ -105,6 +106,19 @@ TEST(MessageSizes, KeepAnAnalysisBelowEightKilobytes) {
   analysis.estimates.assign(12, estimate);
   analysis.num_estimates = 12;
   EXPECT_LT(encode(analysis).size(), kLargestAnalysis);
+}
+
+TEST(MessageSizes, KeepACollectiveBelowTwentyFourKilobytes) {
+  constexpr std::size_t kPoints = 90;  // of g(r) and C_v(r); other curves have fewer
+  constexpr std::size_t kRobots = 250;
+  auto collective = sample<collective_t>(0);
+  collective.observables.assign(26, sample<observable_t>(0));
+  collective.num_observables = 26;
+  collective.curves.assign(9, sample<observable_curve_t>(kPoints));
+  collective.num_curves = 9;
+  collective.members.assign(kRobots, sample<crowd_member_t>(0));
+  collective.num_members = kRobots;
+  EXPECT_LT(encode(collective).size(), kLargestCollective);
 }
 
 TEST(MessageSizes, KeepTheLargestLightFieldInOneDatagram) {

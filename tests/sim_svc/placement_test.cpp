@@ -3,7 +3,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <stdexcept>
 
 namespace lab::sim::placement_test {
@@ -39,6 +42,18 @@ TEST(PlaceRobots, PlacesOneToManyRobotsWithoutOverlap) {
   }
 }
 
+// In seed 1233 of an earlier version an ABP pushed into a corner for minutes.
+TEST(PlaceRobots, KeepsAwayFromWallsWhileThereIsRoom) {
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    for (const dynamics::Pose& pose : placeRobots(anywhere(10), kArena, kRadius, seed)) {
+      ASSERT_GE(std::min(pose.x, kArena.width - pose.x), kRadius + 0.05);
+      ASSERT_GE(std::min(pose.y, kArena.height - pose.y), kRadius + 0.05);
+    }
+  }
+  const Arena small{0.1, 0.1};
+  EXPECT_NO_THROW((void)placeRobots(anywhere(1), small, kRadius, 1));
+}
+
 TEST(PlaceRobots, AddingARobotDoesNotMoveTheOthers) {
   const auto few = placeRobots(anywhere(20), kArena, kRadius, 7);
   const auto more = placeRobots(anywhere(21), kArena, kRadius, 7);
@@ -47,6 +62,30 @@ TEST(PlaceRobots, AddingARobotDoesNotMoveTheOthers) {
     EXPECT_EQ(few[i].y, more[i].y);
     EXPECT_EQ(few[i].theta, more[i].theta);
   }
+}
+
+TEST(PlaceRobots, PlacesManyRobotsInALargeArena) {
+  // Overlaps are looked for between neighbours in x.
+  const Arena arena{200, 150};
+  auto poses = placeRobots(anywhere(100'000), arena, kRadius, 7);
+  std::ranges::sort(poses, {}, &dynamics::Pose::x);
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    ASSERT_GE(poses[i].x, kRadius);
+    ASSERT_LE(poses[i].y, arena.height - kRadius);
+    for (std::size_t j = i; j-- > 0 && poses[i].x - poses[j].x <= 2 * kRadius;) {
+      ASSERT_GT(std::hypot(poses[i].x - poses[j].x, poses[i].y - poses[j].y), 2 * kRadius);
+    }
+  }
+}
+
+TEST(PlaceRobots, KeepsThePlacesOfASeed) {
+  // Other places would change every run of a seed.
+  const auto sparse = placeRobots(anywhere(100), kArena, kRadius, 7);
+  EXPECT_EQ(sparse[99].x, 0.3219791058402931);
+  EXPECT_EQ(sparse[99].y, 0.21502293016529364);
+  const auto dense = placeRobots(anywhere(170), kArena, kRadius, 7);
+  EXPECT_EQ(dense[169].x, 0.8116228208357914);
+  EXPECT_EQ(dense[169].y, 0.037613068879269664);
 }
 
 TEST(PlaceRobots, AnotherSeedGivesOtherPoses) {

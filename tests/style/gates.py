@@ -34,7 +34,7 @@ SERVICES = ("robot_bridge", "projector_ctl", "tracker_svc", "sim_svc", "analyzer
 SHARED_FOLDERS = ("robot_bridge/calibration/", "projector_ctl/calibration/", "tracker_svc/calibration/",
                   "dds_gateway/dds/")
 # Folders that .gitignore names.
-LEFT_BEHIND = ("build", "runs", "tests/benchmarks/results")
+LEFT_BEHIND = ("build", "runs", "campaigns", "tests/benchmarks/results")
 # The named exceptions to "no service includes another" (docs/architecture.md).
 SERVICE_EXCEPTIONS = {("dashboard", "analyzer")}
 

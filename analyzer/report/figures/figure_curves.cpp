@@ -291,7 +291,7 @@ void Overview::add(std::size_t index, const Finding& finding) {
 FigureScript msdOverview(const std::vector<Finding>& findings) {
   FigureScript script;
   script.figure.name = "msd";
-  script.figure.title = "Mean-squared displacement with the exact law";
+  script.figure.title = "Mean-squared displacement with its law";
   Overview all;
   CsvText csv("program,lag_s,value_cm2,standard_error_cm2,noise_cm2,exact_cm2,z,judged");
   for (std::size_t i = 0; i < findings.size(); ++i) {
@@ -339,8 +339,8 @@ FigureScript msdOverview(const std::vector<Finding>& findings) {
   script.script += "unset multiplot\n";
   script.figure.caption =
       "Points: measured, all robots together, with one standard error; hollow: not judged. Pale "
-      "lines: each robot. Solid lines: the exact law of the program. Below: the deviation from the "
-      "law in standard errors; 4 is the limit.";
+      "lines: each robot. Solid lines: what each is compared with (its exact law, its formulas or "
+      "simulated recordings). Below: the deviation from it in standard errors; 4 is the limit.";
   return script;
 }
 

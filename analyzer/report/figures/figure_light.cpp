@@ -12,10 +12,12 @@
 namespace lab::report {
 namespace {
 
-constexpr std::size_t kMostStrips = 100;    // largest number of robots with strips
-constexpr std::size_t kMostSpans = 3000;    // in all strips together
-constexpr std::size_t kMostTics = 24;       // robots with labels
-constexpr std::size_t kMostChanges = 1500;  // of the light that are drawn
+constexpr std::size_t kMostStrips = 100;     // largest number of robots with strips
+constexpr std::size_t kMostSpans = 3000;     // in all strips together
+constexpr std::size_t kMostTics = 24;        // robots with labels
+constexpr std::size_t kMostChanges = 1500;   // of the light that are drawn
+constexpr std::size_t kMostReaders = 30;     // robots whose readings are drawn
+constexpr std::size_t kMostReadings = 6000;  // of all of them
 
 /// Darkest and brightest place over time, as steps.
 DataBlock lightData(const RunRecord& record, const style::TimeAxis& axis) {
@@ -32,6 +34,36 @@ DataBlock lightData(const RunRecord& record, const style::TimeAxis& axis) {
   }
   if (before != nullptr) data.row(record.duration() / axis.scale, before->low, before->high);
   return data;
+}
+
+/// What the robots read of a light that depends on the place: front and back sensor together. One
+/// line per robot. @return the plot elements.
+std::string readings(const RunRecord& record, const style::TimeAxis& axis, std::string& data) {
+  const bool is_uniform =
+      std::ranges::all_of(record.light, [](const LightSpan& span) { return span.uniform; });
+  if (is_uniform || record.robots.size() > kMostReaders) return {};
+  const std::size_t frames = record.tracks.frames.size();
+  const std::size_t most = kMostReadings / std::max<std::size_t>(1, record.robots.size());
+  const std::size_t stride = std::max<std::size_t>(1, frames / std::max<std::size_t>(1, most));
+  std::string plots;
+  for (const auto& [id, robot] : record.robots) {
+    DataBlock block(fmt::format("read{}", id));
+    block.row(std::nan(""), std::nan(""));
+    bool any = false;
+    for (std::size_t i = 0; i < frames; i += stride) {
+      for (std::size_t r = record.tracks.frames[i].first_row; r < record.tracks.endOf(i); ++r) {
+        const TrackRow& row = record.tracks.rows[r];
+        const double light = 0.5 * static_cast<double>(row.light_front + row.light_back);
+        if (row.robot != id || !std::isfinite(light)) continue;
+        block.row(record.seconds(record.tracks.frames[i].utime) / axis.scale, light);
+        any = true;
+      }
+    }
+    if (!any) continue;
+    data += block.text();
+    plots += fmt::format(", \\\n  $read{} using 1:2 with lines lw 0.8 lc rgb '#404040'", id);
+  }
+  return plots;
 }
 
 /// The edges of the robots' light bands, with the program between them at the right.
@@ -163,6 +195,7 @@ FigureScript lightAndPrograms(const RunRecord& record) {
   const style::TimeAxis axis = style::timeAxis(duration);
   const bool as_strips = fitsStrips(record);
   script.script = lightData(record, axis).text();
+  const std::string read = readings(record, axis, script.script);
   const std::string programs =
       as_strips ? strips(record, axis, script.script) : counts(record, axis, script.script);
   const int strip_height =
@@ -180,11 +213,12 @@ FigureScript lightAndPrograms(const RunRecord& record) {
       "set format x ''\nset ylabel 'light' offset 0.5\nunset key\n",
       duration / axis.scale, screen(height - 14), screen(140 + strip_height));
   script.script += bands(record);
-  script.script +=
-      "plot $light using 1:2:3 with filledcurves fs solid 0.35 noborder lc rgb '#E69F00', "
+  script.script += fmt::format(
+      "plot $light using 1:2:3 with filledcurves fs solid {} noborder lc rgb '#E69F00', "
       "$light using 1:2 with lines lw 2 lc rgb '#B87A00', "
-      "$light using 1:3 with lines lw 2 lc rgb '#B87A00'\n"
-      "unset label\nunset arrow\nset format x '%g'\n";
+      "$light using 1:3 with lines lw 2 lc rgb '#B87A00'{}\n"
+      "unset label\nunset arrow\nset format x '%g'\n",
+      read.empty() ? "0.35" : "0.15", read);
   script.script += fmt::format(
       "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\nset xlabel 'time ({})'\n"
       "set key at screen 0.48,screen {:.4f} center top horizontal\n",
@@ -201,10 +235,11 @@ FigureScript lightAndPrograms(const RunRecord& record) {
         1.06 * static_cast<double>(record.robots.size()), programs);
   }
   script.script += "unset multiplot\n";
-  script.figure.caption =
+  script.figure.caption = fmt::format(
       "Above: the light (0 dark, 1 projector white), with its darkest and brightest place if it is "
-      "not uniform. Dotted: the edges of the light bands. Below: the program that each robot "
-      "reported.";
+      "not uniform{}. Dotted: the edges of the light bands. Below: the program that each robot "
+      "reported.",
+      read.empty() ? "" : "; thin lines: what each robot read, the mean of its two sensors");
   return script;
 }
 

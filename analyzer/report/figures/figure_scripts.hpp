@@ -19,6 +19,14 @@ struct FigureScript {
   std::string script;  ///< empty if the figure has a sentence
 };
 
+/// A figure without a script so far.
+[[nodiscard]] inline FigureScript beginFigure(const char* name, const char* title) {
+  FigureScript script;
+  script.figure.name = name;
+  script.figure.title = title;
+  return script;
+}
+
 [[nodiscard]] FigureScript trajectoryByTime(const RunRecord& record);
 [[nodiscard]] FigureScript trajectoryByProgram(const RunRecord& record);
 [[nodiscard]] FigureScript lightAndPrograms(const RunRecord& record);

@@ -49,10 +49,21 @@ std::optional<Stretch> stretchOf(const RunRecord& record, int program) {
   return longest;
 }
 
+/// A step for at most five labels from 0 to `largest`: 1, 2 or 5 times a power of ten.
+double ticStep(double largest) {
+  constexpr double kMostSteps = 4;
+  const double least = std::max(largest, 1e-6) / kMostSteps;
+  const double decade = std::pow(10, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0}) {
+    if (factor * decade >= least) return factor * decade;
+  }
+  return 10 * decade;
+}
+
 /// Adds the speed [cm/s] over the baseline, separately for free motion and the rest. @return
-/// whether there are data.
-bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::string& name,
-               double spacing, DataBlock& free, DataBlock& held, CsvText& csv) {
+/// the largest speed; negative: there are no data.
+double addSpeeds(const RunRecord& record, const Stretch& stretch, const std::string& name,
+                 double spacing, DataBlock& free, DataBlock& held, CsvText& csv) {
   struct Place {
     std::int64_t utime;
     const TrackRow* row;
@@ -68,7 +79,7 @@ bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::strin
       }
     }
   }
-  bool any = false;
+  double largest = -1;
   bool last_free = true;
   std::size_t from = 0;
   double next = -1e300;
@@ -86,9 +97,9 @@ bool addSpeeds(const RunRecord& record, const Stretch& stretch, const std::strin
     data.row(t, distance / dt * kCm);
     csv.row(name, stretch.robot, t, distance / dt * kCm, is_free);
     last_free = is_free;
-    any = true;
+    largest = std::max(largest, distance / dt * kCm);
   }
-  return any;
+  return largest;
 }
 
 /// The speed of a program with constant speed [cm/s]; else negative.
@@ -108,6 +119,7 @@ FigureScript speedTraces(const RunRecord& record) {
   struct Panel {
     std::size_t key;
     Stretch stretch;
+    double largest;  // cm/s
   };
   std::vector<Panel> panels;
   CsvText csv("program,particle,t_s,speed_cm_s,free");
@@ -120,15 +132,17 @@ FigureScript speedTraces(const RunRecord& record) {
     DataBlock unused("unused");
     for (DataBlock* block : {&free, &held, &others}) block->row(std::nan(""), std::nan(""));
     const std::string& name = record.programs[key].name;
-    if (!addSpeeds(record, *stretch, name, kBaseline / 4, free, held, csv)) continue;
+    double largest = addSpeeds(record, *stretch, name, kBaseline / 4, free, held, csv);
+    if (largest < 0) continue;
     for (const auto& [id, robot] : record.robots) {
       if (id == stretch->robot || record.robots.size() > kMostRobotsWithSpeed) continue;
       others.blank();
-      addSpeeds(record, {id, stretch->begin_utime, stretch->end_utime}, name, kBaseline, others,
-                unused, csv);
+      const double other = addSpeeds(record, {id, stretch->begin_utime, stretch->end_utime}, name,
+                                     kBaseline, others, unused, csv);
+      largest = std::max(largest, other);
     }
     script.script += free.text() + held.text() + others.text();
-    panels.push_back({key, *stretch});
+    panels.push_back({key, *stretch, largest});
   }
   if (panels.empty()) {
     script.figure.sentence = "No speed trace: no robot was tracked while it ran a program.";
@@ -143,20 +157,20 @@ FigureScript speedTraces(const RunRecord& record) {
       "set ylabel 'speed (cm/s)' offset 0.5\nset yrange [0:*]\nset grid ytics lc rgb '#E4E4E4'\n"
       "unset key\n";
   for (std::size_t i = 0; i < panels.size(); ++i) {
-    const auto& [key, stretch] = panels[i];
+    const auto& [key, stretch, largest] = panels[i];
     const int top = height - 32 - kPanelHeight * static_cast<int>(i);
     const double speed = programmedSpeed(record, record.programs[key].program);
     const std::string_view colour = record.programs[key].colour;
     script.script += fmt::format(
         "set tmargin at screen {:.4f}\nset bmargin at screen {:.4f}\n"
-        "set xrange [{:.6g}:{:.6g}]\n{}"
+        "set xrange [{:.6g}:{:.6g}]\nset ytics {:.4g}\n{}"
         "set label 1 {} at graph 0,1.07 left tc rgb '{}' noenhanced\n"
         "plot $others{} using 1:2 with lines lw 0.7 lc rgb '#B8{}', "
         "$held{} using 1:2 with lines lw 1.2 lc rgb '#BBBBBB', "
         "$free{} using 1:2 with lines lw 1.4 lc rgb '{}'{}\n",
         static_cast<double>(top) / height, static_cast<double>(top - kPanelHeight + 68) / height,
         record.seconds(stretch.begin_utime), record.seconds(stretch.end_utime),
-        i + 1 == panels.size() ? "set xlabel 'time (s)'\n" : "",
+        ticStep(std::max(largest, speed)), i + 1 == panels.size() ? "set xlabel 'time (s)'\n" : "",
         gnuplotText(fmt::format("{}, robot {}", record.programs[key].name, stretch.robot)), colour,
         key, colour.substr(1), key, key, colour,
         speed > 0 ? fmt::format(", {:.5g} with lines lw 1 dt (6,4) lc rgb 'black'", speed) : "");

@@ -63,13 +63,6 @@ std::string whichPart(const RunRecord& record, const PlotTracks& plot) {
                      durationText(record.duration()));
 }
 
-FigureScript begin(const char* name, const char* title) {
-  FigureScript script;
-  script.figure.name = name;
-  script.figure.title = title;
-  return script;
-}
-
 bool nothingToDraw(const PlotTracks& plot) {
   return std::none_of(plot.lines.begin(), plot.lines.end(),
                       [](const PlotLine& line) { return line.points.size() > 1; });
@@ -96,7 +89,7 @@ std::string trackCsv(const RunRecord& record, const PlotTracks& plot) {
 }  // namespace
 
 FigureScript trajectoryByTime(const RunRecord& record) {
-  FigureScript script = begin("trajectory_time", "Trajectory, coloured by time");
+  FigureScript script = beginFigure("trajectory_time", "Trajectory, coloured by time");
   const PlotTracks plot = thinnedTracks(record, kPoints, false);
   if (nothingToDraw(plot)) {
     script.figure.sentence = "No trajectory: no robot has two tracked positions.";
@@ -148,7 +141,7 @@ FigureScript trajectoryByTime(const RunRecord& record) {
 }
 
 FigureScript trajectoryByProgram(const RunRecord& record) {
-  FigureScript script = begin("trajectory_program", "Trajectory, coloured by program");
+  FigureScript script = beginFigure("trajectory_program", "Trajectory, coloured by program");
   const PlotTracks plot = thinnedTracks(record, kPoints, true);
   if (nothingToDraw(plot)) {
     script.figure.sentence = "No trajectory: no robot has two tracked positions.";

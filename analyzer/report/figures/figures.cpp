@@ -1,5 +1,8 @@
 #include "analyzer/report/figures/figures.hpp"
 
+#include <utility>
+
+#include "analyzer/report/figures/figure_crowd.hpp"
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/figure_scripts.hpp"
 
@@ -21,6 +24,7 @@ std::vector<Figure> drawFigures(const RunRecord& record, const fs::path& scratch
       scripts.push_back(turnsFigure(finding));
     }
   }
+  for (FigureScript& script : crowdFigures(record)) scripts.push_back(std::move(script));
   return drawScripts(std::move(scripts), scratch);
 }
 

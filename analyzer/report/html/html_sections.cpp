@@ -135,6 +135,16 @@ std::string openingFigures(const std::vector<Figure>& figures,
   return (html.empty() ? html : "<div class=\"opening\">\n" + html + "</div>\n") + sentences;
 }
 
+std::string figureGrid(const std::vector<Figure>& figures, const std::vector<std::string>& names) {
+  std::string html;
+  for (const Figure& figure : figures) {
+    if (std::find(names.begin(), names.end(), figure.name) != names.end()) {
+      html += figureHtml(figure);
+    }
+  }
+  return html.empty() ? html : "<div class=\"figures\">\n" + html + "</div>\n";
+}
+
 std::string otherFigures(const std::vector<Figure>& figures,
                          const std::vector<std::string>& opening) {
   std::string html;
@@ -145,9 +155,11 @@ std::string otherFigures(const std::vector<Figure>& figures,
   }
   if (html.empty() && sentences.empty()) return {};
   return "<h2>More figures</h2>\n<p>In the curves, points are measured and bars are one standard "
-         "error. The solid line is the exact law of the program, with the tracker’s noise; the "
-         "dashed line is the paper’s formula. Below each curve are the deviations from the exact "
-         "law in standard errors; from 4 on, a point deviates. Neighbouring lags share their data "
+         "error. The solid line is what the motion is compared with, with the tracker’s noise: "
+         "the exact law of the program, its own formulas, or simulated recordings of it. The "
+         "dashed line, where there is one, is the paper’s formula. Below each curve are the "
+         "deviations from the solid line in standard errors; from 4 on, a point deviates. "
+         "Neighbouring lags share their data "
          "and are correlated. Hollow points are not judged: they have too few independent windows, "
          "or their windows are a biased sample because the light depends on the "
          "position.</p>\n<div class=\"figures\">\n" +

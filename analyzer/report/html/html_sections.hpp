@@ -17,6 +17,9 @@ namespace lab::report::html {
 /// out.
 [[nodiscard]] std::string openingFigures(const std::vector<Figure>& figures,
                                          const std::vector<std::string>& names);
+/// Figures in columns, by the names of their files; those that are missing are left out.
+[[nodiscard]] std::string figureGrid(const std::vector<Figure>& figures,
+                                     const std::vector<std::string>& names);
 /// All figures but those that open the page.
 [[nodiscard]] std::string otherFigures(const std::vector<Figure>& figures,
                                        const std::vector<std::string>& opening);

@@ -4,10 +4,10 @@ namespace lab::report::html {
 
 inline constexpr const char* kStyle = R"css(
 :root { color-scheme: light dark; --ink: #1d2125; --soft: #5b646d; --line: #d9dde1; --paper: #fdfdfc;
-  --card: #f4f5f6; --good: #00684a; --bad: #a63b00; --open: #5b646d; --warn: #fdeee3; }
+  --card: #f4f5f6; --good: #00684a; --bad: #a63b00; --open: #5b646d; --part: #7d6300; --warn: #fdeee3; }
 @media (prefers-color-scheme: dark) {
   :root { --ink: #e4e6e8; --soft: #a2abb3; --line: #3a4148; --paper: #16191c; --card: #1f2428;
-    --good: #4cc79b; --bad: #f0955a; --open: #a2abb3; --warn: #3a261a; } }
+    --good: #4cc79b; --bad: #f0955a; --open: #a2abb3; --part: #d8bb3c; --warn: #3a261a; } }
 * { box-sizing: border-box; }
 body { margin: 0 auto; padding: 2.5rem 1.5rem 5rem; max-width: 70rem; background: var(--paper);
   color: var(--ink); font: 1.0625rem/1.55 Charter, "Bitstream Charter", "Sitka Text", Cambria,
@@ -24,6 +24,7 @@ p { margin: .4rem 0 .8rem; max-width: 44rem; }
 .card { background: var(--card); border-radius: .4rem; padding: 1.1rem 1.3rem; margin: 0 0 1.2rem; }
 .verdict { font-weight: 600; font-size: 1.15rem; margin: .1rem 0 .3rem; }
 .agrees { color: var(--good); } .deviates { color: var(--bad); } .undecided { color: var(--open); }
+.partly { color: var(--part); }
 .card ul { margin: .3rem 0 .8rem; padding-left: 1.2rem; max-width: 44rem; font-size: .95rem; }
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabular-nums;

@@ -1,7 +1,9 @@
 #include "analyzer/report/html/html_verdicts.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdint>
@@ -10,6 +12,7 @@
 #include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
 #include "analyzer/report/sections/kurtosis_section.hpp"
+#include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report::html {
@@ -40,6 +43,18 @@ std::string intervalText(const Estimate& estimate) {
                      valueText(estimate.high95 * factor, half));
 }
 
+const char* verdictWord(const ProgramResult& result) {
+  const bool judged = result.law.known() && result.no_verdict.empty();
+  return judged ? verdictClass(result.verdict.kind) : "no law";
+}
+
+/// The share of the time that is cut, for the table of verdicts; empty if it is small.
+std::string notFree(const ProgramResult& result) {
+  if (restriction(result).empty()) return {};
+  return fmt::format("<span class=\"partly\">{:.0f} % not free;</span> ",
+                     result.shares.cut() * units::kPercents);
+}
+
 std::string robotTable(const Finding& finding) {
   std::vector<std::string> columns{">robot", ">free motion", ">reversals", "verdict",
                                    ">largest deviation (standard errors)"};
@@ -55,7 +70,7 @@ std::string robotTable(const Finding& finding) {
     std::vector<std::string> cells{
         std::to_string(result.robot), durationText(result.observed),
         std::to_string(result.reversals),
-        fmt::format("<span class=\"{0}\">{0}</span>", verdictClass(result.verdict.kind)),
+        fmt::format("<span class=\"{}\">{}</span>", verdictClass(result), verdictWord(result)),
         decided ? fmt::format("{:.1f}", std::abs(result.verdict.max_z)) : "–"};
     for (const Estimate& estimate : result.estimates) {
       const double factor = displayUnit(estimate.unit).factor;
@@ -77,12 +92,21 @@ std::string card(const Finding& finding) {
   const ProgramResult& result = finding.pool->result;
   const std::string pooled =
       result.robots > 1 ? fmt::format("{} together, ", countText(result.robots, "robot")) : "";
+  const std::string limits = restriction(result);
+  const std::string whole = wholeMotionText(result);
+  const std::string free = freeMotionText(result);
   std::string html = fmt::format(
       "<section class=\"card\">\n<h3>{} <span class=\"soft\">· {} · {}</span></h3>\n"
-      "<p class=\"verdict {}\">{}{}</p>\n<p>{} <span class=\"soft\">({}{} of free motion in {}.)"
+      "{}<p class=\"verdict {}\">{}{}</p>\n<p>{} <span class=\"soft\">({}{} of free motion in {}.)"
       "</span></p>\n",
       escapeHtml(finding.name), escapeHtml(finding.model),
-      escapeHtml(parametersText(*finding.pool)), verdictClass(result.verdict.kind),
+      escapeHtml(parametersText(*finding.pool)),
+      limits.empty()
+          ? ""
+          : fmt::format("<p class=\"verdict partly\">{}.</p>\n<p>{}{}</p>\n", escapeHtml(limits),
+                        whole.empty() ? "" : fmt::format("Whole motion: {}. ", whole),
+                        free.empty() ? "" : fmt::format("Free motion: {}.", free)),
+      verdictClass(result),
       static_cast<char>(std::toupper(static_cast<unsigned char>(verdictText(result).front()))),
       verdictText(result).substr(1), escapeHtml(verdictReason(result)), pooled,
       durationText(result.observed), countText(result.segments, "segment"));
@@ -108,9 +132,8 @@ std::vector<std::string> verdictCells(const Finding& finding) {
                   escapeHtml(finding.name)),
       fmt::format("<span class=\"soft\">{} · {}</span>", escapeHtml(finding.model),
                   escapeHtml(parametersText(*finding.pool))),
-      fmt::format(
-          "<b class=\"{}\">{}</b>", verdictClass(verdict.kind),
-          result.law.known() && result.no_verdict.empty() ? verdictClass(verdict.kind) : "no law"),
+      fmt::format("{}<b class=\"{}\">{}</b>", notFree(result), verdictClass(result),
+                  verdictWord(result)),
       decided ? fmt::format("{:.1f}", std::abs(verdict.max_z)) : "–",
       groupedText(verdict.judged),
       durationText(result.observed)};
@@ -125,7 +148,27 @@ std::vector<std::string> verdictCells(const Finding& finding) {
   return cells;
 }
 
+/// "the exact law or the simulated reference": what the programs are compared with.
+std::string referencesText(const std::vector<Finding>& findings) {
+  std::vector<std::string> references;
+  for (const Finding& finding : findings) {
+    const ProgramResult& result = finding.pool->result;
+    if (!result.law.known() || !result.no_verdict.empty()) continue;
+    const std::string reference = result.law->reference();
+    if (std::ranges::find(references, reference) == references.end()) {
+      references.push_back(reference);
+    }
+  }
+  if (references.empty()) return "the law of the program";
+  return fmt::format("{}", fmt::join(references, " or "));
+}
+
 }  // namespace
+
+const char* verdictClass(const ProgramResult& result) {
+  const bool agrees = result.verdict.kind == VerdictKind::kAgrees;
+  return agrees && isRestricted(result) ? "partly" : verdictClass(result.verdict.kind);
+}
 
 const char* verdictClass(VerdictKind kind) {
   switch (kind) {
@@ -163,9 +206,11 @@ std::string verdictTable(const std::vector<Finding>& findings) {
                ">judged lags", ">free motion", ">measured", ">95 % interval", ">programmed"});
   for (const Finding& finding : findings) table.row(verdictCells(finding));
   return html + table.text() +
-         "<p class=\"soft\">The verdict compares the measured MSD and angular MSD with the exact "
-         "law of the program: the motion agrees if no judged lag deviates by 4 standard errors or "
-         "more. By chance alone one run in a hundred exceeds 3.2.</p>\n";
+         "<p class=\"soft\">The verdict compares the measured MSD and angular MSD with " +
+         referencesText(findings) +
+         ": the motion agrees if no judged lag deviates by 4 standard errors or more. By chance "
+         "alone one run in a hundred exceeds 3.2. Only free motion is judged; what else the robots "
+         "did is said first if it took more than a tenth of the time.</p>\n";
 }
 
 std::string programCards(const std::vector<Finding>& findings) {

@@ -12,6 +12,9 @@ namespace lab::report::html {
 /// "agrees", "deviates", "undecided": the word for readers, and the class in the style sheet.
 [[nodiscard]] const char* verdictClass(analysis::VerdictKind kind);
 
+/// The same for a result: "partly" for an agreement that needs a reserve.
+[[nodiscard]] const char* verdictClass(const analysis::ProgramResult& result);
+
 /// One row per program: its verdict, the largest deviation and the estimate that characterises it.
 [[nodiscard]] std::string verdictTable(const std::vector<Finding>& findings);
 

@@ -8,6 +8,7 @@
 #include "analyzer/report/html/html_sections.hpp"
 #include "analyzer/report/html/html_style.hpp"
 #include "analyzer/report/html/html_verdicts.hpp"
+#include "analyzer/report/sections/crowd_section.hpp"
 #include "analyzer/report/sections/light_bands.hpp"
 #include "analyzer/report/sections/run_section.hpp"
 #include "analyzer/report/sections/segments.hpp"
@@ -70,7 +71,10 @@ std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figur
   page += html::verdictTable(findings);
   page += folded(html::programCards(findings));
   page += folded(html::runs(findings, record.experimentOrDefault().hardware.max_wheel_speed));
-  page += folded(html::otherFigures(figures, opening));
+  page += folded(html::crowds(record, figures));
+  std::vector<std::string> shown = opening;
+  for (const std::string& figure : crowdFigureNames()) shown.push_back(figure);
+  page += folded(html::otherFigures(figures, shown));
   page += folded(html::stitching(record));
   if (record.poses) {
     page += folded(html::poseSource(record));

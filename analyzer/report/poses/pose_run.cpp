@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <deque>
 #include <limits>
 #include <map>
 #include <set>
@@ -15,7 +14,9 @@
 
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/report/poses/pose_units.hpp"
+#include "analyzer/report/record/crowd_records.hpp"
 #include "analyzer/report_error.hpp"
+#include "analyzer/service/collective_feed.hpp"
 #include "analyzer/tracks/reversal_finder.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/program_colours.hpp"
@@ -99,25 +100,29 @@ Experiment experimentOf(const std::string& name, const PoseProgram& program) {
   return experiment;
 }
 
-/// The robots that touch another one, or a wall if the arena is known.
-std::set<int> touching(const Frame& frame, const Experiment& experiment, bool in_arena) {
-  std::set<int> robots;
+struct Contacts {
+  std::set<int> robots;    ///< that touch another one
+  std::set<int> at_walls;  ///< that touch a wall, if the arena is known
+};
+
+Contacts contactsIn(const Frame& frame, const Experiment& experiment, bool in_arena) {
+  Contacts contacts;
   const double diameter = experiment.hardware.diameter;
   const double nearest = diameter / 2 + kTouching;
   for (std::size_t i = 0; i < frame.poses.size(); ++i) {
     const FramePose& a = frame.poses[i];
     if (in_arena && (a.x < nearest || a.y < nearest || a.x > experiment.arena_width - nearest ||
                      a.y > experiment.arena_height - nearest)) {
-      robots.insert(a.robot);
+      contacts.at_walls.insert(a.robot);
     }
     for (std::size_t k = i + 1; k < frame.poses.size(); ++k) {
       const FramePose& b = frame.poses[k];
       if (std::hypot(a.x - b.x, a.y - b.y) > diameter + kTouching) continue;
-      robots.insert(a.robot);
-      robots.insert(b.robot);
+      contacts.robots.insert(a.robot);
+      contacts.robots.insert(b.robot);
     }
   }
-  return robots;
+  return contacts;
 }
 
 /// Feeds the analysis and stores its classification of every row.
@@ -130,11 +135,15 @@ class PoseFeed {
         law_(law),
         speed_is_known_(speed_is_known),
         epoch_start_(poses.frames.front().time),
-        analysis_(configOf(poses, experiment)) {
+        analysis_(configOf(poses, experiment)),
+        crowd_(analysis::crowdConfig(experiment)) {
     const auto runs = law->runs();
     run_share_ = runs && runs->rate > 0 ? 1 / (1 + runs->rate * runs->turn_time) : 1;
     analysis_.onSample([this](int robot, const analysis::ProgramLaw&,
-                              const analysis::Sample& sample) { judge(robot, sample); });
+                              const analysis::Sample& sample) { rows_.sampled(robot, sample); });
+    analysis_.onFrame(
+        [this](int robot, const analysis::FrameReport& frame) { rows_.classified(robot, frame); });
+    analysis_.wholeMotion();
   }
 
   void run(RunRecord& record, analysis::Depth depth, bool stitch) {
@@ -155,7 +164,9 @@ class PoseFeed {
     examine(record);
     for (const Frame& frame : poses_.frames) take(frame, record);
     analysis_.flush();
-    record.tracks = std::move(tracks_);
+    fillCrowds(
+        crowd_, units::seconds(record.start_utime), [](int) { return -1; }, record);
+    record.tracks = rows_.takeTracks();
     for (analysis::ProgramResult& result : analysis_.results(depth)) {
       const bool given = !experiment_.programs.empty();
       record.results.push_back({record.programs.front().program,
@@ -213,9 +224,8 @@ class PoseFeed {
     while (next_step_ < poses_.clock_steps.size() && poses_.clock_steps[next_step_] <= frame.time) {
       epoch_start_ = poses_.clock_steps[next_step_++];
     }
-    const std::set<int> contacts = touching(frame, experiment_, poses_.in_arena);
-    tracks_.frames.push_back({units::microseconds(frame.time), frame.frame, tracks_.rows.size()});
-    record.poses->in_contact += static_cast<std::int64_t>(contacts.size());
+    const Contacts contacts = contactsIn(frame, experiment_, poses_.in_arena);
+    rows_.beginFrame(units::microseconds(frame.time), frame.frame);
     for (FramePose& pose : frame.poses) {
       const auto corrected = corrected_.find(pose.robot);
       if (corrected != corrected_.end()) {
@@ -228,7 +238,10 @@ class PoseFeed {
       telemetry.time = frame.time;
       telemetry.program_epoch = static_cast<std::int64_t>(next_step_);
       telemetry.program_start = epoch_start_;
-      telemetry.contact = contacts.contains(pose.robot);
+      telemetry.contact_robot = contacts.robots.contains(pose.robot);
+      telemetry.contact_wall = contacts.at_walls.contains(pose.robot);
+      telemetry.contact = telemetry.contact_robot || telemetry.contact_wall;
+      record.poses->in_contact += telemetry.contact ? 1 : 0;
       telemetry.run_time = frame.time - poses_.frames.front().time;
       const auto reporter = reporters_.find(pose.robot);
       if (reporter != reporters_.end()) {
@@ -236,26 +249,24 @@ class PoseFeed {
         telemetry.run_time -= reporter->second.removed();
       }
       telemetry.run_time *= run_share_;
+      TrackRow row;
+      row.robot = pose.robot;
+      row.x = static_cast<float>(pose.x);
+      row.y = static_cast<float>(pose.y);
+      row.theta = static_cast<float>(pose.theta);
+      row.program = 0;
+      rows_.add(frame.time, row);
       analysis_.addTelemetry(pose.robot, law_, telemetry);
-      waiting_[pose.robot].push_back({frame.time, tracks_.rows.size()});
-      tracks_.rows.push_back({pose.robot, static_cast<float>(pose.x), static_cast<float>(pose.y),
-                              static_cast<float>(pose.theta), 0, -1});
     }
     analysis_.addFrame(frame);
+    crowd_poses_.clear();
+    for (const FramePose& pose : frame.poses) {
+      if (!pose.valid) continue;
+      crowd_poses_.push_back(
+          {pose.robot, pose.x, pose.y, poses_.headings ? pose.theta : kNan, -1, -1});
+    }
+    crowd_.addFrame(frame.time, poses_.frame_period, crowd_poses_);
   }
-
-  void judge(int robot, const analysis::Sample& sample) {
-    std::deque<Waiting>& waiting = waiting_[robot];
-    while (!waiting.empty() && waiting.front().time < sample.time) waiting.pop_front();
-    if (waiting.empty() || waiting.front().time != sample.time) return;
-    tracks_.rows[waiting.front().row].segment = sample.piece;
-    waiting.pop_front();
-  }
-
-  struct Waiting {
-    double time;
-    std::size_t row;
-  };
 
   const PoseFile& poses_;
   const Experiment& experiment_;
@@ -268,8 +279,9 @@ class PoseFeed {
   std::size_t next_step_ = 0;
   double epoch_start_ = 0;
   analysis::Analysis analysis_;
-  Tracks tracks_;
-  std::map<int, std::deque<Waiting>> waiting_;
+  collective::CrowdAnalysis crowd_;
+  std::vector<collective::CrowdPose> crowd_poses_;
+  TrackCollector rows_;
 };
 
 /// Sets the size of an unknown arena to the range of the poses.

@@ -6,6 +6,7 @@
 #include <array>
 #include <lab/analysis_t.hpp>
 #include <lab/clock_t.hpp>
+#include <lab/collective_t.hpp>
 #include <lab/experiment_command_t.hpp>
 #include <lab/experiment_status_t.hpp>
 #include <lab/light_command_t.hpp>
@@ -57,6 +58,7 @@ const auto& channelTypes() {
       ChannelType{channels::kLightDelivery, light_delivery_t::getHash()},
       ChannelType{channels::kLinkStatus, link_status_t::getHash()},
       ChannelType{channels::kAnalysis, analysis_t::getHash()},
+      ChannelType{channels::kCollective, collective_t::getHash()},
       ChannelType{channels::kServiceStatus, service_status_t::getHash()},
       ChannelType{channels::kExperimentEvent, experiment_event_t::getHash()},
       ChannelType{channels::kExperimentCommand, experiment_command_t::getHash()},

@@ -1,9 +1,11 @@
 #include "analyzer/report/record/run_record.hpp"
 
 #include <algorithm>
-#include <deque>
+#include <set>
 
+#include "analyzer/report/record/crowd_records.hpp"
 #include "analyzer/report/record/event_record.hpp"
+#include "analyzer/service/collective_feed.hpp"
 #include "analyzer/service/program_keys.hpp"
 #include "common/bus/channels.hpp"
 #include "common/experiment/experiment_file.hpp"
@@ -14,35 +16,46 @@
 namespace lab::report {
 namespace {
 
-/// Stores every pose, and sets its segment when the analysis has classified it.
+/// Stores every pose with what the analysis made of it.
 class TrackRecord {
  public:
   explicit TrackRecord(analysis::AnalysisFeed& feed) : feed_(feed) {
-    feed_.onSample([this](int robot, const analysis::Sample& sample) { judge(robot, sample); });
+    feed_.onFrame([this](int robot, const analysis::FrameReport& frame) {
+      collector_.classified(robot, frame);
+    });
+    feed_.onSample(
+        [this](int robot, const analysis::Sample& sample) { collector_.sampled(robot, sample); });
   }
 
+  /// Call it before the analysis takes the frame, whose rows it marks.
   void take(const tracked_frame_t& frame) {
     // Frame numbers are consecutive within one instance of the tracker.
-    if (!tracks_.frames.empty() && frame.instance == instance_) {
-      const std::int64_t gap = frame.frame - tracks_.frames.back().frame - 1;
+    const std::vector<TrackFrame>& before = collector_.tracks().frames;
+    if (!before.empty() && frame.instance == instance_) {
+      const std::int64_t gap = frame.frame - before.back().frame - 1;
       if (gap <= kMostMissing) missing_ += std::max<std::int64_t>(0, gap);
     }
     instance_ = frame.instance;
     period_ = frame.frame_period;
-    tracks_.frames.push_back({frame.utime, frame.frame, tracks_.rows.size()});
+    collector_.beginFrame(frame.utime, frame.frame);
+    feed_.anchor(frame.utime);
     const double time = feed_.seconds(frame.utime);
     for (const tracked_pose_t& pose : frame.robots) {
-      if (waiting_.size() >= analysis::Analysis::kMostRobots && !waiting_.contains(pose.robot_id)) {
+      if (collector_.robots() >= analysis::Analysis::kMostRobots &&
+          !collector_.knows(pose.robot_id)) {
         continue;
       }
-      waiting_[pose.robot_id].push_back({time, tracks_.rows.size()});
-      tracks_.rows.push_back({pose.robot_id, static_cast<float>(pose.x), static_cast<float>(pose.y),
-                              static_cast<float>(pose.theta)});
+      TrackRow row;
+      row.robot = pose.robot_id;
+      row.x = static_cast<float>(pose.x);
+      row.y = static_cast<float>(pose.y);
+      row.theta = static_cast<float>(pose.theta);
+      collector_.add(time, row);
     }
   }
 
   void finish(RunRecord& record) {
-    record.tracks = std::move(tracks_);
+    record.tracks = collector_.takeTracks();
     record.missing_frames = missing_;
     record.frame_period = period_;
   }
@@ -50,22 +63,8 @@ class TrackRecord {
  private:
   static constexpr std::int64_t kMostMissing = 10'000'000;  // a larger gap is a damaged number
 
-  struct Waiting {
-    double time;
-    std::size_t row;
-  };
-
-  void judge(int robot, const analysis::Sample& sample) {
-    std::deque<Waiting>& waiting = waiting_[robot];
-    while (!waiting.empty() && waiting.front().time < sample.time) waiting.pop_front();
-    if (waiting.empty() || waiting.front().time != sample.time) return;
-    tracks_.rows[waiting.front().row].segment = sample.piece;
-    waiting.pop_front();
-  }
-
   analysis::AnalysisFeed& feed_;
-  Tracks tracks_;
-  std::map<std::int32_t, std::deque<Waiting>> waiting_;
+  TrackCollector collector_;
   std::int64_t instance_ = 0;
   std::int64_t missing_ = 0;
   double period_ = 0;
@@ -91,6 +90,18 @@ void fillPrograms(RunRecord& record) {
         row.program = static_cast<std::int16_t>(spans[at].program);
       }
     }
+  }
+}
+
+/// Replayed robots were analyzed in the run that is replayed.
+void excludeReplayed(RunRecord& record) {
+  std::set<std::int32_t> replayed;
+  for (const RobotSpec& robot : record.experimentOrDefault().robots) {
+    if (robot.body == Body::kReplay) replayed.insert(robot.id);
+  }
+  if (replayed.empty()) return;
+  for (TrackRow& row : record.tracks.rows) {
+    if (replayed.contains(row.robot)) row.state = analysis::FrameState::kOther;
   }
 }
 
@@ -149,12 +160,14 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
 
   analysis::AnalysisFeed feed(experiment);
   if (depth == analysis::Depth::kFull) feed.findRuns();
+  feed.wholeMotion();
   feed.stitch(options.stitch, depth == analysis::Depth::kFull);
   analysis::ProgramKeys keys;
   record.stitched = options.stitch;
   feed.onPiece([&](int robot, const program_id_t& program, const analysis::Piece& piece) {
     record.pieces.push_back({robot, keys.key(program), piece});
   });
+  analysis::CollectiveFeed crowd(experiment);
   TrackRecord tracks(feed);
   LightTimeline light(experiment.arena_width, experiment.arena_height);
   RobotTimelines robots([&keys](const program_id_t& program) { return keys.key(program); });
@@ -164,12 +177,14 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
 
   MessageSinks sinks;
   sinks.frame = [&](const tracked_frame_t& frame) {
-    feed.take(frame);
+    crowd.take(frame);
     tracks.take(frame);
+    feed.take(frame);
   };
   sinks.robots = [&](const robot_status_t& status) {
     robots.take(status);
     feed.take(status);
+    crowd.take(status);
   };
   sinks.light = [&](const light_status_t& status) {
     light.take(status);
@@ -198,9 +213,13 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
         {program, name, hexText(programColour(experiment, name, unnamed - 1))});
   }
   fillPrograms(record);
+  excludeReplayed(record);
   record.results = feed.results(depth);
   events.finish(record);
   fillStitching(feed, record);
+  fillCrowds(
+      crowd.analysis(), crowd.seconds(record.start_utime),
+      [&](int group) { return keys.key(crowd.programOf(group)); }, record);
   record.left_out = feed.counters().left_out;
   if (feed.refused() > 0) {
     RefusedMessages& refused = record.log.refused[std::string(channels::kRobotStatus)];

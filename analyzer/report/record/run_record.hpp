@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "analyzer/analysis_feed.hpp"
+#include "analyzer/collective/crowd_analysis.hpp"
 #include "analyzer/log_source.hpp"
 #include "analyzer/report/record/link_records.hpp"
 #include "analyzer/report/record/timelines.hpp"
+#include "analyzer/report/record/track_rows.hpp"
 #include "common/calibration/light_file.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/math/percentiles.hpp"
@@ -57,33 +59,6 @@ struct ListenerLoss {
   std::int64_t decode_errors = 0;
 };
 
-/// One robot in one frame, as tracked.
-struct TrackRow {
-  std::int32_t robot = 0;
-  float x = 0;                ///< [m]
-  float y = 0;                ///< [m]
-  float theta = 0;            ///< [rad]
-  std::int16_t program = -1;  ///< key into RunRecord::programs; -1: none or unknown
-  std::int32_t segment = -1;  ///< number of the piece of free motion; -1: not free
-};
-
-struct TrackFrame {
-  std::int64_t utime = 0;
-  std::int64_t frame = 0;
-  std::size_t first_row = 0;  ///< index into Tracks::rows
-};
-
-/// Every tracked pose of the run, frame by frame.
-struct Tracks {
-  std::vector<TrackFrame> frames;
-  std::vector<TrackRow> rows;
-
-  /// Index behind the last row of frames[i].
-  [[nodiscard]] std::size_t endOf(std::size_t i) const {
-    return i + 1 < frames.size() ? frames[i + 1].first_row : rows.size();
-  }
-};
-
 /// A program of the run.
 struct RunProgram {
   program_id_t program{};
@@ -121,6 +96,14 @@ struct HeadingRecord {
   std::int64_t sense_turns = 0;  ///< tracks in which head and tail were confused
 };
 
+/// What a group of robots did together.
+struct CrowdRecord {
+  int program = -1;  ///< key into RunRecord::programs; -1: all robots
+  collective::CrowdResult result;
+  std::vector<collective::Stretch> stretches;  ///< times in s since the start
+  collective::CrowdMap map;
+};
+
 struct RunRecord {
   std::optional<PoseSource> poses;       ///< if the source is a file of poses
   std::optional<Experiment> experiment;  ///< the experiment; nullopt: the log has no readable START
@@ -155,6 +138,8 @@ struct RunRecord {
   bool stitched = true;              ///< tracks were joined at reversals, not cut
   std::vector<RunProgram> programs;  ///< indexed by key
   std::vector<analysis::FeedResult> results;
+  std::vector<CrowdRecord> crowds;         ///< all robots, then programs; empty below two robots
+  collective::CrowdPicture crowd_picture;  ///< the last evaluated frame
 
   /// Seconds since the start.
   [[nodiscard]] double seconds(std::int64_t utime) const;

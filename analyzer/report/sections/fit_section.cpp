@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "analyzer/report/html/html_verdicts.hpp"
+#include "analyzer/service/program_analysis.hpp"
 #include "common/text/format.hpp"
 #include "common/text/json_number.hpp"
 
@@ -80,6 +81,7 @@ Json fitJson(const LawFit& fit) {
   json["chi_squared"] = number(fit.chi2);
   json["degrees_of_freedom"] = fit.freedom;
   json["p_value"] = number(fit.p_value);
+  json["describes_the_data"] = !(fit.p_value < analysis::kUnlikely);
   json["least_squares_guard_z"] = number(fit.guard_z);
   json["covariance"] = {{"films", fit.recordings},
                         {"film_s", number(fit.recording_duration)},
@@ -97,7 +99,14 @@ std::string fitHtml(const LawFit& fit) {
   }
   std::vector<Estimate> all = fit.parameters;
   all.insert(all.end(), fit.derived.begin(), fit.derived.end());
-  std::string html = "<h4>Fit of the exact law</h4>\n" + html::estimateTable(all) + "<ul>\n";
+  const bool describes = !(fit.p_value < analysis::kUnlikely);
+  std::string html = "<h4>Fit of the exact law</h4>\n";
+  if (!describes) {
+    html +=
+        "<p class=\"deviates\">The fitted law does not describe the curves. These are the "
+        "parameters that come nearest, not those of the motion.</p>\n";
+  }
+  html += html::estimateTable(all) + "<ul>\n";
   html += fmt::format(
       "<li>The fitted law describes the curves with {} (χ² = {:.1f}, {} degrees of "
       "freedom; covariance of {} simulated recordings).</li>\n",

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string_view>
+#include <utility>
 
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
@@ -49,10 +51,28 @@ std::string estimateText(const Estimate& estimate) {
       std::isfinite(estimate.theory)
           ? fmt::format("; programmed {}", shortText(estimate.theory * unit.factor))
           : "";
-  return fmt::format("{} = {} {} (95 %: {} to {}{})", estimate.name,
-                     valueText(estimate.value * unit.factor, error), unit.text,
-                     valueText(estimate.low95 * unit.factor, error),
+  return fmt::format("{} = {}{}{} (95 %: {} to {}{})", estimate.name,
+                     valueText(estimate.value * unit.factor, error), unit.text.empty() ? "" : " ",
+                     unit.text, valueText(estimate.low95 * unit.factor, error),
                      valueText(estimate.high95 * unit.factor, error), programmed);
+}
+
+/// The point of a curve whose lag is nearest to 10 s.
+template <class Point>
+const Point& aroundTenSeconds(const std::vector<Point>& curve) {
+  constexpr double kLag = 10;  // s
+  return *std::ranges::min_element(
+      curve, {}, [](const Point& point) { return std::abs(std::log(point.tau / kLag)); });
+}
+
+/// "speed 0.34 cm/s, MSD 2.1 cm² in 10 s"
+std::string motionText(double speed, double msd, double tau) {
+  std::vector<std::string> parts;
+  if (std::isfinite(speed)) parts.push_back(fmt::format("speed {:.3g} cm/s", speed * kCm));
+  if (std::isfinite(msd)) {
+    parts.push_back(fmt::format("MSD {:.3g} cm² in {} s", msd * kCm * kCm, shortText(tau)));
+  }
+  return fmt::format("{}", fmt::join(parts, ", "));
 }
 
 /// A remark if the measured speed differs from the programmed one, because curves are compared at
@@ -97,6 +117,41 @@ std::vector<Finding> findingsOf(const RunRecord& record) {
   return findings;
 }
 
+std::string restriction(const ProgramResult& result) {
+  const analysis::TimeShares& shares = result.shares;
+  if (shares.cut() <= analysis::kMuchCut) return {};
+  std::vector<std::string> parts;
+  for (const auto& [what, share] :
+       {std::pair("contact", shares.contact), std::pair("reversing", shares.reversing),
+        std::pair("stopped", shares.stopped)}) {
+    constexpr double kLeast = 0.0005;  // shown as 0.1 %
+    if (share >= kLeast) parts.push_back(fmt::format("{} {:.1f} %", what, share * kPercents));
+  }
+  return fmt::format("{:.1f} % of the time is not free motion ({})", shares.cut() * kPercents,
+                     fmt::join(parts, ", "));
+}
+
+std::string wholeMotionText(const ProgramResult& result) {
+  if (!result.whole || result.whole->lags.empty()) return {};
+  const analysis::WholeLag& lag = aroundTenSeconds(result.whole->lags);
+  return motionText(result.whole->speed, lag.msd, lag.tau);
+}
+
+std::string freeMotionText(const ProgramResult& result) {
+  if (result.curves.msd.empty()) return {};
+  const CurvePoint& point = aroundTenSeconds(result.curves.msd);
+  double speed = units::kNan;
+  for (const Estimate& estimate : result.estimates) {
+    if (estimate.name == "v" || estimate.name == "v_a") speed = estimate.value;
+  }
+  return motionText(speed, point.value, point.tau);
+}
+
+bool isRestricted(const ProgramResult& result) {
+  const analysis::TimeShares& shares = result.shares;
+  return shares.contact > analysis::kMuchCut || shares.reversing > shares.free;
+}
+
 std::string verdictText(const ProgramResult& result) {
   if (!result.law.known() || !result.no_verdict.empty()) return "no law to compare with";
   switch (result.verdict.kind) {
@@ -109,6 +164,30 @@ std::string verdictText(const ProgramResult& result) {
   }
 }
 
+std::string speedAllowance(const ProgramResult& result) {
+  const std::optional<double> programmed = result.law->constantSpeed();
+  if (!programmed || !(*programmed > 0)) return {};
+  for (const Estimate& estimate : result.estimates) {
+    if (estimate.name != "v" || !std::isfinite(estimate.value)) continue;
+    return fmt::format("speed {:+.2f} % from the programmed one, up to {:g} % allowed",
+                       (estimate.value / *programmed - 1) * kPercents,
+                       analysis::CurveOptions{}.speed_tolerance * kPercents);
+  }
+  return {};
+}
+
+std::string misfitText(const ProgramResult& result) {
+  const analysis::Verdict& verdict = result.verdict;
+  if (verdict.misfit) {
+    return fmt::format("no parameters of the law describe the curves (p = {:.0e})",
+                       result.fit->p_value);
+  }
+  if (verdict.rejected) {
+    return fmt::format("p = {:.0e} for the programmed parameters", result.fit->exact->p_value);
+  }
+  return {};
+}
+
 std::string verdictReason(const ProgramResult& result) {
   const analysis::Verdict& verdict = result.verdict;
   if (!result.law.known()) {
@@ -116,17 +195,38 @@ std::string verdictReason(const ProgramResult& result) {
            "--program and --set.";
   }
   if (!result.no_verdict.empty()) return result.no_verdict;
+  if (result.shares.contact > analysis::kMostlyContact) {
+    return "Robots were in contact most of the time. What is left is a biased sample of the "
+           "motion, "
+           "so there is no verdict. Use fewer robots, or programs that come free of walls.";
+  }
   if (verdict.kind == VerdictKind::kUndecided) {
     return fmt::format(
         "Not enough data: {} can be judged. A verdict needs five, and at least a hundred draws of "
         "wheel speeds (or a hundred tumbles).",
         countText(verdict.judged, "lag"));
   }
-  return fmt::format(
-      "The largest deviation from {} at {} is {:.1f} standard errors ({} at {} s). By "
+  std::string reason = fmt::format(
+      "The largest deviation from {} at {} is {:.1f} standard errors ({} {} s). By "
       "chance alone one run in a hundred exceeds 3.2. From 4 on, the motion deviates.",
       result.law->reference(), countText(verdict.judged, "judged lag"), std::abs(verdict.max_z),
-      verdict.angular ? "angular MSD" : "MSD", shortText(verdict.tau));
+      verdict.hold      ? "time between draws, measured"
+      : verdict.angular ? "angular MSD at"
+                        : "MSD at",
+      shortText(verdict.tau));
+  if (verdict.misfit) {
+    reason += fmt::format(
+        " No parameters of the law describe the curves (goodness of fit p = {:.0e}; from 0.001 on "
+        "they do), so the numbers that follow from the law are not those of this motion.",
+        result.fit->p_value);
+  } else if (verdict.rejected) {
+    reason += fmt::format(
+        " The data reject the programmed parameters (p = {:.0e}; from 0.001 on they do not).",
+        result.fit->exact->p_value);
+  }
+  const std::string speed = speedAllowance(result);
+  if (!speed.empty()) reason += fmt::format(" Compared at the measured speed: {}.", speed);
+  return reason;
 }
 
 std::vector<std::string> caveats(const ProgramResult& result) {
@@ -208,15 +308,14 @@ std::string paperComparison(const ProgramResult& result) {
 
 std::string parametersText(const analysis::FeedResult& result) {
   std::vector<std::string> parts;
-  const auto add = [&parts](const char* symbol, double value, double factor, const char* unit) {
-    parts.push_back(fmt::format("{} = {} {}", symbol, shortText(value * factor), unit));
-  };
   const std::vector<analysis::LawParameter>& known = result.result.law->parameters();
   for (const ProgramParameter& parameter : result.definition.parameters) {
     const auto same = std::ranges::find(known, parameter.name, &analysis::LawParameter::name);
     const DisplayUnit unit = displayUnit(parameter.unit);
-    add(same == known.end() ? parameter.name.c_str() : same->symbol.c_str(), parameter.value,
-        unit.factor, unit.text == "1/s" ? "/s" : unit.text.c_str());
+    const std::string& symbol = same == known.end() ? parameter.name : same->symbol;
+    parts.push_back(fmt::format("{} = {}{}{}", symbol, shortText(parameter.value * unit.factor),
+                                unit.text.empty() ? "" : " ",
+                                unit.text == "1/s" ? "/s" : unit.text));
   }
   return fmt::format("{}", fmt::join(parts, ", "));
 }
@@ -271,13 +370,27 @@ std::vector<std::string> headlines(const RunRecord& record) {
   const bool selected = record.poses && jumped * kMuchOneIn > record.poses->rows;
   for (const Finding& finding : findings) {
     const ProgramResult& result = finding.pool->result;
-    std::string line = fmt::format("{}: {}", finding.name, verdictText(result));
+    std::string line = finding.name + ": ";
+    const std::string limits = restriction(result);
+    if (!limits.empty()) {
+      const std::string whole = wholeMotionText(result);
+      const std::string free = freeMotionText(result);
+      line += fmt::format("{}; {}free motion: {}", limits,
+                          whole.empty() ? "" : fmt::format("whole motion: {}; ", whole),
+                          free.empty() ? "" : free + ", ");
+    }
+    line += verdictText(result);
     if (result.verdict.kind != VerdictKind::kUndecided) {
       line += fmt::format(", at most {:.1f} standard errors over {}",
                           std::abs(result.verdict.max_z), countText(result.verdict.judged, "lag"));
+      for (const std::string& part : {misfitText(result), speedAllowance(result)}) {
+        if (!part.empty()) line += "; " + part;
+      }
     }
     const Estimate* estimate = selected ? nullptr : characteristicEstimate(result);
     if (estimate != nullptr) line += "; " + estimateText(*estimate);
+    if (estimate != nullptr && result.verdict.misfit)
+      line += ", by a law that does not describe it";
     lines.push_back(line);
   }
   const bool any = !findings.empty();

@@ -25,8 +25,30 @@ struct Finding {
 /// must outlive them.
 [[nodiscard]] std::vector<Finding> findingsOf(const RunRecord& record);
 
+/// What must be known before the verdict, which is about free motion: "94.7 % of the time is not
+/// free motion (contact 94.7 %)". Empty if at most a tenth of the time is cut.
+[[nodiscard]] std::string restriction(const analysis::ProgramResult& result);
+
+/// "speed 0.34 cm/s, MSD 2.1 cm² in 10 s" of the whole motion; empty if it was not measured.
+[[nodiscard]] std::string wholeMotionText(const analysis::ProgramResult& result);
+
+/// The same of the free motion; empty if there was none.
+[[nodiscard]] std::string freeMotionText(const analysis::ProgramResult& result);
+
+/// Whether contacts, or more time in reversals than in free motion, forbid to show an agreement
+/// without reserve.
+[[nodiscard]] bool isRestricted(const analysis::ProgramResult& result);
+
 /// "agrees with the exact law", "deviates from the exact law", "undecided".
 [[nodiscard]] std::string verdictText(const analysis::ProgramResult& result);
+
+/// How far the speed is from the programmed one, and how far it may be off for the verdict:
+/// "speed +0.21 % from the programmed one, up to 5 % allowed". Empty if the speed is not free.
+[[nodiscard]] std::string speedAllowance(const analysis::ProgramResult& result);
+
+/// "no parameters of the law describe the curves (p = 2e-71)", "p = 2e-05 for the programmed
+/// parameters"; empty if the p-values give no reason for the verdict.
+[[nodiscard]] std::string misfitText(const analysis::ProgramResult& result);
 
 /// The reason of the verdict, in one sentence.
 [[nodiscard]] std::string verdictReason(const analysis::ProgramResult& result);

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analyzer/report/record/step_delays.hpp"
+#include "analyzer/report/sections/crowd_section.hpp"
 #include "analyzer/report/sections/fit_section.hpp"
 #include "analyzer/report/sections/kurtosis_section.hpp"
 #include "analyzer/report/sections/light_bands.hpp"
@@ -64,15 +65,43 @@ Json curve(const std::vector<CurvePoint>& points, const std::string& si_unit, bo
   return json;
 }
 
+Json wholeMotion(const analysis::WholeMotion& whole) {
+  const auto column = [&whole](double analysis::WholeLag::*member, const std::string& si_unit) {
+    Json values = Json::array();
+    const double factor = displayUnit(si_unit).factor;
+    for (const analysis::WholeLag& lag : whole.lags) values.push_back(number(lag.*member * factor));
+    return values;
+  };
+  return {{"observed_s", number(whole.observed)},
+          {"speed_cm_s", number(whole.speed * displayUnit("m/s").factor)},
+          {"lag_s", column(&analysis::WholeLag::tau, "s")},
+          {"msd_cm2", column(&analysis::WholeLag::msd, "m^2")},
+          {"angular_msd_rad2", column(&analysis::WholeLag::angular_msd, "rad^2")},
+          {"windows", column(&analysis::WholeLag::windows, "")}};
+}
+
 Json result(const analysis::ProgramResult& result, bool whole) {
   constexpr std::array kVerdicts{"undecided", "agrees", "disagrees"};
+  const bool judged = result.law.known() && result.no_verdict.empty();
   Json json;
   json["robots"] = result.robots;
-  json["verdict"] = kVerdicts.at(static_cast<std::size_t>(result.verdict.kind));
+  json["restriction"] = restriction(result).empty() ? Json(nullptr) : Json(restriction(result));
+  json["restricted"] = isRestricted(result);
+  json["time_shares"] = {{"free", number(result.shares.free)},
+                         {"contact", number(result.shares.contact)},
+                         {"reversing", number(result.shares.reversing)},
+                         {"stopped", number(result.shares.stopped)},
+                         {"lost", number(result.shares.lost)}};
+  if (result.whole) json["whole_motion"] = wholeMotion(*result.whole);
+  json["verdict"] = judged ? kVerdicts.at(static_cast<std::size_t>(result.verdict.kind)) : "no law";
   json["max_z"] = number(result.verdict.max_z);
   json["max_z_lag_s"] = number(result.verdict.tau);
-  json["max_z_curve"] = result.verdict.angular ? "angular_msd" : "msd";
+  json["max_z_curve"] = result.verdict.hold      ? "hold"
+                        : result.verdict.angular ? "angular_msd"
+                                                 : "msd";
   json["judged_lags"] = result.verdict.judged;
+  json["misfit"] = result.verdict.misfit;
+  json["rejected"] = result.verdict.rejected;
   if (result.law->isSimulated()) json["reference"] = "simulated";
   if (!result.no_verdict.empty()) json["no_verdict"] = result.no_verdict;
   json["observed_s"] = number(result.observed);
@@ -86,10 +115,21 @@ Json result(const analysis::ProgramResult& result, bool whole) {
   if (result.fit) json["fit"] = fitJson(*result.fit);
   if (result.runs) json["runs"] = runsJson(*result.runs, whole);
   if (whole) json["joins"] = joinsJson(result);
-  if (result.kurtosis) json["brownian"] = kurtosisJson(*result.kurtosis);
+  if (result.kurtosis) json["kurtosis"] = kurtosisJson(*result.kurtosis);
   json["msd"] = curve(result.curves.msd, "m^2", whole);
   json["angular_msd"] = curve(result.curves.angular_msd, "rad^2", whole);
   return json;
+}
+
+/// The parameters of a program under the keys of experiment files, as in "v_cm_s".
+Json parameterValues(const analysis::FeedResult& result) {
+  Json values = Json::object();
+  for (const ProgramParameter& parameter : result.definition.parameters) {
+    const DisplayUnit unit = displayUnit(parameter.unit);
+    const std::string key = unit.key.empty() ? parameter.name : parameter.name + "_" + unit.key;
+    values[key] = number(parameter.value * unit.factor);
+  }
+  return values;
 }
 
 Json programs(const RunRecord& record) {
@@ -99,6 +139,7 @@ Json programs(const RunRecord& record) {
     json["name"] = finding.name;
     json["model"] = finding.model;
     json["parameters"] = parametersText(*finding.pool);
+    json["parameter_values"] = parameterValues(*finding.pool);
     json["pool"] = result(finding.pool->result, true);
     Json robots = Json::array();
     for (const analysis::FeedResult* robot : finding.robots) {
@@ -253,6 +294,7 @@ std::string summaryJson(const RunRecord& record) {
   json["faults"] = remarks(record, record.faults);
   json["marks"] = remarks(record, record.marks);
   json["programs"] = programs(record);
+  if (!record.crowds.empty()) json["collective"] = crowdsJson(record);
   json["stitching"] = stitchingJson(record);
   json["robots"] = robots(record);
   json["latency"] = {{"presented", latency(presentedDelays(record.steps))},

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <iterator>
 #include <string_view>
+#include <tuple>
 #include <vector>
 
 #include "common/math/units.hpp"
@@ -40,6 +41,29 @@ void appendNumber(fmt::memory_buffer& out, double value, double scale, int decim
   appendFixed(out, std::llround(units), decimals);
 }
 
+std::string_view stateText(analysis::FrameState state) {
+  switch (state) {
+    case analysis::FrameState::kFree:
+      return "free";
+    case analysis::FrameState::kReversing:
+      return "reversing";
+    case analysis::FrameState::kContact:
+      return "contact";
+    case analysis::FrameState::kStopped:
+      return "stopped";
+    case analysis::FrameState::kLost:
+      return "lost";
+    case analysis::FrameState::kOther:
+      return "other";
+  }
+  return "";
+}
+
+std::string_view contactText(const TrackRow& row) {
+  if (row.contact_robot) return row.contact_wall ? "both" : "robot";
+  return row.contact_wall ? "wall" : "none";
+}
+
 }  // namespace
 
 std::string csvField(const std::string& text) {
@@ -51,12 +75,15 @@ std::string csvField(const std::string& text) {
 }
 
 std::string trajectoriesCsv(const RunRecord& record) {
-  constexpr std::size_t kRow_bytes = 56;
+  constexpr std::size_t kRow_bytes = 104;
   constexpr double kPerMetre = 1e6;   // cm with 4 decimals
   constexpr double kPerRadian = 1e6;  // rad with 6 decimals
+  constexpr double kPerLight = 1e4;   // readings with 4 decimals
   fmt::memory_buffer out;
   out.reserve(record.tracks.rows.size() * kRow_bytes + 64);
-  out.append(std::string_view("frame,particle,x,y,t,theta,program,segment\n"));
+  out.append(
+      std::string_view("frame,particle,x,y,t,theta,program,segment,state,contact,light_front,"
+                       "light_back,x_stitched,y_stitched\n"));
 
   std::vector<std::string> names{"standing"};
   for (const RunProgram& program : record.programs) names.push_back(csvField(program.name));
@@ -75,7 +102,17 @@ std::string trajectoriesCsv(const RunRecord& record) {
       appendNumber(out, static_cast<double>(row.theta), kPerRadian, 6);
       out.push_back(',');
       out.append(names[static_cast<std::size_t>(row.program + 1)]);
-      fmt::format_to(std::back_inserter(out), FMT_COMPILE(",{}\n"), row.segment);
+      fmt::format_to(std::back_inserter(out), FMT_COMPILE(",{},"), row.segment);
+      out.append(stateText(row.state));
+      out.push_back(',');
+      out.append(contactText(row));
+      for (const auto& [value, scale, decimals] :
+           {std::tuple(row.light_front, kPerLight, 4), std::tuple(row.light_back, kPerLight, 4),
+            std::tuple(row.stitched_x, kPerMetre, 4), std::tuple(row.stitched_y, kPerMetre, 4)}) {
+        out.push_back(',');
+        appendNumber(out, static_cast<double>(value), scale, decimals);
+      }
+      out.push_back('\n');
     }
   }
   return fmt::to_string(out);

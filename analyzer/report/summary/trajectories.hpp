@@ -7,9 +7,8 @@
 
 namespace lab::report {
 
-/// The whole file: frame,particle,x,y,t,theta,program,segment with x and y in cm, t in s since the
-/// start of the run and theta in rad, one row per robot and frame. The columns that trackpy reads
-/// come first.
+/// The whole file, one row per robot and frame, with x and y in cm, t in s since the start of the
+/// run and theta in rad. The columns that trackpy reads come first.
 [[nodiscard]] std::string trajectoriesCsv(const RunRecord& record);
 
 /// A field of a CSV file, quoted if necessary (RFC 4180).

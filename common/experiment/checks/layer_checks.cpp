@@ -15,6 +15,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/experiment/checks/observable_checks.hpp"
 #include "common/experiment/checks/program_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/experiment/light_messages.hpp"
@@ -127,6 +128,7 @@ class LayerCheck {
     checkSpeed(path, entry);
     if (!problems_.concern(path)) checkDrive(path, layer);
     checkNames(path, layer.drive);
+    if (entry.has_crowd) checkCrowdRule(form_, path + ".crowd", layer, problems_);
   }
 
  private:

@@ -86,14 +86,14 @@ void checkTable(const ExperimentForm& form, Problems& problems) {
 }
 
 void checkSteps(const ExperimentForm& form, const std::optional<std::filesystem::path>& directory,
-                Problems& problems) {
+                const LawKnowledge& laws, Problems& problems) {
   if (problems.concern("light.steps")) return;
   if (form.light_steps.empty()) {
     problems.add("light.steps", "found none, allowed at least one [[light.steps]]");
     return;
   }
   checkLayers(form, directory, problems);
-  checkScript(form, problems);
+  checkScript(form, laws, problems);
 }
 
 }  // namespace
@@ -108,9 +108,9 @@ void checkShorthand(const ExperimentForm& form, Problems& problems) {
 }
 
 void checkLight(const ExperimentForm& form, const std::optional<std::filesystem::path>& directory,
-                Problems& problems) {
+                const LawKnowledge& laws, Problems& problems) {
   if (!problems.concern("program")) checkTable(form, problems);
-  checkSteps(form, directory, problems);
+  checkSteps(form, directory, laws, problems);
 }
 
 }  // namespace lab::keys

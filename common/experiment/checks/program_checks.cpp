@@ -1,5 +1,7 @@
 #include "common/experiment/checks/program_checks.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <vector>
@@ -29,6 +31,36 @@ void checkTwins(const std::map<std::string, Program>& programs, Problems& proble
       break;
     }
   }
+}
+
+/// The arena contains the place.
+void checkPlace(const ExperimentForm& form, std::size_t index, Problems& problems) {
+  const SenseSpec& sense = form.common.senses.values[index];
+  const bool place =
+      sense.kind == SenseKind::kPlaceDistance || sense.kind == SenseKind::kPlaceBearing;
+  if (!place || problems.concern("arena.width_cm") || problems.concern("arena.height_cm")) return;
+  const auto check = [&](const char* key, double at, double size) {
+    if (at >= 0 && at <= size) return;
+    problems.add("senses.values[" + std::to_string(index) + "]." + key,
+                 "found " + centimetreText(at) + ", allowed 0 to " + centimetreText(size) +
+                     " (inside the arena)");
+  };
+  check("x_cm", sense.x, form.common.arena_width);
+  check("y_cm", sense.y, form.common.arena_height);
+}
+
+/// A tracker needs some time, so a delay that is shorter cannot be kept.
+void checkDelay(const Experiment& e, Problems& problems) {
+  if (e.senses.delay == 0 || problems.concern("camera.fps") || problems.concern("camera.delay_ms"))
+    return;
+  const bool simulated = e.camera.tracker == Tracker::kSimPoses;
+  const double least = std::max(1 / e.camera.fps, simulated ? e.camera.delay : 0.0);
+  if (e.senses.delay >= least) return;
+  problems.add("senses.delay_ms",
+               "found " + numberText(e.senses.delay * 1000) + ", allowed " +
+                   numberText(std::ceil(least * 1000)) + " or more (" +
+                   (least > 1 / e.camera.fps ? "camera.delay_ms" : "one frame of camera.fps") +
+                   "), or 0: as soon as the tracker has the poses");
 }
 
 /// Every sense that a program reads is defined, and once.
@@ -74,7 +106,10 @@ void checkProgramName(const ExperimentForm& form, const std::string& path, const
 void checkPrograms(const ExperimentForm& form, Problems& problems) {
   if (problems.concern("programs")) return;
   checkTwins(form.common.programs, problems);
-  if (!problems.concern("senses")) checkSenses(form.common, problems);
+  if (problems.concern("senses")) return;
+  checkSenses(form.common, problems);
+  for (std::size_t i = 0; i < form.common.senses.values.size(); ++i) checkPlace(form, i, problems);
+  checkDelay(form.common, problems);
 }
 
 }  // namespace lab::keys

@@ -6,7 +6,9 @@
 #include <cstdint>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/experiment/checks/program_checks.hpp"
@@ -36,9 +38,25 @@ bool sizesAreKnown(const Problems& problems) {
          !problems.concern("robot.diameter_cm");
 }
 
+/// Largest side of an arena [m] that a camera films, or ROS 2 gets a map of.
+constexpr double kLargestFilmedArena = 10;
+
+void checkArena(const ExperimentForm& form, Problems& problems) {
+  const Experiment& e = form.common;
+  const bool filmed = e.camera.tracker == Tracker::kCamera;
+  if (!filmed && !e.gateway.ros) return;
+  const auto check = [&](const char* key, double size) {
+    if (size <= kLargestFilmedArena || problems.concern(key)) return;
+    problems.add(key, "found " + centimetreText(size) + ", allowed 10 to " +
+                          centimetreText(kLargestFilmedArena) + " with " +
+                          (filmed ? "camera.tracker = \"camera\"" : "gateway.ros = true"));
+  };
+  check("arena.width_cm", e.arena_width);
+  check("arena.height_cm", e.arena_height);
+}
+
 void checkIds(const ExperimentForm& form, Problems& problems) {
   std::map<std::int64_t, std::size_t> owners;
-  std::int64_t robots = 0;
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     if (problems.concern(entryPath(i))) continue;
     const RobotEntry& entry = form.robots[i];
@@ -49,7 +67,6 @@ void checkIds(const ExperimentForm& form, Problems& problems) {
                                                 ", allowed ids 1 to " + std::to_string(kLargestId));
       continue;
     }
-    robots += entry.count;
     for (std::int64_t id = entry.id; id <= last; ++id) {
       const auto [owner, is_new] = owners.emplace(id, i);
       if (is_new) continue;
@@ -58,10 +75,6 @@ void checkIds(const ExperimentForm& form, Problems& problems) {
                                              " already has, allowed an id of its own");
       break;
     }
-  }
-  if (robots > kMostRobots) {
-    problems.add("robots", "found " + std::to_string(robots) + " robots, allowed 1 to " +
-                               std::to_string(kMostRobots));
   }
 }
 
@@ -146,26 +159,39 @@ void checkPose(const ExperimentForm& form, std::size_t index, Problems& problems
 
 void checkOverlaps(const ExperimentForm& form, Problems& problems) {
   const double diameter = form.common.hardware.diameter;
-  // A robot with another problem may still have a valid place.
-  std::vector<bool> has_place;
-  for (std::size_t i = 0; i < form.robots.size(); ++i) {
-    has_place.push_back(form.robots[i].x && form.robots[i].y &&
-                        !problems.concern(entryPath(i) + ".x_cm") &&
-                        !problems.concern(entryPath(i) + ".y_cm"));
-  }
+  // Earlier places by cells as wide as a robot: only neighbours can overlap.
+  using Cell = std::pair<std::int64_t, std::int64_t>;
+  std::map<Cell, std::vector<std::size_t>> placed;
+  const auto cellOf = [diameter](double place) {
+    return static_cast<std::int64_t>(std::floor(place / diameter));
+  };
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     const RobotEntry& a = form.robots[i];
-    for (std::size_t j = 0; j < i && has_place[i]; ++j) {
-      const RobotEntry& b = form.robots[j];
-      if (!has_place[j]) continue;
-      const double distance = std::hypot(*a.x - *b.x, *a.y - *b.y);
-      if (distance >= diameter) continue;
-      problems.add(entryPath(i) + ".x_cm",
-                   "found a place " + centimetreText(distance) + " cm from that of " +
-                       entryPath(j) +
-                       ", allowed at least robot.diameter_cm = " + centimetreText(diameter));
-      break;
+    // A robot with another problem may still have a valid place.
+    if (!a.x || !a.y || problems.concern(entryPath(i) + ".x_cm") ||
+        problems.concern(entryPath(i) + ".y_cm")) {
+      continue;
     }
+    const Cell cell = {cellOf(*a.x), cellOf(*a.y)};
+    std::optional<std::size_t> other;
+    for (std::int64_t dx = -1; dx <= 1; ++dx) {
+      for (std::int64_t dy = -1; dy <= 1; ++dy) {
+        const auto near = placed.find({cell.first + dx, cell.second + dy});
+        if (near == placed.end()) continue;
+        for (const std::size_t j : near->second) {
+          const RobotEntry& b = form.robots[j];
+          if (std::hypot(*a.x - *b.x, *a.y - *b.y) < diameter)
+            other = std::min(other.value_or(j), j);
+        }
+      }
+    }
+    placed[cell].push_back(i);
+    if (!other) continue;
+    const RobotEntry& b = form.robots[*other];
+    problems.add(entryPath(i) + ".x_cm",
+                 "found a place " + centimetreText(std::hypot(*a.x - *b.x, *a.y - *b.y)) +
+                     " cm from that of " + entryPath(*other) +
+                     ", allowed at least robot.diameter_cm = " + centimetreText(diameter));
   }
 }
 
@@ -207,6 +233,7 @@ void checkReversal(const ExperimentForm& form, Problems& problems) {
 }  // namespace
 
 void checkRobots(const ExperimentForm& form, Problems& problems) {
+  checkArena(form, problems);
   checkIds(form, problems);
   checkLines(form, problems);
   for (std::size_t i = 0; i < form.robots.size(); ++i) {

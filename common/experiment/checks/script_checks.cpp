@@ -9,9 +9,12 @@
 #include <string_view>
 #include <vector>
 
+#include "common/experiment/checks/observable_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
+#include "common/experiment/observable_names.hpp"
 #include "common/experiment/script_plan.hpp"
 #include "common/files/file_values.hpp"
+#include "common/text/nearest_word.hpp"
 
 namespace lab::keys {
 namespace {
@@ -53,7 +56,7 @@ bool checkOpenSteps(const ExperimentForm& form, Problems& problems) {
 }
 
 /// The names of the estimates that the analyzer computes (analyzer/curves/estimates.cpp). Which of
-/// them a program has depends on its law.
+/// them a program has depends on its law (LawKnowledge::estimates).
 constexpr std::array<std::string_view, 10> kEstimates{"D", "D_r",   "D_slope", "D_t", "L_s",
                                                       "V", "gamma", "tau_r",   "v",   "v_a"};
 
@@ -75,7 +78,7 @@ std::map<std::string, const Program*> selectedPrograms(const ExperimentForm& for
 }
 
 void checkEstimate(const ExperimentForm& form, const std::string& path, const EndCondition& until,
-                   Problems& problems) {
+                   const LawKnowledge& laws, Problems& problems) {
   if (problems.concern("programs") || problems.concern("light_table")) return;
   const auto selected = selectedPrograms(form);
   const auto program = selected.find(until.program);
@@ -89,10 +92,36 @@ void checkEstimate(const ExperimentForm& form, const std::string& path, const En
     return;
   }
   const bool stands = program->second->fastest_wheel == 0;
-  if (!stands && std::ranges::find(kEstimates, until.estimate) != kEstimates.end()) return;
-  problems.add(path + ".estimate", "found " + tomlString(until.estimate) + ", allowed " +
-                                       (stands ? "none: nothing is measured of robots that stand"
-                                               : listed(kEstimates)));
+  std::vector<std::string> measured(kEstimates.begin(), kEstimates.end());
+  if (laws.estimates) {
+    measured = laws.estimates(*program->second, form.common.hardware.diameter);
+  }
+  if (!stands && std::ranges::find(measured, until.estimate) != measured.end()) return;
+  const bool of_another = std::ranges::find(kEstimates, until.estimate) != kEstimates.end();
+  problems.add(path + ".estimate",
+               "found " + tomlString(until.estimate) +
+                   (of_another && !stands ? ", which is not measured of this program" : "") +
+                   ", allowed " +
+                   (stands ? "none: nothing is measured of robots that stand"
+                           : listed(measured) + didYouMean(until.estimate, measured, tomlString)));
+}
+
+void checkObservable(const ExperimentForm& form, const std::string& path, const EndCondition& until,
+                     Problems& problems) {
+  const bool known =
+      checkObservableName(form, path + ".observable", until.observable, false, problems);
+  checkObservableProgram(form, path + ".program", until.program, problems);
+  const bool compared = until.above || until.below;
+  if (!compared && until.relative_error == 0) {
+    problems.add(path, "found " + tomlString(until.observable) +
+                           " without a limit, allowed with above, below or a relative error");
+  } else if (compared && until.relative_error != 0) {
+    problems.add(path, "found above or below beside a relative error, allowed one of them");
+  } else if (known && compared && !hasValueInFrames(until.observable)) {
+    problems.add(path + ".observable", "found " + tomlString(until.observable) +
+                                           ", which is an average over the run, allowed with a "
+                                           "relative error instead of above and below");
+  }
 }
 
 void checkTumbles(const ExperimentForm& form, const std::string& path, const EndCondition& until,
@@ -146,21 +175,23 @@ void checkOneRobot(const ExperimentForm& form, const std::string& path, std::int
 }
 
 void checkUntil(const ExperimentForm& form, const std::string& path, const EndCondition& until,
-                Problems& problems) {
+                const LawKnowledge& laws, Problems& problems) {
   std::string found;
   const auto note = [&found](bool there, const char* name) {
     if (there) found += (found.empty() ? "" : " and ") + std::string(name);
   };
   note(!until.estimate.empty(), "estimate");
+  note(!until.observable.empty(), "observable");
   note(until.tumbles != 0, "tumbles");
   note(until.region != Region::kNone, "region");
   if (found.empty() || found.find(" and ") != std::string::npos) {
     problems.add(path, "found " + (found.empty() ? "nothing to wait for" : found) +
-                           ", allowed one of estimate, tumbles and region");
+                           ", allowed one of estimate, observable, tumbles and region");
     return;
   }
   checkOneRobot(form, path, until.robot, problems);
-  if (!until.estimate.empty()) checkEstimate(form, path, until, problems);
+  if (!until.estimate.empty()) checkEstimate(form, path, until, laws, problems);
+  if (!until.observable.empty()) checkObservable(form, path, until, problems);
   if (until.tumbles != 0) checkTumbles(form, path, until, problems);
   if (until.region != Region::kNone) checkRegion(form, path, until, problems);
 }
@@ -285,13 +316,17 @@ std::string rulePath(std::size_t index) { return "stop_when[" + std::to_string(i
 
 }  // namespace
 
-void checkStopRules(const ExperimentForm& form, Problems& problems) {
+void checkStopRules(const ExperimentForm& form, const LawKnowledge& laws, Problems& problems) {
   const std::vector<StopRule>& rules = form.common.stop_when;
   for (std::size_t i = 0; i < rules.size(); ++i) {
     const std::string path = rulePath(i);
     if (problems.concern(path)) continue;
     const EndCondition& until = rules[i].until;
-    checkEstimate(form, path, until, problems);
+    if (until.observable.empty()) {
+      checkEstimate(form, path, until, laws, problems);
+    } else {
+      checkObservable(form, path, until, problems);
+    }
     checkOneRobot(form, path, until.robot, problems);
     if (!problems.concern("duration_s") && rules[i].at_least >= form.common.duration) {
       problems.add(path + ".at_least_s",
@@ -300,22 +335,24 @@ void checkStopRules(const ExperimentForm& form, Problems& problems) {
     }
     for (std::size_t k = 0; k < i; ++k) {
       const EndCondition& other = rules[k].until;
-      const bool same = other.estimate == until.estimate && other.program == until.program &&
-                        other.robot == until.robot;
+      const bool same = other.estimate == until.estimate && other.observable == until.observable &&
+                        other.program == until.program && other.robot == until.robot;
       if (!same) continue;
-      problems.add(path + ".estimate", "found " + tomlString(until.estimate) + " of " +
-                                           tomlString(until.program) + ", which " + rulePath(k) +
-                                           " asks for already, allowed one rule for each number");
+      const bool observable = !until.observable.empty();
+      problems.add(path + (observable ? ".observable" : ".estimate"),
+                   "found " + tomlString(observable ? until.observable : until.estimate) + " of " +
+                       tomlString(until.program) + ", which " + rulePath(k) +
+                       " asks for already, allowed one rule for each number");
       break;
     }
   }
 }
 
-void checkScript(const ExperimentForm& form, Problems& problems) {
+void checkScript(const ExperimentForm& form, const LawKnowledge& laws, Problems& problems) {
   const bool forms = checkStepForms(form, problems) && checkOpenSteps(form, problems);
   for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
     if (!form.light_steps[i].has_until) continue;
-    checkUntil(form, stepPath(i) + ".until", form.light_steps[i].until, problems);
+    checkUntil(form, stepPath(i) + ".until", form.light_steps[i].until, laws, problems);
   }
   const LightScript script = scriptOf(form);
   if (!forms || !checkGroups(script, problems)) return;

@@ -3,14 +3,16 @@
 
 #include "common/experiment/keys/experiment_form.hpp"
 #include "common/files/file_problems.hpp"
+#include "common/programs/law_knowledge.hpp"
 
 namespace lab::keys {
 
 /// Checks that the steps follow each other and that their conditions can come true. The form has at
 /// least one step.
-void checkScript(const ExperimentForm& form, Problems& problems);
+/// @param laws which numbers are measured of which program
+void checkScript(const ExperimentForm& form, const LawKnowledge& laws, Problems& problems);
 
 /// Checks that the rules that end the run early can come true.
-void checkStopRules(const ExperimentForm& form, Problems& problems);
+void checkStopRules(const ExperimentForm& form, const LawKnowledge& laws, Problems& problems);
 
 }  // namespace lab::keys

@@ -171,6 +171,7 @@ LayerSpec toLayer(const LayerEntry& entry, const Experiment& common) {
 
 LayerEntry toEntry(const LayerSpec& layer) {
   LayerEntry entry{.layer = layer, .x = layer.x, .y = layer.y};
+  entry.has_crowd = layer.crowd.given();
   const auto kind = static_cast<LayerKind>(layer.kind);
   if (kind == LayerKind::kWave) entry.speed = speedOf(layer.drive.phase_rate, layer.size);
   if (kind == LayerKind::kNoise) entry.change = layer.drive.phase_rate;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/experiment/experiment.hpp"
+#include "common/experiment/sweep.hpp"
 
 namespace lab::keys {
 
@@ -32,6 +33,7 @@ struct LayerEntry {
   double speed = 0;           ///< [m/s] of a wave's crests
   double change = 0;          ///< [1/s] of noise
   std::string program{};      ///< its light is the intensity; empty: the layer's own
+  bool has_crowd = false;     ///< the key crowd is there
 };
 
 /// One [[light.steps]]. It has either `at` or `hold`.
@@ -54,6 +56,7 @@ struct ExperimentForm {
   std::vector<RobotEntry> robots;      ///< in the order of the file
   std::vector<StepEntry> light_steps;  ///< in the order of the file
   std::optional<double> light_length;  ///< [s]
+  SweepTable sweep;                    ///< is no part of the experiment of a run
 };
 
 /// The light that the shorthand `program` stands for.

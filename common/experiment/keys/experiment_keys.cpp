@@ -11,11 +11,14 @@
 #include "common/experiment/keys/key_helpers.hpp"
 #include "common/experiment/keys/light_keys.hpp"
 #include "common/experiment/keys/network_keys.hpp"
+#include "common/experiment/keys/sweep_keys.hpp"
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/light_table.hpp"
 
 namespace lab::keys {
 namespace {
+
+constexpr double kLargestArena = 3000;  // [cm], room for kMostRobots; see also checkArena()
 
 const std::array<Choice, 5> kBodies = {{choiceOf("sim", Body::kSim), choiceOf("wire", Body::kWire),
                                         choiceOf("firmware", Body::kFirmware),
@@ -36,6 +39,10 @@ const std::array<Choice, 9> kSenseKinds = {
 const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
                                            choiceOf("walls", ReverseOn::kWalls),
                                            choiceOf("any", ReverseOn::kAny)}};
+const std::array<Choice, 2> kContacts = {
+    {choiceOf("slide", Contact::kSlide), choiceOf("stop", Contact::kStop)}};
+const std::array<Choice, 2> kShapes = {
+    {choiceOf("circle", Region::kCircle), choiceOf("rectangle", Region::kRectangle)}};
 const std::array<Choice, 2> kTrackers = {
     {choiceOf("sim", Tracker::kSimPoses), choiceOf("camera", Tracker::kCamera)}};
 
@@ -62,6 +69,22 @@ void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"turn_noise_deg_sqrt_s",
             "random rotation: its variance grows by the square of this per second"},
            {0, 90}, robot.turn_noise);
+  enumerate(v,
+            {"contact",
+             "what simulated robots do at contact (bodies.md); slide: they slide along each other "
+             "and along walls, push and turn each other; stop: they stop, as in earlier versions"},
+            kContacts, robot.contact);
+  v.number({"contact_friction", "friction coefficient between rims, and between rim and wall"},
+           {0, 2}, robot.contact_friction);
+  v.number({"slip_across",
+            "how easily a force moves a robot across its wheels, as a multiple of how easily it "
+            "does along them"},
+           {0.05, 20}, robot.slip_across);
+  v.number(
+      {"slip_turn",
+       "how easily a force along the rim turns a robot: speed of the rim, as a multiple of the "
+       "speed that the force gives along the wheels"},
+      {0, 20}, robot.slip_turn);
   v.number({"sensor_period_ms", "time between two readings of the robot's sensors"},
            {.low = 1, .high = 1000, .whole = true}, robot.sensor_period);
   v.number({"light_gain_error_percent",
@@ -147,15 +170,19 @@ void visitSense(KeyVisitor& v, SenseSpec& sense) {
                     SenseKind::kNearestDistance, SenseKind::kNearestBearing},
                    {"radius_cm", "robots within this distance count, centre to centre"}),
            kLength, sense.radius);
-  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"x_cm", "the place"}),
+  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing},
+                   {"x_cm", "the place, inside the arena", Need::kRequired}),
            kPlace, sense.x);
-  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing}, {"y_cm", "see x_cm"}),
+  v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing},
+                   {"y_cm", "see x_cm", Need::kRequired}),
            kPlace, sense.y);
 }
 
 void visitSenses(KeyVisitor& v, Senses& senses) {
   v.number({"rate_hz", "values per second"}, {0.1, 50}, senses.rate);
-  v.number({"delay_ms", "from the exposure of the tracker's frame to the sending of the values"},
+  v.number({"delay_ms",
+            "from the exposure of the tracker's frame to the sending of the values; 0: as "
+            "soon as the tracker has them, else a frame or more"},
            {0, 60000}, senses.delay);
   visitList(v, {"values", "what the host computes from the tracker's poses"},
             {.fewest = 0, .most = dynamics::kSenses, .in_line = true}, senses.values,
@@ -246,6 +273,35 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
            {.low = 0, .high = 1, .below_high = true}, camera.frame_loss);
 }
 
+void visitRegion(KeyVisitor& v, RegionSpec& region) {
+  v.text({"name", "name in report and messages", Need::kRequired}, {.most = 32, .bare = true},
+         region.name);
+  const Selector shape(v, {"shape", "what the region is", Need::kRequired}, kShapes, region.shape);
+  v.number({"x_cm", "centre of the region", Need::kRequired}, kPlace, region.x);
+  v.number({"y_cm", "centre of the region", Need::kRequired}, kPlace, region.y);
+  v.number(shape.only({Region::kCircle}, {"radius_cm", "radius of the circle", Need::kRequired}),
+           kLength, region.radius);
+  v.number(shape.only({Region::kRectangle},
+                      {"width_cm", "size of the rectangle along x", Need::kRequired}),
+           kLength, region.width);
+  v.number(shape.only({Region::kRectangle},
+                      {"height_cm", "size of the rectangle along y", Need::kRequired}),
+           kLength, region.height);
+}
+
+void visitAnalysis(KeyVisitor& v, AnalysisOptions& analysis) {
+  v.number({"max_lag_s", "longest lag of the curves"}, {0.1, 3600}, analysis.max_lag);
+  v.number({"cluster_distance_cm",
+            "robots whose centres are closer belong to a cluster; 0: 1.1 diameters"},
+           {0, 1000}, analysis.cluster_distance);
+  visitList(v,
+            {"regions",
+             "parts of the arena of which times and fluxes are measured; a robot is in the first "
+             "one that holds its centre"},
+            {.fewest = 0, .most = 8, .in_line = true}, analysis.regions,
+            [&](RegionSpec& region) { visitRegion(v, region); });
+}
+
 void visitTop(KeyVisitor& v, ExperimentForm& form) {
   Experiment& e = form.common;
   std::int64_t version = e.fileversion;
@@ -279,8 +335,8 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
            "The arena: its corner is the origin, x runs along the width, y along the "
            "height"},
           [&] {
-            v.number({"width_cm", "size along x"}, {10, 1000}, e.arena_width);
-            v.number({"height_cm", "size along y"}, {10, 1000}, e.arena_height);
+            v.number({"width_cm", "size along x"}, {10, kLargestArena}, e.arena_width);
+            v.number({"height_cm", "size along y"}, {10, kLargestArena}, e.arena_height);
           });
   v.table(
       {"robot",
@@ -314,14 +370,15 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
             [&](StopRule& rule) { visitStopRule(v, rule); });
   v.table({"projector", "The projector"}, [&] { visitProjector(v, e.projector); });
   v.table({"camera", "Camera and tracker"}, [&] { visitCamera(v, e.camera); });
-  v.table({"analysis", "The analyzer"}, [&] {
-    v.number({"max_lag_s", "longest lag of the curves"}, {0.1, 3600}, e.analysis.max_lag);
-  });
+  v.table({"analysis", "The analyzer"}, [&] { visitAnalysis(v, e.analysis); });
   v.table({"faults", "Simulated faults of a network"}, [&] {
     v.number(
         {"message_loss", "probability that a message does not reach a receiver, in virtual time"},
         {.low = 0, .high = 1, .below_high = true}, e.faults.message_loss);
   });
+  v.table(
+      {"sweep", "The campaign that lab sweep makes of this file (campaigns.md)", Need::kShorthand},
+      [&] { visitSweep(v, form.sweep); });
 }
 
 }  // namespace lab::keys

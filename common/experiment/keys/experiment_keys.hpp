@@ -11,8 +11,8 @@
 namespace lab::keys {
 
 inline constexpr std::int64_t kFileVersion = 1;
-inline constexpr std::int64_t kMostRobots = 250;
 inline constexpr std::int64_t kLargestId = 9999;
+inline constexpr std::int64_t kMostRobots = kLargestId;
 inline constexpr double kLongestRun = 864000;  ///< [s] ten days
 
 /// Passes every key of the file to the visitor, in the order in which they are written.

@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/camera/camera_source.hpp"
@@ -52,16 +53,18 @@ class TomlWriter final : public KeyVisitor {
   }
 
   void table(const Key& key, const std::function<void()>& keys) override {
+    if (key.need == Need::kShorthand) return;
     block("[" + path_ + key.name + "]", path_ + key.name + ".", keys);
   }
   void inLineTable(const Key& key, bool& given, const std::function<void()>& keys) override {
     if (!given) return;
-    text_ += key.name + " = {";
-    in_line_ = true;
+    const bool within = std::exchange(in_line_, true);  // an element of a list in one line
+    text_ += (within && !first_ ? ", " : "") + key.name + " = {";
     first_ = true;
     keys();
-    in_line_ = false;
-    text_ += "}\n";
+    in_line_ = within;
+    first_ = false;
+    text_ += within ? "}" : "}\n";
   }
   void list(const Key& key, const ListRule& rule, std::size_t size,
             const std::function<void(std::size_t)>&,

@@ -19,8 +19,8 @@ Choice choiceOf(const char* name, Enum value) {
 }
 
 inline const Range kShare{0, 1};
-inline const Range kPlace{-1000, 1000};
-inline const Range kLength{0.1, 1000};
+inline const Range kPlace{-3000, 3000};
+inline const Range kLength{0.1, 3000};
 inline const Range kAngle{-3600, 3600};
 inline const Range kSpeed{-500, 500};
 inline constexpr double kLongestFreeRun = 86400;  ///< [s]

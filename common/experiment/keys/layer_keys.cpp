@@ -120,7 +120,7 @@ void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
   v.number(kind.only({kRing, kRadialGradient},
                      {"inner_radius_cm",
                       "inner radius; inside it a radial gradient has the value of intensity"}),
-           {0, 1000}, layer.inner);
+           {0, 3000}, layer.inner);
   v.number(
       kind.only(
           {kStripes},
@@ -132,7 +132,7 @@ void visitShape(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
            layer.inner);
   v.number(kind.only({kHalfPlane, kDisk, kRing, kStripes, kChecker, kImage},
                      {"softness_cm", "width of the edges"}),
-           {0, 1000}, layer.softness);
+           {0, 3000}, layer.softness);
 }
 
 void visitIntensities(KeyVisitor& v, const Selector& kind, LayerEntry& entry) {
@@ -272,6 +272,50 @@ void visitGate(KeyVisitor& v, light::Drive& drive) {
            drive.gate_radius);
 }
 
+void visitCrowd(KeyVisitor& v, CrowdRule& crowd) {
+  const TextRule name{.most = 48, .bare = true};
+  const Range any{-1e6, 1e6};
+  v.text(writtenIf(!crowd.gate.empty(),
+                   {"gate", "collective number: the layer is shown while it is above or below"}),
+         name, crowd.gate);
+  v.text(writtenIf(!crowd.hold.empty(),
+                   {"hold", "collective number that the intensity holds at target, by a PI rule"}),
+         name, crowd.hold);
+  v.flag({"quorum",
+          "the layer follows only robots whose local packing fraction is above or below; needs "
+          "follow = \"robots\""},
+         crowd.quorum);
+  const bool number = !crowd.gate.empty() || !crowd.hold.empty();
+  v.text(applicableIf(number, "gate or hold",
+                      writtenIf(!crowd.program.empty(),
+                                {"program",
+                                 "the number of this program; without it, that of all "
+                                 "robots"})),
+         {.most = 32, .bare = true}, crowd.program);
+  const bool bounds = !crowd.gate.empty() || crowd.quorum;
+  v.optionalNumber(
+      applicableIf(bounds, "gate or quorum",
+                   {"above", "in the unit of the report (cm/s)", Need::kOptional, "-"}),
+      any, crowd.above);
+  v.optionalNumber(
+      applicableIf(bounds, "gate or quorum", {"below", "see above", Need::kOptional, "-"}), any,
+      crowd.below);
+  const bool hold = !crowd.hold.empty();
+  v.number(applicableIf(hold, "hold", {"target", "in the unit of the report", Need::kRequired}),
+           any, crowd.target);
+  v.number(applicableIf(hold, "hold",
+                        {"gain",
+                         "change of the intensity per unit of target minus number; negative where "
+                         "light lowers the number",
+                         Need::kRequired}),
+           {-1000, 1000}, crowd.gain);
+  v.number(applicableIf(hold, "hold",
+                        {"integral_time_s", "integral time of the PI rule; 0: proportional only"}),
+           {0, 100000}, crowd.integral_time);
+  v.number(applicableIf(hold, "hold", {"lowest", "lowest intensity"}), kShare, crowd.lowest);
+  v.number(applicableIf(hold, "hold", {"highest", "highest intensity"}), kShare, crowd.highest);
+}
+
 }  // namespace
 
 void visitLayer(KeyVisitor& v, LayerEntry& entry) {
@@ -290,6 +334,10 @@ void visitLayer(KeyVisitor& v, LayerEntry& entry) {
   visitWaveform(v, kind, layer);
   visitFollow(v, kind, layer.drive);
   visitGate(v, layer.drive);
+  v.inLineTable({.name = "crowd",
+                 .meaning = "how the layer depends on what the robots do together",
+                 .default_text = "-"},
+                entry.has_crowd, [&] { visitCrowd(v, layer.crowd); });
 }
 
 }  // namespace lab::keys

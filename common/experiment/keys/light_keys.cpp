@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 
 #include "common/experiment/keys/key_helpers.hpp"
 #include "common/experiment/keys/layer_keys.hpp"
@@ -34,6 +35,16 @@ constexpr const char* kConditionRobot =
     "and the key robots says how many must be in a region";
 constexpr const char* kRuleRobot =
     "id of one robot; without this key the estimate is that of all robots together";
+constexpr const char* kObservable =
+    "name of a collective number (docs/collective.md), such as polar_order, largest_cluster, speed "
+    "or share_in_REGION";
+constexpr const char* kAbove =
+    "its mean over over_s is above this, in the unit of the report (cm/s)";
+constexpr const char* kBelow = "its mean over over_s is below this, in the unit of the report";
+constexpr const char* kOver = "time over which the collective number is averaged";
+const TextRule kObservableRule{.most = 48, .bare = true};
+const Range kAnyNumber{-1e6, 1e6};
+const Range kOverTime{.low = 0, .high = 3600};
 const TextRule kEstimateRule{.most = 20, .bare = true};
 const TextRule kProgramRule{.most = 32, .bare = true};
 
@@ -43,17 +54,33 @@ void visitOneRobot(KeyVisitor& v, const char* meaning, std::int32_t& robot) {
   robot = static_cast<std::int32_t>(id);
 }
 
-// There are three kinds of condition: estimate, tumbles and region. The key that is present
-// decides.
+void visitBounds(KeyVisitor& v, bool applies, EndCondition& until) {
+  v.optionalNumber(applicableIf(applies, "observable", {"above", kAbove, Need::kOptional, "-"}),
+                   kAnyNumber, until.above);
+  v.optionalNumber(applicableIf(applies, "observable", {"below", kBelow, Need::kOptional, "-"}),
+                   kAnyNumber, until.below);
+  v.number(applicableIf(applies, "observable", {"over_s", kOver}), kOverTime, until.over);
+}
+
+// There are four kinds of condition: estimate, observable, tumbles and region. The key that is
+// present decides.
 void visitUntil(KeyVisitor& v, EndCondition& until) {
   using enum Region;
   v.text(writtenIf(!until.estimate.empty(), {"estimate", kEstimate}), kEstimateRule,
          until.estimate);
-  const bool estimate = !until.estimate.empty();
-  v.text(applicableIf(estimate, "estimate", {"program", kOfProgram, Need::kRequired}), kProgramRule,
-         until.program);
-  v.number(applicableIf(estimate, "estimate", {"relative_error", kRelativeError, Need::kRequired}),
-           {.low = 0, .high = 1, .above_low = true}, until.relative_error);
+  v.text(writtenIf(!until.observable.empty(), {"observable", kObservable}), kObservableRule,
+         until.observable);
+  const bool observable = !until.observable.empty();
+  const bool number = !until.estimate.empty() || observable;
+  const Need need = observable ? Need::kOptional : Need::kRequired;
+  Key program = applicableIf(number, "estimate or observable", {"program", kOfProgram, need});
+  if (observable) program = writtenIf(!until.program.empty(), program);
+  v.text(program, kProgramRule, until.program);
+  Key error =
+      applicableIf(number, "estimate or observable", {"relative_error", kRelativeError, need});
+  if (observable) error = writtenIf(until.relative_error != 0, error);
+  v.number(error, {.low = 0, .high = 1, .above_low = true}, until.relative_error);
+  visitBounds(v, observable, until);
   v.integer(writtenIf(until.tumbles != 0,
                       {"tumbles",
                        "number of tumbles since the step began, of all robots together or of one"}),
@@ -131,10 +158,22 @@ void visitStopOn(KeyVisitor& v, StopOn& on) {
 }
 
 void visitStopRule(KeyVisitor& v, StopRule& rule) {
-  v.text({"estimate", kEstimate, Need::kRequired}, kEstimateRule, rule.until.estimate);
-  v.text({"program", kOfProgram, Need::kRequired}, kProgramRule, rule.until.program);
-  v.number({"relative_error_percent", kRelativeErrorPercent, Need::kRequired},
-           {.low = 0, .high = 100, .above_low = true}, rule.until.relative_error);
+  EndCondition& until = rule.until;
+  v.text(writtenIf(!until.observable.empty(),
+                   {"observable", std::string("instead of estimate: ") + kObservable}),
+         kObservableRule, until.observable);
+  const bool observable = !until.observable.empty();
+  const Need need = observable ? Need::kOptional : Need::kRequired;
+  Key estimate{"estimate", kEstimate, need};
+  if (observable) estimate = applicableIf(false, "no observable", estimate);
+  v.text(estimate, kEstimateRule, until.estimate);
+  Key program{"program", kOfProgram, need};
+  if (observable) program = writtenIf(!until.program.empty(), program);
+  v.text(program, kProgramRule, until.program);
+  Key error{"relative_error_percent", kRelativeErrorPercent, need};
+  if (observable) error = writtenIf(until.relative_error != 0, error);
+  v.number(error, {.low = 0, .high = 100, .above_low = true}, until.relative_error);
+  visitBounds(v, observable, until);
   visitOneRobot(v, kRuleRobot, rule.until.robot);
   v.number({"at_least_s", "time of the script before which the rule is ignored"}, {0, kLongestRun},
            rule.at_least);

@@ -60,7 +60,7 @@ void visitGateway(KeyVisitor& v, Gateway& gateway) {
           "then drive the robots"},
          gateway.unsecured_commands);
   v.integers({"command_robots", "ids of the robots that ROS 2 may drive, []: all"}, 0, kLargestId,
-             {.fewest = 0, .most = kMostRobots, .in_line = true}, gateway.command_robots);
+             {.fewest = 0, .most = kMostLiveRobots, .in_line = true}, gateway.command_robots);
   v.number(
       {"command_timeout_s", "a robot driven from ROS 2 stands after this time without a command"},
       {0.1, 5}, gateway.command_timeout);

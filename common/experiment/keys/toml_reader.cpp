@@ -19,9 +19,11 @@ namespace {
 
 class TomlReader final : public KeyVisitor {
  public:
-  TomlReader(const TomlDocument& document, const ModelLookup& model_of, Problems& problems)
+  TomlReader(const TomlDocument& document, const ModelLookup& model_of, const LawCheck& check_law,
+             Problems& problems)
       : document_(document),
         model_of_(model_of),
+        check_law_(check_law),
         problems_(problems),
         scopes_{{&document.root(), "", {}, {}}} {}
 
@@ -210,8 +212,8 @@ class TomlReader final : public KeyVisitor {
                Program& program) override {
     Scope& scope = scopes_.back();
     for (const auto& [key, node] : *scope.table) scope.known.emplace_back(key.str());
-    program = toProgram(
-        readProgramTable(document_, *scope.table, scope.path, name, limits, model_of_, problems_));
+    program = toProgram(readProgramTable(document_, *scope.table, scope.path, name,
+                                         {limits, model_of_, check_law_}, problems_));
   }
 
   /// Call this after all keys have been visited.
@@ -341,6 +343,7 @@ class TomlReader final : public KeyVisitor {
 
   const TomlDocument& document_;
   const ModelLookup& model_of_;
+  const LawCheck& check_law_;
   Problems& problems_;
   std::vector<Scope> scopes_;
 };
@@ -348,9 +351,9 @@ class TomlReader final : public KeyVisitor {
 }  // namespace
 
 ExperimentForm readForm(const TomlDocument& document, const ModelLookup& model_of,
-                        Problems& problems) {
+                        const LawCheck& check_law, Problems& problems) {
   ExperimentForm form;
-  TomlReader reader(document, model_of, problems);
+  TomlReader reader(document, model_of, check_law, problems);
   visitKeys(reader, form);
   reader.finish();
   return form;

@@ -10,7 +10,8 @@ namespace lab::keys {
 
 /// Reads the form. Wrong values are reported to `problems`, and their fields keep the defaults.
 /// @param model_of finds the program that `model` names
+/// @param check_law of each program; empty: laws are not checked
 [[nodiscard]] ExperimentForm readForm(const TomlDocument& document, const ModelLookup& model_of,
-                                      Problems& problems);
+                                      const LawCheck& check_law, Problems& problems);
 
 }  // namespace lab::keys

@@ -458,7 +458,7 @@ TEST(BlockStore, PacksBlocksWithoutLosingTheirDifferences) {
   const BlockData data = dut.data();
   // A lag of one frame: every step of the walk is in one block, and nowhere else.
   std::size_t at = 0;
-  const std::vector<BlockSums>& blocks = data.tracks[0];
+  const BlockTrack& blocks = data.tracks[0];
   for (std::size_t b = 0; b + 1 < blocks.size(); ++b) {
     const auto steps = static_cast<std::size_t>(std::lround(blocks[b].time / kPeriod));
     double r2 = 0;

@@ -167,6 +167,35 @@ TEST(FormulaLaw, IsJudgedLikeAClosedForm) {
   EXPECT_THAT(dut.fit.value().refusal, HasSubstr("no parameters"));
 }
 
+// Its angular MSD alone is exact. The noise of the heading is 4 times the turn within a frame.
+TEST(FormulaLaw, IsJudgedWithTheNoiseOfTheHeading) {
+  const std::vector<language::NamedText> paper{
+      {"v", "3 cm/s"}, {"eta", "3 rad/s"}, {"epsilon", "0.5 s"}};
+  Program program = withFormulas();
+  program.law.msd.clear();
+  program.law.diffusivity.clear();
+  FilmOptions options;
+  options.duration = 900;
+  options.sigma_theta = 0.03;
+  const ProgramLaw law = lawOf(program, bodyFor(options));
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    const BlockData film = filmOf(withoutLaw("abp", paper), law, seed, options);
+    for (const ProgramResult& dut :
+         {judgeFilm(law, film), analyse(law, film, {}, {}, Depth::kLive)}) {
+      EXPECT_GE(dut.verdict.judged, 5);
+      EXPECT_EQ(dut.verdict.kind, VerdictKind::kAgrees) << seed << ": " << dut.verdict.max_z;
+      EXPECT_NEAR(dut.curves.angular_msd[0].noise / (2 * 0.03 * 0.03), 1, 0.1);
+    }
+  }
+  // Another noise of the motion is still found.
+  options.duration = 3600;
+  const Program faster =
+      withoutLaw("abp", {{"v", "3 cm/s"}, {"eta", "3.2 rad/s"}, {"epsilon", "0.5 s"}});
+  const ProgramResult dut = judgeFilm(law, filmOf(faster, law, 3, options));
+  EXPECT_EQ(dut.verdict.kind, VerdictKind::kDisagrees);
+  EXPECT_TRUE(dut.verdict.angular);
+}
+
 TEST(LawOf, GivesTheReasonWhereThereCanBeNoLaw) {
   const auto reason = [](const Program& program) {
     return lawOf(program, kPaperWheelBase)->whyNoVerdict();
@@ -181,6 +210,15 @@ TEST(LawOf, GivesTheReasonWhereThereCanBeNoLaw) {
   unknown.law = {"abp", {{"v", 0.03}}, "", "", "", ""};
   EXPECT_THAT(reason(unknown), HasSubstr("law \"abp\": parameter epsilon (s) is missing"));
   EXPECT_EQ(reason(withoutLaw("run_reverse")), "");
+}
+
+TEST(LawOf, SaysBeforeARunWhatTheMotionIsComparedWith) {
+  const auto text = [](const Program& program) { return referenceText(program, kPaperWheelBase); };
+  EXPECT_EQ(text(shippedProgram("abp")), "judged by the exact law");
+  EXPECT_EQ(text(withoutLaw("abp")), "judged by the simulated reference");
+  EXPECT_EQ(text(withFormulas()), "judged by the program's formulas");
+  EXPECT_THAT(text(shippedProgram("phototaxis")),
+              HasSubstr("not judged: the program reads light, infrared sensors or senses"));
 }
 
 TEST(LawOf, TellsProgramsApart) {

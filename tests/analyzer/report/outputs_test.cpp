@@ -3,13 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "analyzer/laws/law_of.hpp"
+#include "analyzer/report/html/html_verdicts.hpp"
 #include "analyzer/report/html/report_page.hpp"
 #include "analyzer/report/summary/findings.hpp"
 #include "analyzer/report/summary/summary.hpp"
@@ -39,7 +42,7 @@ analysis::ProgramResult resultOf(const Program& program, analysis::VerdictKind v
   analysis::ProgramResult result;
   result.law = analysis::lawOf(program, analysis::kPaperWheelBase);
   result.no_verdict = result.law->whyNoVerdict();
-  result.verdict = {verdict, 2.5, 0.5, false, 40};
+  result.verdict = {verdict, 2.5, 0.5, false, false, 40};
   return result;
 }
 
@@ -60,6 +63,56 @@ TEST(Verdict, SaysWhyThereIsNone) {
   EXPECT_THAT(verdictReason(dut), testing::StartsWith("The program reads light"));
 }
 
+analysis::ProgramResult jam(double contact) {
+  using analysis::VerdictKind;
+  analysis::ProgramResult result = resultOf(shippedProgram("abp"), VerdictKind::kAgrees);
+  result.shares = {.free = 1 - contact, .contact = contact};
+  result.whole.emplace();
+  result.whole->speed = 0.0034;
+  result.whole->lags.push_back({10, 2.1e-4, 0.1, 100});
+  return result;
+}
+
+TEST(Verdict, IsNotGreenAmongContacts) {
+  EXPECT_STREQ(html::verdictClass(jam(0.05)), "agrees");
+  EXPECT_STREQ(html::verdictClass(jam(0.3)), "partly");
+  EXPECT_THAT(verdictReason(jam(0.95)), HasSubstr("in contact most of the time"));
+}
+
+TEST(Headline, SaysFirstWhatIsNotFreeMotion) {
+  RunRecord record;
+  record.results.emplace_back().result = jam(0.3);
+  record.results.back().program.name = "abp";
+
+  EXPECT_THAT(headlines(record).front(),
+              testing::StartsWith("abp: 30.0 % of the time is not free motion (contact 30.0 %); "
+                                  "whole motion: speed 0.34 cm/s, MSD 2.1 cm² in 10 s; free "
+                                  "motion: agrees with the exact law"));
+  record.results.back().result = jam(0.05);
+  EXPECT_THAT(headlines(record).front(), testing::StartsWith("abp: agrees with the exact law"));
+}
+
+TEST(Headline, IsInTheSummaryBeforeTheVerdict) {
+  RunRecord record;
+  record.results.emplace_back().result = jam(0.3);
+  const std::string dut = summaryJson(record);
+
+  EXPECT_LT(dut.find("30.0 % of the time is not free motion"), dut.find("\"verdict\""));
+  const auto pool = nlohmann::json::parse(dut)["programs"][0]["pool"];
+  EXPECT_DOUBLE_EQ(pool["time_shares"]["contact"], 0.3);
+  EXPECT_DOUBLE_EQ(pool["whole_motion"]["speed_cm_s"], 0.34);
+  EXPECT_DOUBLE_EQ(pool["whole_motion"]["msd_cm2"][0], 2.1);
+}
+
+TrackRow rowOf(std::int32_t robot, float x, float y, float theta) {
+  TrackRow row;
+  row.robot = robot;
+  row.x = x;
+  row.y = y;
+  row.theta = theta;
+  return row;
+}
+
 TEST(Trajectories, BeginsWithTheColumnsOfTrackpy) {
   std::istringstream dut(trajectoriesCsv(smallRun()));
   std::string header;
@@ -67,10 +120,33 @@ TEST(Trajectories, BeginsWithTheColumnsOfTrackpy) {
   std::getline(dut, header);
   std::getline(dut, first);
 
-  EXPECT_EQ(header, "frame,particle,x,y,t,theta,program,segment");
-  EXPECT_THAT(first, testing::MatchesRegex(
-                         "1,1,[0-9]+\\.[0-9][0-9][0-9][0-9],[0-9]+\\.[0-9][0-9][0-9][0-9],"
-                         "0\\.050000,-?[0-9]\\.[0-9]+,abp,[0-9]+"));
+  EXPECT_EQ(header,
+            "frame,particle,x,y,t,theta,program,segment,state,contact,light_front,light_back,"
+            "x_stitched,y_stitched");
+  const std::string number = "[0-9]+\\.[0-9][0-9][0-9][0-9]";
+  EXPECT_THAT(first, testing::MatchesRegex("1,1," + number + "," + number +
+                                           ",0\\.050000,-?[0-9]\\.[0-9]+,abp,[0-9]+,free,none," +
+                                           number + "," + number + "," + number + "," + number));
+}
+
+TEST(Trajectories, SayForEveryRowWhyItIsNotFree) {
+  std::istringstream dut(trajectoriesCsv(smallRun()));
+  std::string line;
+  std::getline(dut, line);
+  std::map<std::string, int> states;
+  while (std::getline(dut, line)) {
+    std::vector<std::string> fields;
+    std::istringstream row(line);
+    for (std::string field; std::getline(row, field, ',');) fields.push_back(field);
+    ASSERT_EQ(fields.size(), 14U) << line;
+    const bool is_free = fields[8] == "free";
+    EXPECT_EQ(is_free, fields[7] != "-1") << line;
+    EXPECT_EQ(is_free, fields[12] != "nan") << line;
+    ++states[fields[8]];
+  }
+  EXPECT_GT(states["free"], 1500);
+  EXPECT_GT(states["reversing"], 0);
+  EXPECT_LE(states["lost"], 20);  // the last frames, after the last telemetry
 }
 
 TEST(Trajectories, HasARowForEachRobotInEachFrame) {
@@ -82,29 +158,34 @@ TEST(Trajectories, HasARowForEachRobotInEachFrame) {
 TEST(Trajectories, WritesPositionsInCentimetresToTheMicrometre) {
   RunRecord record;
   record.tracks.frames.push_back({-250'000, 7, 0});
-  record.tracks.rows.push_back({3, 0.5F, -0.000004F, -3.0F, -1, -1});
+  record.tracks.rows.push_back(rowOf(3, 0.5F, -0.000004F, -3.0F));
 
   EXPECT_EQ(trajectoriesCsv(record),
-            "frame,particle,x,y,t,theta,program,segment\n"
-            "7,3,50.0000,-0.0004,-0.250000,-3.000000,standing,-1\n");
+            "frame,particle,x,y,t,theta,program,segment,state,contact,light_front,light_back,"
+            "x_stitched,y_stitched\n"
+            "7,3,50.0000,-0.0004,-0.250000,-3.000000,standing,-1,lost,none,nan,nan,nan,nan\n");
 }
 
 TEST(Trajectories, WritesNanForInvalidNumbers) {
   RunRecord record;
   record.tracks.frames.push_back({0, 1, 0});
-  record.tracks.rows.push_back({1, std::numeric_limits<float>::quiet_NaN(),
-                                std::numeric_limits<float>::infinity(), 1e30F, -1, -1});
+  record.tracks.rows.push_back(rowOf(1, std::numeric_limits<float>::quiet_NaN(),
+                                     std::numeric_limits<float>::infinity(), 1e30F));
 
-  EXPECT_THAT(trajectoriesCsv(record), HasSubstr("\n1,1,nan,nan,0.000000,nan,standing,-1\n"));
+  EXPECT_THAT(trajectoriesCsv(record), HasSubstr("\n1,1,nan,nan,0.000000,nan,standing,-1,"));
 }
 
 TEST(Trajectories, QuotesProgramNamesThatNeedIt) {
   RunRecord record;
   record.programs.push_back({{}, "a,\"b\""});
   record.tracks.frames.push_back({0, 1, 0});
-  record.tracks.rows.push_back({1, 0, 0, 0, 0, 2});
+  TrackRow& row = record.tracks.rows.emplace_back(rowOf(1, 0, 0, 0));
+  row.program = 0;
+  row.segment = 2;
+  row.state = analysis::FrameState::kContact;
+  row.contact_wall = row.contact_robot = true;
 
-  EXPECT_THAT(trajectoriesCsv(record), HasSubstr(",\"a,\"\"b\"\"\",2\n"));
+  EXPECT_THAT(trajectoriesCsv(record), HasSubstr(",\"a,\"\"b\"\"\",2,contact,both,"));
 }
 
 TEST(Summary, HasTheResultsOfTheRun) {
@@ -119,6 +200,8 @@ TEST(Summary, HasTheResultsOfTheRun) {
   EXPECT_EQ(abp["name"], "abp");
   EXPECT_EQ(abp["pool"]["robots"], 2);
   EXPECT_EQ(abp["each_robot"].size(), 2U);
+  EXPECT_EQ(abp["parameter_values"],
+            nlohmann::json::parse(R"({"v_cm_s": 3, "epsilon_s": 0.5, "eta_rad_s": 3})"));
   EXPECT_NEAR(abp["pool"]["estimates"]["v_cm_s"]["value"], 3, 0.1);
   EXPECT_DOUBLE_EQ(abp["pool"]["estimates"]["D_r_rad2_s"]["theory"], 0.75);
   EXPECT_EQ(abp["pool"]["msd"]["lag_s"].size(), abp["pool"]["msd"]["value_cm2"].size());

@@ -67,6 +67,26 @@ TEST(RunStatistics, HistogramsFollowTheLaw) {
   EXPECT_NEAR(dut.wheel_speed, 0.99 * dut.needed_wheel_speed, 0.02 * dut.needed_wheel_speed);
 }
 
+// A simulated camera has no noise unless it is given one; then the errors of a robot are 0.
+TEST(RunStatistics, NeedsNoNoise) {
+  std::vector<FoundRuns> found;
+  for (unsigned i = 0; i < 4; ++i) {
+    RunRecording recording = twoMinutes(60 + i);
+    recording.duration = 600;
+    recording.sigma = recording.sigma_theta = 0;
+    recording.tumble_factor = 0.996 + 0.002 * i;
+    found.push_back(findRuns(recording, recordRuns(recording)));
+  }
+  const RunStatistics dut =
+      runStatistics(rtpLaw(3, 0.5), {&found[0], &found[1], &found[2], &found[3]});
+
+  EXPECT_EQ(dut.problem, "");
+  ASSERT_NE(dut.find("gamma"), nullptr);
+  EXPECT_NEAR(dut.find("gamma")->value, 3, 4 * dut.find("gamma")->sigma);
+  EXPECT_NEAR(dut.find("v")->value, 0.05, 1e-5);
+  EXPECT_NEAR(dut.find("tau_t")->value, 0.5 * 0.999, 2e-4);
+}
+
 TEST(RunStatistics, PoolsRobotsAsOneSample) {
   std::vector<FoundRuns> found;
   for (unsigned i = 0; i < 4; ++i) {

@@ -249,5 +249,99 @@ TEST(Analysis, ToleratesInvalidInput) {
   EXPECT_EQ(dut.results().size(), 2U);
 }
 
+/// A robot that drives freely for `free` seconds and then pushes against a wall for `held` seconds,
+/// again and again.
+std::vector<ProgramResult> resultsInTheCorner(double free, double held) {
+  const ProgramLaw law = abpLaw(3, 0.5);
+  WalkerRecording recording;
+  recording.law = law;
+  recording.duration = 900;
+  recording.seed = 11;
+  AnalysisConfig settings = config();
+  settings.whole_motion = settings.stitcher.report_frames = true;
+  Analysis dut(settings);
+  Walker walker(recording);
+  const auto isHeld = [&](double time) { return std::fmod(time, free + held) >= free; };
+  // Time passes for the camera, and not for the robot.
+  double lost = 0;
+  TrackPoint before;
+  walker.on_frame = [&](const TrackPoint& point) {
+    TrackPoint now = point;
+    now.time += lost;
+    dut.addFrame(frameOf(1, now));
+    before = now;
+  };
+  walker.on_telemetry = [&](RobotTelemetry telemetry) {
+    telemetry.time += lost;
+    if (isHeld(telemetry.time)) {
+      const double end = telemetry.time + held;
+      for (double t = telemetry.time; t < end; t += 1 / 49.7) {
+        telemetry.time = t;
+        telemetry.contact = true;
+        dut.addTelemetry(1, law, telemetry);
+        TrackPoint standing = before;
+        standing.time = t + 1e-3;
+        dut.addFrame(frameOf(1, standing));
+      }
+      lost += held;
+      telemetry.time += 1 / 49.7;
+      telemetry.contact = false;
+    }
+    dut.addTelemetry(1, law, telemetry);
+  };
+  walker.run();
+  dut.flush();
+  return dut.results();
+}
+
+TEST(Analysis, HasTheWholeMotionBesideTheFreeOne) {
+  const ProgramResult dut = resultsInTheCorner(10, 5).front();
+
+  EXPECT_NEAR(dut.shares.contact, 1 / 3.0, 0.03);
+  EXPECT_NEAR(dut.shares.free + dut.shares.contact + dut.shares.lost, 1, 1e-9);
+  EXPECT_EQ(dut.verdict.kind, VerdictKind::kAgrees);
+  ASSERT_TRUE(dut.whole.has_value());
+  EXPECT_NEAR(dut.whole->speed, 0.03 * 2 / 3, 0.001);
+  EXPECT_NEAR(dut.whole->observed, 1.5 * 900, 20);
+  ASSERT_FALSE(dut.whole->lags.empty());
+  // At one frame, the motion is ballistic: two thirds of the windows move.
+  const WholeLag& first = dut.whole->lags.front();
+  EXPECT_NEAR(first.msd / std::pow(0.03 * first.tau, 2), 2 / 3.0, 0.03);
+}
+
+TEST(Analysis, DoesNotJudgeAJam) {
+  const ProgramResult dut = resultsInTheCorner(10, 20).front();
+
+  EXPECT_GT(dut.shares.contact, 0.6);
+  EXPECT_GE(dut.verdict.judged, 5);
+  EXPECT_LT(dut.verdict.max_z, 4);
+  EXPECT_EQ(dut.verdict.kind, VerdictKind::kUndecided);
+}
+
+TEST(Analysis, ListsAProgramWithoutFreeMotionIfTheWholeIsWanted) {
+  AnalysisConfig settings = config();
+  settings.whole_motion = settings.stitcher.report_frames = true;
+  Analysis dut(settings);
+  RobotTelemetry telemetry;
+  telemetry.program_epoch = 1;
+  telemetry.contact = true;
+  for (int i = 0; i < 1000; ++i) {
+    telemetry.time = i / 49.7;
+    dut.addTelemetry(1, abpLaw(3, 0.5), telemetry);
+    TrackPoint point;
+    point.time = telemetry.time;
+    point.frame = i;
+    dut.addFrame(frameOf(1, point));
+  }
+  dut.flush();
+  for (const Depth depth : {Depth::kLive, Depth::kFull}) {
+    const std::vector<ProgramResult> results = dut.results(depth);
+    ASSERT_EQ(results.size(), 2U);
+    EXPECT_EQ(results.front().shares.contact, 1);
+    EXPECT_EQ(results.front().verdict.kind, VerdictKind::kUndecided);
+    EXPECT_EQ(results.front().whole->lags.front().msd, 0);
+  }
+}
+
 }  // namespace
 }  // namespace lab::analysis

@@ -370,5 +370,50 @@ TEST_F(TrackStitcherTest, InterpolatesTheRunTimeBetweenTwoMessages) {
   }
 }
 
+TEST_F(TrackStitcherTest, ReportsWhatTheRobotDidInEveryFrame) {
+  StitcherConfig config;
+  config.report_frames = true;
+  dut = TrackStitcher(config);
+  state.light_front = 0.25F;
+  drive(0, 1, 0);
+  state.reversal_count = 1;
+  state.reversal_start = 1.01;
+  state.reversing = true;
+  drive(1.02, 2, 0.03);
+  state.reversing = false;
+  state.reversal_end = 2.01;
+  drive(2.02, 3, 0.06);
+  state.contact = state.contact_wall = true;
+  drive(3, 4, 0.09);
+  state.contact = state.contact_wall = false;
+  state.stopped = true;
+  drive(4, 5, 0.12);
+  state.stopped = false;
+  state.program = -1;
+  state.program_epoch = 2;
+  state.program_start = 5;
+  drive(5, 6, 0.12);
+  frame(6, 0.15);  // after the last telemetry
+  dut.flush(out);
+
+  std::vector<FrameState> states;
+  for (const FrameReport& frame : dut.takeReports()) {
+    if (states.empty() || states.back() != frame.state) states.push_back(frame.state);
+    if (frame.state != FrameState::kLost) {
+      EXPECT_EQ(frame.light_front, 0.25F);
+    }
+    if (frame.state == FrameState::kContact && frame.time > 3.1 && frame.time < 3.9) {
+      EXPECT_TRUE(frame.contact_wall);
+      EXPECT_FALSE(frame.contact_robot);
+    }
+  }
+  EXPECT_EQ(states, (std::vector{FrameState::kFree, FrameState::kReversing, FrameState::kFree,
+                                 FrameState::kContact, FrameState::kStopped, FrameState::kOther,
+                                 FrameState::kLost}));
+  EXPECT_GT(dut.tally(0).in_reversal, 40);
+  EXPECT_GT(dut.tally(0).in_contact, 40);
+  EXPECT_GT(dut.tally(0).stopped, 40);
+}
+
 }  // namespace
 }  // namespace lab::analysis

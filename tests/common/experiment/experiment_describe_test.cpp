@@ -138,8 +138,8 @@ TEST(Description, GivesEachParameterInItsUnit) {
       "[programs.mine]\nparameters = {v = \"20 mm/s\", r = \"3 cm\", a = \"90 deg\", area = "
       "\"2 cm*cm\", n = \"2\"}\n[programs.mine.phases.run]\nforward = \"v\"\nhold = \"1 s\"\n"));
 
-  EXPECT_THAT(dut, HasSubstr("mine: v = 2 cm/s, r = 3 cm, a = 1.5707963267948966 rad, "));
-  EXPECT_THAT(dut, HasSubstr("area = 0.0002 m^2, n = 2\n"));
+  EXPECT_THAT(dut, HasSubstr("mine: v = 2 cm/s, r = 3 cm, a = 1.5708 rad, "));
+  EXPECT_THAT(dut, HasSubstr("area = 2 cm², n = 2\n"));
 }
 
 TEST(LogSize, GrowsWithTimeAndRobots) {

@@ -111,6 +111,26 @@ parameters = {v = "20 mm/s", eta = "90 deg/s"}
   expectReadBackAsWritten(dut);
 }
 
+TEST(ExperimentPrograms, TakeParametersWithEveryUnitInTheKey) {
+  const auto parameter = [](const std::string& model, const std::string& key,
+                            const std::string& name) {
+    return test::parameter(
+        small("[programs.mine]\nmodel = \"" + model + "\"\n" + key + "\n").programs.at("mine"),
+        name);
+  };
+  EXPECT_DOUBLE_EQ(parameter("abp", "v_m_s = 0.02", "v"), 0.02);
+  EXPECT_DOUBLE_EQ(parameter("abp", "v_mm_s = 20", "v"), 0.02);
+  EXPECT_DOUBLE_EQ(parameter("abp", "v_um_s = 20000", "v"), 0.02);
+  EXPECT_DOUBLE_EQ(parameter("abp", "epsilon_ms = 400", "epsilon"), 0.4);
+  EXPECT_DOUBLE_EQ(parameter("rtp", "gamma_hz = 2", "gamma"), 2);
+  EXPECT_DOUBLE_EQ(parameter("rtp", "gamma_per_min = 30", "gamma"), 0.5);
+  EXPECT_DOUBLE_EQ(parameter("rtp", "tau_t_s = 0.7", "tau_t"), 0.7);
+  EXPECT_NEAR(parameter("abp", "eta_deg_s = 90", "eta"), 1.5708, 1e-4);
+  // A number without unit, and its share.
+  EXPECT_DOUBLE_EQ(parameter("levy", "exponent = 1.2", "exponent"), 1.2);
+  EXPECT_DOUBLE_EQ(parameter("levy", "exponent_percent = 120", "exponent"), 1.2);
+}
+
 TEST(ExperimentPrograms, MayStand) {
   const Experiment dut = small("[programs.still]\nmodel = \"stand\"\n");
 
@@ -163,8 +183,8 @@ TEST(ExperimentPrograms, MayBeChangedOnTheCommandLine) {
                 .value,
             0.04);
   EXPECT_THAT(problemsOf(kReversing, {"programs.mine.parameters.v=\"4 s\""}),
-              ElementsAre(HasSubstr("zigzag.forward: the value is a number in s"),
-                          HasSubstr("away.left: "), HasSubstr("away.right: ")));
+              ElementsAre(HasSubstr("programs.mine.parameters.v: found a number in s, but "
+                                    "phases.zigzag.forward needs 'v' to be a number in cm/s")));
 }
 
 TEST(ProgramMessages, CarryAProgramThereAndBack) {

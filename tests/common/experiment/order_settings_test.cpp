@@ -4,6 +4,7 @@
 
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/shipped_programs.hpp"
 #include "robot/dynamics/byte_code.hpp"
 #include "tests/support/programs.hpp"
 
@@ -105,6 +106,29 @@ TEST(OrderSettings, RefusesByteCodeWithAnotherHash) {
   order = table();
   order.bands[0].program.id.hash += 0x1'0000'0000;
   EXPECT_EQ(refusalOf(order), "program \"abp\": its hash is not that of its byte code");
+}
+
+TEST(OrderSettings, RefusesWhatAFileMayNotContain) {
+  robot_order_t order = table();
+  order.bands[0].program = toMessage(shippedProgram("abp", {{"v", "40 cm/s"}}, kWidestWheels));
+  EXPECT_THAT(refusalOf(order), AllOf(StartsWith("program \"abp\":"),
+                                      HasSubstr("phases.run: needs a wheel speed of "),
+                                      HasSubstr("the wheels reach 27 cm/s")));
+  // As a robot with a slightly wider base may have it: limited and counted there.
+  order.bands[0].program = toMessage(shippedProgram("abp", {{"v", "15.5 cm/s"}}, kWidestWheels));
+  EXPECT_EQ(settingsFrom(order, {0.27, 0.078}, 0.02).refusal, "");
+
+  order = table();
+  std::string& text = order.bands[0].program.text;
+  text.replace(text.find("3 rad/s"), 7, "-1 rad/s");
+  EXPECT_THAT(refusalOf(order), HasSubstr("the draw begins above its end"));
+  order.bands[0].program.text = "[phases.run]\nforward = \"1 cm/s\"\nhold = \"1 s\"\n";
+  EXPECT_EQ(
+      refusalOf(order),
+      "program \"abp\": its text does not compile to its byte code; send both of one program");
+  // Where an order before had the text, there is none.
+  order.bands[0].program.text.clear();
+  EXPECT_EQ(refusalOf(order), "");
 }
 
 TEST(OrderSettings, NoChangedByteOfAProgramIsAccepted) {

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "analyzer/law_knowledge.hpp"
 #include "tests/support/experiment_samples.hpp"
 #include "tests/support/text_file.hpp"
 
@@ -33,7 +34,7 @@ TEST_P(WrongExperiment, IsRefusedWithFileLineKeyAndAdvice) {
   const std::vector<std::string> expected = expectedProblems(GetParam());
   ASSERT_FALSE(expected.empty());
   try {
-    static_cast<void>(loadExperiment(GetParam()));
+    static_cast<void>(loadExperiment(GetParam(), {}, analysis::lawKnowledge()));
     FAIL() << "was accepted";
   } catch (const ExperimentError& error) {
     EXPECT_THAT(error.problems(), ::testing::ElementsAreArray(expected));

@@ -44,6 +44,20 @@ TEST(Format, ConvertsUnitsToCentimetres) {
   EXPECT_DOUBLE_EQ(displayUnit("m^2/s").factor, 1e4);
   EXPECT_DOUBLE_EQ(displayUnit("rad^2/s").factor, 1);
   EXPECT_EQ(displayUnit("furlong").text, "furlong");
+  EXPECT_EQ(displayUnit("1/(m s)").text, "1/(cm s)");
+  EXPECT_DOUBLE_EQ(displayUnit("1/(m s)").factor, 0.01);
+  EXPECT_EQ(displayUnit("m/s^2").text, "cm/s²");
+  EXPECT_EQ(displayUnit("m/s^2").key, "cm_s2");
+  EXPECT_DOUBLE_EQ(displayUnit("m^3/s").factor, 1e6);
+  EXPECT_EQ(displayUnit("1/m").key, "per_cm");
+}
+
+TEST(Format, WritesQuantitiesWithTheirUnit) {
+  EXPECT_EQ(quantityText(0.05, "m/s", 6), "5 cm/s");
+  EXPECT_EQ(quantityText(0.40142572795869580, "rad/s", 6), "0.401426 rad/s");
+  EXPECT_EQ(quantityText(2.5e-4, "m^2/s", 6), "2.5 cm²/s");
+  EXPECT_EQ(quantityText(1.5, "1", 6), "1.5");
+  EXPECT_EQ(quantityText(1.0 / 3, "1/s", 4), "0.3333 1/s");
 }
 
 TEST(Format, EscapesHtml) {

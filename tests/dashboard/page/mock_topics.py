@@ -173,6 +173,8 @@ class World:
                 name = program["name"]
                 topics.append((f"pool/{name}", self.pool(k)))
                 topics.append((f"history/{name}", self.past(k)))
+                topics.append((f"crowd/{name}", self.crowd(k)))
+            topics.append(("crowd", self.crowd()))
             topics.append(("runtimes/rtp", {"program": "rtp", "gamma_per_s": 1.0,
                                             "edges_s": [0.25 * i for i in range(17)], "runs": 400,
                                             "mean_s": 1.02,
@@ -279,6 +281,30 @@ class World:
                                                                                     "disagrees"][k],
                 "max_z": [1.7, None, 5.2][k], "curves": curves, "estimates": self.estimates(k,
                                                                                             draw)}
+
+    def crowd(self, program=None):
+        mine = [r for r in self.robots if program is None or r["program"] == program]
+        draw = random.Random(int(self.life))
+        names = [("polar_order", "", 0.21), ("hexatic_order", "", 0.44), ("largest_cluster", "", 3.4),
+                 ("speed", "cm/s", 4.2), ("contact_time", "s", 1.8), ("bimodality", "", None)]
+        x = [0.25 + 0.5 * i for i in range(60)]
+        g = [0.0 if r < 2 * RADIUS else 1 + math.exp(-(r - 2 * RADIUS) / 4) for r in x]
+        t = [2.0 * i for i in range(int(self.life / 2) + 1)]
+        series = {"now": [0.2 + 0.1 * math.sin(0.1 * s) for s in t], "low": [0.15 for _ in t],
+                  "high": [0.25 for _ in t]}
+        return {"program": "" if program is None else PROGRAMS[program]["name"],
+                "observed_s": self.life, "robots": len(mine),
+                "observables": [{"name": n, "unit": u, "now": v, "mean": v,
+                                 "sigma": v and v / 20, "low": v and 0.9 * v,
+                                 "high": v and 1.1 * v} for n, u, v in names],
+                "curves": [{"name": "pair_distribution", "x_unit": "cm", "unit": "", "x": x,
+                            "value": g, "low": [0.9 * v for v in g],
+                            "high": [1.1 * v for v in g]}],
+                "history": {"t_s": t, "polar_order": series,
+                            "largest_cluster": {k: [10 * v for v in values]
+                                                for k, values in series.items()}},
+                "members": [[r["id"], draw.randrange(4), 0.8 * draw.random(), draw.random()]
+                            for r in self.robots] if program is None else []}
 
     def estimates(self, k, draw):
         sigma = 0.2 * TURN[k] / math.sqrt(1 + self.life)

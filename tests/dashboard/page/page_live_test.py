@@ -78,6 +78,35 @@ class Live(PageTest):
         self.until("document.querySelectorAll('#estimates tbody tr').length === 9")
         self.assertEqual(9, self.js("document.querySelectorAll('#chart-msd > svg .hollow').length"))
 
+    def test_shows_the_crowd(self):
+        self.open(robots=20, size=(1280, 3600))
+        self.live()
+        self.until("document.querySelectorAll('#crowd-numbers tbody tr').length === 6")
+        self.until("document.querySelectorAll('#chart-pairs path.line').length > 1")
+        painted = """(canvas => {
+            const data = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height).data;
+            let coloured = 0;
+            for (let i = 0; i < data.length; i += 4)
+                if (Math.max(data[i], data[i + 1], data[i + 2])
+                    - Math.min(data[i], data[i + 1], data[i + 2]) > 60) ++coloured;
+            return coloured / (data.length / 4);
+        })(document.getElementById('crowd-arena'))"""
+        # Twenty robots cover 8 % of the arena; some of them are grey.
+        self.until(painted + " > 0.01")
+        for colour in ["density", "heading"]:
+            browser.execute_script("const s = document.getElementById('crowd-colour');"
+                                   "s.value = arguments[0]; s.dispatchEvent(new Event('change'))",
+                                   colour)
+            self.until(painted + " > 0.04")
+        browser.execute_script("const s = document.getElementById('crowd-source'); s.value = 'rtp';"
+                               "s.dispatchEvent(new Event('change'))")
+        self.says("crowd-text", "7 robots")
+
+    def test_the_crowd_is_hidden_without_results(self):
+        self.open(robots=3, pools=0)
+        self.live()
+        self.assertTrue(self.js("document.getElementById('crowd-section').hidden"))
+
     def test_shows_one_robot_or_fewer_programs(self):
         self.open(robots=6, size=(1280, 2200))
         self.live()

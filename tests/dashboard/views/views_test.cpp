@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "common/math/units.hpp"
+#include "dashboard/views/crowd_view.hpp"
 #include "dashboard/views/curves_view.hpp"
 #include "dashboard/views/history_view.hpp"
 #include "dashboard/views/light_picture.hpp"
@@ -202,6 +204,75 @@ TEST(CurvesView, SelectsTheAnalysisOfOneRobot) {
   EXPECT_EQ(Json::parse(dut.robotJson(7)).size(), 1U);
   EXPECT_TRUE(Json::parse(dut.robotJson(3)).empty());
   EXPECT_TRUE(dut.takeChanged().empty());
+}
+
+/// A message about all robots.
+collective_t crowdOf(std::int64_t utime, double order) {
+  collective_t message{};
+  message.utime = utime;
+  message.robots = 20;
+  observable_t polar{};
+  polar.name = "polar_order";
+  polar.unit = "1";
+  polar.now = order;
+  polar.mean = 0.25;
+  polar.low = polar.high = units::kNan;
+  observable_t speed = polar;
+  speed.name = "speed";
+  speed.unit = "m/s";
+  message.observables = {polar, speed};
+  observable_curve_t pairs{};
+  pairs.name = "pair_distribution";
+  pairs.x_unit = "m";
+  pairs.unit = "1";
+  pairs.x = {0.08F};
+  pairs.value = {1.5F};
+  pairs.low = {1.25F};
+  pairs.high = {1.75F};
+  message.curves = {pairs};
+  crowd_member_t member{};
+  member.robot_id = 7;
+  member.cluster = 2;
+  member.density = 0.5F;
+  member.hexatic = static_cast<float>(units::kNan);
+  message.members = {member};
+  return message;
+}
+
+TEST(CrowdView, ConvertsTheCrowdToCentimetres) {
+  CrowdView dut;
+  dut.take(crowdOf(kNow, 0.5), kNow - 3 * kSecond);
+  EXPECT_EQ(dut.takeChanged(), std::vector<std::string>{""});
+  EXPECT_TRUE(dut.takeChanged().empty());
+  const Json json = Json::parse(dut.json(""));
+  EXPECT_EQ(json["robots"], 20);
+  EXPECT_EQ(json["observables"][1]["now"], 50);
+  EXPECT_EQ(json["observables"][1]["unit"], "cm/s");
+  EXPECT_EQ(json["observables"][0]["low"], nullptr);
+  EXPECT_EQ(json["curves"][0]["x"], Json({8}));
+  EXPECT_EQ(json["curves"][0]["low"], Json({1.25}));
+  EXPECT_EQ(json["members"], Json::parse("[[7, 2, 0.5, null]]"));
+  EXPECT_EQ(json["history"]["t_s"], Json({3}));
+  EXPECT_EQ(json["history"]["polar_order"]["now"], Json({0.5}));
+  EXPECT_EQ(json["history"]["largest_cluster"]["now"], Json::parse("[null]"));
+  EXPECT_EQ(dut.json("swim"), "");
+}
+
+TEST(CrowdView, KeepsProgramsApartAndTheirHistoryBounded) {
+  CrowdView dut;
+  for (int i = 0; i < 3000; ++i) {
+    collective_t message = crowdOf(kNow + i * kSecond, 0.5);
+    message.program = programNamed("swim");
+    dut.take(message, kNow);
+  }
+  EXPECT_EQ(dut.takeChanged(), std::vector<std::string>{"swim"});
+  const Json history = Json::parse(dut.json("swim"))["history"];
+  EXPECT_LE(history["t_s"].size(), CrowdView::kMaxPoints);
+  EXPECT_GE(history["t_s"].size(), CrowdView::kMaxPoints / 2);
+  EXPECT_EQ(history["polar_order"]["now"].size(), history["t_s"].size());
+  EXPECT_GE(history["t_s"].back().get<double>(), 2980);
+  dut.clear();
+  EXPECT_EQ(dut.json("swim"), "");
 }
 
 TEST(HistoryView, DropsEverySecondPointWhenFull) {

@@ -227,7 +227,7 @@ TEST(DriveValidate, ReportsFoundAndAllowedValues) {
             "follow = 2, allowed: 0 or 1 where the layer is no disk");
   EXPECT_EQ(problem({.gate = Gate::kProgram}),
             "gate_program = \"\", allowed: the name of a program");
-  EXPECT_EQ(problem({.gate = Gate::kInside}), "gate_radius = 0 m, allowed: 0.001 to 10 m");
+  EXPECT_EQ(problem({.gate = Gate::kInside}), "gate_radius = 0 m, allowed: 0.001 to 30 m");
   EXPECT_EQ(problem({.waveform = static_cast<Waveform>(9)}), "waveform = 9, allowed: 0 to 3");
   EXPECT_THAT(problem({.vx = 0.1}, LayerKind::kFade), HasSubstr("one that paints"));
 }

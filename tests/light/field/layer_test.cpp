@@ -67,7 +67,7 @@ TEST(Layer, WithAValueNotFiniteIsRejectedByName) {
 TEST(Layer, ReportsFoundAndAllowedValues) {
   Layer layer = valid(LayerKind::kDisk);
   layer.size = -0.1;
-  EXPECT_THAT(validate(layer), Optional(std::string("size = -0.1 m, allowed: 0.001 to 10 m")));
+  EXPECT_THAT(validate(layer), Optional(std::string("size = -0.1 m, allowed: 0.001 to 30 m")));
 
   layer = valid(LayerKind::kDisk);
   layer.intensity = 1.5;
@@ -140,9 +140,9 @@ TEST(Layer, GridNeedsPixelsWithinTheLimit) {
 
 TEST(Layers, ReportTheIndexOfTheInvalidLayer) {
   std::vector<Layer> layers(3);
-  layers[2].softness = 11;
+  layers[2].softness = 31;
   EXPECT_THAT(validate(layers),
-              Optional(std::string("layers[2].softness = 11 m, allowed: 0 to 10 m")));
+              Optional(std::string("layers[2].softness = 31 m, allowed: 0 to 30 m")));
 }
 
 TEST(Layers, AreRejectedIfTooMany) {

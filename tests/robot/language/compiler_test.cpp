@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/machine.hpp"
@@ -200,7 +203,13 @@ INSTANTIATE_TEST_SUITE_P(
               "phases.run.forward", "the angle 'v' is a number in cm/s"},
         Wrong{"unit of a probability",
               [](ProgramText& p) { run(p).set[0].second = "if(chance(gamma), 1, 2)"; },
-              "phases.run.set.sign", "the probability 'gamma' is a number in 1/s"},
+              "parameters.gamma",
+              "found a number in 1/s, but phases.run.set.sign needs 'gamma' to be a number without "
+              "unit: change the unit here, or the expression there"},
+        Wrong{"unit of a probability of two",
+              [](ProgramText& p) { run(p).set[0].second = "if(chance(gamma/epsilon), 1, 2)"; },
+              "phases.run.set.sign",
+              "the probability 'gamma/epsilon' is a number in 1/s^2"},
         Wrong{"root of no square", [](ProgramText& p) { run(p).forward = "sqrt(v)"; },
               "phases.run.forward", "expected a square"},
         Wrong{"unknown name", [](ProgramText& p) { run(p).forward = "w"; }, "phases.run.forward",
@@ -327,6 +336,51 @@ INSTANTIATE_TEST_SUITE_P(
                 run(p).forward = "v * (" + deep + ") / 100";
               },
               "phases.run", "places on the stack, a robot has 12"},
+        Wrong{"unit of a parameter", [](ProgramText& p) { p.parameters[0].second = "5 s"; },
+              "parameters.v",
+              "found a number in s, but phases.run.forward needs 'v' to be a number in cm/s"},
+        Wrong{"parameter without unit", [](ProgramText& p) { p.parameters[1].second = "0.5"; },
+              "parameters.gamma",
+              "found a number without unit, but phases.run.set.sign needs 'gamma' to be a number "
+              "in 1/s"},
+        Wrong{"number where a phase is wanted",
+              [](ProgramText& p) { run(p).next = "if(chance(0.5), v, run)"; }, "phases.run.next",
+              "'v' is a number in cm/s, expected a phase to go to"},
+        Wrong{"units of two parameters",
+              [](ProgramText& p) {
+                p.parameters[0].second = "5 s";
+                p.parameters[2].second = "5 s";
+              },
+              "phases.run.forward", "is a number in s, expected a number in cm/s"},
+        Wrong{"power", [](ProgramText& p) { run(p).forward = "v^2"; }, "phases.run.forward",
+              "found '^'; there are no powers here: write a product"},
+        Wrong{"power of stars", [](ProgramText& p) { run(p).forward = "v**2"; },
+              "phases.run.forward", "found '**'; there are no powers here"},
+        Wrong{"question mark", [](ProgramText& p) { run(p).forward = "light > 1 ? v : 0"; },
+              "phases.run.forward", "found '?'; a choice is written if(condition, a, b)"},
+        Wrong{"degrees as a sign", [](ProgramText& p) { run(p).turn = "5\u00b0/s"; },
+              "phases.run.turn", "found '\u00b0'; degrees are written 'deg'"},
+        Wrong{"decimal comma", [](ProgramText& p) { run(p).forward = "0,5*v"; },
+              "phases.run.forward", "found '0,5'; decimals are written with a point: '0.5'"},
+        Wrong{"decimal commas in a draw",
+              [](ProgramText& p) { run(p).turn = "uniform(-0,5, 0,5)*eta"; }, "phases.run.turn",
+              "has 4 arguments, expected uniform(a, b); decimals are written with a point"},
+        Wrong{"hertz", [](ProgramText& p) { p.parameters[1].second = "2 Hz"; },
+              "parameters.gamma", "found 'Hz' after a number: write 1/s for it; the units are m"},
+        Wrong{"kilometres an hour", [](ProgramText& p) { run(p).forward = "5 m/h"; },
+              "phases.run.forward", "unknown name 'h': write 60 min for this unit"},
+        Wrong{"unknown unit", [](ProgramText& p) { run(p).forward = "5 cn/s"; },
+              "phases.run.forward", "found 'cn' after a number, expected a unit (m, cm"},
+        Wrong{"unknown name in next", [](ProgramText& p) { run(p).next = "if(chance(0.5), v2, run)"; },
+              "phases.run.next", "unknown name 'v2', expected a phase: run"},
+        Wrong{"unknown name in the condition of next",
+              [](ProgramText& p) { run(p).next = "if(chance(gama*epsilon), run, run)"; },
+              "phases.run.next", "unknown name 'gama'; this program has epsilon, eta"},
+        Wrong{"draw upside down", [](ProgramText& p) { run(p).turn = "uniform(eta, -eta)"; },
+              "phases.run.turn",
+              "the draw begins above its end: 'eta' is 0.4 1/s, '-eta' is -0.4 1/s"},
+        Wrong{"negative deviation", [](ProgramText& p) { run(p).turn = "normal(0, -eta)"; },
+              "phases.run.turn", "the deviation '-eta' is -0.4 1/s, expected 0 or more"},
         Wrong{"no expression", [](ProgramText& p) { run(p).forward = "v +"; }, "phases.run.forward",
               "found the end of the text"}));
 
@@ -366,8 +420,81 @@ INSTANTIATE_TEST_SUITE_P(
         Doubtful{"probability of a sensor",
                  [](ProgramText& p) { run(p).forward = "if(chance(2*light), v, 0)"; },
                  "can lie outside 0 to 1"},
+        Doubtful{"hold shorter than its evaluation", [](ProgramText& p) { run(p).hold = "2 ms"; },
+                 "is 2 ms, but the robot needs up to "},
+        Doubtful{"short draws of the hold",
+                 [](ProgramText& p) { run(p).hold = "exponential(1 ms)"; },
+                 "is 1 ms, but the robot needs up to "},
+        Doubtful{"short holds of two phases",
+                 [](ProgramText& p) {
+                   p.phases.push_back(run(p));
+                   p.phases[1].name = "again";
+                   run(p).next = "again";
+                   run(p).hold = "3 ms";
+                   p.phases[1].hold = "1 ms";
+                   p.phases[1].next = "run";
+                 },
+                 "because it computes for at most half of its time"},
         Doubtful{"long hold", [](ProgramText& p) { run(p).hold = "exponential(1000 s)"; },
                  "it is then limited"}));
+
+// The robot makes up for a short hold in a long one.
+TEST(Compiler, DoesNotWarnOfAShortHoldAmongLongOnes) {
+  ProgramText text = runReverse();
+  text.phases.push_back(run(text));
+  text.phases[1].name = "hop";
+  run(text).next = "hop";
+  text.phases[1].hold = "1 ms";
+  text.phases[1].next = "run";
+  const CompiledProgram program = compile(text);
+  ASSERT_TRUE(program.ok()) << firstError(text);
+  EXPECT_TRUE(program.warnings.empty());
+}
+
+// The warning is the machine's own: without it, nothing is lengthened.
+TEST(Compiler, WarnsOfHoldsThatTheMachineLengthens) {
+  for (int ms = 1; ms <= 12; ++ms) {
+    ProgramText text = runReverse();
+    run(text).hold = std::to_string(ms) + " ms";
+    run(text).set[0].second = "if(chance(0.5), -sign, sign)";
+    const CompiledProgram program = compile(text);
+    ASSERT_TRUE(program.ok()) << firstError(text);
+    dynamics::Machine machine;
+    dynamics::Rng rng(3);
+    const dynamics::MachineInputs inputs;
+    machine.start(program.code.data(), static_cast<std::uint8_t>(program.code.size()), inputs, rng);
+    for (int i = 0; i < 1000; ++i) static_cast<void>(machine.next(inputs, rng));
+    EXPECT_EQ(machine.saturationCount() > 0, !program.warnings.empty()) << ms;
+  }
+}
+
+TEST(Compiler, SuggestsNames) {
+  const auto nearest = [](std::string_view word, const std::vector<std::string>& words) {
+    for (const std::string& one : words) {
+      if (one.size() == word.size() + 1 && one.substr(1) == word) return "; did you mean " + one;
+    }
+    return std::string();
+  };
+  const auto messageOf = [&](const Change& change) {
+    ProgramText text = runReverse();
+    change(text);
+    const CompiledProgram program = compile(text, dynamics::WheelLimits(), nearest);
+    return program.ok() ? "" : program.errors[0].message;
+  };
+  EXPECT_TRUE(
+      messageOf([](ProgramText& p) { run(p).turn = "ta"; }).ends_with("; did you mean eta"));
+  EXPECT_TRUE(messageOf([](ProgramText& p) {
+                run(p).turn = "qrt(1)*eta";
+              }).ends_with("; did you mean sqrt"));
+  EXPECT_TRUE(
+      messageOf([](ProgramText& p) { run(p).next = "un"; }).ends_with("; did you mean run"));
+  EXPECT_TRUE(messageOf([](ProgramText& p) {
+                run(p).set[0].first = "ign";
+              }).ends_with("; did you mean sign"));
+  EXPECT_TRUE(messageOf([](ProgramText& p) {
+                p.law = {{"msd", "v*v*au*tau"}};
+              }).ends_with("; did you mean tau"));
+}
 
 }  // namespace
 }  // namespace lab::language

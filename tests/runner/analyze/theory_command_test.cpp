@@ -120,13 +120,14 @@ TEST(LabTheory, ReportsWrongArgumentsInOneLine) {
           "bp, rtp) or with formulas of their own. Reports compare it with simulated films.");
   refuses("phototaxis", "The program reads light");
   refuses("abp epsilon_s=-1", "phases.run.hold: holds for -1 s, expected 1 ms to 3600 s");
-  refuses("abp epsilon_cm=1", "phases.run.hold: the value is a number in cm, expected");
+  refuses("abp epsilon_cm=1", "epsilon_cm: found a number in cm, allowed for epsilon: epsilon_s");
   refuses("abp v_cm_s=fast", "v_cm_s: found \"fast\", allowed a number in cm/s");
   refuses(
       "abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=1 V_cm_s=3",
-      "V_cm_s: found an unknown key, allowed with model = \"abp\": description, parameters, or a "
-      "parameter with its unit: v, epsilon, eta");
-  refuses("abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=1 eta=1", "eta: found an unknown key");
+      "V_cm_s: found an unknown key, allowed with model = \"abp\": description, parameters; or a "
+      "parameter with its unit: v_cm_s, epsilon_s, eta_rad_s");
+  refuses("abp v_cm_s=3 epsilon_s=0.25 eta_rad_s=1 eta=1",
+          "eta: found a number without unit, allowed for eta: eta_rad_s");
   refuses("bp V_cm_s=3 epsilon_s=0.2 --lags 1,x", "--lags: found \"x\"");
   refuses("bp V_cm_s=3 epsilon_s=0.2 --lags 1,-2", "--lags: found -2, allowed above 0");
   refuses("bp V_cm_s=3 epsilon_s=0.2 --phase-s 0.3", "found 0.3, allowed 0 to epsilon_s = 0.2");

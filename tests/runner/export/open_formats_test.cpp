@@ -40,7 +40,7 @@ class OpenFormats : public testing::Test {
       });
     }
     writer.flush();
-    types = 21;
+    types = 22;
   }
 
   [[nodiscard]] std::string bytesOf(const fs::path& file) const { return support::readFile(file); }

@@ -60,7 +60,7 @@ def main():
     text = lab.stdout.read()
     print(text)
     assert lab.returncode == 0, lab.returncode
-    assert bursts > 100, bursts
+    assert bursts >= 10, bursts  # how many depends on the load of the machine
     (summary,) = glob.glob(os.path.join(folder, 'runs', '*', 'summary.json'))
     with open(summary, encoding='utf-8') as stream:
         losses = json.load(stream)['losses']

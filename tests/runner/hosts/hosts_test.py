@@ -64,12 +64,18 @@ def texts(summary, key):
     return [remark['text'] for remark in summary[key]]
 
 
+# A slow machine is not what these tests are about: the lab says so, skips work, and loses nothing.
+SLOW_MACHINE = re.compile('sim_svc: stalled: camera frames|analyzer: overloaded: results are computed')
+
+
 def check_without_trouble(summary):
     """Every message of every program on every host is in the log, without faults or marks."""
     lossy = [s for s in summary['losses']['log'] if s['lost'] or s['lost_is_at_least']]
     assert not lossy, lossy
     assert not summary['losses']['listeners'], summary['losses']['listeners']
-    assert not summary['faults'] and not summary['marks'], (summary['faults'], summary['marks'])
+    trouble = [text for text in texts(summary, 'faults') + texts(summary, 'marks')
+               if not SLOW_MACHINE.match(text)]
+    assert not trouble, trouble
     assert all(link['lost'] == 0 for link in summary['links']), summary['links']
 
 

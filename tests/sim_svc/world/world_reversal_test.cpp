@@ -80,7 +80,7 @@ TEST(WorldReversal, WhenDisabledTheWallStopsTheRobot) {
   blind.reversal.enabled = false;
   startAll(dut, blind);
   dut.advanceTo(10 * kSecond);
-  EXPECT_NEAR(dut.pose(0).x, 1.2 - 0.0375, 1e-12);
+  EXPECT_NEAR(dut.pose(0).x, 1.2 - 0.0375, 1e-6);
   EXPECT_TRUE(dut.state(0).contact_wall);
   EXPECT_EQ(dut.state(0).wall_contacts, 1);
   EXPECT_EQ(dut.collisions(), 0);
@@ -88,9 +88,11 @@ TEST(WorldReversal, WhenDisabledTheWallStopsTheRobot) {
 
 class WorldReversalFromRobots : public ::testing::Test {
  protected:
-  static World headOn(bool robots_seen) {
-    World world(idealHardware(), {{1, dynamics::Pose{0.4, 0.45, 0}, false},
-                                  {2, dynamics::Pose{0.8, 0.45, 0}, false}});
+  static World headOn(bool robots_seen, ContactRule rule = ContactRule::kSlide) {
+    WorldSettings settings = idealHardware();
+    settings.contact = rule;
+    World world(settings, {{1, dynamics::Pose{0.4, 0.45, 0}, false},
+                           {2, dynamics::Pose{0.8, 0.45, 0}, false}});
     world.setReversesFromRobots(0, robots_seen);
     const Program program = wheelsProgram(0.05, 0.05);
     world.addProgram(program.hash, program.code);
@@ -109,8 +111,22 @@ TEST_F(WorldReversalFromRobots, RobotsAreObstaclesIfTheyAreSeen) {
   EXPECT_EQ(dut.collisions(), 0);
 }
 
-TEST_F(WorldReversalFromRobots, RobotsAreRunIntoIfTheyAreNotSeen) {
+TEST_F(WorldReversalFromRobots, RobotsArePushedIfTheyAreNotSeen) {
   const World dut = headOn(false);
+  EXPECT_EQ(dut.state(0).core.reversal_count, 0U);
+  // 5 cm/s until they touch, then half of it.
+  const double start = dut.state(0).program_start;
+  const double pushed = (8 - start - (0.4 - 0.075) / 0.05) * 0.05 / 2;
+  EXPECT_NEAR(dut.pose(0).x, 0.8 - 0.075 + pushed, 1e-4);
+  EXPECT_NEAR(dut.pose(1).x, 0.8 + pushed, 1e-4);
+  EXPECT_TRUE(dut.state(0).contact_robot);
+  EXPECT_TRUE(dut.state(1).contact_robot);
+  EXPECT_EQ(dut.collisions(), 1);
+  EXPECT_EQ(dut.state(0).sensors.ir[0], 1023) << "the sensor still reads it";
+}
+
+TEST_F(WorldReversalFromRobots, OfRobotsThatStopAreRunIntoIfTheyAreNotSeen) {
+  const World dut = headOn(false, ContactRule::kStop);
   EXPECT_EQ(dut.state(0).core.reversal_count, 0U);
   EXPECT_NEAR(dut.pose(0).x, 0.8 - 0.075, 1e-8);
   EXPECT_EQ(dut.pose(1).x, 0.8) << "nothing is pushed";

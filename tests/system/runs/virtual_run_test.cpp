@@ -47,6 +47,26 @@ TEST_F(VirtualRun, IsBitIdenticalForTheSameSeed) {
   EXPECT_FALSE(readFile(a / "log.lcmlog") == readFile(c / "log.lcmlog"));
 }
 
+TEST_F(VirtualRun, OfMoreRobotsThanALiveLabHasIsBitIdenticalWithAnyNumberOfThreads) {
+  const std::string many =
+      "--no-report --set robots[0].count=600 --set arena.width_cm=300 --set arena.height_cm=300 "
+      "--set reversal.on='\"never\"' --set camera.fps=10 --set robot.status_rate_hz=10 "
+      "--set duration_s=4 --threads ";
+  const std::string one = readFile(labRun("abp", many + "1") / "log.lcmlog");
+  EXPECT_GT(one.size(), 1'000'000U);
+  for (const char* threads : {"2", "8"}) {
+    EXPECT_TRUE(readFile(labRun("abp", many + threads) / "log.lcmlog") == one) << threads;
+  }
+}
+
+TEST_F(VirtualRun, IsTheOnlyRunOfMoreRobotsThanALiveLabHas) {
+  const Finished lab = run("lab run " + experiment("abp").string() +
+                           " --no-report --set robots[0].count=300 --set arena.width_cm=300");
+  EXPECT_EQ(lab.exit_code, 2);
+  EXPECT_THAT(lab.output,
+              HasSubstr("robots: found 300 robots, a lab in real time has at most 250"));
+}
+
 TEST_F(VirtualRun, AnalyzeRebuildsTheSameBytesFromTheLogAlone) {
   const fs::path directory = labRun("light_switching", "");
   const std::vector<std::string> results{"summary.json", "report.html", "trajectories.csv"};

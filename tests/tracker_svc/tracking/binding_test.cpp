@@ -306,7 +306,8 @@ TEST(Binding, RobotsBlockedByEachOtherAreNotExchanged) {
   }
   EXPECT_EQ(score.poses, 0) << "bound without evidence";
 
-  // One robot gets free: it alone is identified.
+  // One robot gets free, because the other pushes no longer: it alone is identified.
+  crowd.order(1, 0, 0);
   const std::vector<Wheels> travels = {{-0.06, -0.1}, {0.08, -0.06}, {-0.05, 0.1}, {0.04, 0.12}};
   for (const Wheels& travel : travels) {
     crowd.order(0, travel.left, travel.right);

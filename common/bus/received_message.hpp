@@ -1,0 +1,37 @@
+/// What all receivers of a message do with its bytes.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "common/bus/bus.hpp"
+#include "common/bus/message_values.hpp"
+
+namespace lab {
+
+/// A decoded message, without the robots that have impossible numbers.
+template <class Message>
+struct ReceivedMessage {
+  bool decoded = false;
+  Message message{};
+  std::optional<ImpossibleNumbers> removed;
+};
+
+/// Decodes and checks a message. Receivers in one process share the result (Packet::number).
+template <class Message>
+[[nodiscard]] std::shared_ptr<const ReceivedMessage<Message>> receive(const Packet& packet) {
+  thread_local std::uint64_t number = 0;
+  thread_local std::shared_ptr<const ReceivedMessage<Message>> last;
+  if (packet.number != 0 && packet.number == number) return last;
+  auto received = std::make_shared<ReceivedMessage<Message>>();
+  received->decoded = decode(packet.data, received->message);
+  if (received->decoded) received->removed = removeImpossible(received->message);
+  if (packet.number != 0) {
+    number = packet.number;
+    last = received;
+  }
+  return received;
+}
+
+}  // namespace lab

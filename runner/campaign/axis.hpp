@@ -1,0 +1,53 @@
+/// The swept keys of a campaign. Pure functions.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lab::runner::campaign {
+
+/// An interval from which values are drawn.
+struct DrawnRange {
+  double low = 0;
+  double high = 0;
+  bool logarithmic = false;  ///< uniform in the logarithm
+  bool whole = false;        ///< integers only
+};
+
+/// One swept key with its values.
+struct Axis {
+  std::string key;                  ///< as for --set: "programs.abp.eta_rad_s"
+  std::vector<std::string> values;  ///< as in a file; empty: they are drawn from the range
+  std::optional<DrawnRange> range;
+
+  /// Whether all values are numbers.
+  [[nodiscard]] bool isNumeric() const;
+
+  /// The last part of the key, without the unit: "eta".
+  [[nodiscard]] std::string symbol() const;
+
+  /// The unit of the key as text: "rad/s"; empty: none.
+  [[nodiscard]] std::string unit() const;
+};
+
+/// Parses what follows --over:
+///
+///     key=1,2,3            these values; they may be texts, or lists as [1, 2]
+///     key=0.1:0.9:9        nine values from 0.1 to 0.9, equally spaced
+///     key=0.1:10:5:log     five values, equally spaced in the logarithm
+///     key=1:40:4:whole     rounded to integers
+///     key=0.1:0.9          values drawn between 0.1 and 0.9 (with --random); also :log and :whole
+///
+/// @throws UserError that quotes the text
+[[nodiscard]] Axis parseAxis(std::string_view text);
+
+/// Parses several axes.
+/// @throws UserError if a key is given twice, or cannot be swept
+[[nodiscard]] std::vector<Axis> parseAxes(const std::vector<std::string>& texts);
+
+/// The value as a number, if it is one.
+[[nodiscard]] std::optional<double> numberIn(std::string_view text);
+
+}  // namespace lab::runner::campaign

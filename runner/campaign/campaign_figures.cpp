@@ -1,0 +1,512 @@
+#include "runner/campaign/campaign_figures.hpp"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <map>
+#include <set>
+#include <string>
+#include <utility>
+
+#include "common/math/units.hpp"
+#include "common/text/format.hpp"
+#include "runner/campaign/campaign_laws.hpp"
+
+namespace lab::runner::campaign {
+namespace {
+
+using report::quotedForGnuplot;
+using report::ScriptedFigure;
+
+constexpr std::size_t kMostPanels = 12;
+constexpr std::size_t kMostSeries = 10;
+constexpr std::size_t kMostLabels = 80;  // numbers in the cells of a map
+constexpr double kLogRatio = 12;         // of values, from which an axis is logarithmic
+constexpr const char* kLaw = "#606060";
+constexpr int kWidth = 760;
+constexpr int kHeight = 520;
+constexpr int kPanelWidth = 430;
+constexpr int kPanelHeight = 360;
+
+// Viridis, which is ordered also in grey and with colour blindness.
+constexpr std::array<std::array<int, 3>, 6> kViridis{
+    {{68, 1, 84}, {65, 68, 135}, {42, 120, 142}, {34, 168, 132}, {122, 209, 81}, {216, 197, 48}}};
+constexpr const char* kPalette =
+    "set palette defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', 4 '#7ad151', 5 "
+    "'#fde725')\n";
+constexpr const char* kDiverging =
+    "set palette defined (-4 '#0072B2', -2 '#9ccbe6', 0 '#f7f7f7', 2 '#f2c19c', 4 '#D55E00')\n";
+
+std::string viridis(std::size_t index, std::size_t count) {
+  const double at = count < 2 ? 0
+                              : static_cast<double>(index) / static_cast<double>(count - 1) *
+                                    static_cast<double>(kViridis.size() - 1);
+  const auto low = std::min(static_cast<std::size_t>(at), kViridis.size() - 2);
+  const double share = at - static_cast<double>(low);
+  std::array<int, 3> rgb{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    rgb.at(i) = static_cast<int>(
+        std::lround(kViridis.at(low).at(i) * (1 - share) + kViridis.at(low + 1).at(i) * share));
+  }
+  return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
+}
+
+/// The values of an axis that occur, in the order of the axis, or of their size.
+std::vector<std::string> valuesOf(const CampaignData& data, std::size_t axis) {
+  std::set<std::string> seen;
+  std::vector<std::string> values;
+  for (const Point& point : data.points) {
+    if (seen.insert(point.values[axis]).second) values.push_back(point.values[axis]);
+  }
+  if (data.axes[axis].isNumeric()) {
+    std::ranges::stable_sort(values, [](const std::string& one, const std::string& other) {
+      return numberIn(one).value_or(0) < numberIn(other).value_or(0);
+    });
+  }
+  return values;
+}
+
+std::string axisText(const Axis& axis) {
+  const std::string unit = axis.unit();
+  return axis.symbol() + (unit.empty() ? "" : " (" + unit + ")");
+}
+
+std::string valueWithUnit(const Axis& axis, const std::string& value) {
+  const std::string unit = axis.unit();
+  return axis.symbol() + " = " + value + (unit.empty() ? "" : " " + unit);
+}
+
+std::string fileWord(const std::string& quantity) { return sanitizedFileName(quantity); }
+
+/// One measured point of a figure.
+struct Drawn {
+  double x = 0;
+  const PooledNumber* number = nullptr;
+  double theory = 0;
+};
+
+/// Positions on an axis: the number itself, or the index of a text.
+double placeOf(const CampaignData& data, std::size_t axis, const std::string& value,
+               const std::vector<std::string>& values) {
+  if (data.axes[axis].isNumeric()) return numberIn(value).value_or(0);
+  const auto found = std::ranges::find(values, value);
+  return static_cast<double>(found - values.begin());
+}
+
+struct Extent {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+
+  void add(double value) {
+    if (!std::isfinite(value)) return;
+    low = std::min(low, value);
+    high = std::max(high, value);
+  }
+  [[nodiscard]] bool isLogarithmic() const { return low > 0 && high / low >= kLogRatio; }
+  [[nodiscard]] bool empty() const { return !(low <= high); }
+};
+
+Extent extentOf(const PooledTable& pooled, std::size_t quantity) {
+  Extent extent;
+  for (const PooledPoint& point : pooled.points) {
+    const PooledNumber& number = point.numbers[quantity];
+    extent.add(number.mean);
+    extent.add(number.low95);
+    extent.add(number.high95);
+    extent.add(point.theory[quantity]);
+  }
+  return extent;
+}
+
+/// Settings of the axis along x.
+std::string xAxis(const CampaignData& data, std::size_t axis,
+                  const std::vector<std::string>& values) {
+  std::string text = "set xlabel " + quotedForGnuplot(axisText(data.axes[axis])) + "\n";
+  if (!data.axes[axis].isNumeric()) {
+    text += "unset logscale x\nset xtics (";
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      text += fmt::format("{}{} {}", i == 0 ? "" : ", ", quotedForGnuplot(values[i]), i);
+    }
+    return text +
+           fmt::format(")\nset xrange [-0.5:{}]\n", static_cast<double>(values.size()) - 0.5);
+  }
+  Extent extent;
+  for (const std::string& value : values) extent.add(numberIn(value).value_or(units::kNan));
+  if (extent.isLogarithmic()) {
+    return text + fmt::format("set logscale x\nset xrange [{:.6g}:{:.6g}]\n", extent.low / 1.25,
+                              extent.high * 1.25);
+  }
+  const double margin = extent.high > extent.low ? 0.06 * (extent.high - extent.low) : 1;
+  return text + fmt::format("unset logscale x\nset xtics autofreq\nset xrange [{:.6g}:{:.6g}]\n",
+                            extent.low - margin, extent.high + margin);
+}
+
+/// Settings of the axis along y, the same in all panels.
+std::string yAxis(const PooledTable& pooled, std::size_t quantity) {
+  const std::string label = labelOf(pooled.quantities[quantity].name).text();
+  std::string text = "set ylabel " + quotedForGnuplot(label) + "\n";
+  const Extent extent = extentOf(pooled, quantity);
+  if (extent.empty()) return text + "set yrange [0:1]\n";
+  if (extent.isLogarithmic()) {
+    return text + fmt::format("set logscale y\nset yrange [{:.6g}:{:.6g}]\n", extent.low / 1.3,
+                              extent.high * 1.3);
+  }
+  const double range = extent.high - extent.low;
+  const double margin = range > 0 ? 0.08 * range : std::max(1e-9, std::abs(extent.high) * 0.1);
+  return text +
+         fmt::format("set yrange [{:.6g}:{:.6g}]\n", extent.low - margin, extent.high + margin);
+}
+
+std::string numberText(double value) {
+  return std::isfinite(value) ? fmt::format("{:.7g}", value) : "NaN";
+}
+
+std::string dataBlock(const std::string& name, std::vector<Drawn> points) {
+  std::ranges::sort(points, {}, &Drawn::x);
+  std::string text = fmt::format("${} << EOD\n", name);
+  for (const Drawn& point : points) {
+    const bool interval = std::isfinite(point.number->low95);
+    text += fmt::format("{} {} {} {} {}\n", numberText(point.x), numberText(point.number->mean),
+                        numberText(interval ? point.number->low95 : point.number->mean),
+                        numberText(interval ? point.number->high95 : point.number->mean),
+                        numberText(point.theory));
+  }
+  return text + "EOD\n";
+}
+
+bool hasTheory(const std::vector<Drawn>& points) {
+  return std::ranges::any_of(points, [](const Drawn& p) { return std::isfinite(p.theory); });
+}
+
+/// One panel: series of points by the values of the series' axis.
+struct Series {
+  std::string title;
+  std::vector<Drawn> points;
+};
+
+/// The data blocks and the plot command of one panel.
+std::string panelScript(const std::string& prefix, const std::vector<Series>& series,
+                        bool scattered, bool with_key) {
+  std::string blocks;
+  std::vector<std::string> parts;
+  bool law_titled = false;
+  for (std::size_t i = 0; i < series.size(); ++i) {
+    const std::string name = fmt::format("{}s{}", prefix, i);
+    blocks += dataBlock(name, series[i].points);
+    const std::string colour = series.size() == 1 ? "#000000" : viridis(i, series.size());
+    if (hasTheory(series[i].points)) {
+      const std::string title = law_titled || !with_key ? "notitle" : "title 'law'";
+      law_titled = true;
+      parts.insert(parts.begin(),
+                   scattered ? fmt::format("${} using 1:5 with points pt 6 ps 0.7 lc rgb '{}' {}",
+                                           name, kLaw, title)
+                             : fmt::format("${} using 1:5 with lines lw 1.2 lc rgb '{}' {}", name,
+                                           series.size() == 1 ? kLaw : colour, title));
+    }
+    const std::string title =
+        !with_key || series.size() == 1 ? "notitle" : "title " + quotedForGnuplot(series[i].title);
+    parts.push_back(
+        fmt::format("${} using 1:2:3:4 with yerrorbars pt 7 ps 0.7 lw 1.2 lc rgb '{}' {}", name,
+                    colour, title));
+  }
+  if (parts.empty()) return "unset key\nplot NaN notitle\n";
+  return blocks + "plot " + fmt::format("{}", fmt::join(parts, ", \\\n  ")) + "\n";
+}
+
+/// Whether a point has these values at these axes.
+bool matches(const Point& point, const std::vector<std::pair<std::size_t, std::string>>& fixed) {
+  return std::ranges::all_of(
+      fixed, [&](const auto& one) { return point.values[one.first] == one.second; });
+}
+
+using Fixed = std::vector<std::pair<std::size_t, std::string>>;
+
+/// All combinations of the values of some axes.
+std::vector<Fixed> combinationsOf(const CampaignData& data, const std::vector<std::size_t>& axes) {
+  std::vector<Fixed> all{{}};
+  for (const std::size_t axis : axes) {
+    std::vector<Fixed> longer;
+    for (const Fixed& one : all) {
+      for (const std::string& value : valuesOf(data, axis)) {
+        longer.push_back(one);
+        longer.back().emplace_back(axis, value);
+      }
+    }
+    all = std::move(longer);
+  }
+  // With --zip many combinations do not occur.
+  std::erase_if(all, [&](const Fixed& fixed) {
+    return std::ranges::none_of(data.points, [&](const Point& p) { return matches(p, fixed); });
+  });
+  return all;
+}
+
+std::string fixedText(const CampaignData& data, const Fixed& fixed) {
+  std::string text;
+  for (const auto& [axis, value] : fixed) {
+    text += (text.empty() ? "" : ", ") + valueWithUnit(data.axes[axis], value);
+  }
+  return text;
+}
+
+/// `most` of the values, evenly spaced.
+std::vector<std::string> thinned(std::vector<std::string> values, std::size_t most) {
+  if (values.size() <= most) return values;
+  std::vector<std::string> few;
+  for (std::size_t i = 0; i < most; ++i)
+    few.push_back(values[i * (values.size() - 1) / (most - 1)]);
+  return few;
+}
+
+std::vector<Series> seriesOf(const CampaignData& data, const PooledTable& pooled,
+                             std::size_t quantity, const Layout& layout, const Fixed& fixed) {
+  const std::vector<std::string> xs = valuesOf(data, layout.x);
+  std::vector<Fixed> each{fixed};
+  if (!layout.series.empty()) {
+    each.clear();
+    for (const std::string& value : thinned(valuesOf(data, layout.series[0]), kMostSeries)) {
+      each.push_back(fixed);
+      each.back().emplace_back(layout.series[0], value);
+    }
+  }
+  std::vector<Series> series;
+  for (const Fixed& one : each) {
+    Series curve;
+    if (!layout.series.empty()) {
+      curve.title = valueWithUnit(data.axes[layout.series[0]], one.back().second);
+    }
+    for (std::size_t i = 0; i < data.points.size(); ++i) {
+      if (!matches(data.points[i], one)) continue;
+      const PooledNumber& number = pooled.points[i].numbers[quantity];
+      if (!std::isfinite(number.mean)) continue;
+      curve.points.push_back({placeOf(data, layout.x, data.points[i].values[layout.x], xs), &number,
+                              pooled.points[i].theory[quantity]});
+    }
+    if (!curve.points.empty()) series.push_back(std::move(curve));
+  }
+  return series;
+}
+
+std::string intervalsSentence(const CampaignData& data, bool law) {
+  std::string text = data.request.seeds > 1
+                         ? "Points: means of the runs of a point; bars: 95 % intervals of the mean."
+                         : "Points: one run each; bars: its 95 % interval.";
+  if (law) text += " Lines: the exact law of the programmed parameters.";
+  if (data.request.common_seeds) {
+    text +=
+        " All points share their random numbers, so that their errors are correlated: "
+        "neighbours deviate together.";
+  }
+  return text;
+}
+
+std::pair<int, int> gridOf(std::size_t panels) {
+  const int columns = panels <= 1 ? 1 : panels <= 4 ? 2 : panels <= 9 ? 3 : 4;
+  return {columns, (static_cast<int>(panels) + columns - 1) / columns};
+}
+
+/// The figure with its preamble, for panels.
+std::string head(const std::string& name, std::size_t panels) {
+  if (panels <= 1) return report::figurePreamble(name, kWidth, kHeight);
+  const auto [columns, rows] = gridOf(panels);
+  return report::figurePreamble(name, columns * kPanelWidth, rows * kPanelHeight, true) +
+         fmt::format("set multiplot layout {},{}\n", rows, columns);
+}
+
+ScriptedFigure scatteredFigure(const CampaignData& data, const PooledTable& pooled,
+                               std::size_t quantity, const std::string& name) {
+  const std::size_t panels = std::min(kMostPanels, data.axes.size());
+  std::string script = head(name, panels) + yAxis(pooled, quantity);
+  bool law = false;
+  for (std::size_t axis = 0; axis < panels; ++axis) {
+    const std::vector<Series> series = seriesOf(data, pooled, quantity, {axis, {}, {}, true}, {});
+    for (const Series& one : series) law = law || hasTheory(one.points);
+    script += xAxis(data, axis, valuesOf(data, axis)) +
+              panelScript(fmt::format("p{}", axis), series, true, axis == 0);
+  }
+  if (panels > 1) script += "unset multiplot\n";
+  return {name, labelOf(pooled.quantities[quantity].name).text(),
+          fmt::format("Each panel has all {} drawn points, over one of the swept keys. {}{}",
+                      data.points.size(), intervalsSentence(data, false),
+                      law ? " Circles: the exact law." : ""),
+          script};
+}
+
+/// A map's cells: the value of each point by its place.
+struct Cells {
+  std::vector<std::string> xs;
+  std::vector<std::string> ys;
+  std::map<std::pair<std::size_t, std::size_t>, std::size_t> points;
+};
+
+Cells cellsOf(const CampaignData& data, std::size_t x, std::size_t y, const Fixed& fixed) {
+  Cells cells{valuesOf(data, x), valuesOf(data, y), {}};
+  for (std::size_t i = 0; i < data.points.size(); ++i) {
+    if (!matches(data.points[i], fixed)) continue;
+    const auto column = std::ranges::find(cells.xs, data.points[i].values[x]) - cells.xs.begin();
+    const auto row = std::ranges::find(cells.ys, data.points[i].values[y]) - cells.ys.begin();
+    cells.points[{static_cast<std::size_t>(column), static_cast<std::size_t>(row)}] = i;
+  }
+  return cells;
+}
+
+std::string ticsOf(const char* axis, const std::vector<std::string>& values) {
+  std::vector<std::string> tics;
+  const std::size_t step = (values.size() + 11) / 12;
+  for (std::size_t i = 0; i < values.size(); i += step) {
+    tics.push_back(fmt::format("{} {}", quotedForGnuplot(values[i]), i));
+  }
+  return fmt::format("set {0}tics ({1})\nset {0}range [-0.5:{2}]\n", axis, fmt::join(tics, ", "),
+                     static_cast<double>(values.size()) - 0.5);
+}
+
+/// Draws maps, one per panel, of a function of the points.
+template <class Value, class Text>
+std::string mapScript(const CampaignData& data, const std::string& name, const Layout& layout,
+                      const std::string& palette, const Value& value, const Text& text) {
+  const std::size_t x = layout.x;
+  const std::size_t y = layout.series.at(0);
+  std::vector<Fixed> panels = combinationsOf(data, layout.panels);
+  if (panels.size() > kMostPanels) panels.resize(kMostPanels);
+  std::string script = head(name, panels.size()) + palette + "unset key\n";
+  script += "set xlabel " + quotedForGnuplot(axisText(data.axes[x])) + "\nset ylabel " +
+            quotedForGnuplot(axisText(data.axes[y])) + "\n";
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    const Cells cells = cellsOf(data, x, y, panels[p]);
+    std::string blocks = fmt::format("$m{} << EOD\n", p);
+    std::string labels = fmt::format("$t{} << EOD\n", p);
+    for (std::size_t row = 0; row < cells.ys.size(); ++row) {
+      for (std::size_t column = 0; column < cells.xs.size(); ++column) {
+        const auto found = cells.points.find({column, row});
+        const double v = found == cells.points.end() ? units::kNan : value(found->second);
+        blocks += fmt::format("{} {} {}\n", column, row, numberText(v));
+        if (std::isfinite(v)) {
+          labels += fmt::format("{} {} \"{}\"\n", column, row, text(found->second));
+        }
+      }
+      blocks += "\n";
+    }
+    script += blocks + "EOD\n" + labels + "EOD\n" + ticsOf("x", cells.xs) + ticsOf("y", cells.ys);
+    if (!panels[p].empty()) {
+      script += "set title " + quotedForGnuplot(fixedText(data, panels[p])) + "\n";
+    }
+    script += fmt::format("plot $m{} using 1:2:3 with image", p);
+    if (cells.points.size() <= kMostLabels && panels.size() <= 2) {
+      script += fmt::format(", $t{} using 1:2:3 with labels font small_font", p);
+    }
+    script += "\n";
+  }
+  if (panels.size() > 1) script += "unset multiplot\n";
+  return script;
+}
+
+}  // namespace
+
+Layout layoutOf(const CampaignData& data) {
+  Layout layout;
+  layout.scattered = data.request.random > 0;
+  std::vector<std::pair<std::size_t, std::size_t>> counts;  // values, axis
+  for (std::size_t axis = 0; axis < data.axes.size(); ++axis) {
+    // Numbers rather than texts along x.
+    const std::size_t numeric = data.axes[axis].isNumeric() ? kMostPoints : 0;
+    counts.emplace_back(valuesOf(data, axis).size() + numeric, axis);
+  }
+  std::ranges::stable_sort(
+      counts, [](const auto& one, const auto& other) { return one.first > other.first; });
+  if (counts.empty()) return layout;
+  layout.x = counts[0].second;
+  if (data.request.zip) return layout;  // the keys vary together
+  if (counts.size() > 1) layout.series.push_back(counts[1].second);
+  for (std::size_t i = 2; i < counts.size(); ++i) layout.panels.push_back(counts[i].second);
+  return layout;
+}
+
+ScriptedFigure curveFigure(const CampaignData& data, const PooledTable& pooled,
+                           std::size_t quantity) {
+  const std::string name = "curve_" + fileWord(pooled.quantities[quantity].name);
+  const Layout layout = layoutOf(data);
+  if (layout.scattered) return scatteredFigure(data, pooled, quantity, name);
+  std::vector<Fixed> panels = combinationsOf(data, layout.panels);
+  const std::size_t all = panels.size();
+  if (panels.size() > kMostPanels) panels.resize(kMostPanels);
+  std::string script = head(name, panels.size()) + "set key top left\n" + yAxis(pooled, quantity);
+  bool law = false;
+  for (std::size_t p = 0; p < panels.size(); ++p) {
+    const std::vector<Series> series = seriesOf(data, pooled, quantity, layout, panels[p]);
+    for (const Series& one : series) law = law || hasTheory(one.points);
+    if (!panels[p].empty()) {
+      script += "set title " + quotedForGnuplot(fixedText(data, panels[p])) + "\n";
+    }
+    if (p > 0) script += "unset key\n";
+    script += xAxis(data, layout.x, valuesOf(data, layout.x)) +
+              panelScript(fmt::format("p{}", p), series, false, p == 0);
+  }
+  if (panels.size() > 1) script += "unset multiplot\n";
+  std::string caption = intervalsSentence(data, law);
+  if (all > panels.size()) {
+    caption +=
+        fmt::format(" The first {} of {} combinations; points.csv has all.", panels.size(), all);
+  }
+  if (!layout.series.empty()) {
+    const std::size_t values = valuesOf(data, layout.series[0]).size();
+    if (values > kMostSeries) {
+      caption += fmt::format(" {} of {} values of {} are drawn.", kMostSeries, values,
+                             data.axes[layout.series[0]].symbol());
+    }
+  }
+  return {name, labelOf(pooled.quantities[quantity].name).text(), caption, script};
+}
+
+bool hasMap(const CampaignData& data) {
+  constexpr std::size_t kFewest = 3;
+  const Layout layout = layoutOf(data);
+  if (layout.scattered || layout.series.empty()) return false;
+  return data.axes[layout.series[0]].isNumeric() && valuesOf(data, layout.x).size() >= kFewest &&
+         valuesOf(data, layout.series[0]).size() >= kFewest;
+}
+
+ScriptedFigure mapFigure(const CampaignData& data, const PooledTable& pooled,
+                         std::size_t quantity) {
+  const std::string name = "map_" + fileWord(pooled.quantities[quantity].name);
+  const QuantityLabel label = labelOf(pooled.quantities[quantity].name);
+  std::string palette = kPalette;
+  palette += "set cblabel " + quotedForGnuplot(label.text()) + "\n";
+  const Extent extent = extentOf(pooled, quantity);
+  if (!extent.empty() && extent.isLogarithmic()) palette += "set logscale cb\n";
+  const auto number = [&](std::size_t point) -> const PooledNumber& {
+    return pooled.points[point].numbers[quantity];
+  };
+  const std::string script = mapScript(
+      data, name, layoutOf(data), palette, [&](std::size_t p) { return number(p).mean; },
+      [&](std::size_t p) {
+        const double sigma = number(p).sigma;
+        return std::isfinite(sigma) ? fmt::format("{}\\n±{}", valueText(number(p).mean, sigma),
+                                                  valueText(sigma, sigma))
+                                    : shortText(number(p).mean);
+      });
+  return {name, label.text(), "The same as a map; in the cells mean and standard error.", script};
+}
+
+ScriptedFigure deviationFigure(const CampaignData& data, const PooledTable& pooled,
+                               std::size_t quantity) {
+  const std::string name = "deviation_" + fileWord(pooled.quantities[quantity].name);
+  const QuantityLabel label = labelOf(pooled.quantities[quantity].name);
+  const auto deviate = [&](std::size_t point) {
+    const PooledNumber& number = pooled.points[point].numbers[quantity];
+    return (number.mean - pooled.points[point].theory[quantity]) / number.sigma;
+  };
+  std::string palette = kDiverging;
+  palette += "set cbrange [-4:4]\nset cblabel 'measured − law (standard errors)'\n";
+  const std::string script =
+      mapScript(data, name, layoutOf(data), palette, deviate,
+                [&](std::size_t p) { return fmt::format("{:+.1f}", deviate(p)); });
+  return {name, "Deviation of " + label.text() + " from the exact law",
+          "Measured minus exact law, in standard errors of the measured mean.", script};
+}
+
+}  // namespace lab::runner::campaign

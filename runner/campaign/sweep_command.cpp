@@ -1,0 +1,322 @@
+#include "runner/campaign/sweep_command.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <system_error>
+#include <thread>
+#include <utility>
+
+#include "common/files/file_text.hpp"
+#include "common/loop/wall_clock.hpp"
+#include "common/process/installation.hpp"
+#include "common/process/version.hpp"
+#include "common/text/format.hpp"
+#include "common/text/printable.hpp"
+#include "runner/campaign/atomic_file.hpp"
+#include "runner/campaign/campaign_folder.hpp"
+#include "runner/campaign/campaign_page.hpp"
+#include "runner/campaign/campaign_plan.hpp"
+#include "runner/campaign/campaign_table.hpp"
+#include "runner/campaign/local_engine.hpp"
+#include "runner/campaign/sweep_progress.hpp"
+#include "runner/campaign/sweep_request.hpp"
+#include "runner/command_line/revision.hpp"
+#include "runner/doctor/machine.hpp"
+#include "runner/live/launch.hpp"
+#include "runner/runs/run_directory.hpp"
+
+namespace lab::runner::campaign {
+namespace fs = std::filesystem;
+namespace {
+
+using Kind = RowState::Kind;
+
+constexpr std::size_t kListedLines = 10;
+constexpr const char* kLock = "lock";
+
+CodeVersion thisCode() {
+  const std::string revision = sourceRevision();
+  return {revision.empty() ? kVersion : fmt::format("{} ({})", kVersion, revision),
+          kContractVersion};
+}
+
+std::string sizeText(std::int64_t bytes) {
+  if (bytes < 10'000'000) return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
+  if (bytes < 10'000'000'000) return fmt::format("{:.0f} MB", static_cast<double>(bytes) * 1e-6);
+  return fmt::format("{:.0f} GB", static_cast<double>(bytes) * 1e-9);
+}
+
+CampaignData dataOf(StoredCampaign campaign, const fs::path& folder) {
+  CampaignData data;
+  data.code = thisCode();
+  data.axes = campaign.request.design().axes;
+  data.rows = rowsOf(campaign.request, campaign.points, data.code);
+  data.request = std::move(campaign.request);
+  data.created = std::move(campaign.created);
+  data.points = std::move(campaign.points);
+  data.survey = surveyRows(folder, data.rows);
+  return data;
+}
+
+/// A folder that must not be taken for a campaign's.
+void requireEmptyOrCampaign(const fs::path& folder) {
+  std::error_code error;
+  if (!fs::exists(folder, error) || isCampaign(folder)) return;
+  if (!fs::is_directory(folder, error)) {
+    throw UserError(folder.string() + ": found a file, expected a folder; choose another --out");
+  }
+  if (!fs::is_empty(folder, error)) {
+    throw UserError(folder.string() +
+                    ": found a folder that is no campaign, expected none or an empty one; choose "
+                    "another --out");
+  }
+}
+
+/// Where the campaign of a request is, or will be.
+fs::path folderFor(const SweepOptions& options, const Request& request) {
+  if (options.out) {
+    requireEmptyOrCampaign(*options.out);
+    return *options.out;
+  }
+  if (!options.fresh) {
+    if (const auto known = findCampaign(options.campaigns, request)) return *known;
+  }
+  return makeRunDirectory(options.campaigns, request.name, wallClock());
+}
+
+/// The campaign of a command line with an experiment file, planned and written.
+fs::path prepare(const SweepOptions& options) {
+  const std::string text = readFileText(options.input, file_kinds::kExperiment);
+  const Request request = requestOf(options, text);
+  Plan plan = planCampaign(request, text);
+  const fs::path folder = folderFor(options, request);
+  StoredCampaign campaign{request, runner::utcText(wallClock()), text, std::move(plan.points)};
+  if (isCampaign(folder)) {
+    try {
+      const StoredCampaign before = readCampaign(folder);
+      campaign.created = before.created;
+      if (before.experiment_text != text) {
+        fmt::print("changed  {} has changed since the campaign began\n",
+                   printable(options.input.string()));
+      }
+    } catch (const std::exception& error) {
+      fmt::print("damaged  {}; written again\n", printableLines(error.what()));
+    }
+  }
+  writeCampaign(folder, campaign, plan.files);
+  return folder;
+}
+
+void refuseRequestOptions(const SweepOptions& options) {
+  const bool asked = !options.set.empty() || !options.over.empty() || options.zip ||
+                     options.seeds || options.random || !options.sampling.empty() || options.seed ||
+                     options.common_seeds || !options.keep.empty() || options.fits || options.out;
+  if (!asked) return;
+  throw UserError(
+      options.input.string() +
+      " is a campaign, whose campaign.toml says what was asked; to ask for something else: lab "
+      "sweep FILE --out " +
+      options.input.string() + " ...");
+}
+
+/// What is there, before anything runs.
+void describe(const CampaignData& data, const fs::path& folder) {
+  fmt::print("campaign {}\n", printable(folder.string()));
+  double virtual_s = 0;
+  for (const Row& row : data.rows) virtual_s += data.points[row.point].duration;
+  fmt::print("points   {} x {} = {}, {} of virtual time\n",
+             countText(static_cast<std::int64_t>(data.points.size()), "point"),
+             countText(data.request.seeds, "seed"),
+             countText(static_cast<std::int64_t>(data.rows.size()), "run"),
+             durationText(virtual_s));
+  const auto count = [&](Kind kind) { return data.survey.count(kind); };
+  if (count(Kind::kDone) > 0) {
+    fmt::print("there    {} of {} runs are done\n", count(Kind::kDone), data.rows.size());
+  }
+  if (data.request.common_seeds) {
+    fmt::print("seeds    all points share their random numbers; their errors are correlated\n");
+  }
+}
+
+/// Lists rows of a kind: the first ones, then their number.
+void list(const CampaignData& data, Kind kind, const char* word) {
+  std::size_t listed = 0;
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    if (data.survey.rows[i].kind != kind || ++listed > kListedLines) continue;
+    fmt::print("{:<8} row {}: {}\n", word, i, printable(data.survey.rows[i].note));
+  }
+  if (listed > kListedLines) fmt::print("{:<8} and {} more\n", word, listed - kListedLines);
+}
+
+/// Says which results are damaged, stale or failed, and what happens to them.
+void describeProblems(const CampaignData& data, const fs::path& folder,
+                      const SweepOptions& options) {
+  std::size_t listed = 0;
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    const RowState& state = data.survey.rows[i];
+    if (state.kind != Kind::kDamaged || ++listed > kListedLines) continue;
+    fmt::print("damaged  {} (row {}) {}; computed again\n",
+               (folder / resultFile(data.rows[i].identity)).string(), i, state.note);
+  }
+  if (listed > kListedLines) fmt::print("damaged  and {} more\n", listed - kListedLines);
+  if (const std::size_t stale = data.survey.count(Kind::kStale)) {
+    const auto first = std::ranges::find(data.survey.rows, Kind::kStale, &RowState::kind);
+    fmt::print("stale    {} of {} results are of version {}, this is {}; {}\n", stale,
+               data.rows.size(), printable(first->note), data.code.text,
+               options.redo_stale ? "computed again"
+                                  : "kept, and marked in the table (--redo-stale computes them "
+                                    "again)");
+  }
+  if (data.survey.of_other_points > 0) {
+    fmt::print(
+        "stale    {} results are of another experiment file or of points that are not in "
+        "this sweep; they stay in {}, not in the table\n",
+        data.survey.of_other_points, (folder / names::kResults).string());
+  }
+  if (const std::size_t failed = data.survey.count(Kind::kFailed)) {
+    list(data, Kind::kFailed, "failed");
+    if (!options.retry)
+      fmt::print("failed   {}: --retry tries them again\n",
+                 countText(static_cast<std::int64_t>(failed), "run"));
+  }
+}
+
+std::vector<std::size_t> rowsToRun(const CampaignData& data, const SweepOptions& options) {
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < data.rows.size(); ++i) {
+    const Kind kind = data.survey.rows[i].kind;
+    if (kind == Kind::kDone || (kind == Kind::kFailed && !options.retry) ||
+        (kind == Kind::kStale && !options.redo_stale)) {
+      continue;
+    }
+    rows.push_back(i);
+  }
+  return rows;
+}
+
+std::size_t jobsOf(const SweepOptions& options, std::size_t rows) {
+  const std::size_t wanted = options.jobs > 0 ? static_cast<std::size_t>(options.jobs)
+                                              : std::max(1U, std::thread::hardware_concurrency());
+  return std::clamp<std::size_t>(wanted, 1, std::max<std::size_t>(1, rows));
+}
+
+void requireDisk(const CampaignData& data, const fs::path& folder,
+                 const std::vector<std::size_t>& rows, std::size_t jobs) {
+  std::vector<Row> chosen;
+  for (const std::size_t row : rows) chosen.push_back(data.rows[row]);
+  const Cost cost = costOf(data.request, data.points, chosen);
+  const std::int64_t need =
+      cost.kept_bytes + cost.work_bytes * static_cast<std::int64_t>(jobs) + 100'000'000;
+  const std::int64_t have = freeBytes(folder);
+  fmt::print("disk     about {} will be kept, and {} are needed meanwhile; {} are free\n",
+             sizeText(cost.kept_bytes), sizeText(cost.work_bytes * static_cast<std::int64_t>(jobs)),
+             sizeText(have));
+  if (have >= need) return;
+  throw UserError(fmt::format(
+      "too little disk in {}: this campaign needs about {}, {} are free; make room, choose another "
+      "folder with --out, or keep less with --keep summary or nothing",
+      folder.string(), sizeText(need), sizeText(have)));
+}
+
+FileLock lockOf(const fs::path& folder) {
+  auto lock = FileLock::tryLock(folder / kLock);
+  if (lock) return std::move(*lock);
+  throw UserError(fmt::format(
+      "{}: another lab sweep runs this campaign; wait for its end, or choose another --out",
+      folder.string()));
+}
+
+/// Runs some rows without tables: the worker of other engines.
+ExitCode work(const SweepOptions& options) {
+  CampaignData data = dataOf(readCampaign(options.input), options.input);
+  std::vector<std::size_t> rows = parseRowNumbers(options.rows, data.rows.size());
+  std::ranges::sort(rows);
+  rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  std::vector<std::size_t> todo;
+  for (const std::size_t row : rows) {
+    if (data.survey.rows[row].kind != Kind::kDone) todo.push_back(row);
+  }
+  catchSignals();
+  const std::size_t jobs = options.jobs > 0 ? static_cast<std::size_t>(options.jobs) : 1;
+  const EngineEnd end = runLocally(data, options.input, todo, {.jobs = jobs});
+  if (!end.note.empty()) fmt::print(stderr, "lab: {}\n", printable(end.note));
+  bool all = true;
+  for (const std::size_t row : rows) {
+    const RowState& state = data.survey.rows[row];
+    if (state.kind == Kind::kDone) continue;
+    all = false;
+    fmt::print(stderr, "failed   row {}: {}\n", row, printable(state.note));
+  }
+  return all ? kDone : kFailed;
+}
+
+EngineEnd runEngine(CampaignData& data, const fs::path& folder,
+                    const std::vector<std::size_t>& rows, const SweepOptions& options) {
+  const std::size_t jobs = jobsOf(options, rows.size());
+  requireDisk(data, folder, rows, jobs);
+  if (data.request.keep == Keep::kLogs || options.figures) {
+    requireProgram("gnuplot", "gnuplot-nox");
+  }
+  if (data.request.keep == Keep::kLogs) fs::create_directories(folder / names::kRuns);
+  fmt::print("engine   {} at a time on this machine\n",
+             countText(static_cast<std::int64_t>(jobs), "run"));
+  std::fflush(stdout);
+  SweepProgress progress(data, folder, rows);
+  return runLocally(data, folder, rows, {.jobs = jobs, .watch = [&] { progress.update(); }});
+}
+
+ExitCode conclude(const CampaignData& data, const fs::path& folder, const EngineEnd& end,
+                  double seconds, const SweepOptions& options) {
+  const std::size_t all = data.rows.size();
+  const std::size_t done = data.survey.count(Kind::kDone);
+  const std::size_t stale = data.survey.count(Kind::kStale);
+  fmt::print("done     {} of {} runs{}\n", done + stale, all,
+             seconds > 0 ? " in " + durationText(seconds) : "");
+  if (data.survey.count(Kind::kFailed) > 0) {
+    list(data, Kind::kFailed, "failed");
+    fmt::print("failed   {} of {} runs; --retry tries them again\n",
+               data.survey.count(Kind::kFailed), all);
+  }
+  if (!end.note.empty()) {
+    fmt::print("stopped  {}; what is done stays, and {} sweep {} continues\n", printable(end.note),
+               installation().command, printable(folder.string()));
+  }
+  if (done + stale == 0 && end.disk_full) return kFailed;
+  for (const std::string& line :
+       writeTables(data, folder, {.show = options.show, .figures = options.figures})) {
+    fmt::print("{}\n", printable(line));
+  }
+  fmt::print("table    {}\n", printable((folder / names::kTable).string()));
+  fmt::print("page     {}\n",
+             printable(fs::absolute(folder / names::kPage).lexically_normal().string()));
+  if (end.interrupted) return kFailed;
+  return done + stale == all ? kDone : kFailed;
+}
+
+}  // namespace
+
+ExitCode sweep(const SweepOptions& options) {
+  if (!options.rows.empty()) return work(options);
+  const bool is_folder = fs::is_directory(options.input);
+  if (is_folder) refuseRequestOptions(options);
+  const fs::path folder = is_folder ? options.input : prepare(options);
+  const FileLock lock = lockOf(folder);
+  CampaignData data = dataOf(readCampaign(folder), folder);
+  describe(data, folder);
+  describeProblems(data, folder, options);
+  const std::vector<std::size_t> rows =
+      options.no_run ? std::vector<std::size_t>() : rowsToRun(data, options);
+  catchSignals();
+  EngineEnd end;
+  double seconds = 0;
+  if (!rows.empty()) {
+    const std::int64_t begin = wallClock();
+    end = runEngine(data, folder, rows, options);
+    seconds = static_cast<double>(wallClock() - begin) * 1e-6;
+  }
+  return conclude(data, folder, end, seconds, options);
+}
+
+}  // namespace lab::runner::campaign

@@ -1,0 +1,48 @@
+/// `lab sweep`: campaigns.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "runner/campaign/campaign.hpp"
+#include "runner/command_line/command_main.hpp"
+#include "runner/command_line/exit_code.hpp"
+
+namespace lab::runner::campaign {
+
+struct SweepOptions {
+  std::filesystem::path input;  ///< an experiment file, or the folder of a campaign
+  std::optional<std::filesystem::path> out;
+  std::filesystem::path campaigns = "campaigns";  ///< where folders of campaigns are made
+  bool fresh = false;  ///< begin a new campaign although the same one exists
+  // What is asked; what is not given is taken from the table [sweep].
+  std::vector<std::string> set;
+  std::vector<std::string> over;
+  std::optional<bool> zip;
+  std::optional<std::int64_t> seeds;
+  std::optional<std::int64_t> random;
+  std::string sampling;  ///< "latin", "sobol"; empty: not given
+  std::optional<std::uint64_t> seed;
+  bool common_seeds = false;
+  std::string keep;  ///< empty: summary
+  bool fits = false;
+  // How it is run.
+  std::string engine = "local";
+  int jobs = 0;        ///< runs at a time; 0: one per core
+  bool retry = false;  ///< try failed runs again
+  bool redo_stale = false;
+  bool no_run = false;  ///< tables and page only
+  std::vector<std::string> show;
+  bool figures = true;
+  // A worker of another engine.
+  std::string rows;  ///< "0-9,12": run these rows only, without tables
+};
+
+ExitCode sweep(const SweepOptions& options);
+
+void addSweep(CLI::App& app, Chosen& chosen);
+
+}  // namespace lab::runner::campaign

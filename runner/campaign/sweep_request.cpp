@@ -1,0 +1,82 @@
+#include "runner/campaign/sweep_request.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "common/experiment/experiment_file.hpp"
+#include "common/experiment/sweep.hpp"
+#include "common/files/file_text.hpp"
+
+namespace lab::runner::campaign {
+namespace fs = std::filesystem;
+
+Request requestOf(const SweepOptions& options, const std::string& text) {
+  const SweepTable table = readSweepTable(text, options.input.string());
+  Request request;
+  request.file = fs::absolute(options.input).lexically_normal().string();
+  request.set = options.set;
+  request.over = options.over.empty() ? table.over : options.over;
+  request.zip = options.zip.value_or(options.over.empty() && table.zip);
+  request.seeds = options.seeds.value_or(table.seeds);
+  request.random = options.random.value_or(options.over.empty() ? table.random : 0);
+  request.sampling = options.sampling == "sobol"   ? Sampling::kSobol
+                     : options.sampling == "latin" ? Sampling::kLatin
+                                                   : table.sampling;
+  request.common_seeds = options.common_seeds;
+  request.keep = options.keep == "logs"      ? Keep::kLogs
+                 : options.keep == "nothing" ? Keep::kNothing
+                                             : Keep::kSummary;
+  request.fits = options.fits;
+  // The first point's experiment is valid, if any is; its name and seed are those of all.
+  std::vector<std::string> settings = request.set;
+  const Design design = request.design();
+  if (!design.axes.empty()) {
+    Design first = design;
+    for (Axis& axis : first.axes) {
+      if (!axis.values.empty() && first.random == 0) axis.values.resize(1);
+    }
+    first.random = std::min<std::int64_t>(first.random, 1);
+    const PointValues values = pointsOf(first).front();
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      settings.push_back(design.axes[i].key + "=" + values[i]);
+    }
+  }
+  const Experiment experiment =
+      parseExperiment(text, options.input.string(), settings, options.input.parent_path());
+  request.name = experiment.name;
+  request.seed = options.seed.value_or(experiment.seed);
+  return request;
+}
+
+bool isSameRequest(const Request& one, const Request& other) {
+  Request same = other;
+  same.name = one.name;
+  same.seed = one.seed;
+  return one == same;
+}
+
+std::optional<fs::path> findCampaign(const fs::path& folder, const Request& request) {
+  std::vector<std::pair<std::string, fs::path>> found;
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    if (!isCampaign(entry->path())) continue;
+    try {
+      const std::string text =
+          readFileText(entry->path() / names::kRequest, file_kinds::kExperiment);
+      if (!isSameRequest(readRequest(text, entry->path().string()), request)) continue;
+      found.emplace_back(entry->path().filename().string(), entry->path());
+    } catch (const std::exception&) {
+      continue;  // damaged, or of another version
+    }
+  }
+  if (found.empty()) return {};
+  return std::ranges::max(found).second;
+}
+
+}  // namespace lab::runner::campaign
