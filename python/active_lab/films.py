@@ -91,8 +91,8 @@ class Film:
                     picture = numpy.frombuffer(data, numpy.uint8)
                     yield picture.reshape((height, width, 3) if colour else (height, width))
             finally:
+                process.kill()
                 process.stdout.close()
-                process.terminate()
 
     def __repr__(self) -> str:
         return f"<Film {self.path}>"
