@@ -19,8 +19,8 @@ constexpr std::size_t kMostValues = 100'000;
 constexpr int kRangeDigits = 12;  // of the values of a range, so that 0.1:0.9:9 gives 0.3
 
 constexpr const char* kForms =
-    "key=1,2,3 or key=0.1:0.9:9 (low:high:count, also with :log or :whole at the end) or, with "
-    "--random, key=0.1:0.9";
+    "key=1,2,3 or key=0.1:0.9:9 (low:high:count, also with :log, :whole or :round=0.01 at the end) "
+    "or, with --random, key=0.1:0.9";
 
 [[noreturn]] void refuse(std::string_view text, const std::string& why) {
   throw UserError(fmt::format("--over {}: {}", text, why));
@@ -57,19 +57,32 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   return parts;
 }
 
-std::string valueText(double value, bool whole) {
-  return keys::numberText(whole ? std::round(value) : keys::roundedToDigits(value, kRangeDigits));
+/// Takes ":log", ":whole" and ":round=STEP" from the end.
+/// @return whether it was one of them
+bool takeOption(std::string_view part, DrawnRange& range, std::string_view whole) {
+  constexpr std::string_view kRound = "round=";
+  if (part == "log") {
+    range.logarithmic = true;
+  } else if (part == "whole") {
+    range.step = 1;
+  } else if (part.starts_with(kRound)) {
+    const auto step = numberIn(part.substr(kRound.size()));
+    if (!step || !(*step > 0)) {
+      refuse(whole, fmt::format("found {}, expected a positive number after round=", part));
+    }
+    range.step = *step;
+  } else {
+    return false;
+  }
+  return true;
 }
 
-/// low:high[:count][:log|:whole]; nothing if the text has another form.
+/// low:high[:count][:log][:whole]; nothing if the text has another form.
 std::optional<Axis> rangeIn(std::string_view text, const std::string& key, std::string_view whole) {
   std::vector<std::string_view> parts = split(text, ':');
   if (parts.size() < 2) return {};
   DrawnRange range;
-  while (parts.size() > 2 && (parts.back() == "log" || parts.back() == "whole")) {
-    (parts.back() == "log" ? range.logarithmic : range.whole) = true;
-    parts.pop_back();
-  }
+  while (parts.size() > 2 && takeOption(parts.back(), range, whole)) parts.pop_back();
   const auto low = numberIn(parts[0]);
   const auto high = numberIn(parts[1]);
   if (parts.size() > 3 || !low || !high) return {};
@@ -95,7 +108,7 @@ std::optional<Axis> rangeIn(std::string_view text, const std::string& key, std::
     const double share = static_cast<double>(i) / static_cast<double>(steps);
     const double value = range.logarithmic ? range.low * std::pow(range.high / range.low, share)
                                            : range.low + (range.high - range.low) * share;
-    axis.values.push_back(valueText(value, range.whole));
+    axis.values.push_back(rangeValue(range, value));
   }
   return axis;
 }
@@ -137,6 +150,11 @@ std::string Axis::symbol() const {
 }
 
 std::string Axis::unit() const { return std::string(keys::unitOf(lastPart(key)).text); }
+
+std::string rangeValue(const DrawnRange& range, double value) {
+  const double rounded = range.step > 0 ? std::round(value / range.step) * range.step : value;
+  return keys::numberText(keys::roundedToDigits(rounded, kRangeDigits));
+}
 
 std::optional<double> numberIn(std::string_view text) {
   double value = 0;

@@ -13,7 +13,7 @@ struct DrawnRange {
   double low = 0;
   double high = 0;
   bool logarithmic = false;  ///< uniform in the logarithm
-  bool whole = false;        ///< integers only
+  double step = 0;           ///< rounded to multiples of it; 0: not rounded
 };
 
 /// One swept key with its values.
@@ -37,8 +37,9 @@ struct Axis {
 ///     key=1,2,3            these values; they may be texts, or lists as [1, 2]
 ///     key=0.1:0.9:9        nine values from 0.1 to 0.9, equally spaced
 ///     key=0.1:10:5:log     five values, equally spaced in the logarithm
-///     key=1:40:4:whole     rounded to integers
-///     key=0.1:0.9          values drawn between 0.1 and 0.9 (with --random); also :log and :whole
+///     key=1:40:4:whole     rounded to integers; round=0.01 rounds to multiples of 0.01
+///     key=0.1:0.9          values drawn between 0.1 and 0.9 (with --random); also :log, :whole and
+///                          :round=...
 ///
 /// @throws UserError that quotes the text
 [[nodiscard]] Axis parseAxis(std::string_view text);
@@ -46,6 +47,9 @@ struct Axis {
 /// Parses several axes.
 /// @throws UserError if a key is given twice, or cannot be swept
 [[nodiscard]] std::vector<Axis> parseAxes(const std::vector<std::string>& texts);
+
+/// The text of a value of a range, rounded as the range says.
+[[nodiscard]] std::string rangeValue(const DrawnRange& range, double value);
 
 /// The value as a number, if it is one.
 [[nodiscard]] std::optional<double> numberIn(std::string_view text);

@@ -73,12 +73,12 @@ std::vector<std::string> valuesOf(const CampaignData& data, std::size_t axis) {
 
 std::string axisText(const Axis& axis) {
   const std::string unit = axis.unit();
-  return axis.symbol() + (unit.empty() ? "" : " (" + unit + ")");
+  return letterOf(axis.symbol()) + (unit.empty() ? "" : " (" + unit + ")");
 }
 
 std::string valueWithUnit(const Axis& axis, const std::string& value) {
   const std::string unit = axis.unit();
-  return axis.symbol() + " = " + value + (unit.empty() ? "" : " " + unit);
+  return letterOf(axis.symbol()) + " = " + value + (unit.empty() ? "" : " " + unit);
 }
 
 std::string fileWord(const std::string& quantity) { return sanitizedFileName(quantity); }
@@ -109,6 +109,11 @@ struct Extent {
   }
   [[nodiscard]] bool isLogarithmic() const { return low > 0 && high / low >= kLogRatio; }
   [[nodiscard]] bool empty() const { return !(low <= high); }
+  /// Where a value lies between low (0) and high (1), on the axis as it is drawn.
+  [[nodiscard]] double shareOf(double value) const {
+    return isLogarithmic() ? std::log(value / low) / std::log(high / low)
+                           : (value - low) / (high - low);
+  }
 };
 
 Extent extentOf(const PooledTable& pooled, std::size_t quantity) {
@@ -200,7 +205,7 @@ std::string panelScript(const std::string& prefix, const std::vector<Series>& se
     blocks += dataBlock(name, series[i].points);
     const std::string colour = series.size() == 1 ? "#000000" : viridis(i, series.size());
     if (hasTheory(series[i].points)) {
-      const std::string title = law_titled || !with_key ? "notitle" : "title 'law'";
+      const std::string title = law_titled || !with_key ? "notitle" : "title 'exact law'";
       law_titled = true;
       parts.insert(parts.begin(),
                    scattered ? fmt::format("${} using 1:5 with points pt 6 ps 0.7 lc rgb '{}' {}",
@@ -366,9 +371,11 @@ std::string ticsOf(const char* axis, const std::vector<std::string>& values) {
 }
 
 /// Draws maps, one per panel, of a function of the points.
-template <class Value, class Text>
+/// @param is_dark whether the colour of a value needs white text
+template <class Value, class Text, class Dark>
 std::string mapScript(const CampaignData& data, const std::string& name, const Layout& layout,
-                      const std::string& palette, const Value& value, const Text& text) {
+                      const std::string& palette, const Value& value, const Text& text,
+                      const Dark& is_dark) {
   const std::size_t x = layout.x;
   const std::size_t y = layout.series.at(0);
   std::vector<Fixed> panels = combinationsOf(data, layout.panels);
@@ -386,7 +393,8 @@ std::string mapScript(const CampaignData& data, const std::string& name, const L
         const double v = found == cells.points.end() ? units::kNan : value(found->second);
         blocks += fmt::format("{} {} {}\n", column, row, numberText(v));
         if (std::isfinite(v)) {
-          labels += fmt::format("{} {} \"{}\"\n", column, row, text(found->second));
+          labels += fmt::format("{} {} \"{}\" {}\n", column, row, text(found->second),
+                                is_dark(v) ? 0xffffff : 0);
         }
       }
       blocks += "\n";
@@ -395,9 +403,9 @@ std::string mapScript(const CampaignData& data, const std::string& name, const L
     if (!panels[p].empty()) {
       script += "set title " + quotedForGnuplot(fixedText(data, panels[p])) + "\n";
     }
-    script += fmt::format("plot $m{} using 1:2:3 with image", p);
+    script += fmt::format("plot $m{} using 1:2:3 with image pixels", p);
     if (cells.points.size() <= kMostLabels && panels.size() <= 2) {
-      script += fmt::format(", $t{} using 1:2:3 with labels font small_font", p);
+      script += fmt::format(", $t{} using 1:2:3:4 with labels tc rgb variable font small_font", p);
     }
     script += "\n";
   }
@@ -434,7 +442,10 @@ ScriptedFigure curveFigure(const CampaignData& data, const PooledTable& pooled,
   std::vector<Fixed> panels = combinationsOf(data, layout.panels);
   const std::size_t all = panels.size();
   if (panels.size() > kMostPanels) panels.resize(kMostPanels);
-  std::string script = head(name, panels.size()) + "set key top left\n" + yAxis(pooled, quantity);
+  std::string script =
+      head(name, panels.size()) +
+      (panels.size() > 1 ? "set key top left\n" : "set key outside right top Left reverse\n") +
+      yAxis(pooled, quantity);
   bool law = false;
   for (std::size_t p = 0; p < panels.size(); ++p) {
     const std::vector<Series> series = seriesOf(data, pooled, quantity, layout, panels[p]);
@@ -476,7 +487,8 @@ ScriptedFigure mapFigure(const CampaignData& data, const PooledTable& pooled,
   const QuantityLabel label = labelOf(pooled.quantities[quantity].name);
   std::string palette = kPalette;
   palette += "set cblabel " + quotedForGnuplot(label.text()) + "\n";
-  const Extent extent = extentOf(pooled, quantity);
+  Extent extent;
+  for (const PooledPoint& point : pooled.points) extent.add(point.numbers[quantity].mean);
   if (!extent.empty() && extent.isLogarithmic()) palette += "set logscale cb\n";
   const auto number = [&](std::size_t point) -> const PooledNumber& {
     return pooled.points[point].numbers[quantity];
@@ -488,7 +500,8 @@ ScriptedFigure mapFigure(const CampaignData& data, const PooledTable& pooled,
         return std::isfinite(sigma) ? fmt::format("{}\\n±{}", valueText(number(p).mean, sigma),
                                                   valueText(sigma, sigma))
                                     : shortText(number(p).mean);
-      });
+      },
+      [&](double v) { return extent.shareOf(v) < 0.6; });
   return {name, label.text(), "The same as a map; in the cells mean and standard error.", script};
 }
 
@@ -497,14 +510,15 @@ ScriptedFigure deviationFigure(const CampaignData& data, const PooledTable& pool
   const std::string name = "deviation_" + fileWord(pooled.quantities[quantity].name);
   const QuantityLabel label = labelOf(pooled.quantities[quantity].name);
   const auto deviate = [&](std::size_t point) {
-    const PooledNumber& number = pooled.points[point].numbers[quantity];
-    return (number.mean - pooled.points[point].theory[quantity]) / number.sigma;
+    return deviateFrom(pooled.points[point].numbers[quantity],
+                       pooled.points[point].theory[quantity]);
   };
   std::string palette = kDiverging;
-  palette += "set cbrange [-4:4]\nset cblabel 'measured − law (standard errors)'\n";
-  const std::string script =
-      mapScript(data, name, layoutOf(data), palette, deviate,
-                [&](std::size_t p) { return fmt::format("{:+.1f}", deviate(p)); });
+  palette += "set cbrange [-4:4]\nset cblabel 'measured − exact law (standard errors)'\n";
+  const std::string script = mapScript(
+      data, name, layoutOf(data), palette, deviate,
+      [&](std::size_t p) { return fmt::format("{:+.1f}", deviate(p)); },
+      [](double v) { return std::abs(v) > 3; });
   return {name, "Deviation of " + label.text() + " from the exact law",
           "Measured minus exact law, in standard errors of the measured mean.", script};
 }

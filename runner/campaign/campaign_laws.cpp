@@ -131,8 +131,27 @@ std::optional<PowerLaw> exactLaw(const CampaignData& data, const PooledTable& po
 
 }  // namespace
 
+std::string letterOf(const std::string& name) {
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kLetters{
+      {{"alpha", "α"},
+       {"beta", "β"},
+       {"gamma", "γ"},
+       {"epsilon", "ε"},
+       {"eta", "η"},
+       {"theta", "θ"},
+       {"sigma", "σ"},
+       {"tau", "τ"},
+       {"omega", "ω"},
+       {"zeta", "ζ"}}};
+  const std::string first = name.substr(0, name.find('_'));
+  for (const auto& [word, letter] : kLetters) {
+    if (first == word) return std::string(letter) + name.substr(first.size());
+  }
+  return name;
+}
+
 std::string QuantityLabel::text() const {
-  std::string label = symbol;
+  std::string label = letterOf(symbol);
   if (!program.empty()) label += " of " + program;
   if (!unit.empty()) label += " (" + unit + ")";
   return label;
@@ -186,6 +205,17 @@ std::vector<std::size_t> leadingQuantities(const PooledTable& pooled,
     if (chosen.size() < most) chosen.push_back(q);
   }
   return chosen;
+}
+
+double deviateFrom(const PooledNumber& number, double theory) {
+  constexpr double kAsGoodAsInfinite = 1e6;
+  const double t = (number.mean - theory) / number.sigma;
+  if (!std::isfinite(t) || !(number.degrees_of_freedom < kAsGoodAsInfinite)) return t;
+  const boost::math::students_t student(std::max(number.degrees_of_freedom, 0.5));
+  const double tail = boost::math::cdf(boost::math::complement(student, std::abs(t)));
+  const double z = boost::math::quantile(boost::math::complement(
+      boost::math::normal(), std::max(tail, std::numeric_limits<double>::min())));
+  return std::copysign(z, t);
 }
 
 LawAgreement agreementOf(const PooledTable& pooled, std::size_t quantity) {

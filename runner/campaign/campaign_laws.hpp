@@ -20,7 +20,11 @@ struct QuantityLabel {
 
   [[nodiscard]] std::string text() const;  ///< "D_r of abp (rad²/s)"
 };
+
 [[nodiscard]] QuantityLabel labelOf(const std::string& quantity);
+
+/// The name of a parameter as a letter: "eta" is "η".
+[[nodiscard]] std::string letterOf(const std::string& name);
 
 /// The quantities to draw (indices): those named, else estimates, at most `most`: first those whose
 /// exact law varies over the points, then those that vary most.
@@ -29,6 +33,9 @@ struct QuantityLabel {
 [[nodiscard]] std::vector<std::size_t> leadingQuantities(const PooledTable& pooled,
                                                          const std::vector<std::string>& shown,
                                                          std::size_t most);
+
+/// How far a mean is from the law, as the normal deviate of the same probability; nan: not known.
+[[nodiscard]] double deviateFrom(const PooledNumber& number, double theory);
 
 /// Comparison of a quantity with the exact law at all points.
 struct LawAgreement {

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -99,10 +100,10 @@ std::optional<std::string> powerLawSentence(const CampaignData& data, const Pool
   const auto law = powerLawOf(data, pooled, quantity);
   if (!law) return {};
   const QuantityLabel label = labelOf(pooled.quantities[quantity].name);
-  std::string form = label.symbol + " of " + label.program + " = C";
+  std::string form = letterOf(label.symbol) + " of " + label.program + " = C";
   std::string exponents;
   for (std::size_t k = 0; k < law->axes.size(); ++k) {
-    const std::string symbol = data.axes[law->axes[k]].symbol();
+    const std::string symbol = letterOf(data.axes[law->axes[k]].symbol());
     const std::string letter(1, static_cast<char>('a' + k));
     form += " " + symbol + "^" + letter;
     exponents += fmt::format(", {} = {}", letter, fittedText(law->measured.exponents[k]));
@@ -151,9 +152,9 @@ std::string pointsTable(const CampaignData& data, const PooledTable& pooled,
                         const std::vector<std::size_t>& leading) {
   std::string html = "<div class=\"scroll\"><table><tr>";
   for (const Axis& axis : data.axes) {
-    html += fmt::format(
-        "<th>{}</th>",
-        escapeHtml(axis.symbol() + (axis.unit().empty() ? "" : " (" + axis.unit() + ")")));
+    html += fmt::format("<th>{}</th>",
+                        escapeHtml(letterOf(axis.symbol()) +
+                                   (axis.unit().empty() ? "" : " (" + axis.unit() + ")")));
   }
   html += "<th class=\"r\">runs</th>";
   const std::size_t columns = std::min(leading.size(), kMostColumns);
@@ -192,7 +193,8 @@ std::string runsTable(const CampaignData& data, const fs::path& folder) {
   std::string html =
       "<details class=\"part\"><summary><h2>Runs</h2></summary>\n<div class=\"scroll\"><table><tr>"
       "<th class=\"r\">row</th>";
-  for (const Axis& axis : data.axes) html += fmt::format("<th>{}</th>", escapeHtml(axis.symbol()));
+  for (const Axis& axis : data.axes)
+    html += fmt::format("<th>{}</th>", escapeHtml(letterOf(axis.symbol())));
   html += "<th>seed</th><th>run</th><th>status</th><th>files</th></tr>\n";
   const std::size_t shown = std::min(kMostRuns, data.rows.size());
   for (std::size_t i = 0; i < shown; ++i) {
@@ -234,7 +236,9 @@ std::string failuresList(const CampaignData& data) {
 }
 
 std::string figureHtml(const report::DrawnFigure& figure) {
-  const bool wide = figure.svg.find("width=\"1") != std::string::npos;
+  constexpr int kWide = 900;  // [px]
+  const std::size_t width = figure.svg.find("width=\"");
+  const bool wide = width != std::string::npos && std::atoi(figure.svg.c_str() + width + 7) > kWide;
   return fmt::format(
       "<figure{}>{}<figcaption><b>{}.</b> {} <a href=\"{}/{}.pdf\">PDF</a></figcaption></figure>\n",
       wide ? " class=\"wide\"" : "", report::svgElement(figure.svg, figure.name + "_"),

@@ -140,6 +140,33 @@ void requireNotSet(const Request& request, const std::vector<Axis>& axes) {
   }
 }
 
+/// Text of a point for messages: "programs.abp.eta_rad_s=3, duration_s=60".
+std::string pointText(const std::vector<Axis>& axes, const PointValues& values) {
+  std::string text;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    text += (i == 0 ? "" : ", ") + axes[i].key + "=" + values[i];
+  }
+  return text;
+}
+
+/// @throws ExperimentError, UserError that name the point
+Experiment checkedExperiment(const std::string& text, const Request& request,
+                             const std::vector<Axis>& axes, const PointValues& values,
+                             const fs::path& source) {
+  try {
+    Experiment experiment =
+        parseExperiment(text, request.file, settingsOf(request, axes, values), source);
+    requireUsable(experiment, source);
+    return experiment;
+  } catch (const ExperimentError& error) {
+    if (axes.empty()) throw;
+    std::vector<std::string> problems = error.problems();
+    problems.push_back("at the point " + pointText(axes, values) +
+                       (request.random > 0 ? "; ranges can round: low:high:round=0.01" : ""));
+    throw ExperimentError(std::move(problems));
+  }
+}
+
 // Measured with the shipped experiments: bytes of a result and of a summary, and what a pose of a
 // robot needs in trajectories.csv and the figures of a report.
 constexpr double kResult_bytes = 12e3;
@@ -158,9 +185,7 @@ Plan planCampaign(const Request& request, const std::string& text) {
   Plan plan;
   std::set<std::string> hashes;
   for (PointValues& values : pointsOf(design)) {
-    Experiment experiment =
-        parseExperiment(text, request.file, settingsOf(request, design.axes, values), source);
-    requireUsable(experiment, source);
+    Experiment experiment = checkedExperiment(text, request, design.axes, values, source);
     leaveOutNetwork(experiment);
     adoptFiles(experiment, files);
     experiment.seed = 0;

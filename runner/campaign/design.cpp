@@ -78,13 +78,14 @@ std::string drawn(const Axis& axis, double share) {
     return axis.values[static_cast<std::size_t>(share * count)];
   }
   const DrawnRange& range = *axis.range;
-  if (range.whole && !range.logarithmic) {
-    return keys::numberText(std::floor(range.low + share * (range.high - range.low + 1)));
+  double value = range.logarithmic ? range.low * std::pow(range.high / range.low, share)
+                                   : range.low + share * (range.high - range.low);
+  if (range.step > 0 && !range.logarithmic) {
+    // So that the first and the last multiple are as probable as the others.
+    value += (share - 0.5) * range.step;
+    value = std::clamp(value, range.low, range.high);
   }
-  const double value = range.logarithmic ? range.low * std::pow(range.high / range.low, share)
-                                         : range.low + share * (range.high - range.low);
-  return keys::numberText(range.whole ? std::round(value)
-                                      : keys::roundedToDigits(value, kDrawnDigits));
+  return rangeValue(range, range.step > 0 ? value : keys::roundedToDigits(value, kDrawnDigits));
 }
 
 /// One column per axis, each with `count` numbers in [0, 1).
@@ -117,7 +118,8 @@ Shares sobol(std::size_t axes, std::size_t count, std::uint64_t seed) {
   Shares shares(axes);
   for (std::size_t i = 0; i < count; ++i) {
     for (std::size_t axis = 0; axis < axes; ++axis) {
-      const std::uint64_t digits = engine() ^ shift[axis];
+      // The sequence begins with the origin, which the engine leaves out.
+      const std::uint64_t digits = (i == 0 ? 0 : engine()) ^ shift[axis];
       shares[axis].push_back(static_cast<double>(digits >> 11U) * 0x1.0p-53);
     }
   }

@@ -14,7 +14,8 @@ namespace lab::runner::campaign {
 namespace {
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
-constexpr std::size_t kFewestPoints = 3;  // with several runs, for a prior
+constexpr std::size_t kFewestPoints = 5;  // with several runs, for a prior
+constexpr double kUnseenShare = 0.75;     // of the standard error of the variance between points
 constexpr double kNormal = 1.959963984540054;
 constexpr double kAsGoodAsInfinite = 1e6;  // degrees of freedom
 
@@ -95,15 +96,16 @@ Prior priorOf(const std::vector<Scatter>& points) {
   for (const double log : logs) mean += log / count;
   double variance = 0;
   for (const double log : logs) variance += (log - mean) * (log - mean) / (count - 1);
+  // Few points may look equal by chance: differences that they could not show are allowed for.
   const double excess = variance - noise / count;
+  const double unseen = kUnseenShare * std::sqrt(2 / (count - 1)) * noise / count;
   prior.all = freedom;
+  prior.freedom = 2 * inverseTrigamma(std::max(excess, unseen));
   if (excess > 0) {
-    prior.freedom = 2 * inverseTrigamma(excess);
     const double half = prior.freedom / 2;
     prior.ratio = std::exp(mean + boost::math::digamma(half) - std::log(half));
   } else {
-    // The points have the same ratio: its mean has less noise than that of the logs.
-    prior.freedom = kInfinite;
+    // The mean of equal ratios has less noise than that of their logarithms.
     prior.ratio = 0;
     for (const Scatter& point : points) {
       if (point.freedom > 0 && point.within > 0 && point.ratio > 0) {
@@ -136,10 +138,8 @@ PooledNumber pooled(const Scatter& point, const Prior& prior) {
   double ratio = point.ratio;
   double freedom = point.freedom;
   if (with_prior) {
-    ratio = prior.freedom == kInfinite
-                ? prior.ratio
-                : (prior.freedom * prior.ratio + point.freedom * point.ratio) /
-                      (prior.freedom + point.freedom);
+    ratio = (prior.freedom * prior.ratio + point.freedom * point.ratio) /
+            (prior.freedom + point.freedom);
     freedom = std::min(prior.freedom + point.freedom, prior.all);
     freedom = 1 / (1 / freedom + 1 / point.within_freedom);
   }

@@ -34,7 +34,7 @@ struct PooledNumber {
 /// A few runs determine their variance badly. It is therefore measured in units of the mean squared
 /// error of the runs, and this ratio is moderated over the points: empirical Bayes of variances
 /// (Smyth 2004, Stat. Appl. Genet. Mol. Biol. 3, 3), with an F distribution fitted to the ratios of
-/// at least three points. The interval is Student's t with the degrees of freedom of the point
+/// at least five points. The interval is Student's t with the degrees of freedom of the point
 /// and of the prior, at most those of all points. The errors of the errors are included by their
 /// effective samples.
 ///

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <sstream>
+#include <stdexcept>
 #include <system_error>
 #include <thread>
 #include <utility>
@@ -19,6 +21,8 @@
 #include "runner/campaign/campaign_page.hpp"
 #include "runner/campaign/campaign_plan.hpp"
 #include "runner/campaign/campaign_table.hpp"
+#include "runner/campaign/engines/bundles.hpp"
+#include "runner/campaign/engines/engine.hpp"
 #include "runner/campaign/local_engine.hpp"
 #include "runner/campaign/sweep_progress.hpp"
 #include "runner/campaign/sweep_request.hpp"
@@ -35,6 +39,7 @@ using Kind = RowState::Kind;
 
 constexpr std::size_t kListedLines = 10;
 constexpr const char* kLock = "lock";
+constexpr std::size_t kMostTasks = 1000;  // of a job array: the default of Slurm's MaxArraySize
 
 CodeVersion thisCode() {
   const std::string revision = sourceRevision();
@@ -48,7 +53,8 @@ std::string sizeText(std::int64_t bytes) {
   return fmt::format("{:.0f} GB", static_cast<double>(bytes) * 1e-9);
 }
 
-CampaignData dataOf(StoredCampaign campaign, const fs::path& folder) {
+/// The campaign without its results.
+CampaignData dataOf(StoredCampaign campaign) {
   CampaignData data;
   data.code = thisCode();
   data.axes = campaign.request.design().axes;
@@ -56,7 +62,7 @@ CampaignData dataOf(StoredCampaign campaign, const fs::path& folder) {
   data.request = std::move(campaign.request);
   data.created = std::move(campaign.created);
   data.points = std::move(campaign.points);
-  data.survey = surveyRows(folder, data.rows);
+  data.survey.rows.resize(data.rows.size());
   return data;
 }
 
@@ -230,10 +236,11 @@ FileLock lockOf(const fs::path& folder) {
 
 /// Runs some rows without tables: the worker of other engines.
 ExitCode work(const SweepOptions& options) {
-  CampaignData data = dataOf(readCampaign(options.input), options.input);
+  CampaignData data = dataOf(readCampaign(options.input));
   std::vector<std::size_t> rows = parseRowNumbers(options.rows, data.rows.size());
   std::ranges::sort(rows);
   rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+  refreshRows(data, options.input, rows);
   std::vector<std::size_t> todo;
   for (const std::size_t row : rows) {
     if (data.survey.rows[row].kind != Kind::kDone) todo.push_back(row);
@@ -242,6 +249,9 @@ ExitCode work(const SweepOptions& options) {
   const std::size_t jobs = options.jobs > 0 ? static_cast<std::size_t>(options.jobs) : 1;
   const EngineEnd end = runLocally(data, options.input, todo, {.jobs = jobs});
   if (!end.note.empty()) fmt::print(stderr, "lab: {}\n", printable(end.note));
+  if (!options.bundle_file.empty()) {
+    writeResultBundle(data, options.input, rows, options.bundle_file);
+  }
   bool all = true;
   for (const std::size_t row : rows) {
     const RowState& state = data.survey.rows[row];
@@ -252,19 +262,73 @@ ExitCode work(const SweepOptions& options) {
   return all ? kDone : kFailed;
 }
 
-EngineEnd runEngine(CampaignData& data, const fs::path& folder,
-                    const std::vector<std::size_t>& rows, const SweepOptions& options) {
+std::vector<std::string> hostsOf(const SweepOptions& options) {
+  std::vector<std::string> hosts;
+  std::istringstream words(options.hosts);
+  for (std::string host; std::getline(words, host, ',');) {
+    if (!host.empty()) hosts.push_back(host);
+  }
+  if (hosts.empty()) {
+    throw UserError("--engine parallel: found no hosts, expected --hosts a,b (: is this machine)");
+  }
+  return hosts;
+}
+
+/// The number of rows in a job. Without --bundle, one row is run here first: its time decides, and
+/// what fails at once fails here.
+std::size_t bundleOf(CampaignData& data, const fs::path& folder, std::vector<std::size_t>& rows,
+                     const SweepOptions& options) {
+  if (options.bundle > 0) return static_cast<std::size_t>(options.bundle);
+  const std::int64_t begin = wallClock();
+  const std::size_t first = rows.front();
+  const EngineEnd end = runLocally(data, folder, {first}, {});
+  if (data.survey.rows[first].kind != Kind::kDone) {
+    throw std::runtime_error(
+        fmt::format("row {}, run here first, has no result: {}", first,
+                    end.note.empty() ? data.survey.rows[first].note : end.note));
+  }
+  rows.erase(rows.begin());
+  const double seconds = static_cast<double>(wallClock() - begin) * 1e-6;
+  const std::size_t size = bundleSize(rows.size(), seconds, kMostTasks);
+  fmt::print("bundles  {} a job: one took {:.1f} s here\n",
+             countText(static_cast<std::int64_t>(size), "run"), seconds);
+  return size;
+}
+
+EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std::size_t> rows,
+                    const SweepOptions& options) {
+  const bool local = options.engine == "local";
   const std::size_t jobs = jobsOf(options, rows.size());
-  requireDisk(data, folder, rows, jobs);
   if (data.request.keep == Keep::kLogs || options.figures) {
     requireProgram("gnuplot", "gnuplot-nox");
   }
+  requireDisk(data, folder, rows, local ? jobs : 1);
   if (data.request.keep == Keep::kLogs) fs::create_directories(folder / names::kRuns);
-  fmt::print("engine   {} at a time on this machine\n",
-             countText(static_cast<std::int64_t>(jobs), "run"));
-  std::fflush(stdout);
+  if (local) {
+    fmt::print("engine   {} at a time on this machine\n",
+               countText(static_cast<std::int64_t>(jobs), "run"));
+    std::fflush(stdout);
+    SweepProgress progress(data, folder, rows);
+    return runLocally(data, folder, rows, {.jobs = jobs, .watch = [&] { progress.update(); }});
+  }
+  EngineOptions engine;
+  engine.lab = options.lab_there.empty() ? installation().programs / "lab" : options.lab_there;
+  engine.jobs = static_cast<std::size_t>(options.jobs);
+  engine.slurm = options.slurm;
+  engine.wait = options.wait;
+  if (options.engine == "parallel") engine.hosts = hostsOf(options);
+  engine.bundle = bundleOf(data, folder, rows, options);
+  if (rows.empty()) return {};
+  if (options.engine == "snakemake" || options.engine == "commands") {
+    const auto lines = options.engine == "snakemake" ? writeSnakefile(folder, rows, engine)
+                                                     : writeCommands(folder, rows, engine);
+    for (const std::string& line : lines) fmt::print("{}\n", printable(line));
+    return {.written_only = true};
+  }
   SweepProgress progress(data, folder, rows);
-  return runLocally(data, folder, rows, {.jobs = jobs, .watch = [&] { progress.update(); }});
+  engine.watch = [&] { progress.update(); };
+  return options.engine == "slurm" ? runBySlurm(data, folder, rows, engine)
+                                   : runByParallel(data, folder, rows, engine);
 }
 
 ExitCode conclude(const CampaignData& data, const fs::path& folder, const EngineEnd& end,
@@ -298,12 +362,17 @@ ExitCode conclude(const CampaignData& data, const fs::path& folder, const Engine
 }  // namespace
 
 ExitCode sweep(const SweepOptions& options) {
+  if (options.code) {
+    fmt::print("{}\n", thisCode().text);
+    return kDone;
+  }
   if (!options.rows.empty()) return work(options);
   const bool is_folder = fs::is_directory(options.input);
   if (is_folder) refuseRequestOptions(options);
   const fs::path folder = is_folder ? options.input : prepare(options);
   const FileLock lock = lockOf(folder);
-  CampaignData data = dataOf(readCampaign(folder), folder);
+  CampaignData data = dataOf(readCampaign(folder));
+  data.survey = surveyRows(folder, data.rows);
   describe(data, folder);
   describeProblems(data, folder, options);
   const std::vector<std::size_t> rows =
@@ -316,6 +385,7 @@ ExitCode sweep(const SweepOptions& options) {
     end = runEngine(data, folder, rows, options);
     seconds = static_cast<double>(wallClock() - begin) * 1e-6;
   }
+  if (end.written_only) return kDone;
   return conclude(data, folder, end, seconds, options);
 }
 

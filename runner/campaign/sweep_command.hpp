@@ -31,14 +31,21 @@ struct SweepOptions {
   bool fits = false;
   // How it is run.
   std::string engine = "local";
-  int jobs = 0;        ///< runs at a time; 0: one per core
-  bool retry = false;  ///< try failed runs again
+  int jobs = 0;                     ///< runs at a time; 0: one per core
+  int bundle = 0;                   ///< runs per job of an engine; 0: about a minute of them
+  std::string slurm;                ///< further options of sbatch
+  std::string hosts;                ///< separated by commas, for parallel
+  std::filesystem::path lab_there;  ///< the program on other hosts; empty: the same path as here
+  bool wait = true;                 ///< until the jobs of the engine have ended
+  bool retry = false;               ///< try failed runs again
   bool redo_stale = false;
   bool no_run = false;  ///< tables and page only
   std::vector<std::string> show;
   bool figures = true;
   // A worker of another engine.
-  std::string rows;  ///< "0-9,12": run these rows only, without tables
+  std::string rows;                   ///< "0-9,12": run these rows only, without tables
+  std::filesystem::path bundle_file;  ///< where their results are written too; empty: nowhere
+  bool code = false;                  ///< print the version that decides the identities
 };
 
 ExitCode sweep(const SweepOptions& options);

@@ -50,6 +50,24 @@ void addSweep(CLI::App& app, Chosen& chosen) {
                     "Begin anew, although a campaign with the same request exists");
   command->add_option("--jobs", options->jobs, "Runs at a time (default: one per core)")
       ->check(CLI::Range(1, 10000));
+  command
+      ->add_option(
+          "--engine", options->engine,
+          "Where the runs are computed: local, slurm, parallel (GNU parallel over ssh), or "
+          "only written out: snakemake, commands")
+      ->check(CLI::IsMember({"local", "slurm", "parallel", "snakemake", "commands"}))
+      ->capture_default_str();
+  command
+      ->add_option("--bundle", options->bundle,
+                   "Runs per job of an engine (default: about a minute of them)")
+      ->check(CLI::Range(1, 1000000));
+  command->add_option("--slurm", options->slurm,
+                      "Further options of sbatch, as \"--partition=short --mem=1G\"");
+  command->add_option("--hosts", options->hosts,
+                      "Hosts of the engine parallel, separated by commas; : is this machine");
+  command->add_option("--lab-there", options->lab_there,
+                      "The program lab on other hosts (default: the same path as here)");
+  command->add_flag("!--no-wait", options->wait, "Return when the jobs are in the queue of Slurm");
   command->add_flag("--retry", options->retry, "Try failed runs again");
   command->add_flag("--redo-stale", options->redo_stale,
                     "Compute results of another version of the lab again");
@@ -62,6 +80,8 @@ void addSweep(CLI::App& app, Chosen& chosen) {
   command->add_flag("--figures,!--no-figures", options->figures, "Draw figures (default: yes)");
   command->add_option("--rows", options->rows,
                       "Worker of a campaign: run these rows only (0-9,12), without tables");
+  command->add_option("--bundle-file", options->bundle_file, "")->group("");
+  command->add_flag("--code", options->code, "")->group("");
   command->callback([&chosen, options] {
     chosen = [options] {
       if (!std::filesystem::is_directory(options->input)) {

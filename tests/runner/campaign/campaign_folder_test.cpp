@@ -1,0 +1,211 @@
+#include "runner/campaign/campaign_folder.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include "common/files/experiment_error.hpp"
+#include "runner/campaign/atomic_file.hpp"
+#include "runner/command_line/exit_code.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
+
+namespace lab::runner::campaign::campaign_folder_test {
+namespace {
+
+namespace fs = std::filesystem;
+using support::readFile;
+using support::writeFile;
+using testing::HasSubstr;
+using Kind = RowState::Kind;
+
+const CodeVersion kCode{"0.1.0 (abc)", 5};
+
+StoredCampaign sampleCampaign() {
+  Request request;
+  request.name = "sample";
+  request.file = "/sample.toml";
+  request.over = {"a=1,2"};
+  return {request,
+          "2026-01-31T12:00:00Z",
+          "the user's file\n",
+          {makePoint({"1"}, "text with\nlines and \"quotes\"\n", 60),
+           makePoint({"2"}, "another\n", 120)}};
+}
+
+void writeResult(const fs::path& folder, const Row& row, const CodeVersion& code) {
+  RunResult result;
+  result.identity = row.identity;
+  result.code = code.text;
+  result.seed = row.seed;
+  result.columns = {{"abp.D_r_rad2_s", 0.75}};
+  replaceFile(folder / resultFile(row.identity), resultText(result));
+}
+
+class CampaignFolder : public testing::Test {
+ protected:
+  CampaignFolder() {
+    writeCampaign(folder_, campaign_, {{"files/0123.txt", {"content", {}}}});
+    rows_ = rowsOf(campaign_.request, campaign_.points, kCode);
+  }
+
+  Survey survey() { return surveyRows(folder_, rows_); }
+
+  TemporaryFolder temporary_;
+  fs::path folder_ = temporary_ / "campaign";
+  StoredCampaign campaign_ = sampleCampaign();
+  std::vector<Row> rows_;
+};
+
+TEST_F(CampaignFolder, IsReadAsItWasWritten) {
+  const StoredCampaign read = readCampaign(folder_);
+
+  EXPECT_EQ(read.request, campaign_.request);
+  EXPECT_EQ(read.created, campaign_.created);
+  EXPECT_EQ(read.experiment_text, campaign_.experiment_text);
+  ASSERT_EQ(read.points.size(), 2U);
+  EXPECT_EQ(read.points[0].experiment, campaign_.points[0].experiment);
+  EXPECT_EQ(read.points[1].values, campaign_.points[1].values);
+  EXPECT_EQ(read.points[1].duration, 120);
+  EXPECT_EQ(readFile(folder_ / "files/0123.txt"), "content");
+}
+
+TEST_F(CampaignFolder, IsReadAfterItWasMoved) {
+  writeResult(folder_, rows_[0], kCode);
+  const fs::path moved = temporary_ / "elsewhere";
+  fs::rename(folder_, moved);
+
+  EXPECT_EQ(readCampaign(moved).points.size(), 2U);
+  EXPECT_EQ(surveyRows(moved, rows_).count(Kind::kDone), 1U);
+}
+
+TEST_F(CampaignFolder, SaysWhichOfItsFilesIsDamaged) {
+  const std::string points = readFile(folder_ / names::kPoints);
+  const auto problem = [&]() -> std::string {
+    try {
+      static_cast<void>(readCampaign(folder_));
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return {};
+  };
+
+  writeFile(folder_ / names::kPoints, points.substr(0, points.size() - 20));
+  EXPECT_THAT(problem(), HasSubstr("points.jsonl:3: found a damaged line"));
+  std::string other = points;
+  other.replace(other.find("another"), 7, "anether");
+  writeFile(folder_ / names::kPoints, other);
+  EXPECT_THAT(problem(), HasSubstr("points.jsonl:3: found a line without its checksum"));
+  writeFile(folder_ / names::kPoints, points.substr(0, points.find("another") - 100));
+  EXPECT_THAT(problem(), HasSubstr("points.jsonl:"));
+  EXPECT_THAT(problem(), HasSubstr("lab sweep FILE --out"));
+  writeFile(folder_ / names::kPoints, points);
+  writeFile(folder_ / names::kRequest, "fileversion = 1\n");
+  EXPECT_THAT(problem(), HasSubstr("campaign.toml: name: found nothing"));
+  fs::remove(folder_ / names::kRequest);
+  EXPECT_THAT(problem(), HasSubstr("found no campaign.toml"));
+}
+
+TEST_F(CampaignFolder, KeepsARequestThatIsReplaced) {
+  StoredCampaign other = campaign_;
+  other.request.seeds = 9;
+  writeCampaign(folder_, other, {});
+
+  EXPECT_EQ(readCampaign(folder_).request.seeds, 9);
+  EXPECT_THAT(readFile(folder_ / names::kEarlier / "1-campaign.toml"), HasSubstr("seeds = 1\n"));
+  writeCampaign(folder_, other, {});
+  EXPECT_FALSE(fs::exists(folder_ / names::kEarlier / "2-campaign.toml"));
+}
+
+TEST_F(CampaignFolder, KnowsWhichRowsAreDone) {
+  EXPECT_EQ(survey().count(Kind::kMissing), 2U);
+
+  writeResult(folder_, rows_[1], kCode);
+  EXPECT_EQ(survey().rows[1].kind, Kind::kDone);
+  EXPECT_EQ(survey().rows[1].result->columns.size(), 1U);
+}
+
+TEST_F(CampaignFolder, NamesResultsThatAreDamaged) {
+  writeResult(folder_, rows_[0], kCode);
+  const fs::path file = folder_ / resultFile(rows_[0].identity);
+  const std::string text = readFile(file);
+
+  for (const std::string& damaged :
+       {std::string(), text.substr(0, text.size() / 2), text + "x", std::string(100, '\0')}) {
+    writeFile(file, damaged);
+    EXPECT_EQ(survey().rows[0].kind, Kind::kDamaged);
+    EXPECT_NE(survey().rows[0].note, "");
+  }
+}
+
+TEST_F(CampaignFolder, KnowsResultsOfOtherVersionsAndOfOtherPoints) {
+  const CodeVersion later{"0.2.0 (def)", 6};
+  const std::vector<Row> later_rows = rowsOf(campaign_.request, campaign_.points, later);
+  writeResult(folder_, later_rows[0], later);
+  Request request = campaign_.request;
+  request.seed = 77;
+  writeResult(folder_, rowsOf(request, campaign_.points, kCode)[0], kCode);
+
+  EXPECT_EQ(survey().rows[0].kind, Kind::kStale);
+  EXPECT_EQ(survey().rows[0].note, "0.2.0 (def)");
+  EXPECT_EQ(survey().of_other_points, 1U);
+}
+
+TEST_F(CampaignFolder, KnowsWhyARowFailed) {
+  writeFile(folder_ / failureFile(rows_[0].identity), "no memory\n");
+
+  EXPECT_EQ(survey().rows[0].kind, Kind::kFailed);
+  EXPECT_EQ(survey().rows[0].note, "no memory");
+  writeResult(folder_, rows_[0], kCode);
+  EXPECT_EQ(survey().rows[0].kind, Kind::kDone);
+}
+
+TEST_F(CampaignFolder, IsLockedByOneProcessAtATime) {
+  const auto lock = FileLock::tryLock(folder_ / "lock");
+
+  ASSERT_TRUE(lock.has_value());
+  EXPECT_FALSE(FileLock::tryLock(folder_ / "lock").has_value());
+}
+
+TEST_F(CampaignFolder, RemovesWhatKilledProcessesLeftBehind) {
+  fs::path left;
+  {
+    const WorkFolder work(folder_);
+    left = work.path().parent_path() / (work.path().filename().string() + "1");
+    fs::create_directories(left);
+    writeFile(left / "log", "half a log");
+    EXPECT_TRUE(fs::exists(work.path()));
+  }
+  const WorkFolder work(folder_);
+
+  EXPECT_FALSE(fs::exists(left));
+}
+
+TEST(AtomicFile, IsReplacedAsAWhole) {
+  const TemporaryFolder folder;
+  replaceFile(folder / "file", "first");
+  replaceFile(folder / "file", "second", Sync::kYes);
+
+  EXPECT_EQ(readFile(folder / "file"), "second");
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
+}
+
+TEST(AtomicFile, SaysWhyItCannotBeWritten) {
+  EXPECT_THROW(replaceFile("/nowhere/file", "text"), std::runtime_error);
+  try {
+    replaceFile("/dev/full/file", "text");
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("cannot write /dev/full/file"));
+  }
+  EXPECT_TRUE(tellsOfFullDisk("cannot write x: No space left on device"));
+  EXPECT_FALSE(tellsOfFullDisk("cannot write x: Permission denied"));
+}
+
+}  // namespace
+}  // namespace lab::runner::campaign::campaign_folder_test

@@ -1,0 +1,162 @@
+#include "runner/campaign/campaign.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "common/files/experiment_error.hpp"
+#include "common/math/random.hpp"
+#include "runner/command_line/exit_code.hpp"
+
+namespace lab::runner::campaign::campaign_test {
+namespace {
+
+using testing::ElementsAre;
+
+const CodeVersion kCode{"0.1.0 (abc)", 5};
+
+Request sampleRequest() {
+  Request request;
+  request.name = "diffusion";
+  request.file = "/data/quotes \" and \\ in it.toml";
+  request.set = {"duration_s=60", "description=\"a, b\""};
+  request.over = {"a=1,2", "b=0.1:0.9:9"};
+  request.seeds = 3;
+  request.random = 7;
+  request.sampling = Sampling::kSobol;
+  request.seed = 9223372036854775807U;
+  request.common_seeds = true;
+  request.zip = true;
+  request.keep = Keep::kLogs;
+  request.fits = true;
+  return request;
+}
+
+std::vector<Point> samplePoints() {
+  return {makePoint({"1"}, "eta = 1\n", 60), makePoint({"2"}, "eta = 2\n", 60)};
+}
+
+TEST(CampaignRequest, ComesBackFromItsFile) {
+  Request plain;
+  plain.name = "x";
+  plain.file = "/x.toml";
+  for (const Request& request : {sampleRequest(), plain}) {
+    EXPECT_EQ(readRequest(requestText(request, "2026-01-31T12:00:00Z"), "campaign.toml"), request);
+  }
+}
+
+TEST(CampaignRequest, IsRefusedWhenItsFileIsDamaged) {
+  const std::string text = requestText(sampleRequest(), "2026-01-31T12:00:00Z");
+
+  EXPECT_THROW(static_cast<void>(readRequest(text.substr(0, text.size() / 2), "campaign.toml")),
+               ExperimentError);
+  EXPECT_THROW(static_cast<void>(readRequest("fileversion = 2\n", "campaign.toml")),
+               ExperimentError);
+}
+
+TEST(CampaignRows, BeginWithTheFirstRunOfEveryPoint) {
+  Request request;
+  request.seeds = 2;
+  const std::vector<Row> rows = rowsOf(request, samplePoints(), kCode);
+
+  ASSERT_EQ(rows.size(), 4U);
+  EXPECT_EQ(rows[0].point, 0U);
+  EXPECT_EQ(rows[1].point, 1U);
+  EXPECT_EQ(rows[1].replicate, 0);
+  EXPECT_EQ(rows[2].point, 0U);
+  EXPECT_EQ(rows[2].replicate, 1);
+}
+
+TEST(CampaignRows, HaveIdentitiesOfAllThatDecidesTheirBytes) {
+  Request request;
+  request.seeds = 2;
+  const std::vector<Row> rows = rowsOf(request, samplePoints(), kCode);
+  std::set<std::string> identities;
+  for (const Row& row : rows) identities.insert(row.identity.text());
+  EXPECT_EQ(identities.size(), rows.size());
+
+  EXPECT_EQ(rowsOf(request, samplePoints(), {"0.1.0 (def)", 5})[0].identity.recipe,
+            rows[0].identity.recipe);
+  EXPECT_NE(rowsOf(request, samplePoints(), {"0.1.0 (def)", 5})[0].identity.code,
+            rows[0].identity.code);
+  EXPECT_NE(rowsOf(request, samplePoints(), {"0.1.0 (abc)", 6})[0].identity.code,
+            rows[0].identity.code);
+  Request other = request;
+  other.seed = 2;
+  EXPECT_NE(rowsOf(other, samplePoints(), kCode)[0].identity.recipe, rows[0].identity.recipe);
+  other = request;
+  other.fits = true;
+  EXPECT_NE(rowsOf(other, samplePoints(), kCode)[0].identity.recipe, rows[0].identity.recipe);
+}
+
+TEST(CampaignRows, KeepTheirIdentitiesWhenPointsOrSeedsAreAdded) {
+  Request request;
+  const std::vector<Row> rows = rowsOf(request, samplePoints(), kCode);
+  std::vector<Point> more = samplePoints();
+  more.insert(more.begin(), makePoint({"0"}, "eta = 0\n", 60));
+  request.seeds = 5;
+  const std::vector<Row> longer = rowsOf(request, more, kCode);
+
+  EXPECT_EQ(longer[1].identity, rows[0].identity);
+  EXPECT_EQ(longer[2].identity, rows[1].identity);
+}
+
+TEST(CampaignSeeds, DifferByPointUnlessCommonOnesAreRequested) {
+  Request request;
+  const std::vector<Point> points = samplePoints();
+  EXPECT_NE(seedOf(request, points[0], 0), seedOf(request, points[1], 0));
+  EXPECT_NE(seedOf(request, points[0], 0), seedOf(request, points[0], 1));
+
+  request.common_seeds = true;
+  EXPECT_EQ(seedOf(request, points[0], 0), seedOf(request, points[1], 0));
+  EXPECT_NE(seedOf(request, points[0], 0), seedOf(request, points[0], 1));
+}
+
+TEST(CampaignSeeds, MakeTheDrawsOfNeighbouringPointsIndependent) {
+  // The complaint: one seed at every point makes the errors of a scan almost fully correlated.
+  const auto correlation = [](bool common) {
+    Request request;
+    request.common_seeds = common;
+    constexpr int kRuns = 2000;
+    double product = 0;
+    for (int i = 0; i < kRuns; ++i) {
+      const std::vector<Point> points = samplePoints();
+      Random one(seedOf(request, points[0], i), 1);
+      Random other(seedOf(request, points[1], i), 1);
+      product += one.normal() * other.normal() / kRuns;
+    }
+    return product;
+  };
+
+  EXPECT_LT(std::abs(correlation(false)), 4 / std::sqrt(2000.0));
+  EXPECT_GT(correlation(true), 0.8);
+}
+
+TEST(CampaignSeeds, FitIntoTheIntegersOfTheFile) {
+  Request request;
+  for (int i = 0; i < 1000; ++i) {
+    EXPECT_GE(static_cast<std::int64_t>(seedOf(request, samplePoints()[0], i)), 0);
+  }
+}
+
+TEST(RowNumbers, ComeBackFromTheirText) {
+  EXPECT_THAT(parseRowNumbers("0-3,7", 8), ElementsAre(0, 1, 2, 3, 7));
+  EXPECT_EQ(rowNumbersText({0, 1, 2, 3, 7}), "0-3,7");
+  EXPECT_EQ(rowNumbersText({5}), "5");
+  EXPECT_EQ(rowNumbersText({}), "");
+}
+
+TEST(RowNumbers, AreRefusedWhenThereIsNoSuchRow) {
+  for (const char* text : {"", "8", "3-1", "a", "1,", "-1", "1-9", "1-"}) {
+    EXPECT_THROW(static_cast<void>(parseRowNumbers(text, 8)), UserError) << text;
+  }
+}
+
+}  // namespace
+}  // namespace lab::runner::campaign::campaign_test
