@@ -33,10 +33,10 @@ struct TwinFacts {
   std::vector<RecordedFrame> frames;
   std::vector<RecordedStep> steps;
   std::map<std::int32_t, StartPose> first_poses;  ///< of each robot, at the start of the script
-  std::optional<double> position_noise;  ///< [m] measured standard deviation per axis
-  std::optional<double> heading_noise;   ///< [rad] measured standard deviation
-  std::size_t marks = 0;                 ///< remarks: among them what users did by hand
-  std::string summary;                   ///< the text of summary.json, for the options
+  std::optional<double> position_noise;           ///< [m] measured standard deviation per axis
+  std::optional<double> heading_noise;            ///< [rad] measured standard deviation
+  std::size_t marks = 0;                          ///< remarks: among them what users did by hand
+  std::string summary;                            ///< the text of summary.json, for the options
 };
 
 /// Reads the log of a run.

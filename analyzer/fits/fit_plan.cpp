@@ -6,10 +6,10 @@
 namespace lab::analysis {
 namespace {
 
-constexpr double kHoldFrames = 50;      // largest number of frames in a simulated hold
+constexpr double kHoldFrames = 50;     // largest number of frames in a simulated hold
 constexpr double kRecordingLags = 30;  // length of a simulated recording, in longest lags
-constexpr double kMostFrames = 16000;   // largest number of frames in a simulated recording
-constexpr double kLagsPerTrack = 5;     // length of a track, in longest lags
+constexpr double kMostFrames = 16000;  // largest number of frames in a simulated recording
+constexpr double kLagsPerTrack = 5;    // length of a track, in longest lags
 
 }  // namespace
 

@@ -24,8 +24,8 @@ namespace lab::analysis {
 /// 4.04 cm"; empty: nothing does.
 [[nodiscard]] std::string coefficientsText(const Program& program, double wheel_base);
 
-/// What the report will compare the motion with, for people: "judged by the exact law", "not judged:
-/// the program reads light ...".
+/// What the report will compare the motion with, for people: "judged by the exact law", "not
+/// judged: the program reads light ...".
 [[nodiscard]] std::string referenceText(const Program& program, double wheel_base);
 
 /// That of a program whose definition is not known.

@@ -16,7 +16,7 @@ namespace lab::runner::campaign {
 struct EngineEnd {
   bool interrupted = false;  ///< by the user
   bool disk_full = false;
-  std::string note{};  ///< why it ended before all rows were tried; empty: it did not
+  std::string note{};         ///< why it ended before all rows were tried; empty: it did not
   bool written_only = false;  ///< the jobs were written, for others to run
 };
 

@@ -1,5 +1,7 @@
 #include "runner/campaign/twins/twin_comparison.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <array>
@@ -7,7 +9,6 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <cstddef>
-#include <fmt/format.h>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -23,10 +24,10 @@
 namespace lab::runner::campaign {
 namespace {
 
-constexpr int kDraws = 20000;           // of correlated normal numbers
-constexpr double kFewestShare = 0.8;    // of the twins that must have a number
+constexpr int kDraws = 20000;         // of correlated normal numbers
+constexpr double kFewestShare = 0.8;  // of the twins that must have a number
 constexpr std::size_t kFewestTwins = 5;
-constexpr double kUpperShare = 0.75;    // above which the twins' own maxima are compared
+constexpr double kUpperShare = 0.75;  // above which the twins' own maxima are compared
 
 /// A look in the units in which it is compared.
 struct Transformed {
@@ -45,8 +46,8 @@ bool isUsable(const Look& look) {
 Transformed transformed(const Look& look) {
   Transformed t;
   t.logarithm = look.run > 0 && std::ranges::all_of(look.twins, [](double value) {
-    return !std::isfinite(value) || value > 0;
-  });
+                  return !std::isfinite(value) || value > 0;
+                });
   const auto of = [&](double value) { return t.logarithm ? std::log(value) : value; };
   t.run = of(look.run);
   double mean = 0;
@@ -151,8 +152,7 @@ double excessOf(const std::vector<Transformed>& looks, const std::vector<double>
   for (std::size_t i = 0; i < looks.front().twins.size(); ++i) {
     double largest = 0;
     for (const Transformed& look : looks) {
-      largest =
-          std::max(largest, std::abs(deviateOf(look.twins[i], momentsOf(look.twins, i)).z));
+      largest = std::max(largest, std::abs(deviateOf(look.twins[i], momentsOf(look.twins, i)).z));
     }
     own.push_back(largest);
   }
@@ -170,13 +170,11 @@ double excessOf(const std::vector<Transformed>& looks, const std::vector<double>
 double probabilityOfMaximum(double z, const std::vector<double>& maxima, double excess,
                             double looks) {
   const double limit = std::abs(z) / excess;
-  const auto beyond =
-      static_cast<double>(maxima.end() - std::ranges::lower_bound(maxima, limit));
+  const auto beyond = static_cast<double>(maxima.end() - std::ranges::lower_bound(maxima, limit));
   constexpr double kFewest = 20;  // draws beyond, for a probability from draws
   if (beyond >= kFewest) return beyond / static_cast<double>(maxima.size());
   // Bonferroni's bound, which is close in the far tail.
-  const double tail =
-      boost::math::cdf(boost::math::complement(boost::math::normal(), limit));
+  const double tail = boost::math::cdf(boost::math::complement(boost::math::normal(), limit));
   return std::min({1.0, 2 * tail * looks, kFewest / static_cast<double>(maxima.size())});
 }
 
@@ -196,8 +194,8 @@ PlacedLook placed(const Look& look, const Transformed& t) {
   result.sigma = plain.sigma;
   const Moments moments = momentsOf(t.twins);
   const boost::math::students_t student(moments.count - 1);
-  const double half = boost::math::quantile(student, 0.975) * moments.sigma *
-                      std::sqrt(1 + 1 / moments.count);
+  const double half =
+      boost::math::quantile(student, 0.975) * moments.sigma * std::sqrt(1 + 1 / moments.count);
   const auto back = [&](double value) { return t.logarithm ? std::exp(value) : value; };
   result.low95 = back(moments.mean - half);
   result.high95 = back(moments.mean + half);
@@ -232,8 +230,9 @@ void addCurve(const nlohmann::json& pool, const char* key, const std::string& na
   for (const auto& [octave, found] : nearest) {
     constexpr double kNear = 0.26;  // of an octave: lags are about six per octave
     if (found.first > kNear) continue;
-    looks.push_back({fmt::format("{}.{} at {} s ({})", name, key, shortText(std::exp2(octave)), unit),
-                     values[found.second].get<double>()});
+    looks.push_back(
+        {fmt::format("{}.{} at {} s ({})", name, key, shortText(std::exp2(octave)), unit),
+         values[found.second].get<double>()});
   }
 }
 
@@ -274,9 +273,8 @@ TwinComparison compareWithTwins(const std::vector<Look>& looks, std::uint64_t se
     const std::vector<double> maxima = drawnMaxima(correlationOf(varying), seed);
     const double excess = excessOf(varying, maxima);
     for (const std::size_t i : index) {
-      comparison.looks[i].p_all =
-          probabilityOfMaximum(comparison.looks[i].z, maxima, excess,
-                               static_cast<double>(varying.size()));
+      comparison.looks[i].p_all = probabilityOfMaximum(comparison.looks[i].z, maxima, excess,
+                                                       static_cast<double>(varying.size()));
     }
   }
   for (std::size_t i = 0; i < comparison.looks.size(); ++i) {
@@ -322,8 +320,8 @@ std::vector<Look> looksOf(std::string_view run, const std::vector<std::string>& 
   std::map<std::string, std::size_t> known;
   for (SummaryLook& look : looksOf(run)) {
     known.emplace(look.name, looks.size());
-    looks.push_back({std::move(look.name), look.value,
-                     std::vector<double>(twins.size(), units::kNan)});
+    looks.push_back(
+        {std::move(look.name), look.value, std::vector<double>(twins.size(), units::kNan)});
   }
   for (std::size_t i = 0; i < twins.size(); ++i) {
     for (const SummaryLook& look : looksOf(twins[i])) {

@@ -23,10 +23,10 @@ struct PlacedLook {
   double sigma = 0;  ///< standard deviation of the twins
   double low95 = 0;  ///< interval that holds 95 % of further twins
   double high95 = 0;
-  int below = 0;   ///< twins below the run
-  int above = 0;   ///< twins above the run
-  double z = 0;    ///< normal deviate of the run; nan: the twins do not vary
-  double p = 0;    ///< two-sided, of this look alone
+  int below = 0;     ///< twins below the run
+  int above = 0;     ///< twins above the run
+  double z = 0;      ///< normal deviate of the run; nan: the twins do not vary
+  double p = 0;      ///< two-sided, of this look alone
   double p_all = 0;  ///< the same with the number of looks taken into account
 };
 
@@ -34,7 +34,7 @@ struct TwinComparison {
   int twins = 0;
   std::vector<PlacedLook> looks;    ///< in the order given
   std::vector<std::string> absent;  ///< looks that the run or most twins do not have
-  double p = 1;        ///< probability that a twin has as large a largest |z| as the run
+  double p = 1;          ///< probability that a twin has as large a largest |z| as the run
   std::size_t most = 0;  ///< index of the look with the smallest p_all
 };
 

@@ -104,7 +104,8 @@ TwinExperiment twinExperimentOf(const report::TwinFacts& facts) {
       experiment.light.length = 0;
     } else {
       twin.remarks.emplace_back(
-          "The steps of the light are those of the script, with its conditions decided anew in each "
+          "The steps of the light are those of the script, with its conditions decided anew in "
+          "each "
           "twin: which ones the run showed is not known.");
     }
   }

@@ -15,8 +15,8 @@ struct TwinExperiment {
   std::vector<std::string> remarks;
 };
 
-/// The run's own experiment, simulated, with what was recorded: the duration, the times at which the
-/// light changed, the measured noise, and the places where robots were at the begin.
+/// The run's own experiment, simulated, with what was recorded: the duration, the times at which
+/// the light changed, the measured noise, and the places where robots were at the begin.
 [[nodiscard]] TwinExperiment twinExperimentOf(const report::TwinFacts& facts);
 
 /// The file of camera.frames: times of the frames and robots that are missing in each.

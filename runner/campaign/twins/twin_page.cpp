@@ -71,10 +71,11 @@ std::string verdictOf(const TwinReport& report) {
       fmt::format("{}: {} in the run, {} ± {} in the twins", lookText(most.name),
                   valueText(most.run, most.sigma), valueText(most.mean, most.sigma),
                   valueText(most.sigma, most.sigma));
-  return fmt::format("{} {} twins: the most unusual of {} looks is {} (p = {} with all looks taken "
-                     "into account)",
-                     comparison.p < kDeviates ? "deviates from its" : "agrees with its",
-                     comparison.twins, comparison.looks.size(), where, pText(comparison.p));
+  return fmt::format(
+      "{} {} twins: the most unusual of {} looks is {} (p = {} with all looks taken "
+      "into account)",
+      comparison.p < kDeviates ? "deviates from its" : "agrees with its", comparison.twins,
+      comparison.looks.size(), where, pText(comparison.p));
 }
 
 report::ScriptedFigure twinCurve(const std::string& run, const std::vector<std::string>& twins,
@@ -105,18 +106,20 @@ report::ScriptedFigure twinCurve(const std::string& run, const std::vector<std::
   const std::string name = program < names.size() ? names[program] : "program";
   report::ScriptedFigure figure;
   figure.name = fmt::format("twins_{}_{}", key, sanitizedFileName(name));
-  figure.title = fmt::format("{} of {}, relative to its twins",
-                             key == "msd" ? "MSD" : "Angular MSD", name);
-  figure.caption = "Points: the run. Band: from the 5th to the 95th percentile of the twins. Both "
-                   "over the mean of the twins.";
+  figure.title =
+      fmt::format("{} of {}, relative to its twins", key == "msd" ? "MSD" : "Angular MSD", name);
+  figure.caption =
+      "Points: the run. Band: from the 5th to the 95th percentile of the twins. Both "
+      "over the mean of the twins.";
   if (!any) return figure;
-  figure.script = report::figurePreamble(figure.name, 760, 460) + data +
-                  "EOD\nset logscale x\nset xlabel 'lag (s)'\nset ylabel " +
-                  report::quotedForGnuplot(key == "msd" ? "MSD / mean of the twins"
-                                                        : "angular MSD / mean of the twins") +
-                  "\nset key top left\nplot $c using 1:3:4 with filledcurves fc rgb '#c5d9ea' title "
-                  "'twins', 1 with lines lc rgb '#606060' notitle, $c using 1:2 with points pt 7 ps "
-                  "0.6 lc rgb '#000000' title 'run'\n";
+  figure.script =
+      report::figurePreamble(figure.name, 760, 460) + data +
+      "EOD\nset logscale x\nset xlabel 'lag (s)'\nset ylabel " +
+      report::quotedForGnuplot(key == "msd" ? "MSD / mean of the twins"
+                                            : "angular MSD / mean of the twins") +
+      "\nset key top left\nplot $c using 1:3:4 with filledcurves fc rgb '#c5d9ea' title "
+      "'twins', 1 with lines lc rgb '#606060' notitle, $c using 1:2 with points pt 7 ps "
+      "0.6 lc rgb '#000000' title 'run'\n";
   return figure;
 }
 
@@ -164,7 +167,8 @@ std::string twinHtml(const TwinReport& report, const std::vector<report::DrawnFi
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
       "<title>{0} and its twins</title>\n<style>{1}</style>\n</head>\n<body>\n<h1>{0} and its "
-      "twins</h1>\n<p class=\"lead\">{2} simulations of the same experiment, with the frames, losses, "
+      "twins</h1>\n<p class=\"lead\">{2} simulations of the same experiment, with the frames, "
+      "losses, "
       "noise and light of the run · version {3}</p>\n<p class=\"verdict {4}\">The run {5}.</p>\n",
       escapeHtml(report.run), report::pageStyle(), comparison.twins, escapeHtml(report.version),
       agrees ? "agrees" : "deviates", escapeHtml(verdictOf(report)));
@@ -174,12 +178,14 @@ std::string twinHtml(const TwinReport& report, const std::vector<report::DrawnFi
   page += "<div class=\"figures\">\n";
   for (const report::DrawnFigure& figure : figures) {
     page += fmt::format("<figure>{}<figcaption><b>{}.</b> {}</figcaption></figure>\n",
-                        report::svgElement(figure.svg, figure.name + "_"),
-                        escapeHtml(figure.title), escapeHtml(figure.caption));
+                        report::svgElement(figure.svg, figure.name + "_"), escapeHtml(figure.title),
+                        escapeHtml(figure.caption));
   }
   page +=
-      "</div>\n<h2>Looks</h2>\n<div class=\"scroll\"><table><tr><th>look</th><th class=\"r\">run</th>"
-      "<th class=\"r\">twins</th><th class=\"r\">95 % of twins</th><th class=\"r\">below / above</th>"
+      "</div>\n<h2>Looks</h2>\n<div class=\"scroll\"><table><tr><th>look</th><th "
+      "class=\"r\">run</th>"
+      "<th class=\"r\">twins</th><th class=\"r\">95 % of twins</th><th class=\"r\">below / "
+      "above</th>"
       "<th class=\"r\">z</th><th class=\"r\">p</th><th class=\"r\">p, all looks</th></tr>\n";
   std::vector<const PlacedLook*> sorted;
   for (const PlacedLook& look : comparison.looks) sorted.push_back(&look);
@@ -192,12 +198,13 @@ std::string twinHtml(const TwinReport& report, const std::vector<report::DrawnFi
         escapeHtml(lookText(look->name)), valueText(look->run, look->sigma),
         valueText(look->mean, look->sigma), valueText(look->sigma, look->sigma),
         valueText(look->low95, look->sigma), valueText(look->high95, look->sigma), look->below,
-        look->above, std::isfinite(look->z) ? fmt::format("{:+.1f}", look->z) : "–",
-        pText(look->p), look->p_all < kDeviates ? " deviates" : "", pText(look->p_all));
+        look->above, std::isfinite(look->z) ? fmt::format("{:+.1f}", look->z) : "–", pText(look->p),
+        look->p_all < kDeviates ? " deviates" : "", pText(look->p_all));
   }
   page += "</table></div>\n";
   page += fmt::format(
-      "<p>A look is one number of the run that its twins have too. z is the deviate of a further draw "
+      "<p>A look is one number of the run that its twins have too. z is the deviate of a further "
+      "draw "
       "beside the twins; the last column is the probability that the largest of all looks deviates "
       "as much by chance. Below {} the run deviates.</p>\n",
       kDeviates);
