@@ -17,16 +17,45 @@ constexpr double kDifferencesPerHold = 12;
 constexpr double kEven = 0.25;   // deviation of a frame's distance, in frame periods
 constexpr double kWidth = 0.25;  // of the frequencies, around the programmed one
 constexpr double kFewestBlocks = 8;
-constexpr std::ptrdiff_t kPeak = 5;    // frequencies on both sides of the line that its fit uses
-constexpr double kSignificance = 6;    // of the line, in standard errors of the noise
-constexpr double kClockError = 0.005;  // of the robots' ceramic resonators
+constexpr std::ptrdiff_t kPeak = 5;     // frequencies on both sides of the line that its fit uses
+constexpr double kSignificance = 6;     // of the line, in standard errors of the noise
+constexpr double kDisplacement = 2e-4;  // relative, of the line by what subtractScatter() leaves
+constexpr double kClockError = 0.005;   // of the robots' ceramic resonators
 
 double frequencyOf(std::size_t index) {
   return 1 - kWidth + 2 * kWidth * static_cast<double>(index) / (HoldSpectra::kFrequencies - 1);
 }
 
-/// The relative frequency of the line in a spectrum: the maximum of a parabola.
-std::optional<double> lineIn(const HoldSpectra::Spectrum& power) {
+/// The power of a single change, which gives differences (reach - |t|)^2. The scatter of the
+/// changes has this spectrum, below the line of their mean.
+double powerOfChange(double reach, double frequency) {
+  const double x = 2 * std::numbers::pi * frequency * reach;
+  const double amplitude = (x - std::sin(x)) / (x * x * x);
+  return amplitude * amplitude;
+}
+
+/// Subtracts the spectrum of the scatter, which falls with the frequency and would displace the
+/// line. Its size is that of the frequencies beside the line.
+void subtractScatter(HoldSpectra::Spectrum& power, double reach) {
+  constexpr double kLobe = 2 / kHoldsPerBlock;  // half the width of a line, of Hann's window
+  const double line = frequencyOf(
+      static_cast<std::size_t>(std::max_element(power.begin(), power.end()) - power.begin()));
+  double scatter = 0;
+  double beside = 0;
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    if (std::abs(frequencyOf(i) - line) <= kLobe) continue;
+    scatter += power[i] / powerOfChange(reach, frequencyOf(i));
+    beside += 1;
+  }
+  for (std::size_t i = 0; i < power.size(); ++i) {
+    power[i] -= scatter / beside * powerOfChange(reach, frequencyOf(i));
+  }
+}
+
+/// The relative frequency of the line in a spectrum, without the scatter: the maximum of a
+/// parabola.
+std::optional<double> lineIn(HoldSpectra::Spectrum power, double reach) {
+  subtractScatter(power, reach);
   const auto top = std::max_element(power.begin(), power.end()) - power.begin();
   if (top < kPeak || top + kPeak >= static_cast<std::ptrdiff_t>(power.size())) return std::nullopt;
   // Least squares of a + b x + c x^2 at x = -kPeak .. kPeak.
@@ -53,22 +82,11 @@ std::optional<double> lineIn(const HoldSpectra::Spectrum& power) {
   return frequencyOf(static_cast<std::size_t>(top)) + shift * kStep;
 }
 
-/// The power of a single change: it gives differences (reach - |t|)^2, so the spectrum of all
-/// changes falls with the frequency, which would displace the line.
-double powerOfChange(double reach, double frequency) {
-  const double x = 2 * std::numbers::pi * frequency * reach;
-  const double amplitude = (x - std::sin(x)) / (x * x * x);
-  return amplitude * amplitude;
-}
-
 HoldSpectra::Spectrum sumOf(const HoldSpectra& spectra, std::size_t without) {
   HoldSpectra::Spectrum sum{};
   for (std::size_t group = 0; group < HoldSpectra::kGroups; ++group) {
     if (group == without) continue;
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += spectra.power[group][i];
-  }
-  for (std::size_t i = 0; i < sum.size(); ++i) {
-    sum[i] /= powerOfChange(spectra.reach, frequencyOf(i));
   }
   return sum;
 }
@@ -160,14 +178,14 @@ std::optional<HoldPeriod> holdPeriod(const HoldSpectra& spectra) {
   std::ranges::sort(sorted);
   const double usual = sorted[sorted.size() / 4];
   if (sorted.back() < usual * (1 + kSignificance / std::sqrt(period.blocks))) return std::nullopt;
-  const std::optional<double> line = lineIn(all);
+  const std::optional<double> line = lineIn(all, spectra.reach);
   if (!line) return std::nullopt;
   double sum = 0;
   double squares = 0;
   double groups = 0;
   for (std::size_t group = 0; group < HoldSpectra::kGroups; ++group) {
     if (spectra.blocks[group] == 0) continue;
-    const std::optional<double> without = lineIn(sumOf(spectra, group));
+    const std::optional<double> without = lineIn(sumOf(spectra, group), spectra.reach);
     if (!without) return std::nullopt;
     groups += 1;
     sum += *without;
@@ -176,7 +194,7 @@ std::optional<HoldPeriod> holdPeriod(const HoldSpectra& spectra) {
   const double variance =
       std::max(0.0, (squares - sum * sum / groups) * (groups - 1) / groups);  // the jackknife's
   period.value = spectra.hold / *line;
-  period.sigma = period.value * std::sqrt(variance) / *line;
+  period.sigma = period.value * std::hypot(std::sqrt(variance) / *line, kDisplacement);
   const double relative = std::hypot(period.sigma / period.value, kClockError);
   period.z = -std::log(*line) / relative;
   return period;

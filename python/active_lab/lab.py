@@ -24,7 +24,7 @@ _SILENT_US = 10_000_000
 _FOREVER = 2**62
 
 #: In virtual time a start time would be the same for two connections of one program.
-_instances = itertools.count(1)
+_instances = itertools.count(2)  # services have 1 in virtual time
 
 #: {"kind": "disk", "x_cm": 60, ...} as in experiment files, the same as TOML text, or a number: uniform.
 Layer = Union[float, str, Dict[str, Any]]

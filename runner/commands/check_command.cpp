@@ -31,9 +31,8 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   checkScenes(experiment, file.parent_path());
   const auto coefficients = [&](const Program& program) {
     const double wheel_base = experiment.hardware.diameter;
-    const std::string coefficients = analysis::coefficientsText(program, wheel_base);
-    return coefficients + (coefficients.empty() ? "" : "; ") +
-           analysis::referenceText(program, wheel_base);
+    const std::string measured = analysis::coefficientsText(program, wheel_base);
+    return measured + (measured.empty() ? "" : "; ") + analysis::referenceText(program, wheel_base);
   };
   fmt::print("{}", printableLines(describeExperiment(experiment, coefficients)));
   const std::string problem = loadProblem(experiment, std::thread::hardware_concurrency());

@@ -25,6 +25,7 @@ from markdown import Page, WORDS, logical_lines
 OPTION = re.compile(r"^--?[a-zA-Z][\w-]*")
 LINE_LIMIT_S = 300
 HIDDEN = {"host-agent"}          # of lab: hidden from users
+PASSES_ON = ["lab", "python"]    # its arguments are those of Python
 SCRIPT_ONLY = {"test", "package", "build"}  # of ./lab: not in the built program
 
 ROOT, PROGRAMS, PAGE = Path(), Path(), None
@@ -96,6 +97,8 @@ def unknown(name, rest):
         if rest[0] not in subcommands(*command):
             return f"{' '.join(command)} has no command {rest[0]}"
         command.append(rest.pop(0))
+    if command == PASSES_ON:
+        return ""
     for word in rest:
         option = OPTION.match(word)
         if option and option.group() not in options(*command):
@@ -113,7 +116,7 @@ def unknown_to_script(words):
 
 def missing_file_in(line):
     """The first file of this project that a command line names and that does not exist."""
-    for word in re.findall(r"(?<![\w/.~-])(?:experiments|docs/examples|tests|lcmtypes)/[\w./-]+", line):
+    for word in re.findall(r"(?<![\w/.~-])(?:experiments|docs/examples|tests|lcmtypes|python/examples)/[\w./-]+", line):
         if not (ROOT / word).exists():
             return f"there is no {word}"
     return ""
@@ -139,7 +142,7 @@ class Folder:
         for name in ("home", "runtime", "tmp", "build/release"):
             (self.path / name).mkdir(parents=True)
         (self.path / "runtime").chmod(0o700)
-        for name in ("experiments", "docs/examples", "lcmtypes"):
+        for name in ("experiments", "docs/examples", "lcmtypes", "python/examples"):
             shutil.copytree(ROOT / name, self.path / name)
         (self.path / "lab").symlink_to(PROGRAMS / "lab")
         (self.path / "build/release/bin").symlink_to(PROGRAMS)

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <filesystem>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 #include <string_view>
 #include <system_error>
+#include <vector>
 
 #include "common/files/file_text.hpp"
 #include "runner/campaign/atomic_file.hpp"

@@ -3,8 +3,11 @@
 
 #include <chrono>
 #include <cstdio>
+#include <filesystem>
+#include <string>
 #include <system_error>
 #include <utility>
+#include <vector>
 
 #include "common/process/child_process.hpp"
 #include "common/text/printable.hpp"

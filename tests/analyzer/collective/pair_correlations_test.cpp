@@ -117,7 +117,7 @@ TEST_P(HardDiscFluid, HasTheContactValueOfHenderson) {
   HardDiscs discs(20, 20, packing, 11);
   for (int k = 0; k < 800; ++k) discs.sweep();
   PairCorrelations dut({0, 0, discs.width(), discs.height()}, 0.01, 1.3);
-  for (int frame = 0; frame < 500; ++frame) {
+  for (int frame = 0; frame < 1000; ++frame) {
     for (int k = 0; k < 4; ++k) discs.sweep();
     std::vector<CrowdRobot> robots;
     int id = 0;

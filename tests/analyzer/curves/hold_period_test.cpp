@@ -28,17 +28,19 @@ std::optional<HoldPeriod> measured(const Program& truth, const Program& asked, s
   return holdPeriod(filmOf(truth, lawOf(asked, bodyFor(options)), seed, options).holds);
 }
 
-/// Films of ten minutes without errors of the clock: the measured hold time has the scatter that it
-/// says, and no bias.
+/// Films of ten minutes without errors of the clock: the error that is said contains the scatter
+/// and the bias. For bp it is almost only scatter, so there it must not be larger either.
 TEST(HoldPeriod, HasAnHonestError) {
   FilmOptions options;
   options.duration = 600;
   options.clock_error = 0;
-  for (const char* name : {"abp", "bp", "chiral_abp"}) {
+  // Sixteen groups: Student's t with 15 degrees of freedom, variance 1.15, kurtosis 3.5.
+  constexpr int kFilms = 40;
+  const double tolerance = 4 * 1.15 * std::sqrt(2.5 / kFilms);
+  for (const std::string name : {"abp", "bp", "chiral_abp"}) {
     const Program program = shippedProgram(name, {}, kWidestWheels);
     double sum = 0;
     double squares = 0;
-    constexpr int kFilms = 40;
     for (std::uint64_t seed = 1; seed <= kFilms; ++seed) {
       const auto dut = measured(program, program, seed, options);
       ASSERT_TRUE(dut) << name << " " << seed;
@@ -47,9 +49,11 @@ TEST(HoldPeriod, HasAnHonestError) {
       squares += z * z;
       EXPECT_LT(dut->sigma / dut->value, 0.01) << name;
     }
-    EXPECT_LT(std::abs(sum / kFilms) * std::sqrt(kFilms), 4) << name;
-    // Sixteen groups: Student's t with 15 degrees of freedom, variance 1.15, kurtosis 3.5.
-    EXPECT_NEAR(squares / kFilms, 1.15, 4 * 1.15 * std::sqrt(2.5 / kFilms)) << name;
+    EXPECT_LT(squares / kFilms, 1.15 + tolerance) << name;
+    if (name == "bp") {
+      EXPECT_LT(std::abs(sum / kFilms) * std::sqrt(kFilms), 4);
+      EXPECT_GT(squares / kFilms, 1.15 - tolerance);
+    }
   }
 }
 

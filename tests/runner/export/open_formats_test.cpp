@@ -101,11 +101,27 @@ TEST_F(OpenFormats, CountsWhatIsLeftOut) {
   EXPECT_EQ(writeLogOfMcap(folder.path() / "worse.mcap", folder.path() / "back.lcmlog"), 1);
 }
 
+/// Where the middle byte of the first chunk is. A record is an opcode of one byte (6: chunk), a
+/// little-endian length of eight and its content (mcap.dev/spec).
+std::size_t middleOfChunk(const std::string& bytes) {
+  std::size_t at = 8;  // after the magic
+  while (at + 9 < bytes.size()) {
+    std::uint64_t length = 0;
+    for (std::size_t i = 8; i > 0; --i) {
+      length = length << 8U | static_cast<unsigned char>(bytes[at + i]);
+    }
+    if (bytes[at] == 6) return at + 9 + static_cast<std::size_t>(length / 2);
+    at += 9 + static_cast<std::size_t>(length);
+  }
+  throw std::runtime_error("no chunk");
+}
+
 TEST_F(OpenFormats, McapSaysWhatIsWrongWithAFile) {
   const fs::path mcap = folder.path() / "run.mcap";
   static_cast<void>(writeMcap({log}, folder.path(), mcap, McapOptions{}));
   std::string bytes = bytesOf(mcap);
-  bytes[bytes.size() / 2] = static_cast<char>(bytes[bytes.size() / 2] ^ 1);
+  const std::size_t in_chunk = middleOfChunk(bytes);
+  bytes[in_chunk] = static_cast<char>(bytes[in_chunk] ^ 1);
   std::ofstream(folder.path() / "damaged.mcap", std::ios::binary) << bytes;
   std::ofstream(folder.path() / "text.mcap") << "no MCAP";
 

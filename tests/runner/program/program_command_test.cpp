@@ -74,10 +74,11 @@ TEST(ProgramCommand, SaysThatAnExperimentFileIsNone) {
   const fs::path file = folder / "x.toml";
   support::writeFile(file, std::string(kSmall));
 
-  EXPECT_THAT(problemsOf([&] { static_cast<void>(loadProgram(file.string())); }),
-              ElementsAre(HasSubstr("x.toml:1: fileversion: found an experiment file, allowed the "
-                                    "file of one program of motion (docs/programs.md); an "
-                                    "experiment is checked with its programs by ./lab check ")));
+  EXPECT_THAT(
+      problemsOf([&] { static_cast<void>(loadProgram(file.string())); }),
+      ElementsAre(HasSubstr("x.toml:1:15: fileversion: found an experiment file, allowed the "
+                            "file of one program of motion (docs/programs.md); an "
+                            "experiment is checked with its programs by ./lab check ")));
 }
 
 TEST(ProgramCommand, ShowsNumbersWithoutUnitAsSuch) {

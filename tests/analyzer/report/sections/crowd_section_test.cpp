@@ -99,7 +99,7 @@ TEST(CrowdSection, HasFiguresWithTheirData) {
 TEST(CrowdSection, IsMadeOfAFileOfPosesToo) {
   const TemporaryFolder folder;
   std::ofstream file(folder.path() / "poses.csv");
-  file << "frame,particle,x,y,t,theta\n";
+  file << "frame,particle,x_cm,y_cm,t,theta\n";
   for (int k = 0; k < 400; ++k) {
     for (int i = 0; i < 5; ++i) {
       file << k << ',' << i + 1 << ',' << 20 + 15 * i + 2 * std::sin(0.05 * k + i) << ','
