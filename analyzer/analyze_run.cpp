@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <cstdlib>
 #include <fstream>
 
 #include "analyzer/report/figures/figures.hpp"
@@ -14,6 +13,7 @@
 #include "analyzer/report/summary/summary.hpp"
 #include "analyzer/report/summary/trajectories.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/files/scratch_folder.hpp"
 #include "common/text/format.hpp"
 
 namespace lab::report {
@@ -22,40 +22,22 @@ namespace {
 
 /// A folder for unfinished files, on the same file system as the output so that files can be
 /// renamed.
-class Scratch {
- public:
-  explicit Scratch(const fs::path& out) {
-    std::error_code error;
-    fs::create_directories(out, error);
-    std::string name = (out / ".report-XXXXXX").string();
-    if (error || mkdtemp(name.data()) == nullptr) {
-      throw ReportError(fmt::format(
-          "{}: cannot write here; choose another folder with --out or change its permissions",
-          out.string()));
-    }
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
+fs::path scratchIn(const fs::path& out) {
+  fs::path made = makeUniqueFolder(out, ".report");
+  if (!made.empty()) return made;
+  throw ReportError(fmt::format(
+      "{}: cannot write here; choose another folder with --out or change its permissions",
+      out.string()));
+}
 
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream file(path_ / name, std::ios::binary);
-    file.write(text.data(), static_cast<std::streamsize>(text.size()));
-    file.flush();
-    if (!file) {
-      throw ReportError(fmt::format("cannot write {}: is the disk full?", name));
-    }
+void write(const fs::path& file, const std::string& text) {
+  std::ofstream stream(file, std::ios::binary);
+  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  stream.flush();
+  if (!stream) {
+    throw ReportError(fmt::format("cannot write {}: is the disk full?", file.filename().string()));
   }
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+}
 
 /// The error for a log without frames, with the streams it has.
 std::string withoutFrames(const fs::path& log, const RunRecord& record) {
@@ -87,30 +69,30 @@ void refuseLink(const fs::path& folder) {
 
 /// Writes all files of a record, each completely or not at all.
 AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with_figures) {
-  const Scratch scratch(out);
+  const ScratchFolder scratch(scratchIn(out));
   std::vector<Figure> figures;
   if (with_figures) figures = drawFigures(record, scratch.path());
 
   const fs::path for_paper = "figures";
   refuseLink(out / for_paper);
   std::vector<std::string> names{"summary.json", "trajectories.csv", "segments.csv"};
-  scratch.write("summary.json", summaryJson(record));
-  scratch.write("trajectories.csv", trajectoriesCsv(record));
-  scratch.write("segments.csv", segmentsCsv(record));
+  write(scratch.path() / "summary.json", summaryJson(record));
+  write(scratch.path() / "trajectories.csv", trajectoriesCsv(record));
+  write(scratch.path() / "segments.csv", segmentsCsv(record));
   for (const Figure& figure : figures) {
     if (figure.svg.empty()) continue;
     names.push_back(figure.name + ".svg");
-    scratch.write(names.back(), figure.svg);
+    write(scratch.path() / names.back(), figure.svg);
     fs::create_directories(scratch.path() / for_paper);
     fs::create_directories(out / for_paper);
     names.push_back(for_paper / (figure.name + ".pdf"));
-    scratch.write(names.back(), figure.pdf);
+    write(scratch.path() / names.back(), figure.pdf);
     if (figure.csv.empty()) continue;
     names.push_back(for_paper / (figure.name + ".csv"));
-    scratch.write(names.back(), figure.csv);
+    write(scratch.path() / names.back(), figure.csv);
   }
   names.emplace_back("report.html");
-  scratch.write("report.html", reportHtml(record, figures));
+  write(scratch.path() / "report.html", reportHtml(record, figures));
 
   AnalyzedRun analyzed;
   for (const std::string& name : names) {

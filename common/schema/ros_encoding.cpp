@@ -6,6 +6,7 @@
 #include <set>
 
 #include "common/schema/cdr_writer.hpp"
+#include "common/schema/lcm_writer.hpp"
 
 namespace lab::schema {
 namespace {
@@ -136,23 +137,6 @@ std::int64_t signedOf(std::uint64_t bits, std::size_t size) {
   const auto unused = static_cast<unsigned>(64 - 8 * size);
   return static_cast<std::int64_t>(bits << unused) >> unused;
 }
-
-class LcmWriter {
- public:
-  void number(std::uint64_t bits, std::size_t size) {
-    for (std::size_t i = size; i-- > 0;)
-      bytes_.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
-  }
-  void text(std::string_view value) {
-    number(value.size() + 1, sizeof(std::int32_t));
-    bytes_.insert(bytes_.end(), value.begin(), value.end());
-    bytes_.push_back(0);
-  }
-  [[nodiscard]] std::vector<std::uint8_t> take() { return std::move(bytes_); }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-};
 
 void putNumber(CdrWriter& cdr, std::uint64_t bits, std::size_t size) {
   switch (size) {

@@ -8,13 +8,13 @@
 #include <array>
 #include <cerrno>
 #include <csignal>
-#include <cstdlib>
 #include <fstream>
 #include <limits>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 
+#include "common/files/scratch_folder.hpp"
 #include "common/process/child_process.hpp"
 #include "common/process/file_descriptor.hpp"
 #include "common/process/pipe.hpp"
@@ -87,11 +87,9 @@ CommandResult runCommand(const std::vector<std::string>& arguments,
 }
 
 fs::path DetachedCommand::makeFolder() {
-  std::string name = (fs::temp_directory_path() / "active-lab-XXXXXX").string();
-  if (mkdtemp(name.data()) == nullptr) {
-    throw std::runtime_error("cannot create a folder in " + fs::temp_directory_path().string());
-  }
-  return name;
+  fs::path made = makeUniqueFolder(fs::temp_directory_path(), "active-lab");
+  if (!made.empty()) return made;
+  throw std::runtime_error("cannot create a folder in " + fs::temp_directory_path().string());
 }
 
 DetachedCommand::DetachedCommand(fs::path folder, const std::vector<std::string>& arguments)

@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 #include <string>
 
 #include "analyzer/analyze_run.hpp"
+#include "common/files/scratch_folder.hpp"
 #include "common/math/units.hpp"
 #include "common/text/printable.hpp"
 #include "runner/analyze/analyze_commands.hpp"
@@ -32,30 +32,13 @@ bool isPoseFile(const fs::path& path) {
 }
 
 /// A folder beside the results for what is only needed on the way to them.
-class Scratch {
- public:
-  explicit Scratch(const fs::path& out) {
-    fs::create_directories(out);
-    std::string name = (out / ".import-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) {
-      throw UserError(fmt::format(
-          "{}: cannot write here; choose another folder with --out or change its permissions",
-          out.string()));
-    }
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
+fs::path scratchIn(const fs::path& out) {
+  fs::path made = makeUniqueFolder(out, ".import");
+  if (!made.empty()) return made;
+  throw UserError(fmt::format(
+      "{}: cannot write here; choose another folder with --out or change its permissions",
+      out.string()));
+}
 
 bool isOpenFormat(const fs::path& path) { return mcap::isMcap(path) || isHdf5(path); }
 
@@ -70,7 +53,7 @@ report::PoseFileOptions columnsOf(const AnalyzeOptions& options) {
 /// analyzes that.
 ExitCode analyzeOpenFormat(const fs::path& input, const fs::path& out,
                            const AnalyzeOptions& options, const report::AnalyzeOptions& how) {
-  const Scratch scratch(out);
+  const ScratchFolder scratch(scratchIn(out));
   if (isHdf5(input) && !hasLogTables(input)) {
     const fs::path csv = scratch.path() / (input.stem().string() + ".csv");
     writePosesOfHdf5(input, csv);

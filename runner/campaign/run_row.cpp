@@ -10,6 +10,7 @@
 
 #include "analyzer/run_summary.hpp"
 #include "common/files/file_text.hpp"
+#include "common/files/scratch_folder.hpp"
 #include "common/process/version.hpp"
 #include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_folder.hpp"
@@ -20,27 +21,6 @@
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;
 namespace {
-
-/// A folder that is removed at the end, unless it was moved away.
-class Scratch {
- public:
-  explicit Scratch(fs::path path) : path_(std::move(path)) {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-    fs::create_directories(path_);
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
 
 /// As the file of `lab run`, without what differs between two runs of the same row.
 std::string provenanceText(const RunTask& task, const RunOutcome& outcome) {
@@ -87,7 +67,10 @@ bool needsLiveAnalysis(const Experiment& experiment) {
 
 void runRow(const RunTask& task) {
   const bool logs = task.request->keep == Keep::kLogs;
-  const Scratch scratch(task.work / task.row->identity.text());
+  const ScratchFolder scratch(task.work / task.row->identity.text());
+  std::error_code error;
+  fs::remove_all(scratch.path(), error);  // of an interrupted run
+  fs::create_directories(scratch.path());
   Experiment experiment = experimentOf(*task.point, task.row->seed, task.campaign);
   const bool live = logs || needsLiveAnalysis(experiment);
   PreparedRun run = prepareRun(std::move(experiment), task.campaign, scratch.path(), 0);

@@ -18,6 +18,7 @@
 
 #include "common/bus/log_file.hpp"
 #include "common/schema/array_groups.hpp"
+#include "common/schema/lcm_writer.hpp"
 #include "common/schema/message_table.hpp"
 #include "common/schema/schema.hpp"
 #include "runner/export/hdf5_handles.hpp"
@@ -181,24 +182,6 @@ struct Plan {
   std::vector<Source*> lists;
 };
 
-class EncodingWriter {
- public:
-  void number(std::uint64_t bits, std::size_t size) {
-    for (std::size_t i = size; i-- > 0;)
-      bytes_.push_back(static_cast<std::uint8_t>(bits >> (8 * i)));
-  }
-  void text(std::string_view value) {
-    number(value.size() + 1, sizeof(std::int32_t));
-    bytes_.insert(bytes_.end(), value.begin(), value.end());
-    bytes_.push_back(0);
-  }
-  void clear() { bytes_.clear(); }
-  [[nodiscard]] const std::vector<std::uint8_t>& bytes() const { return bytes_; }
-
- private:
-  std::vector<std::uint8_t> bytes_;
-};
-
 /// The messages of one channel.
 class Channel {
  public:
@@ -359,7 +342,7 @@ class Channel {
   std::vector<Plan> plans_;
   std::size_t root_ = 0;
   std::size_t event_ = 0, received_ = 0;
-  EncodingWriter encoding_;
+  schema::LcmWriter encoding_;
 };
 
 std::vector<std::string> linksOf(hid_t group) {

@@ -9,7 +9,6 @@
 #include <cerrno>
 #include <chrono>
 #include <cstdint>
-#include <cstdlib>
 #include <fstream>
 #include <lab/service_status_t.hpp>
 #include <memory>
@@ -22,6 +21,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
 #include "common/bus/lcm_bus.hpp"
+#include "common/files/scratch_folder.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/process/installation.hpp"
@@ -56,9 +56,10 @@ constexpr int kFlushPeriod_ms = 10;
 class HostFolder {
  public:
   HostFolder() {
-    std::string name = (fs::temp_directory_path() / "active-lab-host-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw UserError("cannot make a folder " + name);
-    path_ = name;
+    path_ = makeUniqueFolder(fs::temp_directory_path(), "active-lab-host");
+    if (path_.empty()) {
+      throw UserError("cannot make a folder in " + fs::temp_directory_path().string());
+    }
     Pipe pipe = makePipe();
     const pid_t cleaner = fork();
     if (cleaner == 0) clean(pipe.out.get(), pipe.in.get());
