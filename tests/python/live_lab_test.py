@@ -61,10 +61,12 @@ class LiveLab(unittest.TestCase):
         script.write_text(textwrap.dedent("""
             import active_lab
             with active_lab.Lab() as lab:
-                count = sum(1 for frame in lab.frames())
-                print("frames seen", count > 100, "virtual", lab.virtual, flush=True)
+                for count, frame in enumerate(lab.frames()):
+                    if count == 100:
+                        lab.end("seen enough")
+                print("frames seen", count >= 100, "virtual", lab.virtual, flush=True)
             """))
-        run, output = self.finished(self.start("abp", 6, "--with", script))
+        run, output = self.finished(self.start("abp", 300, "--with", script))
         self.assertIn("frames seen True virtual False", output)
         self.assertTrue(any("user program follow.py" in text for text in run.events.text))
 

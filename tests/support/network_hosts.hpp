@@ -239,6 +239,17 @@ class Hosts {
         seconds);
   }
 
+  /// Receives on all buses until a host has the message `seq` of a sender, at most for `seconds`.
+  bool untilHeard(std::size_t host, std::string_view sender, std::string_view channel,
+                  std::int64_t seq, double seconds) {
+    return until(
+        [&] {
+          const std::vector<Message> heard = all_[host]->of(sender, channel);
+          return !heard.empty() && heard.back().seq >= seq;
+        },
+        seconds);
+  }
+
   /// Calls `publish` at `rate` [1/s] for `seconds` and receives meanwhile.
   /// @return number of calls
   int publishing(double rate, double seconds, const std::function<void(int)>& publish) {

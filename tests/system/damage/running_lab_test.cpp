@@ -166,6 +166,12 @@ class RunningLab {
       }
       bus_.drainFor(20);
     }
+    // A run that a mutant has ended may still be ending.
+    const auto same_services = [this] {
+      return std::ranges::all_of(kServices,
+                                 [this](const char* name) { return pidOf(name) == pids_[name]; });
+    };
+    if (!same_services()) waitUntil([this] { return !lab_->running(); }, seconds(60));
     if (!lab_->running()) return;
     for (const char* name : kServices) {
       EXPECT_TRUE(reporting_.contains({name, pids_[name]})) << name << " is silent after " << what;
