@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "analyzer/curves/frame_phases.hpp"
 #include "analyzer/curves/hold_period.hpp"
 #include "analyzer/curves/lag_errors.hpp"
 #include "analyzer/curves/statistics.hpp"
@@ -59,6 +60,10 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
   const bool enough_draws = observed / law->drawTime() >= kMinDraws;
   const auto tracks = static_cast<double>(data.tracks.size());
   const double segments = std::max(tracks, total.segments);
+  const FramePhases phases(law, data.frame_period, observed, tracks);
+  const std::vector<double> angular_phases = phaseErrors(phases, estimator, data.lags);
+  const std::vector<double> msd_phases = phaseErrors(phases, data.lags);
+  const ExactLaw slow(law->held() ? law.slowed(1 + kClockError) : law);
   const RecordingGaps gaps = gapsOf(data, total);
   const auto recording_error = [&](bool angular, double tau) {
     return options.recordings != nullptr && kTrustedBlocks * tau > observed / tracks
@@ -107,10 +112,14 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
       p.sigma = p.windows > 0 ? error.raw : kNan;
       p.n_eff = (fourth - p.value * p.value) / (p.sigma * p.sigma);
       const double offset_error = by_fit && !angular ? options.offset_sigma : 0;
-      p.z = normalDeviate(
-          (corrected - expected) /
-              std::hypot(error.corrected, options.systematic_floor * expected, offset_error),
-          error.freedom);
+      const double phase_error = (angular ? angular_phases : msd_phases)[i];
+      const double clock_error = angular ? (slow.angularMsd(tau) - p.exact) / std::sqrt(tracks) : 0;
+      const double known = std::hypot(options.systematic_floor * expected,
+                                      std::hypot(offset_error, phase_error, clock_error));
+      const double deviation = error.freedom == kManyBlocks
+                                   ? expected * normalised(corrected / expected)
+                                   : corrected - expected;
+      p.z = normalDeviate(deviation / std::hypot(error.corrected, known), error.freedom);
       p.selection_biased = options.unbiased_lag > 0 && tau > options.unbiased_lag;
       p.judged = enough_draws && noise_known && !p.selection_biased && std::isfinite(p.z) &&
                  covered >= kLeastCovered && kRecordingsPerLag * tau <= covered * observed;

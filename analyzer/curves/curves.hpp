@@ -38,7 +38,7 @@ struct CurveOptions {
   double systematic_floor =
       0.002;  ///< Relative deviation from the law that is allowed as systematic.
   double speed_tolerance =
-      0.05;  ///< Relative error of the speed that is accepted as a calibration error.
+      0.04;  ///< Relative error of the speed that is accepted as a calibration error.
   /// Windows of longer lags are a biased sample, because the motion decides whether they exist
   /// (Analysis::setSpatialLight), s; 0: no lag is biased.
   double unbiased_lag = 0;

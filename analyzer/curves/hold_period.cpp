@@ -5,6 +5,8 @@
 #include <complex>
 #include <numbers>
 
+#include "analyzer/laws/law.hpp"
+
 namespace lab::analysis {
 namespace {
 
@@ -20,7 +22,6 @@ constexpr double kFewestBlocks = 8;
 constexpr std::ptrdiff_t kPeak = 5;     // frequencies on both sides of the line that its fit uses
 constexpr double kSignificance = 6;     // of the line, in standard errors of the noise
 constexpr double kDisplacement = 2e-4;  // relative, of the line by what subtractScatter() leaves
-constexpr double kClockError = 0.005;   // of the robots' ceramic resonators
 
 double frequencyOf(std::size_t index) {
   return 1 - kWidth + 2 * kWidth * static_cast<double>(index) / (HoldSpectra::kFrequencies - 1);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "analyzer/curves/estimates.hpp"
+#include "analyzer/curves/frame_phases.hpp"
 #include "analyzer/laws/numerics.hpp"
 #include "common/math/units.hpp"
 
@@ -20,11 +21,10 @@ constexpr double kOffsetError = 0.05;     // relative error of the noise
 constexpr double kMostScatter = 0.5;      // of a cube root; beyond, a lag is not judged
 constexpr double kTolerance = 0.05;       // of an MSD, for calibration
 constexpr double kOnePercentZ = 3.2;      // the largest |z| of normal lags exceeds it in 1 %
+constexpr double kRareShare = 0.9975;     // of films
+constexpr double kRareZ = 3.8;            // below the limit of the verdict
 constexpr std::size_t kLastNoiseLag = 8;  // index of the second lag for the noise of the heading
 constexpr int kFewestFilms = 20;
-
-/// Nearly normal, and nearly ratio - 1 where the ratio is nearly 1 (Wilson and Hilferty).
-double normalised(double ratio) { return 3 * (std::cbrt(ratio) - 1); }
 
 /// The ratios of one pair of curves to the expected ones, without noise: MSD, then angular MSD.
 using Ratios = std::vector<double>;
@@ -48,6 +48,7 @@ class Comparison {
       shape_.push_back(films_.expected(true, i));
     }
     second_lag_ = secondLag(films_);
+    setPhaseErrors(law);
     for (std::size_t column = 0; column < 2 * lags_; ++column) {
       point(column).exact = films_.expected(column >= lags_, column % lags_);
       scales_.push_back(errorScale(films.curves(), observed_, segments_, tau(column)));
@@ -123,6 +124,26 @@ class Comparison {
            kRecordingsPerLag * tau(column) <= covered * observed_;
   }
 
+  /// Of frames that keep their phases of the hold: films of which this is true are rare, but are
+  /// far off.
+  void setPhaseErrors(const ProgramLaw& law) {
+    const double hold = law->steadyHold();
+    std::size_t after = 0;  // the first lag that is not shorter
+    while (after + 1 < lags_ && films_.curves().lags[after] < hold) ++after;
+    const FramePhases phases(law, std::max(hold, films_.curves().lags[after]), shape_[after],
+                             data_.frame_period, observed_,
+                             static_cast<double>(data_.tracks.size()));
+    std::vector<FramePhases::Deviations> all;
+    for (std::size_t i = 0; i < lags_; ++i) all.push_back(phases.of(true, data_.lags[i]));
+    for (std::size_t phase = 0; phases.matter() && phase < FramePhases::kPhases; ++phase) {
+      std::vector<double> curve;
+      for (const FramePhases::Deviations& one : all) curve.push_back(one[phase]);
+      const double noise = headingOffset(curve, shape_, second_lag_);
+      for (FramePhases::Deviations& one : all) one[phase] -= noise;
+    }
+    phase_errors_ = errorsOf(all);
+  }
+
   /// The lag at which the MSD is most precise, and mostly motion.
   [[nodiscard]] std::optional<std::size_t> calibrationLag(const Ratios& measured,
                                                           const std::vector<Ratios>& films) const {
@@ -171,7 +192,8 @@ class Comparison {
       const double expected = one.exact;
       const Moments of = moments(films, column);
       const double noise = std::abs(one.noise) / expected;
-      const double floor = angular ? 0 : options_.systematic_floor;
+      const double floor =
+          angular ? phase_errors_[column - lags_] / expected : options_.systematic_floor;
       const double of_reference =
           of.sigma / scales_[column] / std::sqrt(static_cast<double>(films.size()));
       const double sigma =
@@ -186,9 +208,14 @@ class Comparison {
       }
     }
     std::ranges::sort(largest);
-    const double tail = largest[static_cast<std::size_t>(
-        std::floor(0.99 * static_cast<double>(largest.size() - 1)))];
-    const double factor = std::max(1.0, tail / kOnePercentZ);
+    const auto quantile = [&](double share) {
+      return largest[static_cast<std::size_t>(
+          std::floor(share * static_cast<double>(largest.size() - 1)))];
+    };
+    // The second one for rare films that are far off: of holds of two frames that keep step with
+    // the camera.
+    const double factor =
+        std::max({1.0, quantile(0.99) / kOnePercentZ, quantile(kRareShare) / kRareZ});
     for (std::size_t column = 0; column < 2 * lags_; ++column) point(column).z /= factor;
   }
 
@@ -205,6 +232,7 @@ class Comparison {
   bool noise_known_ = false;
   std::vector<double> shape_;         ///< Expected angular MSD.
   std::size_t second_lag_ = 0;        ///< For the noise of the heading.
+  std::vector<double> phase_errors_;  ///< Of the angular MSD, rad^2.
   std::vector<std::size_t> columns_;  ///< That may be judged, ascending.
   std::vector<double> scales_;        ///< From the error of a film to that of the measured time.
 };

@@ -26,8 +26,8 @@ namespace lab::analysis {
 /// curves are treated alike: noise is removed, and if the MSD at its most precise lag is within 5 %
 /// of the expected one, a speed is taken to be calibrated wrongly by up to 2.5 %, and all lags are
 /// relative to that one. z is divided by the factor by which the largest |z| of the films exceeds
-/// 3.2 in 1 % of them, if it does: so the verdict (judge()) has the same rate of false alarms
-/// whatever the distribution is.
+/// 3.2 in 1 % of them, or 3.8 in 0.25 %, if it does: so the verdict (judge()) has the same rate of
+/// false alarms whatever the distribution is.
 /// @param result of curves() for the same data
 /// @param films complete
 void compareWithFilms(Curves& result, const FilmReference& films, const ProgramLaw& law,

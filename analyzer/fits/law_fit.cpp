@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 
+#include "analyzer/curves/frame_phases.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "common/math/units.hpp"
 
@@ -94,15 +95,15 @@ class Fit {
     for (Eigen::Index j = 0; j < n; ++j) {
       reference_(j) = recordings.law[columns_[static_cast<std::size_t>(j)].in_recordings];
     }
-    systematic_ = Vector::Zero(n);
+    systematic_ = Matrix::Zero(n, n);
     for (Eigen::Index j = 0; j < n; ++j) {
       const Column& c = columns_[static_cast<std::size_t>(j)];
       if (c.angular) continue;
       const double motion = 1 - offset() * c.joined / reference_(j);
-      systematic_(j) = std::pow(options_.systematic_floor * motion, 2);
+      systematic_(j, j) = std::pow(options_.systematic_floor * motion, 2);
     }
-    covariance_ = deviations.transpose() * deviations / (recordings.recordings - 1);
-    covariance_.diagonal() += systematic_;
+    addPhases();
+    covariance_ = deviations.transpose() * deviations / (recordings.recordings - 1) + systematic_;
     regularise();
   }
 
@@ -188,6 +189,21 @@ class Fit {
     return norms.cwiseInverse().asDiagonal() * factor.solve(scaled.transpose() * b);
   }
 
+  /// Adds what frames do that keep their phases of the hold.
+  void addPhases() {
+    const FramePhases phases(law_, curves_.frame_period, curves_.observed, curves_.tracks);
+    if (!phases.matter()) return;
+    Matrix deviations(FramePhases::kPhases, index(columns()));
+    for (std::size_t j = 0; j < columns(); ++j) {
+      const Column& c = columns_[j];
+      const FramePhases::Deviations of =
+          phases.of(c.angular, std::round(c.tau / curves_.frame_period));
+      deviations.col(index(j)) =
+          Eigen::Map<const Vector>(of.data(), FramePhases::kPhases) / reference_(index(j));
+    }
+    systematic_ += deviations.transpose() * deviations / FramePhases::kPhases;
+  }
+
   /// Increases the diagonal of a covariance that is numerically singular.
   void regularise() {
     const Vector sd = covariance_.diagonal().cwiseSqrt();
@@ -198,6 +214,26 @@ class Fit {
     regularised_ =
         factor.info() != Eigen::Success || pivots.diagonal().minCoeff() < std::sqrt(kLeastPivot);
     if (regularised_) covariance_.diagonal() += kLeastPivot * covariance_.diagonal();
+  }
+
+  /// The squared distance of the curves from the law, with the rate of the robots' clocks free
+  /// within its error. Otherwise an error of 1 % would be a misfit in an hour, because the times of
+  /// the program are given.
+  [[nodiscard]] double distance2(const Eigen::LLT<Matrix>& factor, const Vector& left) const {
+    const Vector white = factor.matrixL().solve(left);
+    const ExactLaw slow(law().slowed(1 + kClockError));
+    const ExactLaw exact(law());
+    Vector clock(index(columns()));
+    for (std::size_t j = 0; j < columns(); ++j) {
+      const Column& c = columns_[j];
+      clock(index(j)) = c.angular ? slow.angularMsd(c.tau) - exact.angularMsd(c.tau)
+                                  : slow.msd(c.tau) - exact.msd(c.tau);
+    }
+    clock = clock.cwiseQuotient(reference_) / std::sqrt(curves_.tracks);
+    Vector off = factor.matrixL().solve(clock);
+    const Matrix sensitivity = factor.matrixL().solve(jacobian_);
+    off -= sensitivity * leastSquares(sensitivity, sensitivity.colwise().norm(), off);
+    return white.squaredNorm() - std::pow(white.dot(off), 2) / (1 + off.squaredNorm());
   }
 
   /// The matrix that maps relative deviations to changes of the parameters, for a covariance.
@@ -223,13 +259,13 @@ class Fit {
       const Eigen::Index count = (fold + 1) * recordings / kFolds - first;
       const Matrix left_out = deviations_.middleRows(first, count);
       Matrix rest = (sum - left_out.transpose() * left_out) / (n - 1 - static_cast<double>(count));
-      rest.diagonal() += systematic_;
+      rest += systematic_;
       if (regularised_) rest = covariance_;
       const Matrix shifts = left_out * weights(rest).transpose();
       errors += shifts.transpose() * shifts / (n - 1);
     }
     const Matrix all = weights(covariance_);
-    return errors + all * systematic_.asDiagonal() * all.transpose();
+    return errors + all * systematic_ * all.transpose();
   }
 
   ProgramLaw law_;
@@ -245,7 +281,7 @@ class Fit {
   Vector reference_;
   Matrix deviations_;  ///< Relative deviations of the recordings, scaled to the measured time; one
                        ///< row each.
-  Vector systematic_;  ///< Variances.
+  Matrix systematic_;  ///< Covariance that recordings do not show.
   Matrix covariance_;
   Matrix jacobian_;
 };
@@ -297,7 +333,7 @@ void Fit::report(LawFit& fit, int recordings) const {
   fit.recordings = recordings;
   fit.regularised = regularised_;
   fit.freedom = static_cast<int>(columns() - parameters_);
-  fit.chi2 = factor.matrixL().solve(left).squaredNorm();
+  fit.chi2 = distance2(factor, left);
   fit.p_value = hotellingTail(fit.chi2, fit.freedom, n);
   const std::string note = angular_ ? "GLS fit of the exact law to MSD and angular MSD"
                                     : "GLS fit of the exact law to the MSD alone: no headings";

@@ -8,6 +8,7 @@
 
 #include "analyzer/curves/block_errors.hpp"
 #include "analyzer/curves/estimates.hpp"
+#include "analyzer/curves/frame_phases.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "analyzer/fits/distance_distribution.hpp"
 #include "analyzer/fits/fit_plan.hpp"
@@ -39,10 +40,6 @@ double expected(TestedLaw tested, const ProgramLaw& law, bool angular, double ta
   const ExactLaw exact(law);
   return angular ? exact.angularMsd(tau) : exact.msd(tau);
 }
-
-/// A mean square has nearly a chi-square distribution, so its cube root has nearly a normal one
-/// (Wilson and Hilferty). The factor makes the result nearly ratio - 1 where the ratio is nearly 1.
-double normalised(double ratio) { return 3 * (std::cbrt(ratio) - 1); }
 
 /// One lag of one curve.
 struct Column {
@@ -170,6 +167,7 @@ class Distance {
         n_(static_cast<Eigen::Index>(columns_.size())) {
     setScatter(simulated);
     scatter_ += offset_share_ * offset_share_.transpose();
+    addPhases();
     covariance_ = scatter_;
     covariance_.diagonal().array() += options_.systematic_floor * options_.systematic_floor;
     factor_.compute(covariance_);
@@ -260,6 +258,19 @@ class Distance {
     scatter_ = values.transpose() * values / (recordings_ - 1);
   }
 
+  /// Adds what frames do that keep their phases of the hold.
+  void addPhases() {
+    const FramePhases phases(law_, curves_.frame_period, curves_.observed, curves_.tracks);
+    if (!phases.matter()) return;
+    Eigen::MatrixXd deviations(FramePhases::kPhases, n_);
+    for (Eigen::Index j = 0; j < n_; ++j) {
+      const double frames = std::round(lag(at(j)) / curves_.frame_period);
+      const FramePhases::Deviations of = phases.of(at(j).angular, frames);
+      deviations.col(j) = Eigen::Map<const Eigen::VectorXd>(of.data(), FramePhases::kPhases) /
+                          expected(tested_, law_, at(j).angular, lag(at(j)));
+    }
+    scatter_ += deviations.transpose() * deviations / FramePhases::kPhases;
+  }
   /// From the law with `speed` times the programmed speed.
   [[nodiscard]] Eigen::VectorXd deviation(double speed) const {
     const ProgramLaw law = speed == 1 ? law_ : law_.withSpeed(speed * law_->meanSpeed());
@@ -305,7 +316,7 @@ class Distance {
   int recordings_ = 0;
   Eigen::VectorXd mean_;          ///< Of the simulated recordings.
   Eigen::VectorXd offset_share_;  ///< By the error of the noise of the positions.
-  Eigen::MatrixXd scatter_;       ///< Covariance of both.
+  Eigen::MatrixXd scatter_;       ///< Covariance of both, and of the frames' phases.
   Eigen::MatrixXd covariance_;    ///< The same with the systematic floor.
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };

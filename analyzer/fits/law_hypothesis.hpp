@@ -55,7 +55,7 @@ enum class TestedLaw {
 struct TestOptions {
   double systematic_floor =
       0.002;  ///< Relative systematic error of each lag, independent of the others.
-  double speed_tolerance = 0.05;  ///< Of the speed, relative; farther off, it is not free.
+  double speed_tolerance = 0.04;  ///< Of the speed, relative; farther off, it is not free.
   double longest_lag = 0;         ///< Longer lags are selected by their outcome, s; 0: none.
 };
 

@@ -55,6 +55,15 @@ ProgramLaw ProgramLaw::with(std::string_view parameter, double value) const {
   return changed;
 }
 
+ProgramLaw ProgramLaw::slowed(double factor) const {
+  ProgramLaw slow = *this;
+  for (const LawParameter& one : law_->parameters()) {
+    if (one.unit == "s") slow = slow.with(one.name, one.value * factor);
+    if (one.unit == "1/s") slow = slow.with(one.name, one.value / factor);
+  }
+  return slow;
+}
+
 ProgramLaw ProgramLaw::withSpeed(double speed) const {
   const std::string parameter = law_->speedParameter();
   return parameter.empty() ? *this : with(parameter, speed);

@@ -22,6 +22,9 @@ namespace lab::analysis {
 class HeldNoise;
 class ProgramLaw;
 
+/// Standard deviation of the rates of the robots' clocks (ceramic resonators), relative.
+inline constexpr double kClockError = 0.005;
+
 /// A parameter of a law.
 struct LawParameter {
   std::string name;    ///< As in program files: "epsilon".
@@ -220,6 +223,8 @@ class ProgramLaw {
   [[nodiscard]] std::uint32_t program() const { return program_; }
   /// The same closed form with another value of a parameter.
   [[nodiscard]] ProgramLaw with(std::string_view parameter, double value) const;
+  /// The same closed form on a robot whose clock takes `factor` times as long.
+  [[nodiscard]] ProgramLaw slowed(double factor) const;
   /// The same with another mean speed, if it has one.
   [[nodiscard]] ProgramLaw withSpeed(double speed) const;
 

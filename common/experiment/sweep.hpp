@@ -17,7 +17,7 @@ enum class Sampling : std::int8_t {
 };
 
 struct SweepTable {
-  std::vector<std::string> over;  ///< as after --over: "programs.abp.eta_rad_s=1,2,3"
+  std::vector<std::string> over;  ///< as after --over: "programs.NAME.eta_rad_s=1,2,3"
   bool zip = false;               ///< values of the same number belong together
   std::int64_t seeds = 1;         ///< runs per point
   std::int64_t random = 0;        ///< number of points that are drawn; 0: all combinations

@@ -78,7 +78,7 @@ class ProgramReader {
   void report(const std::vector<language::Problem>& found, const std::string& name) {
     for (const language::Problem& problem : found) {
       std::string shown = problem.key.empty() && path_.empty() ? name : problem.key;
-      // law = "abp" has no key law.name.
+      // law = "NAME" has no key law.name.
       if (shown == "law.name" && !places_.contains(shown)) shown = "law";
       problems_.addAt(place(problem.key, problem.offset), shownPath(shown), problem.message);
     }

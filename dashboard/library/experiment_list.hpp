@@ -10,7 +10,7 @@
 namespace lab::dashboard {
 
 struct ListedExperiment {
-  /// Its key in requests: "shipped/abp.toml", "mine.toml", "experiments/mine.toml".
+  /// Its key in requests: "shipped/NAME.toml", "mine.toml", "experiments/mine.toml".
   std::string file;
   std::filesystem::path path;
   std::string name;

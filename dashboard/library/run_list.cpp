@@ -36,7 +36,7 @@ bool isRun(const fs::path& folder) {
          fs::exists(folder / "log.lcmlog", error);
 }
 
-/// The start time from the folder's name as the runner creates it: abp-20260131T120000Z.
+/// The start time from the folder's name as the runner creates it: NAME-20260131T120000Z.
 std::string startOfName(const std::string& name) {
   static const std::regex form(R"(-(\d{4})(\d\d)(\d\d)T(\d\d)(\d\d)(\d\d)Z(-\d+)?$)");
   std::smatch found;

@@ -47,7 +47,7 @@ class RunList {
   /// The folder of a run; nothing if there is no such run.
   [[nodiscard]] std::optional<std::filesystem::path> folderOf(std::string_view run) const;
 
-  /// The path of a file of the run's report ("msd_abp.svg", "figures/msd_abp.csv"). Nothing if it
+  /// The path of a file of the run's report ("msd_NAME.svg", "figures/msd_NAME.csv"). Nothing if it
   /// does not exist, is of another type, or is a link to a file outside the run's folder.
   [[nodiscard]] std::optional<std::filesystem::path> file(std::string_view run,
                                                           std::string_view name) const;

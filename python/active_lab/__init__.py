@@ -3,7 +3,7 @@
 Read a run (docs/python.md):
 
     import active_lab
-    run = active_lab.open("runs/abp-20260131T120000Z")   # the folder of a run
+    run = active_lab.open("runs/NAME-20260131T120000Z")   # the folder of a run
     run                                                  # what is in it
     run.poses                                            # pandas: t, frame, robot_id, x, y, theta, confidence
     run.poses.attrs["units"]                             # {'x': 'm', ...}

@@ -24,7 +24,7 @@ class Run(Log):
     """A run, by its folder or its log. Times `t` are in seconds since the script of the light began, as
     in the report; lengths are in m, angles in rad.
 
-        run = active_lab.open("runs/abp-20260131T120000Z")
+        run = active_lab.open("runs/NAME-20260131T120000Z")
         run.poses, run.states, run.events, run.analysis, run.truth    # tables (pandas)
         run.light.at(t, x, y), run.light.field(t).image()             # the light, anywhere
         run.table("ROBOT_STATUS", "robots", columns=["utime", "battery"])   # any message of the log

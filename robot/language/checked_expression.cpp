@@ -43,6 +43,36 @@ constexpr std::array<Function, 18> kFunctions{{
     {"sense", 1, "sense(0) to sense(7)"},
 }};
 
+/// What other languages have, and what to write here.
+struct ForeignFunction {
+  std::string_view name;
+  std::string_view instead;
+};
+
+constexpr std::array<ForeignFunction, 12> kForeignFunctions{{
+    {"rand", "uniform(0, 1)"},
+    {"random", "uniform(0, 1)"},
+    {"gauss", "normal(mean, deviation)"},
+    {"gaussian", "normal(mean, deviation)"},
+    {"randn", "normal(mean, deviation)"},
+    {"bernoulli", "chance(probability)"},
+    {"tan", "sin(x)/cos(x)"},
+    {"atan", "atan2(y, x)"},
+    {"arctan", "atan2(y, x)"},
+    {"exp", "it in a formula of law only"},
+    {"log", "it in a formula of law only"},
+    {"pow", "a product such as x*x, or pow(x, n) in a formula of law"},
+}};
+
+std::string_view insteadOf(std::string_view function) {
+  for (const ForeignFunction& one : kForeignFunctions) {
+    if (one.name == function) {
+      return one.instead;
+    }
+  }
+  return {};
+}
+
 struct Sensor {
   std::string_view name;
   dynamics::Input input;
@@ -284,8 +314,11 @@ class Checker {
   CheckedExpression checkCall(const Expression& node) {
     const Function* function = functionNamed(node.name);
     if (function == nullptr) {
-      throw SyntaxError(node.offset, "unknown function '" + node.name + "'; there are " + names() +
-                                         suggestion(scope_.suggest, node.name, functionNames()));
+      const std::string_view instead = insteadOf(node.name);
+      throw SyntaxError(
+          node.offset, "unknown function '" + node.name + "'; there are " + names() +
+                           (instead.empty() ? suggestion(scope_.suggest, node.name, functionNames())
+                                            : "; write " + std::string(instead)));
     }
     if (node.operands.size() != function->operands) {
       throw SyntaxError(node.offset, "'" + node.name + "' has " +

@@ -189,7 +189,10 @@ class Compiler {
     try {
       requireDimension(*checked, dimension, "the value", 0);
     } catch (const SyntaxError& problem) {
-      error(key, problem.offset(), problem.what());
+      const bool no_unit = checked->dimension == kPure;
+      error(key, problem.offset(),
+            problem.what() +
+                (no_unit ? "; give it one, as in 3 " + unitText(dimension) : std::string()));
       return std::nullopt;
     }
     return checked;
@@ -463,7 +466,7 @@ class Compiler {
 
   /// Extends the ranges of the state variables until no phase leaves them.
   void findRanges() {
-    // Ends, because each variable becomes unlimited only once.
+    // Ends, because each end of a range goes to 0 and becomes unlimited only once.
     for (int round = 1; extendRanges(round >= kRangeRounds); ++round) {
       checkPhases();
     }
@@ -479,7 +482,13 @@ class Compiler {
           continue;
         }
         if (to_the_limits) {
-          joined = bounds(-kLargestNumber, kLargestNumber);
+          // An end that grows goes to 0 before it is unlimited: halving never changes the sign.
+          if (joined.low < range.low) {
+            joined.low = joined.low >= 0 ? 0 : -kLargestNumber;
+          }
+          if (joined.high > range.high) {
+            joined.high = joined.high <= 0 ? 0 : kLargestNumber;
+          }
         }
         range = {joined.low, joined.high, false};
         extended = true;
@@ -531,8 +540,9 @@ class Compiler {
                 "; reduce the speed or the turn (a turn of 1 rad/s takes " + number(half_base_) +
                 " cm/s of each wheel)");
     } else {
-      result_.warnings.push_back(
-          {key, 0, "can ask for a wheel speed of " + needed + "; it is then limited and counted"});
+      result_.warnings.push_back({key, 0,
+                                  "can ask for a wheel speed of " + needed +
+                                      "; it is then limited and counted; bound it with clamp"});
     }
   }
 
@@ -560,7 +570,7 @@ class Compiler {
       result_.warnings.push_back({key, 0,
                                   "can be " + number(range.low < 0 ? range.low : range.high) +
                                       " s; it is then limited to 0 s to 3600 s and "
-                                      "counted"});
+                                      "counted; bound it with clamp"});
     }
   }
 

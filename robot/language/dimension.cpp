@@ -119,7 +119,8 @@ std::string unitAdvice(std::string_view name) {
   if (!instead.empty()) {
     return ": write " + std::string(instead) + " for it; the units are " + unitNames();
   }
-  return ", expected a unit (" + unitNames() + "), an operator or the end";
+  return ", expected a unit (" + unitNames() +
+         "), an operator or the end; products are written with '*'";
 }
 
 }  // namespace lab::language

@@ -34,12 +34,12 @@ constexpr std::string_view kNoPowers =
     "there are no powers here: write a product such as x*x, in a formula of law pow(x, n)";
 
 constexpr std::array<Foreign, 18> kForeign{
-    {{"=", "equality is written '=='"},
+    {{"=", "equality is written '=='; state variables get their values in 'set'"},
      {"^", kNoPowers},
      {"\u00b2", kNoPowers},
      {"\u00b3", kNoPowers},
      {"&", "logic is written 'and', 'or', 'not'"},
-     {"|", "logic is written 'and', 'or', 'not'"},
+     {"|", "logic is written 'and', 'or', 'not', a magnitude abs(x)"},
      {"!", "logic is written 'and', 'or', 'not'"},
      {"?", "a choice is written if(condition, a, b)"},
      {":", "a choice is written if(condition, a, b)"},
@@ -137,7 +137,12 @@ class Parser {
   Expression parseAll() {
     Expression result = parseOr();
     if (token_.kind != TokenKind::kEnd) {
-      throw unexpected("an operator or the end");
+      const bool is_name = token_.kind == TokenKind::kName;
+      throw unexpected(!is_name ? "an operator or the end"
+                       : isWord("if")
+                           ? "an operator or the end; a choice is written if(condition, a, b)"
+                           : "an operator or the end; products are written with '*', "
+                             "units as cm/s");
     }
     return result;
   }

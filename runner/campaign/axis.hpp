@@ -18,7 +18,7 @@ struct DrawnRange {
 
 /// One swept key with its values.
 struct Axis {
-  std::string key;                  ///< as for --set: "programs.abp.eta_rad_s"
+  std::string key;                  ///< as for --set: "programs.NAME.eta_rad_s"
   std::vector<std::string> values;  ///< as in a file; empty: they are drawn from the range
   std::optional<DrawnRange> range;
 

@@ -18,7 +18,7 @@ struct QuantityLabel {
   std::string symbol;   ///< "D_r"
   std::string unit;     ///< "rad²/s"; empty: none
 
-  [[nodiscard]] std::string text() const;  ///< "D_r of abp (rad²/s)"
+  [[nodiscard]] std::string text() const;  ///< "D_r of NAME (rad²/s)"
 };
 
 [[nodiscard]] QuantityLabel labelOf(const std::string& quantity);

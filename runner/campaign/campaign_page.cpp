@@ -94,7 +94,7 @@ std::string fittedText(const FittedNumber& number) {
                      valueText(number.low95, number.sigma), valueText(number.high95, number.sigma));
 }
 
-/// "D_r of abp = C epsilon^a eta^b: C = ..., a = ..., b = ..."
+/// "D_r of NAME = C epsilon^a eta^b: C = ..., a = ..., b = ..."
 std::optional<std::string> powerLawSentence(const CampaignData& data, const PooledTable& pooled,
                                             std::size_t quantity) {
   const auto law = powerLawOf(data, pooled, quantity);

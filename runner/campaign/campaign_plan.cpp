@@ -140,7 +140,7 @@ void requireNotSet(const Request& request, const std::vector<Axis>& axes) {
   }
 }
 
-/// Text of a point for messages: "programs.abp.eta_rad_s=3, duration_s=60".
+/// Text of a point for messages: "programs.NAME.eta_rad_s=3, duration_s=60".
 std::string pointText(const std::vector<Axis>& axes, const PointValues& values) {
   std::string text;
   for (std::size_t i = 0; i < axes.size(); ++i) {

@@ -27,7 +27,7 @@ struct CampaignData {
 
 /// A number that is pooled: a column of the runs without its errors.
 struct Quantity {
-  std::string name;         ///< of the column: "abp.D_r_rad2_s"
+  std::string name;         ///< of the column: "NAME.D_r_rad2_s"
   bool has_errors = false;  ///< the runs give a standard error
   bool has_theory = false;  ///< and the value of the programmed parameters
 };
@@ -39,7 +39,7 @@ struct PooledPoint {
   int faults = 0;                     ///< of these, with faults
   std::vector<PooledNumber> numbers;  ///< of each quantity
   std::vector<double> theory;         ///< of each quantity; nan: none
-  /// Number of runs by program and verdict: "abp.verdict" -> "agrees" -> 3.
+  /// Number of runs by program and verdict: "NAME.verdict" -> "agrees" -> 3.
   std::map<std::string, std::map<std::string, int>> verdicts;
 };
 

@@ -43,7 +43,7 @@ struct ReadResult {
 
 /// All numbers of a summary.json, and the verdicts. The pool of a program has the name of the
 /// program before its columns, and each estimate the columns X, X.standard_error, X.low95 ... :
-/// "abp.D_r_rad2_s". Curves, lists and the numbers of single robots are left out. Sections that
+/// "NAME.D_r_rad2_s". Curves, lists and the numbers of single robots are left out. Sections that
 /// this program does not know are taken with their path as name.
 /// @throws std::runtime_error if it is no summary.json
 [[nodiscard]] Columns columnsOf(std::string_view summary_json);

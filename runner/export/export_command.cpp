@@ -92,7 +92,7 @@ class Exporter {
   explicit Exporter(const ExportOptions& options)
       : options_(options), log_(report::logFiles(options.input)) {
     fs::path beside = options_.input;
-    if (!beside.has_filename()) beside = beside.parent_path();  // "runs/abp/"
+    if (!beside.has_filename()) beside = beside.parent_path();  // "runs/NAME/"
     if (fs::is_directory(options_.input)) {
       folder_ = options_.input;
     } else {

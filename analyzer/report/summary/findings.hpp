@@ -43,7 +43,7 @@ struct Finding {
 [[nodiscard]] std::string verdictText(const analysis::ProgramResult& result);
 
 /// How far the speed is from the programmed one, and how far it may be off for the verdict:
-/// "speed +0.21 % from the programmed one, up to 5 % allowed". Empty if the speed is not free.
+/// "speed +0.21 % from the programmed one, up to 4 % allowed". Empty if the speed is not free.
 [[nodiscard]] std::string speedAllowance(const analysis::ProgramResult& result);
 
 /// "no parameters of the law describe the curves (p = 2e-71)", "p = 2e-05 for the programmed

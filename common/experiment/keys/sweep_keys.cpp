@@ -30,7 +30,7 @@ Key ofCampaign(Key key) {
 void visitSweep(KeyVisitor& v, SweepTable& sweep) {
   v.texts(ofCampaign({.name = "over",
                       .meaning = "swept keys with their values, as after --over: "
-                                 "\"programs.abp.eta_rad_s=1,2,3\", \"duration_s=60:600:4\"",
+                                 "\"programs.NAME.eta_rad_s=1,2,3\", \"duration_s=60:600:4\"",
                       .default_text = "[]"}),
           {.most = 20000}, {.fewest = 0, .most = 20}, sweep.over);
   v.flag(

@@ -10,7 +10,7 @@ namespace lab::runner::campaign {
 
 /// One number of a run, and the same of its twins. nan: not measured.
 struct Look {
-  std::string name;  ///< "abp.D_r_rad2_s", "abp.msd at 1 s (cm²)"
+  std::string name;  ///< "NAME.D_r_rad2_s", "NAME.msd at 1 s (cm²)"
   double run = 0;
   std::vector<double> twins;
 };

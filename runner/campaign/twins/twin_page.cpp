@@ -52,7 +52,7 @@ std::string pText(double p) {
   return fmt::format("{:.2g}", p);
 }
 
-/// "D_r of abp (rad²/s)", and of a curve "msd at 1 s of abp (cm²)".
+/// "D_r of NAME (rad²/s)", and of a curve "msd at 1 s of NAME (cm²)".
 std::string lookText(const std::string& name) {
   if (name.find(" at ") == std::string::npos) return labelOf(name).text();
   const std::size_t dot = name.find('.');
