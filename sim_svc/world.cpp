@@ -18,7 +18,20 @@ constexpr double kBatteryFull = 4.15;         // V, of a Li-ion cell
 constexpr double kBatterySpread = 0.02;       // V
 constexpr double kBatteryFall = 0.15 / 3600;  // V/s
 constexpr double kMicro = 1e-6;
-constexpr std::size_t kGroup = 256;  // robots that move together, on one thread
+constexpr std::size_t kGroup = 256;     // robots that move together, on one thread
+constexpr std::size_t kFetchAhead = 6;  // robots
+constexpr std::size_t kCacheLine = 64;  // [bytes]
+
+/// Asks the processor for the first bytes of an object. Without it the first access to the next
+/// robot took a third of the time of 10 000 robots.
+template <class T>
+void fetch(const T* object) {
+  const char* bytes = reinterpret_cast<const char*>(object);
+  for (std::size_t at = 0; at < std::min<std::size_t>(sizeof(T), 8 * kCacheLine);
+       at += kCacheLine) {
+    __builtin_prefetch(bytes + at);
+  }
+}
 
 std::vector<dynamics::Pose> place(const WorldSettings& settings,
                                   const std::vector<RobotSetup>& robots) {
@@ -188,6 +201,7 @@ void World::advanceGroup(std::size_t begin, std::size_t end, double from, double
   Scans& next_scans = scratch.next_scans;
   scans.begin(due);
   for (std::size_t k = 0; k < due; ++k) {
+    if (k + kFetchAhead < due) fetch(&electronics_[scratch.due[k + kFetchAhead]]);
     const std::size_t i = scratch.due[k];
     double now = std::max(from, next_event_[i]);
     if (advanceToScan(i, now, to)) scans.add(i, now, sensors_.lightPlaces(disks_, i));

@@ -3,17 +3,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "analyzer/collective/mean_variance.hpp"
 #include "analyzer/curves/statistics.hpp"
 
 namespace lab::collective {
 namespace {
 
-constexpr double kWindowFactor = 1.5;  // S of Wolff 2004, eq. 52
-constexpr std::size_t kFewestBlocks = 8;
-constexpr double kFewestFreedom = 4;
-// More blocks hide slow fluctuations of small amplitude, such as those of the density, behind fast
-// ones: the window would end too early.
-constexpr std::size_t kMostBlocks = 64;
+constexpr std::size_t kMostBlocks = 64;  // only low frequencies count
+constexpr double kFewestEventful = 4;    // blocks that hold the variance
 
 /// Neighbours are averaged until there are at most `most` values; a rest of fewer is left out.
 std::vector<double> mergedTo(std::size_t most, std::span<const double> all) {
@@ -24,13 +21,6 @@ std::vector<double> mergedTo(std::size_t most, std::span<const double> all) {
     merged[i / each] += all[i] / static_cast<double>(each);
   }
   return merged;
-}
-
-double covariance(std::span<const double> residuals, std::size_t lag) {
-  double sum = 0;
-  const std::size_t count = residuals.size() - lag;
-  for (std::size_t i = 0; i < count; ++i) sum += residuals[i] * residuals[i + lag];
-  return sum / static_cast<double>(count);
 }
 
 }  // namespace
@@ -82,37 +72,31 @@ Average averageWithResiduals(double value, std::span<const double> all) {
   Average average;
   average.value = value;
   const std::vector<double> residuals = mergedTo(kMostBlocks, all);
-  const std::size_t blocks = residuals.size();
-  if (blocks < kFewestBlocks || !std::isfinite(value)) return average;
-  const auto n = static_cast<double>(blocks);
-  const double variance = covariance(residuals, 0);
-  if (!(variance > 0)) {
-    // A constant has no error; one that is not known has no interval.
-    if (variance == 0) {
-      average.sigma = 0;
-      average.low = average.high = value;
-      average.independent = average.degrees_of_freedom = n;
-    }
+  const auto n = static_cast<double>(residuals.size());
+  if (residuals.size() < kFewestBlocks || !std::isfinite(value)) return average;
+  double variance = 0;
+  double fourth = 0;
+  for (const double residual : residuals) {
+    variance += residual * residual / n;
+    fourth += residual * residual * residual * residual / n;
+  }
+  if (variance == 0) {
+    // What never changed does not say how often it does.
+    average.sigma = 0;
+    average.independent = n;
     return average;
   }
-  double sum = variance;  // of the covariances over all lags within the window
-  std::size_t window = 0;
-  for (std::size_t lag = 1; lag < blocks / 2; ++lag) {
-    sum += 2 * covariance(residuals, lag);
-    window = lag;
-    const double time = sum / (2 * variance);  // integrated correlation time, in blocks
-    const double tau =
-        time <= 0.5 ? 1e-9 : kWindowFactor / std::log((2 * time + 1) / (2 * time - 1));
-    const auto t = static_cast<double>(lag);
-    if (std::exp(-t / tau) - tau / std::sqrt(t * n) < 0) break;
+  const MeanVariance mean = varianceOfMean(residuals);
+  if (!(mean.variance > 0)) return average;
+  average.independent = std::min(n, variance / mean.variance);
+  if (!mean.is_long_enough) {
+    average.too_short_by = std::max(1.0, kLongEnough / mean.correlation_times);
+    return average;
   }
-  if (sum <= 0) sum = variance;
-  const double width = 2 * static_cast<double>(window) + 1;
-  sum *= 1 + width / n;
-  average.degrees_of_freedom = n / width;
-  average.independent = std::min(n, n * variance / sum);
-  if (average.degrees_of_freedom < kFewestFreedom) return average;
-  average.sigma = std::sqrt(sum / n);
+  average.degrees_of_freedom = mean.degrees_of_freedom;
+  average.sigma = std::sqrt(mean.variance);
+  // A few blocks of rare events hold all that is known. A normal distribution has n / 3.
+  if (n * variance * variance < std::min(kFewestEventful, n / 8) * fourth) return average;
   const double reach = analysis::studentQuantile(average.degrees_of_freedom) * average.sigma;
   average.low = value - reach;
   average.high = value + reach;

@@ -12,11 +12,14 @@ namespace lab::collective {
 /// A time average with its error. SI units.
 struct Average {
   double value = units::kNan;  ///< nan: nothing was observed
-  double sigma = units::kNan;  ///< standard error; nan: too few independent blocks
-  double low = units::kNan;    ///< 95 % interval
+  double sigma = units::kNan;  ///< standard error; nan: the recording is too short
+  double low = units::kNan;    ///< 95 % interval; nan: no sigma, or too few events
   double high = units::kNan;
   double independent = 0;         ///< effective number of independent blocks
   double degrees_of_freedom = 0;  ///< of sigma, for Student's t
+  /// Without sigma: how many times longer the recording should be, by its fitted correlation time;
+  /// nan: unknown.
+  double too_short_by = units::kNan;
 };
 
 /// Sums of several channels over consecutive blocks of equally many frames. When all blocks are
@@ -53,13 +56,12 @@ class BlockedSums {
   std::vector<double> sums_;
 };
 
-/// The mean of numerator / denominator with the sums of consecutive blocks of equal length. The
-/// error takes the correlation of neighbouring blocks into account: the autocovariance of the
-/// residuals numerator - value * denominator is summed up to a window W that is chosen
-/// automatically, with the correction of its bias (Wolff, Comput. Phys. Commun. 156, 143, 2004,
-/// with S = 1.5). Before that neighbours are merged until there are at most 64 blocks. The interval
-/// is Student's with n / (2 W + 1) degrees of freedom for n blocks. It needs eight blocks and four
-/// degrees of freedom; else sigma and the interval are nan.
+/// The mean of numerator / denominator with the sums of consecutive blocks of equal length. Its
+/// error is that of the mean of the residuals numerator - value * denominator, which takes their
+/// correlation into account (mean_variance.hpp). Before that neighbours are merged until there are
+/// at most 64 blocks. The interval is Student's with six degrees of freedom. Recordings of fewer
+/// than twelve blocks, or too few correlation times, have no sigma and no interval. Constants and
+/// rare events, which happened in fewer than about four blocks, have a sigma and no interval.
 [[nodiscard]] Average averageOf(std::span<const double> numerator,
                                 std::span<const double> denominator);
 

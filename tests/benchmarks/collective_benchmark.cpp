@@ -52,3 +52,5 @@ BENCHMARK(secondOfCrowd)->Arg(20)->Arg(100)->Arg(250)->Arg(1000)->Unit(benchmark
 
 }  // namespace
 }  // namespace lab::collective
+
+BENCHMARK_MAIN();

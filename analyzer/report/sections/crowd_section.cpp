@@ -31,6 +31,7 @@ void addAverage(Json& json, const Average& average, double factor) {
   json["low95"] = number(average.low * factor);
   json["high95"] = number(average.high * factor);
   json["independent_blocks"] = number(average.independent);
+  if (std::isfinite(average.too_short_by)) json["too_short_by"] = number(average.too_short_by);
 }
 
 /// The unit as in other blocks of the file; "1" of a pure number.
@@ -149,7 +150,14 @@ constexpr std::array kTitles{
 
 std::string averageText(const Average& average, double factor) {
   if (!std::isfinite(average.value)) return "–";
-  if (!std::isfinite(average.sigma)) return shortText(average.value * factor);
+  if (!std::isfinite(average.low)) {
+    std::string text = shortText(average.value * factor);
+    if (std::isfinite(average.too_short_by)) {
+      text += fmt::format(" <span class=\"soft\">(run too short by a factor of {:.0f})</span>",
+                          std::ceil(average.too_short_by));
+    }
+    return text;
+  }
   const double sigma = average.sigma * factor;
   return fmt::format(
       "{} <span class=\"soft\">({} to {})</span>", valueText(average.value * factor, sigma),
@@ -219,7 +227,8 @@ std::string crowds(const RunRecord& record, const std::vector<Figure>& figures) 
   return fmt::format(
              "<h2>Collective states</h2>\n<p>Averages over {} of {} frames ({}), with 95 % "
              "intervals that take the correlation of successive frames into account. A value "
-             "without an interval has too few independent stretches. Robots in random directions "
+             "without an interval changes too slowly or too rarely for the length of the run. "
+             "Robots in random directions "
              "have a polar and nematic order of 0.89/√N = {:.2f}. Robots of other programs do not "
              "count for those of a program.</p>\n",
              groupedText(static_cast<std::int64_t>(all.frames)), groupedText(record.log.frames),

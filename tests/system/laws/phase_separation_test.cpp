@@ -1,0 +1,110 @@
+// Motility-induced phase separation of robots that push each other.
+//
+// Without friction and rotation by contact forces, and with the same slip in all directions, robots
+// are athermal active Brownian hard disks. They separate into a dense and a dilute phase if they
+// are persistent and dense enough: Fily, Henkes and Marchetti, Soft Matter 10, 2132 (2014) and
+// Martin-Roca and others, J. Chem. Phys. 154, 164901 (2021) without thermal motion; with thermal
+// motion the critical point is at v / (D_r d) = 40/3 and a packing fraction of 0.6 (Siebert and
+// others, Phys. Rev. E 98, 030601, 2018).
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstdio>
+#include <numbers>
+#include <vector>
+
+#include "analyzer/collective/voronoi_cells.hpp"
+#include "tests/support/world_fixture.hpp"
+
+namespace lab::sim::phase_separation_test {
+namespace {
+
+constexpr double kDiameter = 0.075;  // [m]
+constexpr double kDiskArea = std::numbers::pi * kDiameter * kDiameter / 4;
+constexpr double kSpeed = 0.05;   // [m/s]
+constexpr double kEpsilon = 0.5;  // [s] hold time, short compared with 1 / D_r
+constexpr double kPacking = 0.6;
+constexpr int kPerRow = 30;     // of the initial lattice
+constexpr int kDuration = 150;  // [s] 4 times 1 / D_r of the persistent robots
+constexpr std::size_t kBins = 22;
+constexpr double kBinWidth = 0.05;
+constexpr double kWallLayer =
+    5;  // [diameters] not evaluated, because walls collect active particles
+
+/// Numbers of robots outside of the wall layer by local packing fraction (Voronoi cells) in the
+/// second half of the run, smoothed.
+/// @param persistence v / (D_r d)
+std::array<double, kBins> histogramOf(double persistence) {
+  constexpr int kCount = kPerRow * kPerRow;
+  const double side = std::sqrt(kCount * kDiskArea / kPacking);
+  WorldSettings settings = idealHardware();
+  settings.arena = {side, side};
+  settings.contact_friction = 0;
+  settings.slip = {1, 0};
+  settings.ir_range = 0.001;
+  settings.tick_us = 40000;
+  std::vector<RobotSetup> setups;
+  const double spacing = side / kPerRow;
+  for (int i = 0; i < kCount; ++i) {
+    setups.push_back(
+        {i + 1,
+         dynamics::Pose{(i % kPerRow + 0.5) * spacing, (i / kPerRow + 0.5) * spacing, 2.4 * i},
+         false});
+  }
+  World dut(settings, setups);
+  // D_r = epsilon eta^2 / 6.
+  const double rotation = kSpeed / (persistence * kDiameter);
+  dynamics::CoreSettings core =
+      always(abpProgram(kSpeed, kEpsilon, std::sqrt(6 * rotation / kEpsilon)));
+  core.reversal.enabled = false;
+  startAll(dut, core);
+  std::array<double, kBins> histogram{};
+  for (int second = 0; second <= kDuration; second += 5) {
+    dut.advanceTo(second * kSecond);
+    if (2 * second < kDuration) continue;
+    std::vector<collective::Point> points;
+    for (std::size_t i = 0; i < dut.size(); ++i) points.push_back({dut.pose(i).x, dut.pose(i).y});
+    const auto cells = collective::voronoiCells(points, {0, 0, side, side});
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const collective::Point& p = points[i];
+      if (std::min({p.x, p.y, side - p.x, side - p.y}) < kWallLayer * kDiameter) continue;
+      const double packing = kDiskArea / cells[i].area;
+      histogram[std::min(kBins - 1, static_cast<std::size_t>(packing / kBinWidth))] += 1;
+    }
+  }
+  EXPECT_EQ(dut.sliding().unsolvedIslands(), 0);
+  for (int pass = 0; pass < 2; ++pass) {
+    auto smooth = histogram;
+    for (std::size_t b = 1; b + 1 < kBins; ++b) {
+      smooth[b] = 0.25 * histogram[b - 1] + 0.5 * histogram[b] + 0.25 * histogram[b + 1];
+    }
+    histogram = smooth;
+  }
+  std::printf("packing 0.6, v / (D_r d) = %.0f, local packing fraction in steps of 0.05:",
+              persistence);
+  for (const double count : histogram) std::printf(" %.0f", count);
+  std::printf("\n");
+  return histogram;
+}
+
+/// How deep the valley between a dilute phase, below 0.45, and a dense phase, above 0.6, is: 1 -
+/// the minimum between the maxima / the lower maximum. 0: there is one phase.
+double valleyOf(const std::array<double, kBins>& histogram) {
+  const auto* const dilute = std::max_element(histogram.begin(), histogram.begin() + 9);
+  const auto* const dense = std::max_element(histogram.begin() + 12, histogram.end());
+  const auto* const valley = std::min_element(dilute, dense);
+  return 1 - *valley / std::min(*dilute, *dense);
+}
+
+TEST(PhaseSeparation, PersistentRobotsFormADenseAndADilutePhase) {
+  EXPECT_GT(valleyOf(histogramOf(25)), 0.2);
+}
+
+TEST(PhaseSeparation, RobotsThatTurnSoonAreOnePhase) { EXPECT_LT(valleyOf(histogramOf(2)), 0.02); }
+
+}  // namespace
+}  // namespace lab::sim::phase_separation_test
