@@ -79,6 +79,7 @@ TwinFacts readTwinFacts(const std::filesystem::path& run_or_log, const AnalyzeOp
   }
   facts.position_noise = sigmaOf(meanNoise(record, &analysis::Curves::msd), 4);
   facts.heading_noise = sigmaOf(meanNoise(record, &analysis::Curves::angular_msd), 2);
+  facts.version = record.version;
   facts.marks = record.marks.size();
   facts.summary = summaryJson(record);
   return facts;

@@ -35,6 +35,7 @@ struct TwinFacts {
   std::map<std::int32_t, StartPose> first_poses;  ///< of each robot, at the start of the script
   std::optional<double> position_noise;           ///< [m] measured standard deviation per axis
   std::optional<double> heading_noise;            ///< [rad] measured standard deviation
+  std::string version;                            ///< of the software that ran
   std::size_t marks = 0;                          ///< remarks: among them what users did by hand
   std::string summary;                            ///< the text of summary.json, for the options
 };

@@ -9,7 +9,7 @@ set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 # Only the command active-lab is in PATH. Programs find each other in their common folder.
 install(TARGETS lab lab-analyze lab-calibrate lab-doctor lab-export lab-preview lab-program
   lab-reproduce lab-sweep
-  lab-run-virtual lab-track recorder analyzer projector_ctl robot_bridge sim_svc tracker_svc
+  lab-run-virtual lab-track lab-twin recorder analyzer projector_ctl robot_bridge sim_svc tracker_svc
   RUNTIME DESTINATION ${programs} COMPONENT main)
 if(TARGET dashboard)
   install(TARGETS dashboard RUNTIME DESTINATION ${programs} COMPONENT main)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <lab/experiment_status_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
 #include <lab/tracked_frame_t.hpp>
@@ -23,12 +24,6 @@ namespace {
 
 constexpr double kTruthRate = 10;                  // [1/s]
 constexpr std::int64_t kOldestFrame_us = 200'000;  // older frames are skipped in real time
-
-/// Time of sample `number` at this rate; rounding errors do not accumulate.
-std::int64_t sampleUtime(std::int64_t start_utime, std::int64_t number, double rate) {
-  return start_utime +
-         static_cast<std::int64_t>(std::llround(static_cast<double>(number) * 1e6 / rate));
-}
 
 std::int64_t period_us(double rate) { return std::max<std::int64_t>(1, std::llround(1e6 / rate)); }
 
@@ -56,6 +51,7 @@ SimService::SimService(const ServiceContext& context)
       warp_(projectorWarpOf(context.experiment, context.directory)),
       light_(warp_, projectorTonesOf(context.experiment, context.directory)),
       tracker_(context.experiment.camera, context.experiment.seed),
+      frame_times_(context.experiment.camera, context.directory),
       bus_robots_(world_, robotsWithBody(context.experiment, Body::kSim),
                   context.experiment.hardware.sensor_period),
       external_robots_(world_, context.ports, [this] { follow(loop_.now()); }),
@@ -73,6 +69,7 @@ SimService::SimService(const ServiceContext& context)
   bus_robots_.handle(toMessage(motors));
   addExternalRobots(context, motors);
   advance(start_utime_);
+  frame_times_.begin(start_utime_);
   subscribe();
   loop_.every(period_us(experiment_.camera.fps), start_utime_, [this] { follow(loop_.now()); });
   loop_.every(period_us(experiment_.hardware.status_rate), start_utime_,
@@ -128,6 +125,14 @@ void SimService::subscribe() {
       });
   node_.subscribe<light_status_t>(channels::kLightStatus,
                                   [this](const light_status_t& status) { show(status); });
+  if (frame_times_.isRecorded()) {
+    node_.subscribe<experiment_status_t>(
+        channels::kExperimentStatus, [this](const experiment_status_t& status) {
+          if (status.phase != experiment_status_t::SCRIPT || frame_times_.inScript()) return;
+          frame_times_.beginScript(status.utime - units::microseconds(status.elapsed));
+          followFrames();
+        });
+  }
   if (!kinematic_robots_.anyReal()) return;
   // This also receives the service's own frames, but they contain no real robots.
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame, [this](const tracked_frame_t& frame) {
@@ -182,12 +187,25 @@ void SimService::moveWorld(std::int64_t utime) {
   external_robots_.advanceTo(utime - origin_utime_);
 }
 
+/// Recorded frames have no period, so that each has a timer.
+void SimService::followFrames() {
+  follow(loop_.now());
+  if (!frame_times_.next()) return;
+  loop_.at(*frame_times_.next(), [this] { followFrames(); });
+}
+
 void SimService::sampleFrames(std::int64_t until_utime) {
   const std::int64_t now = loop_.now();
-  const double fps = experiment_.camera.fps;
-  for (std::int64_t exposure = sampleUtime(start_utime_, frame_number_, fps);
-       exposure <= until_utime; exposure = sampleUtime(start_utime_, ++frame_number_, fps)) {
-    const bool seen = tracker_.begin(exposure);
+  while (frame_times_.next() && *frame_times_.next() <= until_utime) {
+    const std::int64_t exposure = *frame_times_.next();
+    const auto* missing = frame_times_.missing();
+    frame_times_.advance();
+    bool seen = true;
+    if (missing != nullptr) {
+      tracker_.beginRecorded(exposure, *missing);
+    } else {
+      seen = tracker_.begin(exposure);
+    }
     if (!loop_.isVirtual() && now - exposure > kOldestFrame_us) {
       // The machine stalled. A burst of old frames would flood the subscribers.
       node_.noteError("stalled: camera frames from number " +

@@ -16,6 +16,7 @@
 #include "sim_svc/bodies/bus_robots.hpp"
 #include "sim_svc/bodies/external_robots.hpp"
 #include "sim_svc/bodies/kinematic_robots.hpp"
+#include "sim_svc/camera/frame_times.hpp"
 #include "sim_svc/camera/painted_camera.hpp"
 #include "sim_svc/camera/projector_light.hpp"
 #include "sim_svc/camera/tracker_model.hpp"
@@ -71,6 +72,7 @@ class SimService final : public Service {
   void advance(std::int64_t utime);
   void moveWorld(std::int64_t utime);
   void sampleFrames(std::int64_t until_utime);
+  void followFrames();
   void trackFrame(std::int64_t exposure);
   void paintFrame(std::int64_t exposure);
   void sampleRobots();
@@ -85,13 +87,13 @@ class SimService final : public Service {
   ShownLight light_;
   std::deque<PendingLight> pending_light_;  ///< in order of utime
   TrackerModel tracker_;
+  FrameTimes frame_times_;
   BusRobots bus_robots_;
   ExternalRobots external_robots_;
   std::unique_ptr<PaintedCamera> camera_;  ///< null: poses are published instead of pictures
   std::int64_t start_utime_;               ///< declared after camera_, whose construction is slow
   std::int64_t origin_utime_;              ///< utime of world time 0
   KinematicRobots kinematic_robots_;
-  std::int64_t frame_number_ = 0;
   std::int64_t status_number_ = 0;
   std::int64_t truth_number_ = 0;
 };

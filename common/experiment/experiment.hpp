@@ -346,6 +346,7 @@ struct Camera {
   double delay = 0.02;        ///< [s] from exposure to message
   double dropout = 0;         ///< [1] probability that one robot is missing in one frame
   double frame_loss = 0;      ///< [1] probability that a whole frame is missing
+  std::string frames;         ///< times of recorded frames: path as in the file, empty: by fps
 
   bool operator==(const Camera&) const = default;
 };
@@ -372,6 +373,7 @@ struct AnalysisOptions {
   double max_lag = 100;             ///< [s]
   double cluster_distance = 0;      ///< [m] between centres; 0: 1.1 diameters
   std::vector<RegionSpec> regions;  ///< a robot is in the first one that holds its centre
+  int twins = 0;                    ///< simulated twins at the end of the run; 0: none
 
   bool operator==(const AnalysisOptions&) const = default;
 };

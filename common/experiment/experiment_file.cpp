@@ -133,6 +133,7 @@ Experiment parseExperiment(std::string_view text, const std::string& name,
   keys::checkCamera(form, directory, problems);
   keys::checkLight(form, directory, laws, problems);
   keys::checkRegions(form, problems);
+  keys::checkTwins(form, problems);
   keys::checkStopRules(form, laws, problems);
   keys::checkNetworks(form, directory, problems);
   if (!problems.empty()) throw ExperimentError(problems.lines(kMostProblems));

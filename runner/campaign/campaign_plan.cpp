@@ -74,6 +74,7 @@ class FileCollector {
 void adoptFiles(Experiment& experiment, FileCollector& files) {
   files.adopt(experiment.hardware.motors, file_kinds::kCalibration);
   files.adopt(experiment.camera.calibration, file_kinds::kCalibration);
+  files.adopt(experiment.camera.frames, file_kinds::kFrameTable);
   files.adopt(experiment.projector.calibration, file_kinds::kCalibration);
   files.adopt(experiment.projector.light_calibration, file_kinds::kCalibration);
   for (RobotSpec& robot : experiment.robots) files.adoptRecording(robot.log);
@@ -85,8 +86,9 @@ void adoptFiles(Experiment& experiment, FileCollector& files) {
   }
 }
 
-/// A run of a campaign has neither network nor page: these keys decide nothing.
+/// A run of a campaign has neither network nor page nor twins: these keys decide nothing.
 void leaveOutNetwork(Experiment& experiment) {
+  experiment.analysis.twins = 0;
   experiment.network = {};
   experiment.gateway = {};
   experiment.link = {};

@@ -13,10 +13,10 @@
 #include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/process/installation.hpp"
-#include "common/process/version.hpp"
 #include "common/text/format.hpp"
 #include "common/text/printable.hpp"
 #include "runner/campaign/atomic_file.hpp"
+#include "runner/campaign/campaign_data.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/campaign_page.hpp"
 #include "runner/campaign/campaign_plan.hpp"
@@ -26,7 +26,6 @@
 #include "runner/campaign/local_engine.hpp"
 #include "runner/campaign/sweep_progress.hpp"
 #include "runner/campaign/sweep_request.hpp"
-#include "runner/command_line/revision.hpp"
 #include "runner/doctor/machine.hpp"
 #include "runner/live/launch.hpp"
 #include "runner/runs/run_directory.hpp"
@@ -41,29 +40,10 @@ constexpr std::size_t kListedLines = 10;
 constexpr const char* kLock = "lock";
 constexpr std::size_t kMostTasks = 1000;  // of a job array: the default of Slurm's MaxArraySize
 
-CodeVersion thisCode() {
-  const std::string revision = sourceRevision();
-  return {revision.empty() ? kVersion : fmt::format("{} ({})", kVersion, revision),
-          kContractVersion};
-}
-
 std::string sizeText(std::int64_t bytes) {
   if (bytes < 10'000'000) return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
   if (bytes < 10'000'000'000) return fmt::format("{:.0f} MB", static_cast<double>(bytes) * 1e-6);
   return fmt::format("{:.0f} GB", static_cast<double>(bytes) * 1e-9);
-}
-
-/// The campaign without its results.
-CampaignData dataOf(StoredCampaign campaign) {
-  CampaignData data;
-  data.code = thisCode();
-  data.axes = campaign.request.design().axes;
-  data.rows = rowsOf(campaign.request, campaign.points, data.code);
-  data.request = std::move(campaign.request);
-  data.created = std::move(campaign.created);
-  data.points = std::move(campaign.points);
-  data.survey.rows.resize(data.rows.size());
-  return data;
 }
 
 /// A folder that must not be taken for a campaign's.

@@ -244,8 +244,8 @@ int runCommandLine(int argc, char** argv) {
     const fs::path here = fs::canonical("/proc/self/exe").parent_path();
     addRun(app, chosen, argv);
     addCheck(app, chosen);
-    for (const char* name : {"preview", "calibrate", "analyze", "export", "sweep", "program",
-                             "theory", "track", "reproduce"}) {
+    for (const char* name : {"preview", "calibrate", "analyze", "export", "sweep", "twin",
+                             "program", "theory", "track", "reproduce"}) {
       addProgramCommand(app, name);
     }
     addReplay(app, chosen, here);

@@ -7,7 +7,10 @@
 #include <cstdio>
 #include <cstdlib>
 #include <optional>
+#include <string>
 #include <system_error>
+#include <utility>
+#include <vector>
 
 #include "analyzer/law_knowledge.hpp"
 #include "common/experiment/experiment_file.hpp"
@@ -26,18 +29,29 @@ namespace {
 
 constexpr const char* kReporter = "lab-analyze";
 constexpr const char* kReportOfRun = "report-of-run";  // its command, see analyze_commands.hpp
+constexpr const char* kTwinMaker = "lab-twin";
 
 std::vector<std::string> settingsOf(const RunOptions& options) {
   if (!options.seed) return options.set;
   return withOption(options.set, "--seed", "seed", std::to_string(*options.seed));
 }
 
-void requireReporter(const fs::path& programs) {
-  const fs::path file = programs / kReporter;
+void requireMaker(const fs::path& programs, const char* maker, const char* what,
+                  const char* way_out) {
+  const fs::path file = programs / maker;
   if (fs::exists(file)) return;
-  throw UserError(fmt::format(
-      "the report needs {}, which does not exist: {}; or leave the report out with --no-report",
-      file.string(), installation().installHint(kReporter, "./lab build builds it")));
+  throw UserError(fmt::format("{} {}, which does not exist: {}; or leave {}", what, file.string(),
+                              installation().installHint(maker, "./lab build builds it"), way_out));
+}
+
+/// What is made of the log after the run.
+void requireMakers(const fs::path& programs, bool twins) {
+  requireProgram("gnuplot", "gnuplot-nox");
+  requireMaker(programs, kReporter, "the report needs", "the report out with --no-report");
+  if (twins) {
+    requireMaker(programs, kTwinMaker, "analysis.twins needs",
+                 "them out with --set analysis.twins=0");
+  }
 }
 
 /// Whether this process survives SIGTERM.
@@ -46,29 +60,31 @@ bool outlivesSigterm() {
   return sigaction(SIGTERM, nullptr, &term) == 0 && term.sa_handler != SIG_DFL;
 }
 
-/// Lets lab-analyze write the report into the run's folder and print its headline here.
-/// @return whether there is a report; if not, a line on stderr says why
-bool makeReport(const fs::path& programs, const fs::path& directory) {
-  const std::string program = (programs / kReporter).string();
-  ChildSettings settings{.arguments = {program, kReportOfRun, directory.string()},
+/// Lets another program write into the run's folder and print its headline here.
+/// @param what for the messages: "report"
+/// @return whether it has done so; if not, a line on stderr says why
+bool make(const char* what, const fs::path& programs, const char* maker,
+          std::vector<std::string> arguments) {
+  arguments.insert(arguments.begin(), (programs / maker).string());
+  ChildSettings settings{.arguments = std::move(arguments),
                          .input = ChildSettings::kInherited,
                          .output = ChildSettings::kInherited,
                          .errors = ChildSettings::kInherited,
                          .group = ChildSettings::Group::kShared,
-                         // Who kills `lab run` ends its report too.
+                         // Who kills `lab run` ends these too.
                          .death_signal = SIGKILL};
-  // A signal that this process survives must not end the report either: exec keeps "ignored", but
+  // A signal that this process survives must not end them either: exec keeps "ignored", but
   // resets handlers.
   if (outlivesSigterm()) settings.ignored_signals = {SIGTERM};
   try {
     ChildProcess reporter(settings);
     reporter.wait();
     if (const int signal = reporter.endingSignal()) {
-      fmt::print(stderr, "lab: no report: {} was killed by signal {}\n", kReporter, signal);
+      fmt::print(stderr, "lab: no {}: {} was killed by signal {}\n", what, maker, signal);
     }
     return reporter.code() == 0;
   } catch (const std::system_error& error) {
-    fmt::print(stderr, "lab: no report: {}\n", printable(error.what()));
+    fmt::print(stderr, "lab: no {}: {}\n", what, printable(error.what()));
     return false;
   }
 }
@@ -88,13 +104,13 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   std::optional<UserProgram> user_program;
   if (!options.with.empty()) user_program = findUserProgram(options.with);
   if (options.report) {
-    requireProgram("gnuplot", "gnuplot-nox");
-    requireReporter(options.programs);
+    requireMakers(options.programs, experiment.analysis.twins > 0);
   }
   if (options.virtual_time && experiment.gateway.ros) {
     fmt::print(stderr, "lab: a run in virtual time is not visible in ROS 2 (docs/ros2.md)\n");
   }
   const double duration = experiment.duration;
+  const int twins = experiment.analysis.twins;
   double elapsed = 0;
   std::optional<ProgressLine> line(std::in_place, duration);
   const Launched launched =
@@ -121,7 +137,15 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   printFaults(outcome.faults);
   std::fflush(stdout);
   // The run is over and its log is kept. A report that cannot be made is a failure of its own.
-  const bool reported = !options.report || makeReport(options.programs, launched.directory);
+  bool reported = true;
+  if (options.report) {
+    const std::string directory = launched.directory.string();
+    reported = make("report", options.programs, kReporter, {kReportOfRun, directory});
+    if (reported && twins > 0) {
+      reported = make("twins", options.programs, kTwinMaker,
+                      {"twin", directory, "--count", std::to_string(twins)});
+    }
+  }
   if (outcome.closed_early) return kClosedEarly;
   return reported ? kDone : kFailed;
 }
@@ -132,6 +156,7 @@ std::vector<std::string> programsOfRun(const RunOptions& options) {
   std::vector<std::string> programs = neededPrograms(experiment, options.virtual_time);
   if (options.virtual_time) programs.emplace_back("lab-run-virtual");
   if (options.report) programs.emplace_back(kReporter);
+  if (options.report && experiment.analysis.twins > 0) programs.emplace_back(kTwinMaker);
   if (wantsDashboard(options.web, options.virtual_time, std::getenv("CI"))) {
     programs.emplace_back(kObserverService);
   }

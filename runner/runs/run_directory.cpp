@@ -11,6 +11,7 @@
 #include "common/calibration/light_file.hpp"
 #include "common/calibration/motor_file.hpp"
 #include "common/calibration/projector_file.hpp"
+#include "common/camera/recorded_frames.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_log_size.hpp"
 #include "common/experiment/light_messages.hpp"
@@ -81,6 +82,12 @@ void adoptLight(Experiment& experiment, const fs::path& calibration, const fs::p
   fs::create_directories(run / files::kCalibration);
   writeNewFile(run / name, readFileText(calibration, file_kinds::kCalibration));
   experiment.projector.light_calibration = name.string();
+}
+
+void adoptFrames(Experiment& experiment, const fs::path& frames, const fs::path& run) {
+  const fs::path name = "frames.csv";
+  writeNewFile(run / name, readFileText(frames, file_kinds::kFrameTable));
+  experiment.camera.frames = name.string();
 }
 
 /// What the run stores of the ROS 2 gateway's files; empty: there is none.
@@ -233,6 +240,9 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   checkProjectorFile(experiment, source);
   const fs::path projector = experiment.projector.calibration;
   const fs::path light = experiment.projector.light_calibration;
+  const fs::path frames = experiment.camera.frames;
+  if (!frames.empty())
+    static_cast<void>(readRecordedFrames(source / frames));       // throws if unusable
   static_cast<void>(activeLightCalibration(experiment, source));  // throws if unusable
   checkScenes(experiment, source);
   const NetworkFiles network = readNetworkFiles(experiment.gateway, source);
@@ -241,6 +251,7 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   if (by_camera) adoptCamera(experiment, camera, run.directory);
   if (!projector.empty()) adoptProjector(experiment, source / projector, run.directory);
   if (!light.empty()) adoptLight(experiment, source / light, run.directory);
+  if (!frames.empty()) adoptFrames(experiment, source / frames, run.directory);
   adoptRecordings(experiment, recordings, run.directory);
   adoptImages(experiment, source, run.directory);
   adoptNetwork(experiment, network, source, run.directory);

@@ -1,5 +1,6 @@
 #include "sim_svc/camera/tracker_model.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <lab/robot_state_t.hpp>
 #include <numbers>
@@ -12,14 +13,23 @@ bool TrackerModel::begin(std::int64_t exposure_utime) {
   frame_.origin = robot_state_t::SIM;
   frame_.frame = number_++;
   frame_.frame_period = 1 / camera_.fps;
+  missing_ = nullptr;
   return frames_.uniform() >= camera_.frame_loss;
+}
+
+void TrackerModel::beginRecorded(std::int64_t exposure_utime,
+                                 const std::vector<std::int32_t>& missing) {
+  static_cast<void>(begin(exposure_utime));
+  missing_ = &missing;
 }
 
 void TrackerModel::observe(std::int32_t robot_id, const dynamics::Pose& truth) {
   Random& random =
       robots_.try_emplace(robot_id, deriveSeed(seed_, robot_id, "tracker noise")).first->second;
   // All numbers are drawn in every frame, so that a drop-out does not change later frames.
-  const bool missed = random.uniform() < camera_.dropout;
+  const bool dropped = random.uniform() < camera_.dropout;
+  const bool missed =
+      missing_ == nullptr ? dropped : std::ranges::binary_search(*missing_, robot_id);
   const double dx = random.normal();
   const double dy = random.normal();
   const double dtheta = random.normal();

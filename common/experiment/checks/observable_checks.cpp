@@ -87,4 +87,11 @@ void checkRegions(const ExperimentForm& form, Problems& problems) {
   }
 }
 
+void checkTwins(const ExperimentForm& form, Problems& problems) {
+  constexpr int kFewest = 10;  // of fewer, the scatter is hardly known
+  const int twins = form.common.analysis.twins;
+  if (problems.concern("analysis.twins") || twins == 0 || twins >= kFewest) return;
+  problems.add("analysis.twins", "found " + std::to_string(twins) + ", allowed 0 or 10 to 1000");
+}
+
 }  // namespace lab::keys

@@ -24,4 +24,7 @@ void checkCrowdRule(const ExperimentForm& form, const std::string& path, const L
 /// The regions of [analysis].
 void checkRegions(const ExperimentForm& form, Problems& problems);
 
+/// Checks that the number of twins is none, or large enough for their scatter.
+void checkTwins(const ExperimentForm& form, Problems& problems);
+
 }  // namespace lab::keys

@@ -271,6 +271,11 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
            {.low = 0, .high = 1, .below_high = true}, camera.dropout);
   v.number({"frame_loss", "probability that a whole simulated frame is missing"},
            {.low = 0, .high = 1, .below_high = true}, camera.frame_loss);
+  v.text(modelled({.name = "frames",
+                   .meaning = "frames.csv of lab twin: the frames of a recorded run, in place of "
+                              "fps, dropout and frame_loss",
+                   .default_text = "empty"}),
+         {.most = 400}, camera.frames);
 }
 
 void visitRegion(KeyVisitor& v, RegionSpec& region) {
@@ -300,6 +305,12 @@ void visitAnalysis(KeyVisitor& v, AnalysisOptions& analysis) {
              "one that holds its centre"},
             {.fewest = 0, .most = 8, .in_line = true}, analysis.regions,
             [&](RegionSpec& region) { visitRegion(v, region); });
+  std::int64_t twins = analysis.twins;
+  v.integer({"twins",
+             "at the end of a run, compare it with this many simulated twins (docs/twins.md); 0: "
+             "none, else at least 10"},
+            0, 1000, twins);
+  analysis.twins = static_cast<int>(twins);
 }
 
 void visitTop(KeyVisitor& v, ExperimentForm& form) {

@@ -9,6 +9,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <cstddef>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -27,13 +28,40 @@ namespace {
 constexpr int kDraws = 20000;         // of correlated normal numbers
 constexpr double kFewestShare = 0.8;  // of the twins that must have a number
 constexpr std::size_t kFewestTwins = 5;
-constexpr double kUpperShare = 0.75;  // above which the twins' own maxima are compared
+constexpr std::size_t kOutliers = 3;  // of the twins' maxima
+
+/// How a look is transformed, so that its distribution is closer to the normal one.
+enum class Transform { kNone, kCubeRoot, kLogarithm };
+
+double apply(Transform transform, double value) {
+  switch (transform) {
+    case Transform::kNone:
+      break;
+    case Transform::kCubeRoot:
+      return std::cbrt(value);
+    case Transform::kLogarithm:
+      return std::log(value);
+  }
+  return value;
+}
+
+double invert(Transform transform, double value) {
+  switch (transform) {
+    case Transform::kNone:
+      break;
+    case Transform::kCubeRoot:
+      return value * value * value;
+    case Transform::kLogarithm:
+      return std::exp(value);
+  }
+  return value;
+}
 
 /// A look in the units in which it is compared.
 struct Transformed {
   double run = 0;
   std::vector<double> twins;  ///< nan replaced by the mean: no information
-  bool logarithm = false;
+  Transform transform = Transform::kNone;
 };
 
 bool isUsable(const Look& look) {
@@ -41,25 +69,6 @@ bool isUsable(const Look& look) {
       std::ranges::count_if(look.twins, [](double value) { return std::isfinite(value); });
   return std::isfinite(look.run) && static_cast<std::size_t>(finite) >= kFewestTwins &&
          static_cast<double>(finite) >= kFewestShare * static_cast<double>(look.twins.size());
-}
-
-Transformed transformed(const Look& look) {
-  Transformed t;
-  t.logarithm = look.run > 0 && std::ranges::all_of(look.twins, [](double value) {
-                  return !std::isfinite(value) || value > 0;
-                });
-  const auto of = [&](double value) { return t.logarithm ? std::log(value) : value; };
-  t.run = of(look.run);
-  double mean = 0;
-  double count = 0;
-  for (const double value : look.twins) {
-    if (!std::isfinite(value)) continue;
-    mean += of(value);
-    ++count;
-  }
-  mean /= count;
-  for (const double value : look.twins) t.twins.push_back(std::isfinite(value) ? of(value) : mean);
-  return t;
 }
 
 struct Moments {
@@ -84,6 +93,50 @@ Moments momentsOf(const std::vector<double>& values,
   }
   moments.sigma = std::sqrt(squares / (moments.count - 1));
   return moments;
+}
+
+double skewnessOf(const std::vector<double>& values) {
+  const Moments moments = momentsOf(values);
+  double cubes = 0;
+  for (const double value : values) cubes += std::pow((value - moments.mean) / moments.sigma, 3);
+  return cubes / moments.count;
+}
+
+/// The transform that leaves the least skewness. The cube root is that of Wilson and Hilferty for
+/// mean squares such as the MSD.
+Transform transformFor(const std::vector<double>& values, bool positive) {
+  Transform best = Transform::kNone;
+  double least = std::numeric_limits<double>::infinity();
+  for (const Transform transform :
+       {Transform::kCubeRoot, Transform::kLogarithm, Transform::kNone}) {
+    if (transform == Transform::kLogarithm && !positive) continue;
+    std::vector<double> transformed;
+    for (const double value : values) transformed.push_back(apply(transform, value));
+    const double skewness = std::abs(skewnessOf(transformed));
+    if (!(skewness < least)) continue;
+    least = skewness;
+    best = transform;
+  }
+  return best;
+}
+
+Transformed transformed(const Look& look) {
+  std::vector<double> finite;
+  std::ranges::copy_if(look.twins, std::back_inserter(finite),
+                       [](double value) { return std::isfinite(value); });
+  const bool positive =
+      look.run > 0 && std::ranges::all_of(finite, [](double value) { return value > 0; });
+  Transformed t;
+  t.transform = transformFor(finite, positive);
+  t.run = apply(t.transform, look.run);
+  double mean = 0;
+  for (const double value : finite) {
+    mean += apply(t.transform, value) / static_cast<double>(finite.size());
+  }
+  for (const double value : look.twins) {
+    t.twins.push_back(std::isfinite(value) ? apply(t.transform, value) : mean);
+  }
+  return t;
 }
 
 /// Two-sided probability of Student's t, and the normal deviate with the same.
@@ -145,9 +198,8 @@ std::vector<double> drawnMaxima(const Eigen::MatrixXd& correlation, std::uint64_
   return maxima;
 }
 
-/// By how much the twins' own maxima, each twin compared with the others, exceed the drawn ones: at
-/// least 1.
-double excessOf(const std::vector<Transformed>& looks, const std::vector<double>& maxima) {
+/// The twins' own maxima, each twin compared with the others; rising.
+std::vector<double> ownMaxima(const std::vector<Transformed>& looks) {
   std::vector<double> own;
   for (std::size_t i = 0; i < looks.front().twins.size(); ++i) {
     double largest = 0;
@@ -157,25 +209,46 @@ double excessOf(const std::vector<Transformed>& looks, const std::vector<double>
     own.push_back(largest);
   }
   std::ranges::sort(own);
-  const auto upperMean = [](const std::vector<double>& values) {
-    const auto begin = static_cast<std::size_t>(kUpperShare * static_cast<double>(values.size()));
-    double sum = 0;
-    for (std::size_t i = begin; i < values.size(); ++i) sum += values[i];
-    return sum / static_cast<double>(values.size() - begin);
-  };
-  return std::max(1.0, upperMean(own) / upperMean(maxima));
+  return own;
 }
 
-/// Probability that the largest of all is at least |z|.
-double probabilityOfMaximum(double z, const std::vector<double>& maxima, double excess,
-                            double looks) {
-  const double limit = std::abs(z) / excess;
-  const auto beyond = static_cast<double>(maxima.end() - std::ranges::lower_bound(maxima, limit));
+/// Probability that a further draw is at least `limit`, by those that are known: its rank among
+/// them, and beyond all but the largest ones an exponential tail, whose scale these determine. The
+/// predictive distribution takes into account that they are few (it is a Pareto distribution).
+/// @param largest number of values that determine the tail
+double predictedBeyond(double limit, const std::vector<double>& known, std::size_t largest) {
+  const double all = static_cast<double>(known.size()) + 1;
+  const double threshold = known[known.size() - largest - 1];
+  if (limit <= threshold) {
+    const auto beyond = static_cast<double>(known.end() - std::ranges::lower_bound(known, limit));
+    return (beyond + 1) / all;
+  }
+  const auto count = static_cast<double>(largest);
+  double excess = 0;
+  for (std::size_t i = known.size() - largest; i < known.size(); ++i) {
+    excess += known[i] - threshold;
+  }
+  return (count + 1) / all * std::pow(1 + (limit - threshold) / excess, -count);
+}
+
+/// Probability that the largest of all is at least |z|: that of correlated normal numbers, or that
+/// of the twins' own maxima if it is larger, because their numbers are not normal.
+double probabilityOfMaximum(double z, const std::vector<double>& drawn,
+                            const std::vector<double>& own, double looks) {
+  const double limit = std::abs(z);
+  const auto beyond = static_cast<double>(drawn.end() - std::ranges::lower_bound(drawn, limit));
   constexpr double kFewest = 20;  // draws beyond, for a probability from draws
-  if (beyond >= kFewest) return beyond / static_cast<double>(maxima.size());
-  // Bonferroni's bound, which is close in the far tail.
-  const double tail = boost::math::cdf(boost::math::complement(boost::math::normal(), limit));
-  return std::min({1.0, 2 * tail * looks, kFewest / static_cast<double>(maxima.size())});
+  double normal = beyond / static_cast<double>(drawn.size());
+  if (beyond < kFewest) {
+    // Bonferroni's bound, which is close in the far tail.
+    const double tail = boost::math::cdf(boost::math::complement(boost::math::normal(), limit));
+    normal = std::min(2 * tail * looks, kFewest / static_cast<double>(drawn.size()));
+  }
+  // The upper quarter is the best known tail; the largest ones show outliers among the twins.
+  const std::size_t quarter = std::max(kOutliers, own.size() / 4);
+  return std::min(
+      1.0, std::max({normal, predictedBeyond(limit, own, quarter),
+                     predictedBeyond(limit, own, kOutliers), predictedBeyond(limit, own, 1)}));
 }
 
 PlacedLook placed(const Look& look, const Transformed& t) {
@@ -196,9 +269,8 @@ PlacedLook placed(const Look& look, const Transformed& t) {
   const boost::math::students_t student(moments.count - 1);
   const double half =
       boost::math::quantile(student, 0.975) * moments.sigma * std::sqrt(1 + 1 / moments.count);
-  const auto back = [&](double value) { return t.logarithm ? std::exp(value) : value; };
-  result.low95 = back(moments.mean - half);
-  result.high95 = back(moments.mean + half);
+  result.low95 = invert(t.transform, moments.mean - half);
+  result.high95 = invert(t.transform, moments.mean + half);
   return result;
 }
 
@@ -271,9 +343,9 @@ TwinComparison compareWithTwins(const std::vector<Look>& looks, std::uint64_t se
   if (comparison.looks.empty()) return comparison;
   if (!varying.empty()) {
     const std::vector<double> maxima = drawnMaxima(correlationOf(varying), seed);
-    const double excess = excessOf(varying, maxima);
+    const std::vector<double> own = ownMaxima(varying);
     for (const std::size_t i : index) {
-      comparison.looks[i].p_all = probabilityOfMaximum(comparison.looks[i].z, maxima, excess,
+      comparison.looks[i].p_all = probabilityOfMaximum(comparison.looks[i].z, maxima, own,
                                                        static_cast<double>(varying.size()));
     }
   }
@@ -294,7 +366,7 @@ std::vector<SummaryLook> looksOf(std::string_view summary_json) {
   const auto has = [&](const std::string& name) {
     return std::ranges::any_of(columns, [&](const auto& column) { return column.first == name; });
   };
-  constexpr std::array<std::string_view, 3> kShares{".contact_share", ".reversals", ".observed_s"};
+  constexpr std::array<std::string_view, 2> kShares{".contact_share", ".reversals"};
   for (const auto& [name, cell] : columns) {
     const bool share = std::ranges::any_of(
         kShares, [&](std::string_view ending) { return name.ends_with(ending); });

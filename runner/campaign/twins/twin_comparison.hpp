@@ -38,11 +38,12 @@ struct TwinComparison {
   std::size_t most = 0;  ///< index of the look with the smallest p_all
 };
 
-/// Compares. Positive numbers are compared by their logarithms, whose distribution is closer to the
-/// normal one. A deviate is that of Student's t for a further draw beside the twins. The number of
-/// looks is taken into account by the distribution of the largest |z| of correlated normal numbers,
-/// with the correlation of the twins, shrunk towards none because few twins know it badly; and
-/// widened if the twins themselves, each compared with the others, reach larger values.
+/// Compares. Numbers are compared as they are, by their cube roots or by their logarithms,
+/// whichever the twins have the least skewness of. A deviate is that of Student's t for a further
+/// draw beside the twins. The number of looks is taken into account by the distribution of the
+/// largest |z| of correlated normal numbers, with the correlation of the twins, shrunk towards none
+/// because few twins know it badly; or by the twins' own largest |z|, each compared with the
+/// others, if that gives the larger probability.
 /// @param looks all with the same number of twins, at least 5
 /// @param seed of the simulated numbers
 [[nodiscard]] TwinComparison compareWithTwins(const std::vector<Look>& looks,

@@ -9,8 +9,10 @@
 #include <map>
 #include <optional>
 #include <set>
+#include <string>
 
 #include "common/experiment/experiment_file.hpp"
+#include "common/math/units.hpp"
 
 namespace lab::runner::campaign {
 namespace {
@@ -80,10 +82,17 @@ TwinExperiment twinExperimentOf(const report::TwinFacts& facts) {
   experiment.duration = std::max(0.001, std::round(facts.duration * 1e6) / 1e6);
   experiment.stop_when.clear();
   experiment.analysis.twins = 0;
+  std::string real;
   for (RobotSpec& robot : experiment.robots) {
     if (robot.body == Body::kReplay) continue;
+    if (robot.body == Body::kSerial) real += (real.empty() ? "" : ", ") + std::to_string(robot.id);
     robot.body = Body::kSim;
     robot.uid = 0;
+  }
+  if (!real.empty()) {
+    twin.remarks.push_back(fmt::format(
+        "Real robots: {}. The twins have simulated bodies with the errors that [robot] states.",
+        real));
   }
   const Camera& recorded = facts.experiment.camera;
   if (recorded.tracker == Tracker::kCamera) {
@@ -95,8 +104,15 @@ TwinExperiment twinExperimentOf(const report::TwinFacts& facts) {
   experiment.camera.dropout = 0;  // as recorded, by camera.frames
   experiment.camera.frame_loss = 0;
   experiment.faults.message_loss = 0;
-  if (facts.position_noise) experiment.camera.position_noise = *facts.position_noise;
-  if (facts.heading_noise) experiment.camera.heading_noise = *facts.heading_noise;
+  // The errors of a simulated tracker are known.
+  if (recorded.tracker == Tracker::kCamera) {
+    experiment.camera.position_noise = facts.position_noise.value_or(0);
+    experiment.camera.heading_noise = facts.heading_noise.value_or(0);
+    twin.remarks.push_back(fmt::format(
+        "The noise of the tracker is that measured in the run: {:.2g} cm per axis and {:.2g}°.",
+        experiment.camera.position_noise / units::kCentimetre,
+        experiment.camera.heading_noise / units::kDegree));
+  }
   if (!experiment.light.steps.empty() && !facts.steps.empty()) {
     if (auto steps = shownSteps(facts)) {
       experiment.light.steps = std::move(*steps);

@@ -8,6 +8,7 @@
 #include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 #include "common/text/format.hpp"
@@ -59,6 +60,32 @@ std::string lookText(const std::string& name) {
   const std::size_t bracket = name.find(" (");
   return fmt::format("{} of {}{}", name.substr(dot + 1, bracket - dot - 1), name.substr(0, dot),
                      name.substr(bracket));
+}
+
+std::string looksTable(const std::vector<const PlacedLook*>& looks) {
+  std::string table =
+      "<div class=\"scroll\"><table><tr><th>look</th><th class=\"r\">run</th>"
+      "<th class=\"r\">twins</th><th class=\"r\">95 % of twins</th><th class=\"r\">below / "
+      "above</th><th class=\"r\">z</th><th class=\"r\">p</th><th class=\"r\">p, all "
+      "looks</th></tr>\n";
+  for (const PlacedLook* look : looks) {
+    const LookTexts texts = textsOf(*look);
+    table += fmt::format(
+        "<tr><td>{}</td><td class=\"r\">{}</td><td class=\"r\">{}</td><td class=\"r\">{}</td><td "
+        "class=\"r\">{} / {}</td><td class=\"r\">{}</td><td class=\"r\">{}</td><td "
+        "class=\"r{}\">{}</td></tr>\n",
+        escapeHtml(texts.name), texts.run, texts.twins, texts.interval, look->below, look->above,
+        texts.z, texts.p, look->p_all < kDeviates ? " deviates" : "", texts.p_all);
+  }
+  return table + "</table></div>\n";
+}
+
+std::string explanation() {
+  return fmt::format(
+      "<p>A look is one number of the run that its twins have too. z is the deviate of a further "
+      "draw beside the twins; the last column is the probability that the largest of all looks "
+      "deviates as much by chance. Below {} the run deviates.</p>\n",
+      kDeviates);
 }
 
 }  // namespace
@@ -131,6 +158,67 @@ std::vector<std::string> programsOfSummary(const std::string& summary_json) {
   return names;
 }
 
+LookTexts textsOf(const PlacedLook& look) {
+  return {
+      lookText(look.name),
+      valueText(look.run, look.sigma),
+      fmt::format("{} ± {}", valueText(look.mean, look.sigma), valueText(look.sigma, look.sigma)),
+      fmt::format("{} to {}", valueText(look.low95, look.sigma),
+                  valueText(look.high95, look.sigma)),
+      std::isfinite(look.z) ? fmt::format("{:+.1f}", look.z) : "–",
+      pText(look.p),
+      pText(look.p_all)};
+}
+
+std::vector<const PlacedLook*> mostUnusual(const TwinComparison& comparison, std::size_t most) {
+  std::vector<const PlacedLook*> sorted;
+  for (const PlacedLook& look : comparison.looks) sorted.push_back(&look);
+  std::ranges::stable_sort(sorted, [](const PlacedLook* a, const PlacedLook* b) {
+    return a->p_all != b->p_all ? a->p_all < b->p_all : a->p < b->p;
+  });
+  sorted.resize(std::min(most, sorted.size()));
+  return sorted;
+}
+
+std::string twinCsv(const TwinReport& report) {
+  std::string csv =
+      "look,run,twins_mean,twins_standard_deviation,low95,high95,twins_below,twins_above,z,p,"
+      "p_all_looks\n";
+  const auto cell = [](double value) {
+    return std::isfinite(value) ? fmt::format("{:.9g}", value) : std::string();
+  };
+  for (const PlacedLook& look : report.comparison.looks) {
+    csv += fmt::format("\"{}\",{},{},{},{},{},{},{},{},{},{}\n", look.name, cell(look.run),
+                       cell(look.mean), cell(look.sigma), cell(look.low95), cell(look.high95),
+                       look.below, look.above, cell(look.z), cell(look.p), cell(look.p_all));
+  }
+  return csv;
+}
+
+std::string withTwinSection(const std::string& report_page, const TwinReport& report) {
+  constexpr std::string_view kBegin = "<!-- twins -->";
+  constexpr std::string_view kEnd = "<!-- end of twins -->\n";
+  constexpr std::string_view kBodyEnd = "</body>";
+  constexpr std::size_t kInReport = 10;
+  std::string page = report_page;
+  const std::size_t begin = page.find(kBegin);
+  const std::size_t end = page.find(kEnd);
+  if (begin != std::string::npos && end != std::string::npos && begin < end) {
+    page.erase(begin, end + kEnd.size() - begin);
+  }
+  std::string section = fmt::format(
+      "{}<h2>Simulated twins</h2>\n<p>The run {}. <a href=\"twins.html\">All {} "
+      "looks</a></p>\n",
+      kBegin, escapeHtml(verdictOf(report)), report.comparison.looks.size());
+  for (const std::string& remark : report.remarks) {
+    section += fmt::format("<p class=\"soft\">{}</p>\n", escapeHtml(remark));
+  }
+  section += looksTable(mostUnusual(report.comparison, kInReport)) + explanation();
+  section += kEnd;
+  const std::size_t place = page.rfind(kBodyEnd);
+  return page.insert(place == std::string::npos ? page.size() : place, section);
+}
+
 std::string twinJson(const TwinReport& report) {
   const TwinComparison& comparison = report.comparison;
   TwinJson looks = TwinJson::array();
@@ -181,33 +269,8 @@ std::string twinHtml(const TwinReport& report, const std::vector<report::DrawnFi
                         report::svgElement(figure.svg, figure.name + "_"), escapeHtml(figure.title),
                         escapeHtml(figure.caption));
   }
-  page +=
-      "</div>\n<h2>Looks</h2>\n<div class=\"scroll\"><table><tr><th>look</th><th "
-      "class=\"r\">run</th>"
-      "<th class=\"r\">twins</th><th class=\"r\">95 % of twins</th><th class=\"r\">below / "
-      "above</th>"
-      "<th class=\"r\">z</th><th class=\"r\">p</th><th class=\"r\">p, all looks</th></tr>\n";
-  std::vector<const PlacedLook*> sorted;
-  for (const PlacedLook& look : comparison.looks) sorted.push_back(&look);
-  std::ranges::stable_sort(sorted, {}, [](const PlacedLook* look) { return look->p_all; });
-  for (const PlacedLook* look : sorted) {
-    page += fmt::format(
-        "<tr><td>{}</td><td class=\"r\">{}</td><td class=\"r\">{} ± {}</td><td class=\"r\">{} to "
-        "{}</td><td class=\"r\">{} / {}</td><td class=\"r\">{}</td><td class=\"r\">{}</td><td "
-        "class=\"r{}\">{}</td></tr>\n",
-        escapeHtml(lookText(look->name)), valueText(look->run, look->sigma),
-        valueText(look->mean, look->sigma), valueText(look->sigma, look->sigma),
-        valueText(look->low95, look->sigma), valueText(look->high95, look->sigma), look->below,
-        look->above, std::isfinite(look->z) ? fmt::format("{:+.1f}", look->z) : "–", pText(look->p),
-        look->p_all < kDeviates ? " deviates" : "", pText(look->p_all));
-  }
-  page += "</table></div>\n";
-  page += fmt::format(
-      "<p>A look is one number of the run that its twins have too. z is the deviate of a further "
-      "draw "
-      "beside the twins; the last column is the probability that the largest of all looks deviates "
-      "as much by chance. Below {} the run deviates.</p>\n",
-      kDeviates);
+  page += "</div>\n<h2>Looks</h2>\n" + looksTable(mostUnusual(comparison, comparison.looks.size()));
+  page += explanation();
   return page + "</body>\n</html>\n";
 }
 

@@ -1,7 +1,7 @@
 /// The page of a run among its twins.
 #pragma once
 
-#include <filesystem>
+#include <cstddef>
 #include <string>
 #include <vector>
 
@@ -33,7 +33,30 @@ inline constexpr double kDeviates = 0.01;
 /// Names of the programs of a summary.json.
 [[nodiscard]] std::vector<std::string> programsOfSummary(const std::string& summary_json);
 
+/// A look as text, for tables.
+struct LookTexts {
+  std::string name;  ///< "D_r of abp (rad²/s)"
+  std::string run;
+  std::string twins;     ///< "0.75 ± 0.04"
+  std::string interval;  ///< "0.67 to 0.83"
+  std::string z;
+  std::string p;
+  std::string p_all;
+};
+[[nodiscard]] LookTexts textsOf(const PlacedLook& look);
+
+/// The looks that deviate most, first.
+[[nodiscard]] std::vector<const PlacedLook*> mostUnusual(const TwinComparison& comparison,
+                                                         std::size_t most);
+
+/// A row per look.
+[[nodiscard]] std::string twinCsv(const TwinReport& report);
+
 [[nodiscard]] std::string twinJson(const TwinReport& report);
+
+/// The page of a run's report with a section on the twins at its end; an earlier one is replaced.
+[[nodiscard]] std::string withTwinSection(const std::string& report_page, const TwinReport& report);
+
 [[nodiscard]] std::string twinHtml(const TwinReport& report,
                                    const std::vector<report::DrawnFigure>& figures);
 
