@@ -56,7 +56,7 @@ def result_of(page):
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         (root / "docs").mkdir()
-        for name in ("experiments", "docs/examples", "lcmtypes", "lab"):
+        for name in ("experiments", "docs/examples", "lcmtypes", "lab", "python"):
             (root / name).symlink_to(ROOT / name)
         (root / "page.md").write_text(page, encoding="utf-8")
         test = str(HERE / "commands_test.py")

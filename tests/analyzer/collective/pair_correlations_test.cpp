@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/distributions/normal.hpp>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -16,10 +18,15 @@ namespace {
 
 const Rectangle kArena{0, 0, 1.2, 0.9};
 
+/// The largest deviation as that of a normal number with the same probability: the errors have few
+/// degrees of freedom.
 double worstZ(const ObservableCurve& curve, double expected) {
   double worst = 0;
   for (const CurveSample& point : curve.points) {
-    worst = std::max(worst, std::abs(point.average.value - expected) / point.average.sigma);
+    const double t = std::abs(point.average.value - expected) / point.average.sigma;
+    const boost::math::students_t student(point.average.degrees_of_freedom);
+    const double tail = boost::math::cdf(boost::math::complement(student, t));
+    worst = std::max(worst, -boost::math::quantile(boost::math::normal(), tail));
   }
   return worst;
 }
