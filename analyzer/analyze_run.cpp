@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <string_view>
 
 #include "analyzer/report/figures/figures.hpp"
 #include "analyzer/report/html/report_page.hpp"
@@ -19,16 +20,6 @@
 namespace lab::report {
 namespace fs = std::filesystem;
 namespace {
-
-/// A folder for unfinished files, on the same file system as the output so that files can be
-/// renamed.
-fs::path scratchIn(const fs::path& out) {
-  fs::path made = makeUniqueFolder(out, ".report");
-  if (!made.empty()) return made;
-  throw ReportError(fmt::format(
-      "{}: cannot write here; choose another folder with --out or change its permissions",
-      out.string()));
-}
 
 void write(const fs::path& file, const std::string& text) {
   std::ofstream stream(file, std::ios::binary);
@@ -69,7 +60,7 @@ void refuseLink(const fs::path& folder) {
 
 /// Writes all files of a record, each completely or not at all.
 AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with_figures) {
-  const ScratchFolder scratch(scratchIn(out));
+  const ScratchFolder scratch(makeFolderIn(out, ".report"));
   std::vector<Figure> figures;
   if (with_figures) figures = drawFigures(record, scratch.path());
 
@@ -107,6 +98,14 @@ AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with
 }
 
 }  // namespace
+
+fs::path makeFolderIn(const fs::path& out, std::string_view name) {
+  fs::path made = makeUniqueFolder(out, name);
+  if (!made.empty()) return made;
+  throw ReportError(fmt::format(
+      "{}: cannot write here; choose another folder with --out or change its permissions",
+      out.string()));
+}
 
 AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory,
                        const AnalyzeOptions& options) {

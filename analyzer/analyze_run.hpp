@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analyzer/report/poses/pose_file.hpp"
@@ -26,6 +27,11 @@ struct AnalyzedRun {
   std::vector<std::filesystem::path> files;  ///< everything written
   std::vector<std::string> headline;  ///< lines for the terminal: one per program, then remarks
 };
+
+/// A new folder below the folder of the results, on the same file system, for unfinished files.
+/// @throws ReportError if it cannot be made
+[[nodiscard]] std::filesystem::path makeFolderIn(const std::filesystem::path& out,
+                                                 std::string_view name);
 
 /// Reads RUN (a run's folder) or LOG (a log file) and writes summary.json, report.html,
 /// trajectories.csv and the figures, each completely or not at all, with the same bytes every time.

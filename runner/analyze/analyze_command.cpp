@@ -31,15 +31,6 @@ bool isPoseFile(const fs::path& path) {
   return fs::is_regular_file(path) && (ending == ".csv" || ending == ".CSV" || ending == ".tsv");
 }
 
-/// A folder beside the results for what is only needed on the way to them.
-fs::path scratchIn(const fs::path& out) {
-  fs::path made = makeUniqueFolder(out, ".import");
-  if (!made.empty()) return made;
-  throw UserError(fmt::format(
-      "{}: cannot write here; choose another folder with --out or change its permissions",
-      out.string()));
-}
-
 bool isOpenFormat(const fs::path& path) { return mcap::isMcap(path) || isHdf5(path); }
 
 report::PoseFileOptions columnsOf(const AnalyzeOptions& options) {
@@ -53,7 +44,7 @@ report::PoseFileOptions columnsOf(const AnalyzeOptions& options) {
 /// analyzes that.
 ExitCode analyzeOpenFormat(const fs::path& input, const fs::path& out,
                            const AnalyzeOptions& options, const report::AnalyzeOptions& how) {
-  const ScratchFolder scratch(scratchIn(out));
+  const ScratchFolder scratch(report::makeFolderIn(out, ".import"));
   if (isHdf5(input) && !hasLogTables(input)) {
     const fs::path csv = scratch.path() / (input.stem().string() + ".csv");
     writePosesOfHdf5(input, csv);

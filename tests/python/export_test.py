@@ -86,11 +86,11 @@ class Exports(RunTestCase):
         numpy.testing.assert_allclose(trackpy.t, poses.t, atol=1e-9)
         for robot in poses.robot_id.unique():
             own = poses[poses.robot_id == robot]
-            trex = pandas.read_csv(self.file("-trex") / f"{self.name}_id{robot}.csv")
+            trex = pandas.read_csv(self.file("-trex") / f"{self.name}_id{robot}.csv", float_precision="round_trip")
             self.assertEqual(len(trex), poses.frame.nunique())
             seen = trex[trex.missing == 0]
             numpy.testing.assert_allclose(seen["X#wcentroid (cm)"], 100 * own.x, rtol=1e-12)
-            numpy.testing.assert_allclose(seen.ANGLE, own.theta, atol=1e-12)
+            numpy.testing.assert_array_equal(seen.ANGLE, own.theta)
 
     def test_analyze_takes_mcap_and_hdf5_back(self):
         out = {}

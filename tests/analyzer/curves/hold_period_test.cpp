@@ -41,15 +41,22 @@ TEST(HoldPeriod, HasAnHonestError) {
     const Program program = shippedProgram(name, {}, kWidestWheels);
     double sum = 0;
     double squares = 0;
+    double bias = 0;
+    double scatter = 0;
     for (std::uint64_t seed = 1; seed <= kFilms; ++seed) {
       const auto dut = measured(program, program, seed, options);
       ASSERT_TRUE(dut) << name << " " << seed;
       const double z = (dut->value - dut->programmed) / dut->sigma;
       sum += z;
       squares += z * z;
+      const double relative = dut->value / dut->programmed - 1;
+      bias += relative / kFilms;
+      scatter += relative * relative / kFilms;
       EXPECT_LT(dut->sigma / dut->value, 0.01) << name;
     }
     EXPECT_LT(squares / kFilms, 1.15 + tolerance) << name;
+    // What the error contains for the displacement of the line.
+    EXPECT_LT(std::abs(bias), 2e-4 + 4 * std::sqrt(scatter / kFilms)) << name;
     if (name == "bp") {
       EXPECT_LT(std::abs(sum / kFilms) * std::sqrt(kFilms), 4);
       EXPECT_GT(squares / kFilms, 1.15 - tolerance);

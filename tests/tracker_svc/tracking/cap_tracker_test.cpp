@@ -194,7 +194,7 @@ void runCrowd(std::size_t program, std::uint64_t seed, double minutes) {
     begun = true;
   }
 
-  EXPECT_GT(crowd.world().collisions(), 200 * minutes);
+  EXPECT_GT(crowd.world().collisions(), 200 * minutes);  // robots that slide collide more rarely
   EXPECT_GT(score.poses, 20 * 1700 * minutes);
   EXPECT_EQ(score.swapped, 0);
   EXPECT_EQ(score.flipped, 0);
