@@ -1,21 +1,23 @@
-/// The start-up handshake: one robot after the other turns on the spot, so that the tracker finds
-/// which cap is which robot.
+/// The start-up handshake: all robots turn on the spot at once, each by a code word of its own, so
+/// that the tracker finds which cap is which robot.
 #pragma once
 
 #include <cstdint>
 #include <functional>
 #include <lab/robot_command_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <map>
 #include <set>
 #include <vector>
 
 #include "common/experiment/experiment.hpp"
+#include "runner/live/turning_code.hpp"
 
 namespace lab::runner {
 
-/// Decides which robot turns, in which direction and for how long; the controller sends its
-/// command(). All other robots stand still. A robot that the tracker knows already is skipped. A
-/// robot that is not recognised gets a second try after all others.
+/// Decides which robot turns in which direction and for how long; the controller sends its
+/// command(). Robots that the tracker knows before a pass stand still. Robots that are not
+/// recognised get a second pass with other code words.
 class Handshake {
  public:
   explicit Handshake(const Experiment& experiment);
@@ -26,7 +28,7 @@ class Handshake {
   /// Takes note of the robots that the tracker knows.
   void see(const tracked_frame_t& frame);
 
-  /// Goes on to the next direction or robot when it is time.
+  /// Goes on to the next round or pass when it is time.
   /// @param obeyed whether a robot has echoed the last command
   /// @return whether command() has changed
   [[nodiscard]] bool advance(std::int64_t utime, const std::function<bool(std::int32_t)>& obeyed);
@@ -38,26 +40,27 @@ class Handshake {
   [[nodiscard]] const std::vector<std::int32_t>& unknown() const { return unknown_; }
 
  private:
-  struct Turn {
-    std::int32_t robot_id = 0;
-    int tries = 0;
-  };
-
-  void turn(std::int64_t utime);
-  [[nodiscard]] bool swing(std::int64_t utime);
-  void tell();
-  [[nodiscard]] bool isOver(std::int64_t utime, const std::function<bool(std::int32_t)>& obeyed);
+  void forgetKnown();
+  [[nodiscard]] bool isKnown(std::int32_t robot_id) const;
+  void beginPass(std::int64_t utime);
+  [[nodiscard]] double speedOf(std::size_t robot) const;
+  void beginRound(std::int64_t utime);
+  [[nodiscard]] bool isRoundOver(std::int64_t utime,
+                                 const std::function<bool(std::int32_t)>& obeyed);
 
   const Experiment& experiment_;
-  double speed_;               ///< [m/s] speed of the right wheel; the left wheel has its negative
-  std::vector<Turn> waiting_;  ///< the first one turns now
-  std::set<std::int32_t> known_;
+  double speed_;                       ///< [m/s] of the wheels, highest
+  std::vector<std::int32_t> waiting_;  ///< robots of this pass
+  std::set<std::int32_t> silent_;      ///< robots of this pass that did not obey in its first round
   std::vector<std::int32_t> unknown_;
-  robot_command_t command_{};
-  bool begun_ = false;
+  std::map<std::int32_t, std::int64_t> known_utime_;  ///< when the tracker last named the robot
+  std::int64_t frame_utime_ = 0;                      ///< of the last frame
+  TurningCode code_;
+  int pass_ = -1;
+  int round_ = 0;
   std::int64_t told_utime_ = 0;
-  std::int64_t obeyed_utime_ = 0;  ///< 0: no echo yet
-  std::int64_t swung_utime_ = 0;   ///< last change of direction
+  std::int64_t obeyed_utime_ = 0;  ///< when all robots turned; 0: not yet
+  robot_command_t command_{};
 };
 
 }  // namespace lab::runner

@@ -252,7 +252,7 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
          {.most = 400}, camera.calibration);
   v.flag(
       painted({"handshake",
-               "before the script each robot turns briefly, so that the tracker can identify it"}),
+               "before the script all robots turn by a code, so that the tracker can identify it"}),
       camera.handshake);
   std::int64_t port = camera.debug_port;
   v.integer(painted({"debug_port", "port of the tracker's debug view on 127.0.0.1, 0: none"}), 0,

@@ -2,6 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
 #include "common/experiment/experiment.hpp"
 
 namespace lab::runner {
@@ -9,6 +14,7 @@ namespace {
 
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::UnorderedElementsAre;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
 
@@ -34,29 +40,36 @@ tracked_frame_t frameWith(const std::vector<std::int32_t>& ids) {
   return frame;
 }
 
-/// The robot that a command turns; 0 if none, -1 if several.
-std::int32_t turning(const robot_command_t& command) {
-  std::int32_t found = 0;
+/// The robots that a command turns in one direction.
+std::set<std::int32_t> turning(const robot_command_t& command, bool left) {
+  std::set<std::int32_t> found;
   for (const robot_order_t& order : command.orders) {
     if (order.mode != robot_order_t::DRIVE) continue;
-    if (order.robot_ids.size() != 1 || found != 0) return -1;
     EXPECT_NE(order.wheel_left, 0);
     EXPECT_EQ(order.wheel_left, -order.wheel_right);
-    found = order.robot_ids.front();
+    if ((order.wheel_right > 0) == left) {
+      found.insert(order.robot_ids.begin(), order.robot_ids.end());
+    }
   }
   return found;
 }
 
-std::size_t standing(const robot_command_t& command) {
-  std::size_t robots = 0;
+std::set<std::int32_t> turning(const robot_command_t& command) {
+  std::set<std::int32_t> found = turning(command, true);
+  found.merge(turning(command, false));
+  return found;
+}
+
+std::set<std::int32_t> standing(const robot_command_t& command) {
+  std::set<std::int32_t> robots;
   for (const robot_order_t& order : command.orders) {
-    if (order.mode == robot_order_t::STAND) robots += order.robot_ids.size();
+    if (order.mode != robot_order_t::STAND) continue;
+    robots.insert(order.robot_ids.begin(), order.robot_ids.end());
   }
   return robots;
 }
 
 const auto kObeys = [](std::int32_t) { return true; };
-const auto kIgnores = [](std::int32_t) { return false; };
 
 TEST(Handshake, IsNotNeededWithoutACamera) {
   Experiment experiment = experimentWith({{1, Body::kSim}});
@@ -68,81 +81,129 @@ TEST(Handshake, IsNotNeededWithoutACamera) {
   EXPECT_FALSE(Handshake(experiment).needed());
 }
 
-TEST(Handshake, TurnsOneRobotAfterTheOtherWhileTheOthersStand) {
+TEST(Handshake, TurnsEveryRobotByAWordOfItsOwn) {
   const Experiment experiment =
       experimentWith({{1, Body::kSim}, {4, Body::kWire}, {9, Body::kFirmware}});
   Handshake handshake(experiment);
-  ASSERT_TRUE(handshake.advance(0, kObeys));
-  std::vector<std::int32_t> turned;
-  for (std::int64_t now = 0; !handshake.done() && now < 100 * kSecond_us; now += 20'000) {
-    EXPECT_EQ(standing(handshake.command()), 2U);
-    turned.push_back(turning(handshake.command()));
-    handshake.see(frameWith({turned.back()}));
-    static_cast<void>(handshake.advance(now, kObeys));
+  std::map<std::int32_t, std::string> words;
+  std::int64_t now = 0;
+  for (; !handshake.done() && now < 100 * kSecond_us; now += 20'000) {
+    if (!handshake.advance(now, kObeys)) continue;
+    const std::set<std::int32_t> left = turning(handshake.command(), true);
+    if (turning(handshake.command()).empty()) break;  // the end of the first pass
+    EXPECT_THAT(turning(handshake.command()), ElementsAre(1, 4, 9));
+    for (const std::int32_t id : {1, 4, 9}) words[id] += left.contains(id) ? 'l' : 'r';
   }
-  EXPECT_THAT(turned, ElementsAre(1, 4, 9));
+  EXPECT_LT(now, 5 * kSecond_us);
+  EXPECT_THAT(standing(handshake.command()), ElementsAre(1, 4, 9));
+  EXPECT_NE(words[1], words[4]);
+  EXPECT_NE(words[1], words[9]);
+  EXPECT_NE(words[4], words[9]);
+}
+
+TEST(Handshake, EndsAsSoonAsAllRobotsAreKnown) {
+  const Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSim}});
+  Handshake handshake(experiment);
+  ASSERT_TRUE(handshake.advance(0, kObeys));
+  handshake.see(frameWith({1}));
+  EXPECT_FALSE(handshake.advance(20'000, kObeys));
+  EXPECT_FALSE(handshake.done());
+  handshake.see(frameWith({2}));  // robot 1 was not detected in this frame
+  EXPECT_FALSE(handshake.advance(40'000, kObeys));
+  EXPECT_TRUE(handshake.done());
   EXPECT_THAT(handshake.unknown(), IsEmpty());
 }
 
-TEST(Handshake, SkipsRobotsThatTheTrackerKnows) {
+TEST(Handshake, ARobotThatIsNoLongerNamedIsNotKnown) {
+  const Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSim}});
+  Handshake handshake(experiment);
+  ASSERT_TRUE(handshake.advance(0, kObeys));
+  handshake.see(frameWith({1}));
+  tracked_frame_t later = frameWith({2});
+  later.utime = kSecond_us;
+  handshake.see(later);
+  EXPECT_FALSE(handshake.advance(20'000, kObeys));
+  EXPECT_FALSE(handshake.done());
+}
+
+TEST(Handshake, RobotsThatTheTrackerKnowsStand) {
   const Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSim}});
   Handshake handshake(experiment);
   handshake.see(frameWith({1}));
   ASSERT_TRUE(handshake.advance(0, kObeys));
-  EXPECT_EQ(turning(handshake.command()), 2);
+  EXPECT_THAT(turning(handshake.command()), ElementsAre(2));
+  EXPECT_THAT(standing(handshake.command()), ElementsAre(1));
 }
 
-TEST(Handshake, TriesAnUnrecognisedRobotASecondTimeAtTheEnd) {
-  const Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSim}});
+TEST(Handshake, TriesUnrecognisedRobotsASecondTime) {
+  const Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSim}, {3, Body::kSim}});
   Handshake handshake(experiment);
-  std::vector<std::int32_t> turned;
+  std::vector<std::set<std::int32_t>> passes;
   std::int64_t now = 0;
   for (; !(now > 0 && handshake.done()) && now < 100 * kSecond_us; now += 20'000) {
-    if (handshake.advance(now, kObeys) &&
-        (turned.empty() || turned.back() != turning(handshake.command()))) {
-      turned.push_back(turning(handshake.command()));
+    if (handshake.advance(now, kObeys)) {
+      const std::set<std::int32_t> turned = turning(handshake.command());
+      if (!turned.empty() && (passes.empty() || passes.back() != turned)) passes.push_back(turned);
     }
-    if (!turned.empty() && turned.back() == 2) handshake.see(frameWith({2}));
+    if (now > 2 * kSecond_us) {
+      tracked_frame_t frame = frameWith({2});
+      frame.utime = now;
+      handshake.see(frame);
+    }
   }
-  EXPECT_THAT(turned, ElementsAre(1, 2, 1));
-  EXPECT_THAT(handshake.unknown(), ElementsAre(1));
-  EXPECT_LT(now, 7 * kSecond_us);
+  EXPECT_THAT(passes, ElementsAre(std::set{1, 2, 3}, std::set{1, 3}));
+  EXPECT_THAT(handshake.unknown(), UnorderedElementsAre(1, 3));
+  EXPECT_LT(now, 13 * kSecond_us);
 }
 
 TEST(Handshake, WaitsForARobotThatBootsSlowly) {
-  const Experiment experiment = experimentWith({{1, Body::kWire}});
+  const Experiment experiment = experimentWith({{1, Body::kWire}, {2, Body::kWire}});
+  const auto only_one = [](std::int32_t id) { return id == 1; };
   Handshake handshake(experiment);
-  ASSERT_TRUE(handshake.advance(0, kIgnores));
-  EXPECT_FALSE(handshake.advance(9 * kSecond_us, kIgnores));
+  ASSERT_TRUE(handshake.advance(0, only_one));
+  EXPECT_FALSE(handshake.advance(9 * kSecond_us, only_one));
   EXPECT_FALSE(handshake.advance(9 * kSecond_us + 1, kObeys));
-  EXPECT_EQ(handshake.unknown().size(), 0U);
-  static_cast<void>(handshake.advance(11 * kSecond_us, kObeys));
-  EXPECT_TRUE(handshake.advance(13 * kSecond_us, kObeys));
+  EXPECT_TRUE(handshake.advance(10 * kSecond_us, kObeys));
 }
 
-TEST(Handshake, TurnsInBothDirections) {
-  const Experiment experiment = experimentWith({{1, Body::kSim}});
+TEST(Handshake, ASilentRobotDoesNotDelayEveryRound) {
+  const Experiment experiment = experimentWith({{1, Body::kWire}, {2, Body::kWire}});
+  const auto only_one = [](std::int32_t id) { return id == 1; };
   Handshake handshake(experiment);
-  int changes = 0;
-  double last = 0;
-  for (std::int64_t now = 0; now < 2 * kSecond_us; now += 20'000) {
-    static_cast<void>(handshake.advance(now, kObeys));
-    const double left = handshake.command().orders.back().wheel_left;
-    if (left != last) ++changes;
-    last = left;
+  std::int64_t now = 0;
+  for (; !(now > 0 && handshake.done()) && now < 100 * kSecond_us; now += 20'000) {
+    static_cast<void>(handshake.advance(now, only_one));
+    tracked_frame_t frame = frameWith({1});
+    frame.utime = now;
+    if (now > 12 * kSecond_us) handshake.see(frame);
   }
-  EXPECT_EQ(changes, 4);
+  EXPECT_THAT(handshake.unknown(), ElementsAre(2));
+  EXPECT_LT(now, 25 * kSecond_us);
+}
+
+TEST(Handshake, EveryRobotTurnsInBothDirections) {
+  const Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSim}});
+  Handshake handshake(experiment);
+  std::set<std::int32_t> left;
+  std::set<std::int32_t> right;
+  for (std::int64_t now = 0; now < 3 * kSecond_us; now += 20'000) {
+    static_cast<void>(handshake.advance(now, kObeys));
+    left.merge(turning(handshake.command(), true));
+    right.merge(turning(handshake.command(), false));
+  }
+  EXPECT_THAT(left, ElementsAre(1, 2));
+  EXPECT_THAT(right, ElementsAre(1, 2));
 }
 
 TEST(Handshake, TurnsOnlyRobotsThatTheCameraCanSee) {
   Experiment experiment = experimentWith({{1, Body::kSim}, {2, Body::kSerial}, {3, Body::kReplay}});
   Handshake painted(experiment);
   ASSERT_TRUE(painted.advance(0, kObeys));
-  EXPECT_EQ(turning(painted.command()), 1);
+  EXPECT_THAT(turning(painted.command()), ElementsAre(1));
   experiment.camera.source = "/dev/video0";
   Handshake real(experiment);
   ASSERT_TRUE(real.advance(0, kObeys));
-  EXPECT_EQ(turning(real.command()), 2);
+  EXPECT_THAT(turning(real.command()), ElementsAre(2));
 }
 
 }  // namespace
