@@ -77,6 +77,27 @@ class RequestReader {
   std::string name_;
 };
 
+std::string liveText(const LivePlan& plan) {
+  std::vector<std::string> known;
+  for (const KnownRule& rule : plan.known) known.push_back(knownRuleText(rule));
+  return fmt::format(
+      "# Played on a real lab.\nrest_s = {:.6f}\nclear = {}\ntries = {}\nstrikes = {}\n"
+      "until_us = {}\nknown = {}\n",
+      plan.rest_s, keys::tomlString(plan.clear), plan.tries, plan.strikes, plan.until_us,
+      listText(known));
+}
+
+LivePlan readLivePlan(const RequestReader& read) {
+  LivePlan plan;
+  plan.rest_s = read.get<double>("rest_s");
+  plan.clear = read.get<std::string>("clear");
+  plan.tries = read.get<std::int64_t>("tries");
+  plan.strikes = read.get<std::int64_t>("strikes");
+  plan.until_us = read.get<std::int64_t>("until_us");
+  for (const std::string& rule : read.texts("known")) plan.known.push_back(parseKnownRule(rule));
+  return plan;
+}
+
 }  // namespace
 
 const char* nameOf(Keep keep) {
@@ -86,7 +107,7 @@ const char* nameOf(Keep keep) {
 Design Request::design() const { return {parseAxes(over), zip, random, sampling, seed}; }
 
 std::string requestText(const Request& request, const std::string& created) {
-  return fmt::format(
+  std::string text = fmt::format(
       "# What was asked of this campaign. lab sweep FOLDER continues it (docs/campaigns.md).\n"
       "fileversion = {}\ncreated = {}\nname = {}\nfile = {}\nset = {}\nover = {}\nzip = {}\n"
       "seeds = {}\nrandom = {}\nsampling = {}\nseed = {}\ncommon_seeds = {}\nkeep = {}\nfits = "
@@ -96,6 +117,8 @@ std::string requestText(const Request& request, const std::string& created) {
       request.seeds, request.random,
       request.sampling == Sampling::kSobol ? "\"sobol\"" : "\"latin\"", request.seed,
       request.common_seeds, keys::tomlString(nameOf(request.keep)), request.fits);
+  if (request.live) text += liveText(*request.live);
+  return text;
 }
 
 Request readRequest(std::string_view text, const std::string& name) {
@@ -124,6 +147,7 @@ Request readRequest(std::string_view text, const std::string& name) {
   if (known == kKeeps.end()) read.fail("keep", document.root().get("keep"));
   request.keep = known->first;
   request.fits = read.get<bool>("fits");
+  if (document.root().contains("rest_s")) request.live = readLivePlan(read);
   return request;
 }
 
@@ -139,8 +163,9 @@ std::uint64_t seedOf(const Request& request, const Point& point, std::int64_t re
 
 std::vector<Row> rowsOf(const Request& request, const std::vector<Point>& points,
                         const CodeVersion& code) {
-  const std::string code_hash =
-      sha256Of(fmt::format("{} contract {}", code.text, code.contract)).substr(0, kCodeDigits);
+  const std::string version =
+      request.live ? "measured" : fmt::format("{} contract {}", code.text, code.contract);
+  const std::string code_hash = sha256Of(version).substr(0, kCodeDigits);
   std::vector<Row> rows;
   rows.reserve(points.size() * static_cast<std::size_t>(request.seeds));
   for (std::int64_t replicate = 0; replicate < request.seeds; ++replicate) {

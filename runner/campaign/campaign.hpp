@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,6 +11,7 @@
 #include "common/experiment/sweep.hpp"
 #include "runner/campaign/axis.hpp"
 #include "runner/campaign/design.hpp"
+#include "runner/campaign/live/live_plan.hpp"
 
 namespace lab::runner::campaign {
 
@@ -35,7 +37,8 @@ struct Request {
   std::uint64_t seed = 1;     ///< the base of all seeds
   bool common_seeds = false;  ///< all points share their random numbers
   Keep keep = Keep::kSummary;
-  bool fits = false;  ///< also fits the exact laws, by simulated recordings
+  bool fits = false;               ///< also fits the exact laws, by simulated recordings
+  std::optional<LivePlan> live{};  ///< played on a real lab; empty: simulated
 
   bool operator==(const Request&) const = default;
 
@@ -85,7 +88,8 @@ struct Row {
 
 /// The rows, in the order in which they are run: the first run of every point, then the second ...
 /// A row's number is its index. More seeds, or more values, leave the identities of the others
-/// unchanged.
+/// unchanged. Runs of a real lab are measurements: the version of the code is not part of their
+/// identity.
 [[nodiscard]] std::vector<Row> rowsOf(const Request& request, const std::vector<Point>& points,
                                       const CodeVersion& code);
 

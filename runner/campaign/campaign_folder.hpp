@@ -27,6 +27,7 @@ inline constexpr const char* kFailures = "failures";    ///< why a run has no re
 inline constexpr const char* kWork = "work";            ///< runs in flight
 inline constexpr const char* kEarlier = "earlier";      ///< requests that were replaced
 inline constexpr const char* kProgress = "progress.json";
+inline constexpr const char* kJournal = "journal.jsonl";  ///< of a live campaign
 inline constexpr const char* kTable = "campaign.csv";
 inline constexpr const char* kPooled = "points.csv";
 inline constexpr const char* kJson = "campaign.json";

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <map>
 #include <optional>
 #include <system_error>
 #include <utility>
@@ -19,6 +20,9 @@
 #include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_figures.hpp"
 #include "runner/campaign/campaign_laws.hpp"
+#include "runner/campaign/live/live_engine.hpp"
+#include "runner/campaign/live/live_journal.hpp"
+#include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;
@@ -235,6 +239,29 @@ std::string failuresList(const CampaignData& data) {
   return "<h2>Failures</h2>\n<ul>" + items + "</ul>\n";
 }
 
+/// How the time of a live campaign was spent, and which robots misbehaved.
+std::string liveSection(const fs::path& folder) {
+  const std::vector<JournalEntry> entries = readJournal(journalText(folder)).entries;
+  std::map<std::int32_t, std::map<std::string, int>> robots;
+  for (const JournalEntry& entry : entries) {
+    for (const auto& [id, problem] : entry.robots) {
+      if (!problem.empty()) ++robots[id][problem];
+    }
+  }
+  std::string html =
+      fmt::format("<h2>On the lab</h2>\n<p>{}</p>\n", escapeHtml(accountText(accountOf(entries))));
+  if (robots.empty()) return html;
+  html += "<ul>";
+  for (const auto& [id, problems] : robots) {
+    std::string text;
+    for (const auto& [problem, count] : problems) {
+      text += fmt::format("{}{} in {}", text.empty() ? "" : ", ", problem, countText(count, "run"));
+    }
+    html += fmt::format("<li>robot {}: {}</li>\n", id, escapeHtml(text));
+  }
+  return html + "</ul>\n";
+}
+
 std::string figureHtml(const report::DrawnFigure& figure) {
   constexpr int kWide = 900;  // [px]
   const std::size_t width = figure.svg.find("width=\"");
@@ -287,10 +314,19 @@ class FigureScratch {
 std::vector<std::string> writeTables(const CampaignData& data, const fs::path& folder,
                                      const PageOptions& options) {
   const PooledTable pooled = poolCampaign(data);
-  const std::vector<std::size_t> leading = leadingQuantities(pooled, options.show, kMostFigures);
   replaceFile(folder / names::kTable, runsCsv(data));
   replaceFile(folder / names::kPooled, pointsCsv(data, pooled));
   replaceFile(folder / names::kJson, campaignJson(data, pooled));
+
+  std::vector<std::string> findings;
+  const std::vector<std::size_t> leading = [&] {
+    try {
+      return leadingQuantities(pooled, options.show, kMostFigures);
+    } catch (const UserError& error) {  // a wrong name costs no result
+      findings.push_back(fmt::format("{}; the page shows what varies most", error.what()));
+      return leadingQuantities(pooled, {}, kMostFigures);
+    }
+  }();
 
   std::vector<report::DrawnFigure> figures;
   if (options.figures) {
@@ -303,7 +339,6 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
     }
   }
 
-  std::vector<std::string> findings;
   if (!data.axes.empty()) {
     for (const std::size_t quantity : leading) {
       if (auto sentence = agreementSentence(data, pooled, quantity)) {
@@ -338,6 +373,7 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
     }
     page += "</ul>\n";
   }
+  if (data.request.live) page += liveSection(folder);
   page += "<div class=\"figures\">\n";
   for (const report::DrawnFigure& figure : figures) page += figureHtml(figure);
   page += "</div>\n<h2>Points</h2>\n" + pointsTable(data, pooled, leading);

@@ -86,9 +86,8 @@ void adoptFiles(Experiment& experiment, FileCollector& files) {
   }
 }
 
-/// A run of a campaign has neither network nor page nor twins: these keys decide nothing.
+/// A simulated run of a campaign has neither network nor page: these keys decide nothing.
 void leaveOutNetwork(Experiment& experiment) {
-  experiment.analysis.twins = 0;
   experiment.network = {};
   experiment.gateway = {};
   experiment.link = {};
@@ -101,21 +100,22 @@ void requireVirtual(const Experiment& experiment) {
   for (const RobotSpec& robot : experiment.robots) {
     if (robot.body != Body::kSerial) continue;
     throw UserError(fmt::format(
-        "robots: robot {} is a real one (body = \"serial\"), and the runs of a campaign are "
-        "simulated in virtual time; set body = \"sim\"",
+        "robots: robot {} is a real one (body = \"serial\"), and the runs of this campaign are "
+        "simulated in virtual time; set body = \"sim\", or play them on the lab with --live",
         robot.id));
   }
   if (experiment.camera.tracker == Tracker::kCamera && !isPainted(experiment.camera)) {
     throw UserError(fmt::format(
-        "camera.camera = \"{}\": the runs of a campaign are simulated in virtual time, where there "
-        "is only the simulated camera; set camera = \"sim\"",
+        "camera.camera = \"{}\": the runs of this campaign are simulated in virtual time, where "
+        "there "
+        "is only the simulated camera; set camera = \"sim\", or play them on the lab with --live",
         experiment.camera.source));
   }
 }
 
 /// What prepareRun() checks, before the first run.
-void requireUsable(const Experiment& experiment, const fs::path& source) {
-  requireVirtual(experiment);
+void requireUsable(const Experiment& experiment, const fs::path& source, bool live) {
+  if (!live) requireVirtual(experiment);
   if (experiment.camera.tracker == Tracker::kCamera) {
     static_cast<void>(cameraInForce(experiment, source));
   }
@@ -158,7 +158,7 @@ Experiment checkedExperiment(const std::string& text, const Request& request,
   try {
     Experiment experiment =
         parseExperiment(text, request.file, settingsOf(request, axes, values), source);
-    requireUsable(experiment, source);
+    requireUsable(experiment, source, request.live.has_value());
     return experiment;
   } catch (const ExperimentError& error) {
     if (axes.empty()) throw;
@@ -188,7 +188,8 @@ Plan planCampaign(const Request& request, const std::string& text) {
   std::set<std::string> hashes;
   for (PointValues& values : pointsOf(design)) {
     Experiment experiment = checkedExperiment(text, request, design.axes, values, source);
-    leaveOutNetwork(experiment);
+    experiment.analysis.twins = 0;
+    if (!request.live) leaveOutNetwork(experiment);
     adoptFiles(experiment, files);
     experiment.seed = 0;
     Point point = makePoint(std::move(values), writeExperiment(experiment), experiment.duration);

@@ -19,7 +19,7 @@ struct Plan {
 };
 
 /// @param text of the experiment file `request.file`, which paths are relative to
-/// @throws ExperimentError, UserError for a point that cannot run in virtual time
+/// @throws ExperimentError, UserError for a point that cannot run: in virtual time, or on the lab
 [[nodiscard]] Plan planCampaign(const Request& request, const std::string& text);
 
 /// The experiment of a run.

@@ -18,6 +18,7 @@ struct EngineEnd {
   bool disk_full = false;
   std::string note{};         ///< why it ended before all rows were tried; empty: it did not
   bool written_only = false;  ///< the jobs were written, for others to run
+  bool known = false;         ///< the points are known as well as was asked
 };
 
 struct LocalOptions {

@@ -62,13 +62,13 @@ constexpr std::int64_t kKilo = 1024;
   _exit(code);
 }
 
+}  // namespace
+
 std::string lastLine(const fs::path& messages) {
   std::string text = readWholeFile(messages, kMessages).value_or("");
   while (text.ends_with('\n')) text.pop_back();
   return printable(text.substr(text.find_last_of('\n') + 1));
 }
-
-}  // namespace
 
 RowPool::~RowPool() { kill(); }
 

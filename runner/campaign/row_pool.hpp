@@ -79,4 +79,7 @@ class RowPool {
 /// Memory that processes may still take [bytes]; 0: not known.
 [[nodiscard]] std::int64_t availableMemory_bytes();
 
+/// The last line of what a child process wrote: mostly its error. Printable.
+[[nodiscard]] std::string lastLine(const std::filesystem::path& messages);
+
 }  // namespace lab::runner::campaign

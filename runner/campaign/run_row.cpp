@@ -36,14 +36,6 @@ std::string provenanceText(const RunTask& task, const RunOutcome& outcome) {
   return json.dump(2, ' ', false, kReplace) + "\n";
 }
 
-/// Moves a run's folder to its place. What was there is of the same identity.
-void moveRun(const fs::path& from, const fs::path& to) {
-  std::error_code ignored;
-  fs::create_directories(to.parent_path(), ignored);
-  fs::remove_all(to, ignored);
-  fs::rename(from, to);
-}
-
 RunOutcome execute(const PreparedRun& run) {
   RunOutcome outcome = runVirtual(
       run, [](const Progress&) {}, [] { return false; });
@@ -90,17 +82,28 @@ void runRow(const RunTask& task) {
   }
   const RunResult result{task.row->identity,   task.code.text, task.row->seed,
                          outcome.closed_early, outcome.faults, columnsOf(summary)};
-  if (logs) {
-    moveRun(run.directory, task.campaign / runFolder(task.row->identity));
-  } else if (task.request->keep == Keep::kSummary) {
-    const fs::path file = task.campaign / summaryFile(task.row->identity);
+  storeRun(task.campaign, task.request->keep, {run.directory, summary, result});
+}
+
+void storeRun(const fs::path& campaign, Keep keep, const FinishedRun& run) {
+  const RunIdentity& identity = run.result.identity;
+  if (keep == Keep::kLogs) moveFolder(run.directory, campaign / runFolder(identity));
+  if (keep == Keep::kSummary) {
+    const fs::path file = campaign / summaryFile(identity);
     std::error_code ignored;
     fs::create_directories(file.parent_path(), ignored);
-    replaceFile(file, summary);
+    replaceFile(file, run.summary);
   }
-  replaceFile(task.campaign / resultFile(task.row->identity), resultText(result));
+  replaceFile(campaign / resultFile(identity), resultText(run.result));
   std::error_code ignored;
-  fs::remove(task.campaign / failureFile(task.row->identity), ignored);
+  fs::remove(campaign / failureFile(identity), ignored);
+}
+
+void moveFolder(const fs::path& from, const fs::path& to) {
+  std::error_code ignored;
+  fs::create_directories(to.parent_path(), ignored);
+  fs::remove_all(to, ignored);
+  fs::rename(from, to);
 }
 
 }  // namespace lab::runner::campaign

@@ -23,8 +23,23 @@ struct RunTask {
 /// Whether the run needs the analyzer while it lasts: a condition asks for an estimate.
 [[nodiscard]] bool needsLiveAnalysis(const Experiment& experiment);
 
+/// A run that has ended, with what a campaign keeps of it.
+struct FinishedRun {
+  std::filesystem::path directory;
+  std::string summary;  ///< text of summary.json
+  RunResult result;
+};
+
+/// Writes what is kept into the campaign's folder; the result last. A failure of this run before is
+/// forgotten.
+/// @throws DiskFull, std::exception
+void storeRun(const std::filesystem::path& campaign, Keep keep, const FinishedRun& run);
+
+/// Moves a folder to its place. What was there is replaced.
+void moveFolder(const std::filesystem::path& from, const std::filesystem::path& to);
+
 /// Runs the experiment in virtual time in this process, analyzes its log, and writes what the
-/// campaign keeps; the result last. A failure of this run before is forgotten.
+/// campaign keeps.
 /// @throws DiskFull, std::exception: there is no result
 void runRow(const RunTask& task);
 

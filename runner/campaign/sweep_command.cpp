@@ -23,6 +23,8 @@
 #include "runner/campaign/campaign_table.hpp"
 #include "runner/campaign/engines/bundles.hpp"
 #include "runner/campaign/engines/engine.hpp"
+#include "runner/campaign/live/live_engine.hpp"
+#include "runner/campaign/live/live_journal.hpp"
 #include "runner/campaign/local_engine.hpp"
 #include "runner/campaign/sweep_progress.hpp"
 #include "runner/campaign/sweep_request.hpp"
@@ -98,7 +100,8 @@ fs::path prepare(const SweepOptions& options) {
 void refuseRequestOptions(const SweepOptions& options) {
   const bool asked = !options.set.empty() || !options.over.empty() || options.zip ||
                      options.seeds || options.random || !options.sampling.empty() || options.seed ||
-                     options.common_seeds || !options.keep.empty() || options.fits || options.out;
+                     options.common_seeds || !options.keep.empty() || options.fits || options.out ||
+                     options.live || !options.clear.empty() || !options.known.empty();
   if (!asked) return;
   throw UserError(
       options.input.string() +
@@ -112,11 +115,11 @@ void describe(const CampaignData& data, const fs::path& folder) {
   fmt::print("campaign {}\n", printable(folder.string()));
   double virtual_s = 0;
   for (const Row& row : data.rows) virtual_s += data.points[row.point].duration;
-  fmt::print("points   {} x {} = {}, {} of virtual time\n",
+  fmt::print("points   {} x {} = {}, {} of {}\n",
              countText(static_cast<std::int64_t>(data.points.size()), "point"),
              countText(data.request.seeds, "seed"),
-             countText(static_cast<std::int64_t>(data.rows.size()), "run"),
-             durationText(virtual_s));
+             countText(static_cast<std::int64_t>(data.rows.size()), "run"), durationText(virtual_s),
+             data.request.live ? "robot time" : "virtual time");
   const auto count = [&](Kind kind) { return data.survey.count(kind); };
   if (count(Kind::kDone) > 0) {
     fmt::print("there    {} of {} runs are done\n", count(Kind::kDone), data.rows.size());
@@ -275,8 +278,36 @@ std::size_t bundleOf(CampaignData& data, const fs::path& folder, std::vector<std
   return size;
 }
 
+/// Plays the rows on the real lab.
+EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector<std::size_t>& rows,
+                   const SweepOptions& options) {
+  if (data.request.keep == Keep::kLogs || options.figures) {
+    requireProgram("gnuplot", "gnuplot-nox");
+  }
+  requireDisk(data, folder, rows, 1);
+  const LiveMachine machine = [&] {
+    LiveMachine lab = labMachine(options.rehearse);
+    lab.watch = [&] {
+      static_cast<void>(writeTables(data, folder, {.show = options.show, .figures = false}));
+    };
+    return lab;
+  }();
+  if (!options.until.empty())
+    data.request.live->until_us = parseUntil(options.until, machine.now());
+  if (options.take_back) takeBackRobots(folder, machine.now());
+  const LivePlan& plan = *data.request.live;
+  fmt::print("engine   {}, one run after another, each repeated up to {} times if it is marked{}\n",
+             options.rehearse ? "a rehearsal in virtual time" : "the real lab", plan.tries,
+             plan.until_us == 0 ? "" : "; until " + utcText(plan.until_us));
+  std::fflush(stdout);
+  EngineEnd end = runLive(data, folder, rows, machine);
+  fmt::print("time     {}\n", accountText(accountOf(readJournal(journalText(folder)).entries)));
+  return end;
+}
+
 EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std::size_t> rows,
                     const SweepOptions& options) {
+  if (data.request.live) return playLive(data, folder, rows, options);
   const bool local = options.engine == "local";
   const std::size_t jobs = jobsOf(options, rows.size());
   if (data.request.keep == Keep::kLogs || options.figures) {
@@ -311,6 +342,21 @@ EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std:
                                    : runByParallel(data, folder, rows, engine);
 }
 
+/// Options that go together, or do not.
+void requireLiveOptions(const SweepOptions& options) {
+  const bool is_file = !fs::is_directory(options.input);
+  if (options.live && (options.engine != "local" || options.jobs > 0)) {
+    throw UserError("--live plays one run after another on the lab: leave out --engine and --jobs");
+  }
+  const bool asks = options.rest_s > 0 || !options.clear.empty() || !options.known.empty() ||
+                    !options.until.empty() || options.rehearse || options.take_back;
+  if (is_file && asks && !options.live) {
+    throw UserError(
+        "--rest, --clear, --known, --until, --rehearse and --take-back are for a campaign on the "
+        "real lab: add --live");
+  }
+}
+
 ExitCode conclude(const CampaignData& data, const fs::path& folder, const EngineEnd& end,
                   double seconds, const SweepOptions& options) {
   const std::size_t all = data.rows.size();
@@ -336,7 +382,7 @@ ExitCode conclude(const CampaignData& data, const fs::path& folder, const Engine
   fmt::print("page     {}\n",
              printable(fs::absolute(folder / names::kPage).lexically_normal().string()));
   if (end.interrupted) return kFailed;
-  return done + stale == all ? kDone : kFailed;
+  return done + stale == all || end.known ? kDone : kFailed;
 }
 
 }  // namespace
@@ -347,6 +393,7 @@ ExitCode sweep(const SweepOptions& options) {
     return kDone;
   }
   if (!options.rows.empty()) return work(options);
+  requireLiveOptions(options);
   const bool is_folder = fs::is_directory(options.input);
   if (is_folder) refuseRequestOptions(options);
   const fs::path folder = is_folder ? options.input : prepare(options);

@@ -42,6 +42,16 @@ struct SweepOptions {
   bool no_run = false;  ///< tables and page only
   std::vector<std::string> show;
   bool figures = true;
+  // On a real lab.
+  bool live = false;
+  bool rehearse = false;           ///< play the live campaign in virtual time
+  double rest_s = 0;               ///< robots stand between two runs [s]
+  std::filesystem::path clear;     ///< experiment that clears the arena; empty: none
+  std::int64_t tries = 3;          ///< of a marked run
+  std::int64_t strikes = 2;        ///< until a robot is left out
+  std::string until;               ///< "07:30"; empty: no limit
+  std::vector<std::string> known;  ///< "D_r_rad2_s=2%"
+  bool take_back = false;          ///< robots that were left out take part again
   // A worker of another engine.
   std::string rows;                   ///< "0-9,12": run these rows only, without tables
   std::filesystem::path bundle_file;  ///< where their results are written too; empty: nowhere

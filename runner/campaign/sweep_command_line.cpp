@@ -9,6 +9,44 @@
 
 namespace lab::runner::campaign {
 
+namespace {
+
+void addLive(CLI::App& command, SweepOptions& options) {
+  command.add_flag("--live", options.live,
+                   "Play the runs on the real lab, one after another, in random order; marked runs "
+                   "are repeated (default: simulate them)");
+  command.add_flag("--rehearse", options.rehearse,
+                   "With --live: the same in virtual time, to try a night before it");
+  command.add_option("--rest", options.rest_s, "With --live: robots stand between two runs [s]")
+      ->check(CLI::Range(0.0, 86400.0));
+  command.add_option(
+      "--clear", options.clear,
+      "With --live: experiment that is played before each run, to spread the robots");
+  command.add_option("--tries", options.tries, "With --live: of a run that is marked")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command
+      .add_option(
+          "--strikes", options.strikes,
+          "With --live: a robot that stalls, vanishes or reboots in this many runs in a row "
+          "is left out")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  command.add_option("--until", options.until,
+                     "With --live: no run ends later (07:30 or 2026-01-31T07:30, local time)");
+  command
+      .add_option(
+          "--known", options.known,
+          "With --live: a point has enough runs when the standard error of this estimate is "
+          "at most PERCENT of its mean (repeatable)")
+      ->type_name("QUANTITY=PERCENT")
+      ->allow_extra_args(false);
+  command.add_flag("--take-back", options.take_back,
+                   "With --live: robots that were left out take part again");
+}
+
+}  // namespace
+
 void addSweep(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<SweepOptions>();
   CLI::App* command = app.add_subcommand("sweep", summaryOf("sweep"));
@@ -78,6 +116,7 @@ void addSweep(CLI::App& app, Chosen& chosen) {
                    "vary most)")
       ->allow_extra_args(false);
   command->add_flag("--figures,!--no-figures", options->figures, "Draw figures (default: yes)");
+  addLive(*command, *options);
   command->add_option("--rows", options->rows,
                       "Worker of a campaign: run these rows only (0-9,12), without tables");
   command->add_option("--bundle-file", options->bundle_file, "")->group("");
@@ -86,6 +125,9 @@ void addSweep(CLI::App& app, Chosen& chosen) {
     chosen = [options] {
       if (!std::filesystem::is_directory(options->input)) {
         options->input = findExperiment(options->input, installation().experiments);
+      }
+      if (!options->clear.empty()) {
+        options->clear = findExperiment(options->clear, installation().experiments);
       }
       return static_cast<int>(sweep(*options));
     };

@@ -11,9 +11,28 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/sweep.hpp"
 #include "common/files/file_text.hpp"
+#include "common/loop/wall_clock.hpp"
 
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;
+
+namespace {
+
+LivePlan livePlanOf(const SweepOptions& options) {
+  LivePlan plan;
+  plan.rest_s = options.rest_s;
+  if (!options.clear.empty()) {
+    static_cast<void>(loadExperiment(options.clear));
+    plan.clear = fs::absolute(options.clear).lexically_normal().string();
+  }
+  plan.tries = options.tries;
+  plan.strikes = options.strikes;
+  if (!options.until.empty()) plan.until_us = parseUntil(options.until, wallClock());
+  for (const std::string& rule : options.known) plan.known.push_back(parseKnownRule(rule));
+  return plan;
+}
+
+}  // namespace
 
 Request requestOf(const SweepOptions& options, const std::string& text) {
   const SweepTable table = readSweepTable(text, options.input.string());
@@ -32,6 +51,10 @@ Request requestOf(const SweepOptions& options, const std::string& text) {
                  : options.keep == "nothing" ? Keep::kNothing
                                              : Keep::kSummary;
   request.fits = options.fits;
+  if (options.live) {
+    request.live = livePlanOf(options);
+    if (options.keep.empty()) request.keep = Keep::kLogs;
+  }
   // The first point's experiment is valid, if any is; its name and seed are those of all.
   std::vector<std::string> settings = request.set;
   const Design design = request.design();
@@ -57,6 +80,7 @@ bool isSameRequest(const Request& one, const Request& other) {
   Request same = other;
   same.name = one.name;
   same.seed = one.seed;
+  if (one.live && other.live) same.live = one.live;
   return one == same;
 }
 

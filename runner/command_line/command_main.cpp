@@ -28,7 +28,7 @@
 namespace lab::runner {
 namespace {
 
-constexpr std::array<ProgramCommand, 11> kProgramCommands{{
+constexpr std::array<ProgramCommand, 12> kProgramCommands{{
     {"preview", "lab-preview", "Draw the light script as pictures, without a run"},
     {"calibrate", "lab-calibrate", "Calibrate camera, projector, light or motors"},
     {"analyze", "lab-analyze",
@@ -41,6 +41,7 @@ constexpr std::array<ProgramCommand, 11> kProgramCommands{{
     {"reproduce", "lab-reproduce",
      "Reproduce the paper's figures 2, 3, 4 in virtual time, on one page"},
     {"sweep", "lab-sweep", "Run an experiment at many points: tables and figures of a campaign"},
+    {"queue", "lab-sweep", "Run several campaigns one after another"},
     {"twin", "lab-twin", "Compare a run with simulations of the same experiment, its twins"},
     {"program", "lab-program", "List, show, check and trace motion programs"},
     {"doctor", "lab-doctor",

@@ -244,7 +244,7 @@ int runCommandLine(int argc, char** argv) {
     const fs::path here = fs::canonical("/proc/self/exe").parent_path();
     addRun(app, chosen, argv);
     addCheck(app, chosen);
-    for (const char* name : {"preview", "calibrate", "analyze", "export", "sweep", "twin",
+    for (const char* name : {"preview", "calibrate", "analyze", "export", "sweep", "queue", "twin",
                              "program", "theory", "track", "reproduce"}) {
       addProgramCommand(app, name);
     }

@@ -1,0 +1,128 @@
+"""Live campaigns and the queue, with the built programs: rehearsals in virtual time.
+
+    live_test.py FOLDER_OF_PROGRAMS
+"""
+import csv
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+
+from campaign_samples import EXPERIMENT, lab, sweep, write_experiment
+
+ROBOTS = EXPERIMENT.replace('id = 1\n', 'id = 1\ncount = 4\n')
+
+
+def rows_of(campaign):
+    with open(os.path.join(campaign, 'campaign.csv'), newline='', encoding='utf-8') as table:
+        return list(csv.DictReader(table))
+
+
+def journal_of(campaign):
+    with open(os.path.join(campaign, 'journal.jsonl'), encoding='utf-8') as lines:
+        return [json.loads(line) for line in lines]
+
+
+def runs_of(campaign):
+    return [entry for entry in journal_of(campaign) if entry['what'] == 'run' and 'end_us' in entry]
+
+
+def check_rehearsal(folder):
+    file = write_experiment(folder, ROBOTS)
+    out = os.path.join(folder, 'rehearsal')
+    text = sweep([file, '--live', '--rehearse', '--rest', '30', '--clear', file, '--out', out,
+                  '--no-figures'])
+    assert 'done     12 of 12 runs' in text, text
+    assert 'in runs that count' in text, text
+    rows = rows_of(out)
+    assert [row['status'] for row in rows] == ['done'] * 12, rows
+    assert {row['live.robots'] for row in rows} == {'4'}
+    assert all(os.path.isfile(os.path.join(out, 'runs', row['run'], 'log.lcmlog')) for row in rows)
+    order = [entry['row'] for entry in runs_of(out)]
+    assert sorted(order[:6]) == list(range(6)), order  # the first runs of all points
+    assert order != sorted(order), order
+    rests = [entry for entry in journal_of(out) if entry['what'] == 'rest' and 'end_us' in entry]
+    assert len(rests) == 12 and all(one['end_us'] - one['begin_us'] >= 30e6 for one in rests)
+    again = sweep([out])
+    assert 'done     12 of 12 runs' in again, again
+    assert len(runs_of(out)) == 12  # nothing was played again
+
+
+def check_kill(folder):
+    """kill -9 in the middle: the same command continues, and the lost run is accounted for."""
+    file = write_experiment(folder, ROBOTS)
+    out = os.path.join(folder, 'killed')
+    arguments = [file, '--live', '--rehearse', '--out', out, '--no-figures']
+    process = subprocess.Popen([lab(), 'sweep', *arguments], stdout=subprocess.DEVNULL,
+                               stderr=subprocess.DEVNULL)
+    while process.poll() is None and not (os.path.exists(os.path.join(out, 'journal.jsonl')) and
+                                          len(runs_of(out)) >= 3):
+        time.sleep(0.01)
+    process.send_signal(signal.SIGKILL)
+    process.wait()
+    before = len(runs_of(out))
+    assert 3 <= before < 12, before
+    text = sweep(arguments)
+    assert 'done     12 of 12 runs' in text, text
+    assert len(runs_of(out)) == 12, len(runs_of(out))
+
+
+def check_known(folder):
+    file = write_experiment(folder, ROBOTS)
+    out = os.path.join(folder, 'known')
+    text = sweep([file, '--live', '--rehearse', '--seeds', '5', '--known', 'v_cm_s=50%', '--out', out,
+                  '--no-figures'])
+    assert len(runs_of(out)) == 12, text  # two runs of each point
+    text = sweep([file, '--live', '--rehearse', '--known', 'speed=5%', '--out',
+                  os.path.join(folder, 'unknown'), '--no-figures'], code=2)
+    assert 'no such estimate' in text, text
+
+
+def check_wrong(folder):
+    file = write_experiment(folder, ROBOTS)
+    for arguments, words in ((['--rest', '3'], 'add --live'),
+                             (['--live', '--jobs', '2'], 'leave out --engine and --jobs'),
+                             (['--live', '--until', 'soon'], 'expected a time as 07:30'),
+                             (['--live', '--known', 'D_r'], 'expected QUANTITY=PERCENT'),
+                             (['--live', '--clear', 'nothing.toml'], 'nothing.toml')):
+        text = sweep([file, *arguments, '--out', os.path.join(folder, 'wrong')], code=2)
+        assert words in text, text
+        assert len(text.splitlines()) == 1, text
+        assert not os.path.exists(os.path.join(folder, 'wrong')), arguments
+
+
+def queue(folder, arguments, code=0):
+    done = subprocess.run([lab(), 'queue', *arguments], cwd=folder, capture_output=True, text=True)
+    text = done.stdout + done.stderr
+    assert done.returncode == code, f'{arguments}: exit code {done.returncode}\n{text}'
+    return text
+
+
+def check_queue(folder):
+    write_experiment(folder, ROBOTS)
+    common = ['engines.toml', '--no-figures', '--seeds', '1', '--over', 'programs.abp.eta_rad_s=1']
+    queue(folder, ['add', *common, '--set', 'programs.abp.epsilon_s=0.2', '--out', 'one'])
+    queue(folder, ['add', *common, '--set', 'nothing=3', '--out', 'two'])
+    queue(folder, ['add', *common, '--set', 'programs.abp.epsilon_s=0.5', '--out', 'three'])
+    text = queue(folder, ['add', 'engines.toml', '--overr', '1'], code=2)
+    assert '--overr' in text and len(text.splitlines()) == 1, text
+    assert queue(folder, []).count('waiting') == 3
+    queue(folder, ['run'], code=1)  # the second one fails
+    text = queue(folder, [])
+    assert text.count('(done') == 2 and text.count('(failed') == 1, text
+    assert len(rows_of(os.path.join(folder, 'three'))) == 1
+    queue(folder, ['remove', '2'])
+    assert 'no such number' in queue(folder, ['remove', '2'], code=2)
+    assert queue(folder, ['run']) == ''
+
+
+def main():
+    for check in (check_rehearsal, check_kill, check_known, check_wrong, check_queue):
+        with tempfile.TemporaryDirectory(prefix='lab-live-campaign-') as folder:
+            check(folder)
+
+
+if __name__ == '__main__':
+    main()
