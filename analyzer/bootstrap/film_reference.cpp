@@ -13,7 +13,8 @@ constexpr double kMostFrames = 4e7;   // of all films
 constexpr double kLongestFilm = 5e5;  // frames
 constexpr int kFewestFilms = 80;
 constexpr int kMostFilms = 400;
-constexpr double kFilmsPerLag = 3;  // length of a film, in lags
+constexpr double kLeastShare = 0.9;  // of films; those with windows of a lag are a selection
+constexpr double kFilmsPerLag = 3;   // length of a film, in lags
 
 }  // namespace
 
@@ -34,6 +35,7 @@ FilmReference::FilmReference(FilmPlan plan) : plan_(std::move(plan)) {
   curves_.duration = plan_.duration * (1 - plan_.gaps.unseen);
   curves_.cut = plan_.gaps.cut;
   curves_.law.assign(2 * lags_.size(), 0);
+  counts_.assign(2 * lags_.size(), 0);
 }
 
 void FilmReference::advance(int films) {
@@ -49,16 +51,13 @@ void FilmReference::advance(int films) {
           drawStretches(plan_.gaps, plan_.frame_period, plan_.frame_period, poses.x.size(), ~seed);
     }
     const std::vector<double> curves = recordingCurves(poses, lags_, lags_, 1, stretches);
-    // Without windows of some lag a film does not count. Gaps may leave no angular window of long
-    // lags in any film; then these lags are not judged.
-    const auto isMissing = [](double value) { return std::isnan(value); };
-    if (std::any_of(curves.begin(), curves.begin() + static_cast<std::ptrdiff_t>(lags_.size()),
-                    isMissing)) {
-      continue;
-    }
-    const double number = ++curves_.recordings;
+    // A film without any window does not count. Gaps may leave no window of a long lag in some
+    // films, or in all; expected() leaves out such lags.
+    if (lags_.empty() || std::isnan(curves.front())) continue;
+    ++curves_.recordings;
     for (std::size_t i = 0; i < curves.size(); ++i) {
-      curves_.law[i] += (curves[i] - curves_.law[i]) / number;
+      if (std::isnan(curves[i])) continue;
+      curves_.law[i] += (curves[i] - curves_.law[i]) / ++counts_[i];
     }
     curves_.values.insert(curves_.values.end(), curves.begin(), curves.end());
   }
@@ -66,6 +65,8 @@ void FilmReference::advance(int films) {
 
 double FilmReference::expected(bool angular, std::size_t lag) const {
   if (lag >= lags_.size() || curves_.recordings == 0) return units::kNan;
+  const int films = counts_[angular ? lags_.size() + lag : lag];
+  if (films < kLeastShare * curves_.recordings) return units::kNan;
   return angular ? curves_.law[lags_.size() + lag] - 2 * plan_.sigma_theta * plan_.sigma_theta
                  : curves_.law[lag] - 4 * plan_.sigma * plan_.sigma;
 }

@@ -38,13 +38,15 @@ class FilmReference {
   [[nodiscard]] const FilmPlan& plan() const { return plan_; }
   /// The curves, of lags that are at most a third of a film; `law` is their mean, with the noise.
   [[nodiscard]] const SimulatedCurves& curves() const { return curves_; }
-  /// The expected curve without noise, m^2 or rad^2; nan: the lag is too long.
+  /// The expected curve without noise, m^2 or rad^2; nan: the lag is too long, or the gaps leave
+  /// too few films with windows of this lag.
   [[nodiscard]] double expected(bool angular, std::size_t lag) const;
 
  private:
   FilmPlan plan_;
   std::vector<int> lags_;  ///< Of plan_.lags, those that are short enough.
   SimulatedCurves curves_;
+  std::vector<int> counts_;  ///< By column of `curves_`: films with windows of this lag.
   int made_ = 0;
 };
 

@@ -120,7 +120,7 @@ class Comparison {
     const double covered =
         coveredShare(gaps_, tau(column) / data_.frame_period, total_.lags[column % lags_], angular);
     return enough_draws_ && (angular || noise_known_) && !one.selection_biased &&
-           std::isfinite(one.value) && covered >= kLeastCovered &&
+           std::isfinite(one.value) && std::isfinite(one.exact) && covered >= kLeastCovered &&
            kRecordingsPerLag * tau(column) <= covered * observed_;
   }
 
@@ -170,15 +170,18 @@ class Comparison {
     double mean = 0;
     double sigma = 0;
   };
+  /// Of the films that have windows of this lag.
   static Moments moments(const std::vector<Ratios>& films, std::size_t column) {
     double sum = 0;
     double squares = 0;
+    double n = 0;
     for (const Ratios& film : films) {
       const double value = film[column];
+      if (!std::isfinite(value)) continue;
       sum += value;
       squares += value * value;
+      n += 1;
     }
-    const auto n = static_cast<double>(films.size());
     return {sum / n, std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)))};
   }
 
