@@ -77,14 +77,21 @@ std::string labsJson(bool control) {
 }  // namespace
 
 LibraryRoutes::LibraryRoutes(RunLauncher::Folders folders)
-    : runs_(folders.runs), launcher_(std::move(folders)) {}
+    : runs_(folders.runs),
+      // lab sweep makes the folder `campaigns` beside `runs`.
+      campaigns_(fs::absolute(folders.runs).lexically_normal().parent_path() / "campaigns"),
+      launcher_(std::move(folders)) {}
 
 Decision LibraryRoutes::get(const HttpRequest& request, bool control, HttpResponse& response) {
   constexpr std::string_view kRuns = "/api/runs/";
+  constexpr std::string_view kCampaigns = "/api/campaigns/";
   const std::string path = request.path();
   if (path == "/api/compare") return compare(request, response);
   if (path.starts_with(kRuns)) return file(path.substr(kRuns.size()), response);
-  if (path == "/api/runs") {
+  if (path.starts_with(kCampaigns)) return campaignFile(path.substr(kCampaigns.size()), response);
+  if (path == "/api/campaigns") {
+    respondJson(response, campaigns_.json());
+  } else if (path == "/api/runs") {
     respondJson(response, runs_.json());
   } else if (path == "/api/labs") {
     respondJson(response, labsJson(control));
@@ -149,6 +156,19 @@ Decision LibraryRoutes::file(const std::string& run_and_name, HttpResponse& resp
     }
   }
   return {Refusal::kPath, 404, "there is no such run, or the file is not part of its report"};
+}
+
+Decision LibraryRoutes::campaignFile(const std::string& campaign_and_name, HttpResponse& response) {
+  const std::size_t slash = campaign_and_name.find('/');
+  if (slash != std::string::npos) {
+    const std::string name = campaign_and_name.substr(slash + 1);
+    if (const auto path = campaigns_.file(campaign_and_name.substr(0, slash), name)) {
+      restrictFile(name, response);
+      sendFile(*path, response);
+      return {};
+    }
+  }
+  return {Refusal::kPath, 404, "there is no such campaign, or the file is not part of its page"};
 }
 
 }  // namespace lab::dashboard

@@ -4,14 +4,15 @@
 #include <string>
 
 #include "common/http/http_message.hpp"
+#include "dashboard/library/campaign_list.hpp"
 #include "dashboard/library/run_launcher.hpp"
 #include "dashboard/library/run_list.hpp"
 #include "dashboard/web/http_guard.hpp"
 
 namespace lab::dashboard {
 
-/// Serves the paths /api/runs, /api/compare, /api/labs, /api/experiments, /api/started, /api/check
-/// and /api/start. Thread-safe.
+/// Serves the paths /api/runs, /api/campaigns, /api/compare, /api/labs, /api/experiments,
+/// /api/started, /api/check and /api/start. Thread-safe.
 class LibraryRoutes {
  public:
   explicit LibraryRoutes(RunLauncher::Folders folders);
@@ -31,8 +32,10 @@ class LibraryRoutes {
  private:
   [[nodiscard]] Decision compare(const HttpRequest& request, HttpResponse& response);
   [[nodiscard]] Decision file(const std::string& run_and_name, HttpResponse& response);
+  [[nodiscard]] Decision campaignFile(const std::string& campaign_and_name, HttpResponse& response);
 
   RunList runs_;
+  CampaignList campaigns_;
   RunLauncher launcher_;
 };
 

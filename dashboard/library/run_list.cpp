@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "common/files/file_text.hpp"
+#include "dashboard/library/served_file.hpp"
 #include "dashboard/library/summary_scan.hpp"
 #include "dashboard/web/json.hpp"
 
@@ -20,8 +21,6 @@ constexpr const char* kThumbnail = "trajectory_program.svg";
 // A summary of 250 robots on four programs has 10 MB, and the analysis has a limit of four times as
 // many.
 constexpr FileKind kSummaryFile{"a summary", 64U << 20U};
-constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
-                                                   ".json", ".toml", ".pdf"};
 
 /// [ns]; 0 if there is no such file.
 std::int64_t changeTime(const fs::path& path) {
@@ -169,9 +168,7 @@ std::string RunList::json() {
 }
 
 std::optional<fs::path> RunList::folderOf(std::string_view run) const {
-  const bool suspicious = run.empty() || run.starts_with('.') ||
-                          run.find_first_of(std::string_view("/\\\0", 3)) != std::string_view::npos;
-  if (suspicious) return std::nullopt;
+  if (!isPlainName(run)) return std::nullopt;
   fs::path path = folder_ / run;
   std::error_code error;
   if (!fs::is_directory(path, error) || !isRun(path)) return std::nullopt;
@@ -180,21 +177,8 @@ std::optional<fs::path> RunList::folderOf(std::string_view run) const {
 
 std::optional<fs::path> RunList::file(std::string_view run, std::string_view name) const {
   const std::optional<fs::path> folder = folderOf(run);
-  constexpr std::string_view kFigures = "figures/";
-  const std::string_view last = name.starts_with(kFigures) ? name.substr(kFigures.size()) : name;
-  const bool known = std::ranges::any_of(
-      kEndings, [last](std::string_view ending) { return last.ends_with(ending); });
-  const bool suspicious = last.starts_with('.') || last.find_first_of(std::string_view(
-                                                       "/\\\0", 3)) != std::string_view::npos;
-  if (!folder || !known || suspicious) return std::nullopt;
-  std::error_code error;
-  const fs::path path = fs::canonical(*folder / name, error);
-  if (error || !fs::is_regular_file(path, error)) return std::nullopt;
-  // A symbolic link may lead out of the run's folder.
-  const fs::path home = fs::canonical(*folder, error);
-  const auto [rest, ignored] = std::ranges::mismatch(home, path);
-  if (error || rest != home.end()) return std::nullopt;
-  return path;
+  if (!folder) return std::nullopt;
+  return servedFile(*folder, name);
 }
 
 }  // namespace lab::dashboard

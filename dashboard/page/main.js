@@ -2,6 +2,7 @@
 
 import {ArenaView} from "./arena_view.js";
 import {CameraPicture} from "./camera.js";
+import {Campaigns} from "./campaigns.js";
 import {Connection} from "./connection.js";
 import {Controls} from "./controls.js";
 import {Crowd} from "./crowd.js";
@@ -60,6 +61,7 @@ new Player(stream);
 new CameraPicture(stream);
 new Start(stream, controls);
 new Labs();
+new Campaigns();
 listenToKeys(view, controls);
 stream.run();
 
