@@ -2,12 +2,15 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <signal.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <regex>
+#include <string>
 #include <system_error>
 
 #include "common/process/file_descriptor.hpp"
@@ -33,16 +36,20 @@ void writeAll(int descriptor, std::string_view text, const fs::path& file, const
   }
 }
 
+std::string hostName() {
+  char host[64] = {};
+  gethostname(host, sizeof host - 1);
+  return host;
+}
+
 }  // namespace
 
 void replaceFile(const fs::path& file, std::string_view text, Sync sync) {
   // Several processes, on several hosts, may write the same result.
   static std::atomic<int> number = 0;
-  char host[64] = {};
-  gethostname(host, sizeof host - 1);
   const fs::path beside =
       file.parent_path() /
-      fmt::format(".{}.{}-{}-{}.part", file.filename().string(), host, getpid(), ++number);
+      fmt::format(".{}.{}-{}-{}.part", file.filename().string(), hostName(), getpid(), ++number);
   FileDescriptor out(open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
   if (out.get() < 0) fail(file, beside, errno);
   writeAll(out.get(), text, file, beside);
@@ -50,6 +57,20 @@ void replaceFile(const fs::path& file, std::string_view text, Sync sync) {
   // A network file system reports a full disk here.
   if (close(out.release()) != 0) fail(file, beside, errno);
   if (std::rename(beside.c_str(), file.c_str()) != 0) fail(file, beside, errno);
+}
+
+void removeAbandonedFiles(const fs::path& folder) {
+  const std::regex form(R"(\..*\.)" + hostName() + R"(-(\d{1,9})-\d+\.part)");
+  std::error_code error;
+  for (fs::directory_iterator entry(folder, error), end; !error && entry != end;
+       entry.increment(error)) {
+    const std::string name = entry->path().filename().string();
+    std::smatch found;
+    if (!std::regex_match(name, found, form)) continue;
+    const bool lives = kill(std::stoi(found[1].str()), 0) == 0 || errno != ESRCH;
+    std::error_code ignored;
+    if (!lives) fs::remove(entry->path(), ignored);
+  }
 }
 
 bool tellsOfFullDisk(std::string_view text) {

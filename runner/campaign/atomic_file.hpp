@@ -21,6 +21,10 @@ enum class Sync : bool { kNo, kYes };
 /// @throws DiskFull, std::runtime_error
 void replaceFile(const std::filesystem::path& file, std::string_view text, Sync sync = Sync::kNo);
 
+/// Removes what killed processes of this host left beside the files of a folder. Does nothing if
+/// there is no such folder.
+void removeAbandonedFiles(const std::filesystem::path& folder);
+
 /// Whether a text names an error of a full disk.
 [[nodiscard]] bool tellsOfFullDisk(std::string_view text);
 

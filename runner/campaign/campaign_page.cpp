@@ -311,12 +311,16 @@ class FigureScratch {
 
 }  // namespace
 
-std::vector<std::string> writeTables(const CampaignData& data, const fs::path& folder,
-                                     const PageOptions& options) {
-  const PooledTable pooled = poolCampaign(data);
+void writeCsv(const CampaignData& data, const fs::path& folder, const PooledTable& pooled) {
   replaceFile(folder / names::kTable, runsCsv(data));
   replaceFile(folder / names::kPooled, pointsCsv(data, pooled));
   replaceFile(folder / names::kJson, campaignJson(data, pooled));
+}
+
+std::vector<std::string> writeTables(const CampaignData& data, const fs::path& folder,
+                                     const PageOptions& options) {
+  const PooledTable pooled = poolCampaign(data);
+  writeCsv(data, folder, pooled);
 
   std::vector<std::string> findings;
   const std::vector<std::size_t> leading = [&] {
@@ -354,10 +358,11 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
   const std::string name = escapeHtml(data.request.name);
   std::string page = fmt::format(
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n{4}"
       "<title>{0}: campaign</title>\n<style>{1}{2}</style>\n</head>\n<body>\n<h1>{0}</h1>\n"
       "<p class=\"lead\">{3}</p>\n",
-      name, report::pageStyle(), kMoreStyle, escapeHtml(requestSentence(data)));
+      name, report::pageStyle(), kMoreStyle, escapeHtml(requestSentence(data)),
+      options.running ? "<meta http-equiv=\"refresh\" content=\"20\">\n" : "");
   const std::vector<std::string> warnings = warningsOf(data, pooled);
   if (!warnings.empty()) {
     page += "<div class=\"warn\">";

@@ -278,6 +278,10 @@ std::size_t bundleOf(CampaignData& data, const fs::path& folder, std::vector<std
   return size;
 }
 
+PageOptions pageOf(const SweepOptions& options) {
+  return {.show = options.show, .figures = options.figures};
+}
+
 /// Plays the rows on the real lab.
 EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector<std::size_t>& rows,
                    const SweepOptions& options) {
@@ -285,13 +289,7 @@ EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector
     requireProgram("gnuplot", "gnuplot-nox");
   }
   requireDisk(data, folder, rows, 1);
-  const LiveMachine machine = [&] {
-    LiveMachine lab = labMachine(options.rehearse);
-    lab.watch = [&] {
-      static_cast<void>(writeTables(data, folder, {.show = options.show, .figures = false}));
-    };
-    return lab;
-  }();
+  LiveMachine machine = labMachine(options.rehearse);
   if (!options.until.empty())
     data.request.live->until_us = parseUntil(options.until, machine.now());
   if (options.take_back) takeBackRobots(folder, machine.now());
@@ -300,6 +298,9 @@ EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector
              options.rehearse ? "a rehearsal in virtual time" : "the real lab", plan.tries,
              plan.until_us == 0 ? "" : "; until " + utcText(plan.until_us));
   std::fflush(stdout);
+  SweepProgress progress(data, folder, rows, pageOf(options), false);
+  progress.update();
+  machine.watch = [&] { progress.update(); };
   EngineEnd end = runLive(data, folder, rows, machine);
   fmt::print("time     {}\n", accountText(accountOf(readJournal(journalText(folder)).entries)));
   return end;
@@ -319,7 +320,7 @@ EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std:
     fmt::print("engine   {} at a time on this machine\n",
                countText(static_cast<std::int64_t>(jobs), "run"));
     std::fflush(stdout);
-    SweepProgress progress(data, folder, rows);
+    SweepProgress progress(data, folder, rows, pageOf(options));
     return runLocally(data, folder, rows, {.jobs = jobs, .watch = [&] { progress.update(); }});
   }
   EngineOptions engine;
@@ -336,7 +337,7 @@ EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std:
     for (const std::string& line : lines) fmt::print("{}\n", printable(line));
     return {.written_only = true};
   }
-  SweepProgress progress(data, folder, rows);
+  SweepProgress progress(data, folder, rows, pageOf(options));
   engine.watch = [&] { progress.update(); };
   return options.engine == "slurm" ? runBySlurm(data, folder, rows, engine)
                                    : runByParallel(data, folder, rows, engine);
@@ -374,8 +375,7 @@ ExitCode conclude(const CampaignData& data, const fs::path& folder, const Engine
                installation().command, printable(folder.string()));
   }
   if (done + stale == 0 && end.disk_full) return kFailed;
-  for (const std::string& line :
-       writeTables(data, folder, {.show = options.show, .figures = options.figures})) {
+  for (const std::string& line : writeTables(data, folder, pageOf(options))) {
     fmt::print("{}\n", printable(line));
   }
   fmt::print("table    {}\n", printable((folder / names::kTable).string()));
@@ -398,6 +398,9 @@ ExitCode sweep(const SweepOptions& options) {
   if (is_folder) refuseRequestOptions(options);
   const fs::path folder = is_folder ? options.input : prepare(options);
   const FileLock lock = lockOf(folder);
+  for (const char* part : {"", names::kResults, names::kSummaries, names::kFailures}) {
+    removeAbandonedFiles(folder / part);
+  }
   CampaignData data = dataOf(readCampaign(folder));
   data.survey = surveyRows(folder, data.rows);
   describe(data, folder);

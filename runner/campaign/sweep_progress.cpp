@@ -39,12 +39,16 @@ std::string progressText(const ProgressState& state) {
 }
 
 SweepProgress::SweepProgress(const CampaignData& data, std::filesystem::path folder,
-                             const std::vector<std::size_t>& rows)
+                             const std::vector<std::size_t>& rows, std::optional<PageOptions> page,
+                             bool line)
     : data_(data),
       folder_(std::move(folder)),
       rows_(rows),
+      page_(std::move(page)),
+      line_(line),
       terminal_(isatty(STDERR_FILENO) == 1),
       next_line_(terminal_ ? 0 : kElsewhere) {
+  if (page_) page_->running = true;
   for (const std::size_t row : rows_) {
     virtual_s_.push_back(data.points[data.rows[row].point].duration);
   }
@@ -96,7 +100,7 @@ void SweepProgress::write(const ProgressState& state, bool running) const {
 
 void SweepProgress::update() {
   const double now = seconds();
-  const bool line = now >= next_line_;
+  const bool line = line_ && now >= next_line_;
   const bool file = now >= next_file_;
   const bool table = now >= next_table_;
   if (!line && !file && !table) return;
@@ -113,14 +117,15 @@ void SweepProgress::update() {
       write(current, true);
     }
     if (table) {
-      const PooledTable pooled = poolCampaign(data_);
-      replaceFile(folder_ / names::kTable, runsCsv(data_));
-      replaceFile(folder_ / names::kPooled, pointsCsv(data_, pooled));
-      replaceFile(folder_ / names::kJson, campaignJson(data_, pooled));
+      if (page_) {
+        static_cast<void>(writeTables(data_, folder_, *page_));
+      } else {
+        writeCsv(data_, folder_, poolCampaign(data_));
+      }
       next_table_ = seconds() + std::max(10.0, kTableShare * (seconds() - now));
     }
-  } catch (const DiskFull&) {
-    // The engine notices it too, and ends; these files are written again at the end.
+  } catch (const std::exception&) {
+    // The engine notices a full disk too, and ends; these files are written again at the end.
     next_file_ = now + kElsewhere;
     next_table_ = now + kElsewhere;
   }

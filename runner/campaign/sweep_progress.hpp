@@ -4,9 +4,11 @@
 #include <chrono>
 #include <cstddef>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "runner/campaign/campaign_page.hpp"
 #include "runner/campaign/campaign_table.hpp"
 
 namespace lab::runner::campaign {
@@ -22,12 +24,16 @@ struct ProgressState {
 /// "[#####.....] 37 of 90 runs, 1 failed, 12 s left".
 [[nodiscard]] std::string progressText(const ProgressState& state);
 
-/// Shows the progress. Time left is by the virtual time of the runs, which may differ.
+/// Shows the progress, and writes tables and page meanwhile. Time left is by the virtual time of
+/// the runs, which may differ.
 class SweepProgress {
  public:
   /// @param rows that will be run
+  /// @param page how the page is drawn meanwhile; nothing: only the tables are written
+  /// @param line whether a line shows the progress on stderr
   SweepProgress(const CampaignData& data, std::filesystem::path folder,
-                const std::vector<std::size_t>& rows);
+                const std::vector<std::size_t>& rows, std::optional<PageOptions> page,
+                bool line = true);
   ~SweepProgress();
   SweepProgress(const SweepProgress&) = delete;
   SweepProgress& operator=(const SweepProgress&) = delete;
@@ -46,6 +52,8 @@ class SweepProgress {
   std::filesystem::path folder_;
   std::vector<std::size_t> rows_;
   std::vector<double> virtual_s_;  ///< [s] of each of rows_
+  std::optional<PageOptions> page_;
+  bool line_;
   bool terminal_;
   bool shown_ = false;
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();

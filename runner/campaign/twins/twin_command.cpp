@@ -138,7 +138,7 @@ TwinSummaries simulate(const TwinPlaces& places, int jobs) {
   TwinSummaries twins;
   catchSignals();
   if (!rows.empty()) {
-    SweepProgress progress(data, places.folder, rows);
+    SweepProgress progress(data, places.folder, rows, {});
     const EngineEnd end =
         runLocally(data, places.folder, rows,
                    {.jobs = std::min(wanted, rows.size()), .watch = [&] { progress.update(); }});

@@ -1,7 +1,9 @@
 #include "runner/campaign/campaign_folder.hpp"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -74,6 +76,25 @@ TEST_F(CampaignFolder, IsReadAsItWasWritten) {
   EXPECT_EQ(read.points[1].values, campaign_.points[1].values);
   EXPECT_EQ(read.points[1].duration, 120);
   EXPECT_EQ(readFile(folder_ / "files/0123.txt"), "content");
+}
+
+TEST(AtomicFile, WhatKilledProcessesLeftIsRemoved) {
+  const TemporaryFolder folder;
+  char host[64] = {};
+  gethostname(host, sizeof host - 1);
+  const std::string ours = fmt::format("{}-{}-1.part", host, getpid());
+  const std::string dead = fmt::format("{}-999999999-1.part", host);
+  for (const std::string& name : {".a.json." + ours, ".a.json." + dead, ".b.json.other" + dead,
+                                  "a.json." + dead, std::string("a.json")}) {
+    writeFile(folder / name, "x");
+  }
+  removeAbandonedFiles(folder / "");
+  EXPECT_TRUE(fs::exists(folder / (".a.json." + ours)));
+  EXPECT_FALSE(fs::exists(folder / (".a.json." + dead)));
+  EXPECT_TRUE(fs::exists(folder / (".b.json.other" + dead))) << "of another host";
+  EXPECT_TRUE(fs::exists(folder / ("a.json." + dead)));
+  EXPECT_TRUE(fs::exists(folder / "a.json"));
+  removeAbandonedFiles(folder / "nothing");
 }
 
 TEST_F(CampaignFolder, IsReadAfterItWasMoved) {

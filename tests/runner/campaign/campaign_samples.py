@@ -60,7 +60,7 @@ def check_same(one, other):
     for name in ('campaign.csv', 'points.csv'):
         assert filecmp.cmp(os.path.join(one, name), os.path.join(other, name), shallow=False), name
     names = results_of(one)
-    assert names == results_of(other)
+    assert names == results_of(other), set(names) ^ set(results_of(other))
     for folder in ('results', 'summaries'):
         for name in names:
             assert filecmp.cmp(os.path.join(one, folder, name), os.path.join(other, folder, name),
