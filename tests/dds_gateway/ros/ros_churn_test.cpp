@@ -18,6 +18,13 @@
 namespace lab::gateway {
 namespace {
 
+// A sanitizer keeps freed memory for a while, to find its use.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr bool kKeepsFreedMemory = true;
+#else
+constexpr bool kKeepsFreedMemory = false;
+#endif
+
 constexpr int kRobots = 66;  // with pose, odom and light: 198 topics, and the lab's own
 constexpr int kReaders = 20;
 
@@ -102,7 +109,9 @@ class RosChurn : public ::testing::Test {
     std::printf("%d readers, %ld samples, memory %ld kB -> %ld kB\n", made_,
                 static_cast<long>(received_), before, after);
     EXPECT_GT(before, 0);
-    EXPECT_LT(after - before, most_growth);
+    if (!kKeepsFreedMemory) {
+      EXPECT_LT(after - before, most_growth);
+    }
     everyTopicWorks();
   }
 
