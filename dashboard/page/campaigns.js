@@ -7,7 +7,13 @@ import {DASH, seconds} from "./format.js";
 const PERIOD_MS = 5000;
 
 export class Campaigns {
-  constructor() {
+  constructor(stream) {
+    find("runs-refresh").addEventListener("click", () => this.load());
+    let asked = false;
+    stream.on("pulse", () => {
+      if (!asked) this.load();
+      asked = true;
+    });
     pollWhileSeen(find("runs-section"), PERIOD_MS, () => this.load());
   }
 

@@ -61,7 +61,7 @@ new Player(stream);
 new CameraPicture(stream);
 new Start(stream, controls);
 new Labs();
-new Campaigns();
+new Campaigns(stream);
 listenToKeys(view, controls);
 stream.run();
 

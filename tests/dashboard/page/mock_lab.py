@@ -217,6 +217,8 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.answer(200, mock_topics.THUMBNAIL.encode(), "image/svg+xml")
         if path.startswith("/api/runs/") and path.endswith(".html"):
             return self.answer(200, b"<!doctype html><title>report</title><p>report", "text/html")
+        if path == "/api/campaigns":
+            return self.answer(200, mock_topics.CAMPAIGNS)
         if path == "/api/compare":
             return self.answer(200, world.compare(which["runs"][0].split(",")))
         if path == "/api/experiments":

@@ -33,6 +33,12 @@ RUNS = [
      "lost": None, "verdicts": [], "thumbnail": None, "report": False,
      "problem": "summary.json is cut short"},
 ]
+CAMPAIGNS = [
+    {"name": "night-20260104T200000Z", "updated_utc": "2026-01-04T23:00:00Z", "total": 30, "done": 12,
+     "failed": 1, "running": True, "live": True, "seconds_left": 7200, "page": True},
+    {"name": "scan-20260103T200000Z", "updated_utc": None, "total": 0, "done": 0, "failed": 0,
+     "running": False, "live": False, "seconds_left": None, "page": False},
+]
 EXPERIMENTS = [
     {"file": "experiments/abp.toml", "name": "abp", "description": "Active Brownian particle",
      "shipped": True},

@@ -188,6 +188,17 @@ class PastRuns(PageTest):
         self.assertEqual("", self.text("compare-text"))
         self.assertFalse(self.js("document.getElementById('runs-compare').disabled"))
 
+    def test_lists_campaigns_with_their_progress(self):
+        self.open(robots=2, size=(1280, 4000))
+        self.until("document.querySelectorAll('#campaigns tbody tr').length === 2")
+        text = self.text("campaigns")
+        self.assertIn("12 of 30", text)
+        self.assertIn("on the lab", text)
+        self.assertEqual(self.js("document.querySelector('#campaigns progress').value"), 12)
+        self.assertTrue(self.js("document.querySelector('#campaigns a').href").endswith(
+            "/api/campaigns/night-20260104T200000Z/index.html"))
+        self.assertEqual(self.js("document.querySelectorAll('#campaigns a').length"), 1)
+
     def test_lists_runs_and_compares_two(self):
         self.open(robots=2, size=(1280, 4000))
         self.until("document.querySelectorAll('#runs tbody tr').length === 3")
