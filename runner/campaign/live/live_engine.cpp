@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <lab/tracked_frame_t.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <system_error>
@@ -13,6 +15,9 @@
 
 #include "analyzer/analyze_run.hpp"
 #include "analyzer/run_summary.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
+#include "common/bus/log_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/files/scratch_folder.hpp"
@@ -54,6 +59,25 @@ void appendToJournal(const fs::path& folder, const std::string& line) {
   }
 }
 
+/// The share of the frames in which each robot was seen.
+std::map<std::int32_t, double> seenShares(const fs::path& log,
+                                          const std::vector<std::int32_t>& robots) {
+  std::map<std::int32_t, double> shares;
+  for (const std::int32_t id : robots) shares[id] = 0;
+  double frames = 0;
+  tracked_frame_t frame;
+  readLog({log}, [&](const Packet& packet) {
+    if (packet.channel != channels::kTrackedFrame) return;
+    if (!decode(packet.data, frame)) return;
+    ++frames;
+    for (const tracked_pose_t& pose : frame.robots) {
+      if (const auto share = shares.find(pose.robot_id); share != shares.end()) ++share->second;
+    }
+  });
+  for (auto& [id, share] : shares) share = frames > 0 ? share / frames : 0;
+  return shares;
+}
+
 std::vector<std::int32_t> idsOf(const Experiment& experiment) {
   std::vector<std::int32_t> ids;
   for (const RobotSpec& robot : experiment.robots) ids.push_back(robot.id);
@@ -85,7 +109,7 @@ Verdict judge(const fs::path& run, const Request& request,
     verdict.faults = json.at("faults").get<std::vector<std::string>>();
     verdict.reasons = verdict.faults;
     if (!json.at("ended").get<bool>()) verdict.reasons.emplace_back("the run has no end");
-    verdict.robots = robotProblems(verdict.summary, robots);
+    verdict.robots = robotProblems(verdict.summary, seenShares(run / files::kLog, robots));
     for (const auto& [id, problem] : verdict.robots) {
       verdict.reasons.push_back(fmt::format("robot {} {}", id, nameOf(problem)));
     }

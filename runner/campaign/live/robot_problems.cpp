@@ -16,8 +16,7 @@ constexpr std::size_t kFewestRobots = 3;  // whose median is typical
 
 /// What a robot did in the program in which it was seen longest.
 struct Motion {
-  double observed = 0;  ///< [s] in all programs
-  double longest = 0;   ///< [s] in this one
+  double longest = 0;  ///< [s] in this one
   std::string program;
   double moved = std::nan("");  ///< [cm] root mean square displacement in about 1 s
   bool jammed = false;          ///< in contact for so long that it may be held by others
@@ -48,7 +47,6 @@ double displacementOf(const nlohmann::json& motion) {
 void addMotion(const std::string& program, const nlohmann::json& robot, Motion& motion) {
   const nlohmann::json& whole = robot.at("whole_motion");
   const double observed = whole.at("observed_s").get<double>();
-  motion.observed += observed;
   if (observed <= motion.longest) return;
   motion.longest = observed;
   motion.program = program;
@@ -104,25 +102,20 @@ const char* nameOf(RobotProblem problem) {
 }
 
 std::map<std::int32_t, RobotProblem> robotProblems(std::string_view summary_json,
-                                                   const std::vector<std::int32_t>& robots) {
-  const auto summary = nlohmann::json::parse(summary_json);
-  std::map<std::int32_t, Motion> motions = motionsOf(summary);
+                                                   const std::map<std::int32_t, double>& seen) {
+  const nlohmann::json summary = nlohmann::json::parse(summary_json);
   std::map<std::int32_t, RobotProblem> problems;
   for (const nlohmann::json& robot : summary.at("robots")) {
     if (robot.at("boots").get<std::int64_t>() <= 1) continue;
     problems.emplace(robot.at("robot").get<std::int32_t>(), RobotProblem::kRebooted);
   }
-  std::vector<double> observed;
-  for (const std::int32_t id : robots) observed.push_back(motions[id].observed);
-  if (observed.empty()) return problems;
-  const double typical =
-      observed.size() < kFewestRobots ? summary.at("duration_s").get<double>() : medianOf(observed);
-  for (const std::int32_t id : robots) {
-    if (motions[id].observed < kLeastSeen * typical) {
-      problems.emplace(id, RobotProblem::kVanished);
-    }
+  std::vector<double> shares;
+  for (const auto& [id, share] : seen) shares.push_back(share);
+  const double typical = shares.size() < kFewestRobots ? 1 : medianOf(shares);
+  for (const auto& [id, share] : seen) {
+    if (share < kLeastSeen * typical) problems.emplace(id, RobotProblem::kVanished);
   }
-  findStalled(motions, problems);
+  findStalled(motionsOf(summary), problems);
   return problems;
 }
 

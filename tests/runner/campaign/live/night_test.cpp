@@ -275,11 +275,11 @@ void expectFailuresNamed(const Night& night, const std::vector<Failure>& failure
       const double share = shareOf(failures, run, robot);
       named += problem.empty() ? 0 : 1;
       if (share == 0) {
-        EXPECT_EQ(problem, "") << "robot " << robot;
+        EXPECT_EQ(problem, "") << "robot " << robot << " in " << journalLine(run);
       }
       // Up to a reboot within the first or last seconds, which no message shows.
       if (share > 0.9 && share < 1) {
-        EXPECT_NE(problem, "") << "robot " << robot;
+        EXPECT_NE(problem, "") << "robot " << robot << " in " << journalLine(run);
       }
     }
   }
