@@ -81,14 +81,16 @@ std::string liveText(const LivePlan& plan) {
   std::vector<std::string> known;
   for (const KnownRule& rule : plan.known) known.push_back(knownRuleText(rule));
   return fmt::format(
-      "# Played on a real lab.\nrest_s = {:.6f}\nclear = {}\ntries = {}\nstrikes = {}\n"
+      "# Played on a real lab, unless it is a rehearsal.\nrehearsal = {}\nrest_s = {:.6f}\nclear = "
+      "{}\ntries = {}\nstrikes = {}\n"
       "until_us = {}\nknown = {}\n",
-      plan.rest_s, keys::tomlString(plan.clear), plan.tries, plan.strikes, plan.until_us,
-      listText(known));
+      plan.rehearsal, plan.rest_s, keys::tomlString(plan.clear), plan.tries, plan.strikes,
+      plan.until_us, listText(known));
 }
 
 LivePlan readLivePlan(const RequestReader& read) {
   LivePlan plan;
+  plan.rehearsal = read.get<bool>("rehearsal");
   plan.rest_s = read.get<double>("rest_s");
   plan.clear = read.get<std::string>("clear");
   plan.tries = read.get<std::int64_t>("tries");

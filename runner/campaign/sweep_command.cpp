@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 #include <system_error>
@@ -74,6 +75,30 @@ fs::path folderFor(const SweepOptions& options, const Request& request) {
   return makeRunDirectory(options.campaigns, request.name, wallClock());
 }
 
+/// What the numbers of a campaign come from.
+std::string originOf(const Request& request) {
+  if (!request.live) return "simulated runs";
+  return request.live->rehearsal ? "a rehearsal" : "runs of the real lab";
+}
+
+/// Measured and simulated numbers must not lie in one folder.
+void requireSameOrigin(const fs::path& folder, const Request& before, const Request& request) {
+  if (originOf(before) == originOf(request)) return;
+  throw UserError(fmt::format("{}: found {}, expected {}: choose another --out", folder.string(),
+                              originOf(before), originOf(request)));
+}
+
+/// The campaign that is in a folder already; says so if it is damaged.
+std::optional<StoredCampaign> storedBefore(const fs::path& folder) {
+  if (!isCampaign(folder)) return {};
+  try {
+    return readCampaign(folder);
+  } catch (const std::exception& error) {
+    fmt::print("damaged  {}; written again\n", printableLines(error.what()));
+    return {};
+  }
+}
+
 /// The campaign of a command line with an experiment file, planned and written.
 fs::path prepare(const SweepOptions& options) {
   const std::string text = readFileText(options.input, file_kinds::kExperiment);
@@ -81,16 +106,12 @@ fs::path prepare(const SweepOptions& options) {
   Plan plan = planCampaign(request, text);
   const fs::path folder = folderFor(options, request);
   StoredCampaign campaign{request, runner::utcText(wallClock()), text, std::move(plan.points)};
-  if (isCampaign(folder)) {
-    try {
-      const StoredCampaign before = readCampaign(folder);
-      campaign.created = before.created;
-      if (before.experiment_text != text) {
-        fmt::print("changed  {} has changed since the campaign began\n",
-                   printable(options.input.string()));
-      }
-    } catch (const std::exception& error) {
-      fmt::print("damaged  {}; written again\n", printableLines(error.what()));
+  if (const auto before = storedBefore(folder)) {
+    requireSameOrigin(folder, before->request, request);
+    campaign.created = before->created;
+    if (before->experiment_text != text) {
+      fmt::print("changed  {} has changed since the campaign began\n",
+                 printable(options.input.string()));
     }
   }
   writeCampaign(folder, campaign, plan.files);
@@ -289,13 +310,13 @@ EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector
     requireProgram("gnuplot", "gnuplot-nox");
   }
   requireDisk(data, folder, rows, 1);
-  LiveMachine machine = labMachine(options.rehearse);
+  LiveMachine machine = labMachine(data.request.live->rehearsal);
   if (!options.until.empty())
     data.request.live->until_us = parseUntil(options.until, machine.now());
   if (options.take_back) takeBackRobots(folder, machine.now());
   const LivePlan& plan = *data.request.live;
   fmt::print("engine   {}, one run after another, each repeated up to {} times if it is marked{}\n",
-             options.rehearse ? "a rehearsal in virtual time" : "the real lab", plan.tries,
+             plan.rehearsal ? "a rehearsal in virtual time" : "the real lab", plan.tries,
              plan.until_us == 0 ? "" : "; until " + utcText(plan.until_us));
   std::fflush(stdout);
   SweepProgress progress(data, folder, rows, pageOf(options), false);

@@ -20,6 +20,7 @@ namespace {
 
 LivePlan livePlanOf(const SweepOptions& options) {
   LivePlan plan;
+  plan.rehearsal = options.rehearse;
   plan.rest_s = options.rest_s;
   if (!options.clear.empty()) {
     static_cast<void>(loadExperiment(options.clear));
@@ -80,7 +81,7 @@ bool isSameRequest(const Request& one, const Request& other) {
   Request same = other;
   same.name = one.name;
   same.seed = one.seed;
-  if (one.live && other.live) same.live = one.live;
+  if (one.live && other.live && one.live->rehearsal == other.live->rehearsal) same.live = one.live;
   return one == same;
 }
 

@@ -17,6 +17,7 @@ struct KnownRule {
 
 /// What a live campaign does beside its runs.
 struct LivePlan {
+  bool rehearsal = false;     ///< in virtual time, on no lab
   double rest_s = 0;          ///< robots stand between two runs [s]
   std::string clear{};        ///< experiment file that is played before each run; empty: none
   std::int64_t tries = 3;     ///< of a run, until it is given up

@@ -46,9 +46,28 @@ TEST(CampaignRequest, ComesBackFromItsFile) {
   Request plain;
   plain.name = "x";
   plain.file = "/x.toml";
-  for (const Request& request : {sampleRequest(), plain}) {
+  Request live = sampleRequest();
+  live.live = LivePlan{.rehearsal = true,
+                       .rest_s = 62.5,
+                       .clear = "/spread \"out\".toml",
+                       .tries = 4,
+                       .strikes = 3,
+                       .until_us = 1'769'875'200'000'000,
+                       .known = {{"D_r_rad2_s", 0.02}, {"abp.v_cm_s", 0.005}}};
+  for (const Request& request : {sampleRequest(), plain, live}) {
     EXPECT_EQ(readRequest(requestText(request, "2026-01-31T12:00:00Z"), "campaign.toml"), request);
   }
+}
+
+TEST(CampaignRows, ResultsOfARealLabDoNotDependOnTheCode) {
+  Request request = sampleRequest();
+  const std::vector<Point> points = samplePoints();
+  const CodeVersion other{"9.9.9 (other)", 77};
+  EXPECT_NE(rowsOf(request, points, {"0.1.0 (abc)", 5})[0].identity,
+            rowsOf(request, points, other)[0].identity);
+  request.live = LivePlan{};
+  EXPECT_EQ(rowsOf(request, points, {"0.1.0 (abc)", 5})[0].identity,
+            rowsOf(request, points, other)[0].identity);
 }
 
 TEST(CampaignRequest, IsRefusedWhenItsFileIsDamaged) {

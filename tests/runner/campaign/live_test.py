@@ -48,6 +48,10 @@ def check_rehearsal(folder):
     again = sweep([out])
     assert 'done     12 of 12 runs' in again, again
     assert len(runs_of(out)) == 12  # nothing was played again
+    for arguments, found in ((['--live'], 'a rehearsal, expected runs of the real lab'),
+                             ([], 'a rehearsal, expected simulated runs')):
+        text = sweep([file, *arguments, '--out', out], code=2)
+        assert found in text, text
 
 
 def check_kill(folder):
