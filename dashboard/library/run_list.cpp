@@ -20,8 +20,8 @@ constexpr const char* kThumbnail = "trajectory_program.svg";
 // A summary of 250 robots on four programs has 10 MB, and the analysis has a limit of four times as
 // many.
 constexpr FileKind kSummaryFile{"a summary", 64U << 20U};
-constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
-                                                   ".json", ".toml", ".pdf"};
+constexpr std::array<std::string_view, 8> kEndings{".html", ".svg", ".csv", ".json",
+                                                   ".toml", ".pdf", ".jpg", ".mp4"};
 
 /// [ns]; 0 if there is no such file.
 std::int64_t changeTime(const fs::path& path) {

@@ -215,6 +215,11 @@ class Handler(http.server.BaseHTTPRequestHandler):
             return self.answer(200, mock_topics.RUNS)
         if path.startswith("/api/runs/") and path.endswith(".svg"):
             return self.answer(200, mock_topics.THUMBNAIL.encode(), "image/svg+xml")
+        if path.startswith("/api/runs/") and path.endswith("film_clip.json"):
+            return self.answer(200, mock_topics.FILM_CLIP) if world.replay else self.answer(
+                404, {"error": "no such file"})
+        if path.startswith("/api/runs/") and path.endswith("film.mp4"):
+            return self.answer(200, b"film", "video/mp4")
         if path.startswith("/api/runs/") and path.endswith(".html"):
             return self.answer(200, b"<!doctype html><title>report</title><p>report", "text/html")
         if path == "/api/compare":

@@ -33,6 +33,7 @@ RUNS = [
      "lost": None, "verdicts": [], "thumbnail": None, "report": False,
      "problem": "summary.json is cut short"},
 ]
+FILM_CLIP = {"fps": 24, "t_s": [2.5 * k for k in range(240)]}
 EXPERIMENTS = [
     {"file": "experiments/abp.toml", "name": "abp", "description": "Active Brownian particle",
      "shipped": True},
