@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kFewestWaiting = 4;
-constexpr int kNiceness = 5;  // robots and tracker come first
+constexpr int kNiceness = 5;  // above that of the lab: robots and tracker come first
 constexpr auto kClosingTimeout = std::chrono::seconds(1);
 constexpr std::int64_t kFactsEvery = 128;            // frames
 constexpr std::int64_t kDiskEvery = 16;              // frames
@@ -187,7 +187,8 @@ FilmFacts FilmRecorder::facts() {
 }
 
 void FilmRecorder::run() {
-  setpriority(PRIO_PROCESS, 0, kNiceness);  // of this thread; the encoder inherits it
+  // Of this thread; the encoder inherits it.
+  setpriority(PRIO_PROCESS, 0, getpriority(PRIO_PROCESS, 0) + kNiceness);
   // An encoder that has ended is noticed by the error of write().
   sigset_t pipe_signal;
   sigemptyset(&pipe_signal);
