@@ -26,6 +26,8 @@ export class RunFilm {
     if (run === null || run === this.#run) return;
     this.close();
     this.#run = run;
+    const runs = await get("/api/runs");
+    if (!runs?.some((one) => one.name === run && one.film)) return;
     const path = `/api/runs/${encodeURIComponent(run)}`;
     const facts = await get(`${path}/film_clip.json`);
     if (!Array.isArray(facts?.t_s) || facts.t_s.length === 0) return;

@@ -67,6 +67,11 @@ class World:
         self.jumps = 0
         self.history = {p["name"]: [] for p in PROGRAMS}
 
+    def runs(self):
+        """The past runs. The one that is played has a film."""
+        played = dict(RUNS[1], name=self.lab()["run"], film=True)
+        return RUNS + [played] if self.replay else RUNS
+
     def robot(self, number):
         draw = self.random.uniform
         return {"id": number, "x": draw(8, WIDTH - 8), "y": draw(8, HEIGHT - 8), "a": draw(-math.pi,
