@@ -14,6 +14,7 @@
 #include "analyzer/report/summary/summary.hpp"
 #include "analyzer/report/summary/trajectories.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/files/experiment_error.hpp"
 #include "common/files/scratch_folder.hpp"
 #include "common/text/format.hpp"
 
@@ -56,6 +57,19 @@ void refuseLink(const fs::path& folder) {
                   "remove the link, "
                   "or choose another folder with --out",
                   folder.string()));
+}
+
+/// The facts of the films of a run. A film whose facts are damaged is left out.
+std::vector<FilmFacts> filmsOf(const fs::path& run) {
+  std::vector<FilmFacts> films;
+  for (const fs::path& folder : filmFolders(run)) {
+    try {
+      films.push_back(readFilmFacts(folder / film_files::kFacts));
+    } catch (const ExperimentError&) {
+      continue;
+    }
+  }
+  return films;
 }
 
 /// Writes all files of a record, each completely or not at all.
@@ -110,7 +124,13 @@ fs::path makeFolderIn(const fs::path& out, std::string_view name) {
 AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory,
                        const AnalyzeOptions& options) {
   const std::vector<fs::path> files = logFiles(run_or_log);
-  const RunRecord record = readRun(files, {options.depth, options.stitch});
+  RunRecord record = readRun(files, {options.depth, options.stitch});
+  if (fs::is_directory(run_or_log)) record.films = filmsOf(run_or_log);
+  if (!options.film.empty()) record.films = filmsOf(options.film);
+  record.film_note = options.film_note;
+  const fs::path shown = outputFolder(run_or_log, out_directory);
+  record.film_stills = !record.films.empty() && fs::exists(shown / "film.jpg");
+  record.film_clip = !record.films.empty() && fs::exists(shown / "film.mp4");
   if (record.log.frames == 0 && options.needs_frames) {
     throw ReportError(withoutFrames(files.front(), record));
   }

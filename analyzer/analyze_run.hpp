@@ -17,6 +17,9 @@ struct AnalyzeOptions {
   bool needs_frames = true;
   bool figures = true;  ///< False: no figures.
   analysis::Depth depth = analysis::Depth::kFull;
+  /// Folder of the run whose film is shown, if the log lies elsewhere.
+  std::filesystem::path film = {};
+  std::string film_note = {};  ///< how its poses were tracked again, for the report
   bool stitch =
       true;  ///< False: reversals are removed, and the track is cut there instead of joined.
 };

@@ -38,7 +38,7 @@ class FilmReader {
   /// Size, pixel type and median frame rate; rate 0 if the times are assumed.
   [[nodiscard]] virtual CameraFormat format() const = 0;
 
-  /// Name of the table of time stamps ("frames.csv"), empty if there is none.
+  /// Name of the table of time stamps ("frames.csv", "film.frames.csv"), empty if there is none.
   [[nodiscard]] virtual std::string table() const { return ""; }
 
   /// The orientation mark by which players rotate or mirror the pictures ("rotation 90", "EXIF

@@ -146,6 +146,9 @@ TrackerService::TrackerService(const ServiceContext& context)
                           status.command_instance ^ status.command_seq, status.moving == 0);
     });
   }
+  if (isFilmed(experiment_.camera)) {
+    film_.emplace(context.directory, experiment_.camera.film, origin_utime_, loop_.isVirtual());
+  }
   source_ = context.cameras.open(experiment_.camera.source, wantedFormat(experiment_.camera),
                                  {.frame = [this](const CameraFrame& frame) { handle(frame); },
                                   .trouble = [this](const std::string& what) { trouble(what); },
@@ -164,6 +167,8 @@ void TrackerService::handle(const robot_status_t& status) {
     wheels_.push_back({robot.robot_id, seconds(robot.utime), robot.wheel_left, robot.wheel_right});
   }
   tracker_.addReports(wheels_);
+  status_instance_ = status.instance;
+  status_seq_ = status.seq;
 }
 
 void TrackerService::watchOtherTracker(const tracked_frame_t& frame) {
@@ -207,7 +212,8 @@ void TrackerService::handle(const CameraFrame& frame) {
   const Exposure exposure = pictures_.look(frame.grey);
   status_.brightness = exposure.brightness;
   findResponse(frame.grey);
-  const std::vector<Track>& tracks = track(frame.grey, seconds(utime), exposure);
+  const std::vector<Track>& tracks = track(frame, seconds(utime), arrived, exposure);
+  film(frame, utime, arrived);
   if (loop_.now() >= other_until_) {
     if (std::exchange(silent_, false)) trouble("");
     publish(frame, utime, tracks);
@@ -225,14 +231,26 @@ void TrackerService::findResponse(const optics::GreyView& picture) {
   if (response_->isSettled()) response_.reset();
 }
 
-const std::vector<Track>& TrackerService::track(const optics::GreyView& picture, double time,
-                                                const Exposure& exposure) {
+void TrackerService::film(const CameraFrame& frame, std::int64_t utime, std::int64_t arrived) {
+  if (!film_) return;
+  film_->add({.number = frame.number,
+              .camera_utime = frame.utime,
+              .arrived_utime = arrived,
+              .searched = searched_,
+              .status_instance = status_instance_,
+              .status_seq = status_seq_},
+             utime, frame.grey, source_ ? source_->format() : wantedFormat(experiment_.camera));
+}
+
+const std::vector<Track>& TrackerService::track(const CameraFrame& frame, double time,
+                                                std::int64_t now, const Exposure& exposure) {
+  const optics::GreyView& picture = frame.grey;
   const std::vector<detector::Expected>& expected = tracker_.expect(time);
   const bool draw = debug_ && debug_->wanted();
-  const std::int64_t now = loop_.now();
   std::vector<detector::Rejection> rejected;
   const std::vector<detector::Detection>* found = nullptr;
-  if (draw || !all_detected_ || now >= next_search_) {
+  searched_ = draw || frame.search || !all_detected_ || now >= next_search_;
+  if (searched_) {
     found = &detector_.search(picture, draw ? &rejected : nullptr, expected);
     next_search_ = now + kSearchEvery_us;
   } else {
@@ -357,6 +375,7 @@ void TrackerService::report() {
   status_.latency_p50 = latency.p50;
   status_.latency_p95 = latency.p95;
   status_.latency_p99 = latency.p99;
+  if (const std::string news = film_ ? film_->news() : ""; !news.empty()) node_.noteError(news);
   status_.utime = 0;
   node_.publish(channels::kTrackerStatus, status_);
 }

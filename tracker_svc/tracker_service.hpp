@@ -14,6 +14,7 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/service/service_main.hpp"
 #include "tracker_svc/calibration/spacing_check.hpp"
+#include "tracker_svc/cameras/run_filmer.hpp"
 #include "tracker_svc/detector.hpp"
 #include "tracker_svc/detector/picture_check.hpp"
 #include "tracker_svc/detector/sync_reader.hpp"
@@ -45,8 +46,9 @@ class TrackerService final : public Service {
   void readSync(const CameraFrame& frame, std::int64_t utime);
   void trouble(const std::string& what);
   void ended(const std::string& problem);
-  const std::vector<Track>& track(const optics::GreyView& picture, double time,
+  const std::vector<Track>& track(const CameraFrame& frame, double time, std::int64_t now,
                                   const Exposure& exposure);
+  void film(const CameraFrame& frame, std::int64_t utime, std::int64_t arrived);
   void publish(const CameraFrame& frame, std::int64_t utime, const std::vector<Track>& tracks);
   void report();
   void warn(const std::string& what);
@@ -67,6 +69,7 @@ class TrackerService final : public Service {
   std::optional<SyncReader> sync_;  ///< if the projector shows a sync patch
   Latency latency_;
   std::unique_ptr<DebugOutput> debug_;
+  std::optional<cameras::RunFilmer> film_;  ///< of the run, if it is wanted
   std::unique_ptr<FrameSource> source_;
 
   std::size_t robots_ = 0;       ///< number of robots in the experiment
@@ -76,6 +79,9 @@ class TrackerService final : public Service {
   std::int64_t last_utime_ = 0;
   std::int64_t next_search_ = 0;
   bool all_detected_ = false;
+  bool searched_ = false;             ///< the whole of the last picture was searched at first
+  std::int64_t status_instance_ = 0;  ///< of the last ROBOT_STATUS
+  std::int64_t status_seq_ = 0;
   std::int64_t other_until_;  ///< until then another tracker may be alive
   bool silent_ = false;       ///< because of another tracker
   tracker_status_t status_{};

@@ -39,6 +39,7 @@ struct CameraFrame {
   std::int64_t utime = 0;   ///< [us since 1970] middle of the exposure, in host time; of files:
                             ///< since their first frame, from 0
   optics::GreyView grey;
+  bool search = false;  ///< the tracker searches the whole picture, as it did when it was filmed
 };
 
 /// The callbacks of a camera's reader. They are called on the loop's thread.

@@ -329,6 +329,23 @@ enum class Tracker : std::int8_t {
 /// The source name of the simulated camera, whose frames sim_svc paints.
 inline constexpr const char* kSimulatedCamera = "sim";
 
+enum class FilmCodec : std::int8_t {
+  kFfv1,     ///< lossless, small
+  kFfvhuff,  ///< lossless, a fifth of the work
+  kH264,     ///< loses detail
+};
+
+/// The film of a run (docs/films.md).
+struct FilmSpec {
+  bool record = false;
+  FilmCodec codec = FilmCodec::kFfv1;
+  int crf = 18;         ///< constant rate factor of H.264: 1 best, 51 worst
+  double most_GB = 20;  ///< [1e9 bytes] at which the film ends
+  int threads = 1;      ///< most that the encoder uses
+
+  bool operator==(const FilmSpec&) const = default;
+};
+
 struct Camera {
   Tracker tracker = Tracker::kSimPoses;
   std::string source = kSimulatedCamera;  ///< which camera (docs/cameras.md)
@@ -347,6 +364,7 @@ struct Camera {
   double dropout = 0;         ///< [1] probability that one robot is missing in one frame
   double frame_loss = 0;      ///< [1] probability that a whole frame is missing
   std::string frames;         ///< times of recorded frames: path as in the file, empty: by fps
+  FilmSpec film;
 
   bool operator==(const Camera&) const = default;
 };
@@ -354,6 +372,11 @@ struct Camera {
 /// Whether tracker_svc reads the simulated camera.
 [[nodiscard]] inline bool isPainted(const Camera& camera) {
   return camera.tracker == Tracker::kCamera && camera.source == kSimulatedCamera;
+}
+
+/// Whether tracker_svc keeps a film of the run.
+[[nodiscard]] inline bool isFilmed(const Camera& camera) {
+  return camera.tracker == Tracker::kCamera && camera.film.record;
 }
 
 /// A named part of the arena, for times and fluxes of robots.

@@ -238,6 +238,16 @@ std::string describeSize(double bytes) {
   return bytes < 1e9 ? rounded(std::ceil(bytes / 1e6)) + " MB" : rounded(bytes / 1e9) + " GB";
 }
 
+std::string describeFilm(const Camera& camera) {
+  if (!camera.film.record) return {};
+  const FilmSpec& film = camera.film;
+  const std::string codec = film.codec == FilmCodec::kFfv1 ? "ffv1, lossless"
+                            : film.codec == FilmCodec::kFfvhuff
+                                ? "ffvhuff, lossless"
+                                : "h264, crf " + std::to_string(film.crf);
+  return line("film", codec + ", at most " + describeSize(film.most_GB * 1e9));
+}
+
 std::string describeCamera(const Experiment& e) {
   const Camera& camera = e.camera;
   const std::string frames = numberText(camera.fps) + " frames/s, " +
@@ -246,7 +256,8 @@ std::string describeCamera(const Experiment& e) {
     const std::string name = isPainted(camera) ? "simulated" : camera.source;
     return line("camera", frames + std::to_string(camera.width) + " x " +
                               std::to_string(camera.height) + " pixels, " + name +
-                              (camera.calibration.empty() ? "" : ", " + camera.calibration));
+                              (camera.calibration.empty() ? "" : ", " + camera.calibration)) +
+           describeFilm(camera);
   }
   return line("camera", frames + "noise " + centimetreText(camera.position_noise) + " cm and " +
                             fileText(camera.heading_noise, unitOf("_deg")) + " degrees");

@@ -32,7 +32,8 @@ void restrictFile(const std::string& name, HttpResponse& response) {
     response.setHeader(
         "Content-Security-Policy",
         "sandbox allow-scripts; default-src 'none'; script-src 'unsafe-inline'; style-src "
-        "'unsafe-inline'; img-src 'self' data: blob:; font-src data:; frame-ancestors "
+        "'unsafe-inline'; img-src 'self' data: blob:; media-src 'self'; font-src data:; "
+        "frame-ancestors "
         "'self'");
     response.setHeader("X-Frame-Options", "SAMEORIGIN");
   } else if (name.ends_with(".pdf")) {

@@ -115,6 +115,7 @@ nlohmann::ordered_json toJson(const PastRun& run) {
           {"verdicts", std::move(verdicts)},
           {"thumbnail", orNull(run.thumbnail)},
           {"report", run.report},
+          {"film", run.film},
           {"problem", orNull(run.problem)}};
 }
 
@@ -129,6 +130,8 @@ PastRun readRun(const fs::path& folder) {
   std::error_code error;
   if (fs::is_regular_file(folder / kThumbnail, error)) run.thumbnail = kThumbnail;
   run.report = fs::is_regular_file(folder / "report.html", error);
+  run.film = fs::is_regular_file(folder / "film.mp4", error) &&
+             fs::is_regular_file(folder / "film_clip.json", error);
   return run;
 }
 

@@ -30,6 +30,7 @@ struct PastRun {
   std::vector<RunVerdict> verdicts;
   std::string thumbnail;  ///< file name of a figure; empty if there is none
   bool report = false;    ///< whether there is a report.html
+  bool film = false;      ///< whether there are film.mp4 and film_clip.json, its pictures' times
   std::string problem;    ///< why facts are missing and what to do; else empty
 };
 

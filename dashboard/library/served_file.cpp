@@ -8,8 +8,8 @@ namespace lab::dashboard {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr std::array<std::string_view, 6> kEndings{".html", ".svg",  ".csv",
-                                                   ".json", ".toml", ".pdf"};
+constexpr std::array<std::string_view, 8> kEndings{".html", ".svg", ".csv", ".json",
+                                                   ".toml", ".pdf", ".jpg", ".mp4"};
 constexpr std::string_view kFigures = "figures/";
 
 }  // namespace

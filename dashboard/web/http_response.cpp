@@ -11,7 +11,8 @@ HttpResponse emptyResponse() {
   HttpResponse response;
   response.headers = {
       {"Content-Security-Policy",
-       "default-src 'self'; img-src 'self' data: blob:; style-src 'self' 'unsafe-inline'; "
+       "default-src 'self'; img-src 'self' data: blob:; media-src 'self' blob:; style-src 'self' "
+       "'unsafe-inline'; "
        "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'"},
       {"X-Content-Type-Options", "nosniff"},
       {"X-Frame-Options", "DENY"},
@@ -33,7 +34,7 @@ void respondError(HttpResponse& response, int status, std::string_view why) {
 }
 
 std::string contentType(std::string_view name) {
-  constexpr std::array<std::pair<std::string_view, const char*>, 12> kTypes{{
+  constexpr std::array<std::pair<std::string_view, const char*>, 13> kTypes{{
       {".html", "text/html; charset=utf-8"},
       {".css", "text/css; charset=utf-8"},
       {".js", "text/javascript; charset=utf-8"},
@@ -41,6 +42,7 @@ std::string contentType(std::string_view name) {
       {".svg", "image/svg+xml"},
       {".png", "image/png"},
       {".jpg", "image/jpeg"},
+      {".mp4", "video/mp4"},
       {".ico", "image/x-icon"},
       {".csv", "text/csv; charset=utf-8"},
       {".toml", "text/plain; charset=utf-8"},

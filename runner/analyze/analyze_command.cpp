@@ -1,22 +1,33 @@
 #include <fmt/format.h>
 
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "analyzer/analyze_run.hpp"
+#include "common/bus/log_file.hpp"
+#include "common/camera/run_film.hpp"
+#include "common/files/experiment_error.hpp"
 #include "common/files/scratch_folder.hpp"
 #include "common/math/units.hpp"
 #include "common/text/printable.hpp"
 #include "runner/analyze/analyze_commands.hpp"
+#include "runner/command_line/progress_bar.hpp"
 #include "runner/export/hdf5_import.hpp"
 #include "runner/export/mcap_export.hpp"
 #include "runner/export/mcap_reader.hpp"
+#include "runner/film/retrack.hpp"
+#include "runner/film/run_clip.hpp"
 #include "runner/runs/run_directory.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
+
+/// Marks a folder whose log was made from a film: it may be made again.
+constexpr const char* kRetracked = "retracked.txt";
 
 void printHeadline(const report::AnalyzedRun& analyzed) {
   for (const std::string& line : analyzed.headline) fmt::print("{}\n", printable(line));
@@ -65,6 +76,77 @@ ExitCode analyzeOpenFormat(const fs::path& input, const fs::path& out,
   return kDone;
 }
 
+/// A line for every film of a run.
+void printFilms(const fs::path& run) {
+  for (const fs::path& folder : filmFolders(run)) {
+    try {
+      const FilmFacts film = readFilmFacts(folder / film_files::kFacts);
+      fmt::print("film     {}: {} frames, {} lost, {:.3g} GB, {:.2g} cores{}\n",
+                 (folder / film_files::kMovie).string(), film.frames, film.lost,
+                 static_cast<double>(film.bytes) * 1e-9,
+                 film.duration() > 0 ? film.cpu / film.duration() : 0,
+                 film.problem.empty() ? "" : "; ends early: " + printable(film.problem));
+    } catch (const ExperimentError& error) {
+      fmt::print("note     {}\n", printable(error.what()));
+    }
+  }
+}
+
+/// Makes the pictures of the film of a run, if it has one. A report without them is whole.
+void drawFilm(const fs::path& run, const fs::path& log, const fs::path& calibration,
+              const fs::path& out) {
+  if (const std::string problem = makeRunClip(run, log, calibration, out); !problem.empty()) {
+    fmt::print("note     no pictures of the film: {}\n", printable(problem));
+  }
+}
+
+/// Makes the log again with the poses that the film gives now, and analyzes that. The results are
+/// a folder like that of a run.
+ExitCode analyzeFilm(const AnalyzeOptions& options, const report::AnalyzeOptions& how) {
+  const fs::path& run = options.input;
+  if (!isRunFolder(run)) {
+    throw UserError(run.string() +
+                    ": --retrack: found no folder of a run, expected one with log.lcmlog, "
+                    "experiment.toml and film/film.mkv");
+  }
+  if (!options.program.empty() || options.scale_cm || options.fps) {
+    throw UserError(run.string() +
+                    ": found --program, --scale-cm or --fps, which are for files of poses, not "
+                    "with --retrack");
+  }
+  requireFilm(run);
+  const fs::path out = options.out.value_or(run / "retracked");
+  if (fs::exists(out / files::kLog) && !fs::exists(out / kRetracked)) {
+    throw UserError(
+        fmt::format("{}: is the log of a run, expected a folder for the new poses; "
+                    "choose another with --out",
+                    (out / files::kLog).string()));
+  }
+  const ScratchFolder scratch(report::makeFolderIn(out, ".retrack"));
+  const fs::path log = scratch.path() / files::kLog;
+  RetrackCounts counts;
+  {
+    LogWriter writer(log);
+    ProgressBar progress(filmFramesOf(run));
+    std::int64_t done = 0;
+    counts = retrack({run, options.calibration, options.set}, &writer,
+                     [&](const RetrackedFrame&) { progress.show(++done); });
+  }
+  fs::rename(log, out / files::kLog);
+  std::string note = retrackText(counts);
+  if (!options.calibration.empty()) note += "; with " + options.calibration.string();
+  for (const std::string& setting : options.set) note += "; with " + setting;
+  std::ofstream(out / kRetracked) << fs::absolute(run).string() << '\n' << note << '\n';
+  fmt::print("film     {}\n", printable(note));
+  if (!counts.problem.empty()) fmt::print("fault    {}\n", printable(counts.problem));
+  report::AnalyzeOptions with_film = how;
+  with_film.film = run;
+  with_film.film_note = note;
+  if (how.figures) drawFilm(run, out / files::kLog, options.calibration, out);
+  printHeadline(report::analyzeRun(out / files::kLog, out, with_film));
+  return counts.problem.empty() ? kDone : kClosedEarly;
+}
+
 }  // namespace
 
 ExitCode analyze(const AnalyzeOptions& options) {
@@ -87,6 +169,7 @@ ExitCode analyze(const AnalyzeOptions& options) {
       .figures = options.figures,
       .depth = options.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive,
       .stitch = options.stitch};
+  if (options.retrack) return analyzeFilm(options, how);
   if (poses) {
     printHeadline(
         report::analyzePoses(input, out, columnsOf(options), {options.program, options.set}, how));
@@ -99,12 +182,15 @@ ExitCode analyze(const AnalyzeOptions& options) {
         ": found no file of poses (.csv); --program, --set, --scale-cm and --fps are for "
         "these, a log knows what its robots ran");
   }
+  if (how.figures && isRunFolder(input)) drawFilm(input, input / files::kLog, {}, out);
   printHeadline(report::analyzeRun(input, out, how));
   return kDone;
 }
 
 ExitCode reportOfRun(const fs::path& directory) {
   try {
+    drawFilm(directory, directory / files::kLog, {}, directory);
+    printFilms(directory);
     printHeadline(report::analyzeRun(directory, directory, {.needs_frames = false}));
     return kDone;
   } catch (const std::exception& error) {

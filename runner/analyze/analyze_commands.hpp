@@ -19,7 +19,9 @@ struct AnalyzeOptions {
   bool figures = true;
   bool stitch = true;     ///< join the motion around reversals
   bool bootstrap = true;  ///< fit the exact law; its intervals need simulated recordings
-  /// For a file of poses only:
+  bool retrack = false;   ///< a run with a film: track it again
+  std::filesystem::path calibration;  ///< of the camera, for that; empty: that of the run
+  /// For a file of poses only, and `set` also to track again, of the experiment:
   std::string program;             ///< model that all robots ran; empty: not known
   std::vector<std::string> set;    ///< key=value: its parameters
   std::optional<double> scale_cm;  ///< one unit of its columns x and y [cm]

@@ -21,9 +21,19 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
                     "Fit the exact laws, with intervals from simulated recordings (default: yes)");
   command->add_flag("--stitch,!--no-stitch", options->stitch,
                     "Join the motion before and after reversals (default: yes)");
+  CLI::Option* retrack =
+      command->add_flag("--retrack", options->retrack,
+                        "A run with a film: track it again, and analyze the new poses with the "
+                        "old telemetry, in RUN/retracked");
+  command
+      ->add_option("--calibration", options->calibration,
+                   "With --retrack: calibration of the camera (default: that of the run)")
+      ->needs(retrack);
   command->add_option("--program", options->program,
                       "Poses: program of all robots, a shipped one (default: not known)");
-  addSettings(*command, options->set, "Poses: parameter of the program, as v_cm_s=3 (repeatable)")
+  addSettings(*command, options->set,
+              "Poses: parameter of the program, as v_cm_s=3; with --retrack: key of the "
+              "experiment (repeatable)")
       ->type_name("NAME=VALUE");
   command
       ->add_option("--scale-cm", options->scale_cm,

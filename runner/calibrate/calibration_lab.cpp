@@ -21,6 +21,7 @@ Experiment labUnderSteadyLight(Experiment experiment, const std::string& suffix,
                                double intensity) {
   experiment.name += suffix;
   experiment.duration = duration;
+  experiment.camera.film = {};
   LayerSpec uniform;
   uniform.intensity = intensity;
   LightStep step;

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "common/camera/run_film.hpp"
 #include "runner/film/named_files.hpp"
 
 namespace lab::runner {
@@ -33,8 +34,10 @@ std::vector<std::uint8_t> jpegOf(const optics::GreyView& grey) {
 }  // namespace
 
 std::string filmOfRun(const fs::path& folder) {
-  std::vector<std::string> found;
   std::error_code error;
+  const fs::path film = folder / film_files::kFolder / film_files::kMovie;
+  if (fs::is_regular_file(film, error)) return film.string();
+  std::vector<std::string> found;
   for (const auto& entry : fs::recursive_directory_iterator(folder, error)) {
     if (!entry.is_regular_file()) continue;
     if (std::ranges::find(kMovies, entry.path().extension().string()) != kMovies.end()) {

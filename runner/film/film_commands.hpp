@@ -20,7 +20,7 @@ struct PreviewOptions {
 ExitCode preview(const PreviewOptions& options);
 
 struct TrackOptions {
-  std::string source;                 ///< a folder or pattern of pictures, or a movie
+  std::string source;                 ///< a folder or pattern of pictures, a movie, or a run
   std::filesystem::path calibration;  ///< of the camera
   std::filesystem::path out;          ///< the file of poses
   std::filesystem::path overlay;      ///< picture, movie or folder with what was found; empty: none
@@ -28,8 +28,12 @@ struct TrackOptions {
   double fps = 0;                     ///< [1/s] of pictures without times, 0: 30, and it is said
   std::size_t robots = 0;             ///< how many there are at most, 0: not known
   bool force = false;                 ///< replaces files that are there
+  std::vector<std::string> set;       ///< key=value: of the experiment of a run
 };
 ExitCode track(const TrackOptions& options);
+
+/// As track(), for the film of a run (docs/films.md).
+ExitCode trackRun(const TrackOptions& options);
 
 void addPreview(CLI::App& app, Chosen& chosen);
 void addTrack(CLI::App& app, Chosen& chosen);

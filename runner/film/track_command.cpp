@@ -1,13 +1,10 @@
 #include <fmt/format.h>
 
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <csignal>
 #include <cstdint>
-#include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -19,12 +16,13 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
 #include "common/text/printable.hpp"
-#include "runner/command_line/output_file.hpp"
 #include "runner/command_line/progress_bar.hpp"
 #include "runner/film/film_commands.hpp"
 #include "runner/film/film_overlay.hpp"
 #include "runner/film/film_verdict.hpp"
 #include "runner/film/named_files.hpp"
+#include "runner/film/pose_writer.hpp"
+#include "runner/film/retrack.hpp"
 #include "tracker_svc/film_reader.hpp"
 #include "tracker_svc/film_tracking.hpp"
 #include "tracker_svc/response_finder.hpp"
@@ -57,46 +55,19 @@ class InterruptHandler {
   std::array<void (*)(int), kSignals.size()> previous_{};
 };
 
-/// Writes the rows to NAME.part and renames the file when it is complete.
-class PoseWriter {
- public:
-  PoseWriter(fs::path path, bool force) : path_(std::move(path)), part_(path_.string() + ".part") {
-    checkOutput(path_, force);
-    file_.open(part_, std::ios::binary);
-    if (!file_) {
-      throw UserError(
-          fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
-    }
-    file_ << tracker::filmCsvHeader();
+void requireOptions(const TrackOptions& options) {
+  const char* missing = options.calibration.empty() ? "--calibration"
+                        : options.out.empty()       ? "--out"
+                                                    : nullptr;
+  if (missing != nullptr) {
+    throw UserError(fmt::format("{}: found no {}, which only a run with a film does not need",
+                                options.source, missing));
   }
-
-  ~PoseWriter() {
-    std::error_code ignored;
-    fs::remove(part_, ignored);
+  if (!options.set.empty()) {
+    throw UserError(
+        fmt::format("{}: found --set, which is for the experiment of a run", options.source));
   }
-  PoseWriter(const PoseWriter&) = delete;
-  PoseWriter& operator=(const PoseWriter&) = delete;
-
-  void write(const std::vector<FilmRow>& rows) {
-    for (const FilmRow& row : rows) file_ << tracker::filmCsvLine(row);
-    if (!file_) fail();
-  }
-
-  void finish() {
-    file_.close();
-    if (!file_) fail();
-    fs::rename(part_, path_);
-  }
-
- private:
-  [[noreturn]] void fail() const {
-    throw std::runtime_error(path_.string() + ": cannot be written: is the disk full?");
-  }
-
-  fs::path path_;
-  fs::path part_;
-  std::ofstream file_;
-};
+}
 
 /// Refuses outputs that would overwrite the film, the calibration or each other. Single pictures in
 /// a folder are not checked.
@@ -327,6 +298,8 @@ class Film {
 }  // namespace
 
 ExitCode track(const TrackOptions& options) {
+  if (isRunFolder(options.source)) return trackRun(options);
+  requireOptions(options);
   refuseSameFiles(options);
   refuseSheetAmongPictures(options);
   const CameraCalibration calibration = readCameraFile(options.calibration);

@@ -9,11 +9,15 @@ namespace lab::runner {
 void addTrack(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<TrackOptions>();
   CLI::App* command = app.add_subcommand("track", summaryOf("track"));
-  command->add_option("SOURCE", options->source, "Movie, folder or pattern of pictures")
+  command
+      ->add_option("SOURCE", options->source,
+                   "Movie, folder or pattern of pictures, or the folder of a run with a film")
       ->required();
-  command->add_option("--calibration", options->calibration, "Calibration of the camera")
-      ->required();
-  command->add_option("--out", options->out, "File of poses (CSV)")->required();
+  command->add_option("--calibration", options->calibration,
+                      "Calibration of the camera (default for a run: its own)");
+  command->add_option("--out", options->out,
+                      "File of poses (CSV; default for a run: film/poses.csv in it)");
+  addSettings(*command, options->set, "A run: replaces a key of its experiment (repeatable)");
   command->add_option(
       "--overlay", options->overlay,
       "Draw the found and the refused caps: NAME.png a contact sheet; .mp4, .mkv, .avi a "

@@ -158,6 +158,7 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
         experiment.robots.size(), kMostLiveRobots));
   }
   if (camera.tracker == Tracker::kCamera || options.cameras) requirePipeline(experiment);
+  if (isFilmed(camera)) requireProgram("ffmpeg", "ffmpeg");
   requireParts(experiment, virtual_time);
   requireDisk(experiment, options.out);
   if (!virtual_time) {

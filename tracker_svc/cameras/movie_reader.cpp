@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/camera/camera_source.hpp"
+#include "common/camera/run_film.hpp"
 #include "common/files/file_text.hpp"
 #include "light/median.hpp"
 #include "tracker_svc/cameras/grey.hpp"
@@ -102,7 +103,10 @@ class MovieReader final : public FilmReader {
         decoder_(decodeCommand(source_, facts_.grey), source_ + ": movies are read by", "ffmpeg"),
         image_(facts_.width, facts_.height),
         colour_(facts_.grey ? 0 : image_.pixels.size() * 3) {
-    if (!(fps > 0)) return;
+    if (!(fps > 0)) {
+      readTable();
+      return;
+    }
     facts_.fps = fps;
     for (std::size_t i = 0; i < facts_.utimes.size(); ++i) {
       facts_.utimes[i] = std::llround(static_cast<double>(i) * 1e6 / fps);
@@ -138,6 +142,7 @@ class MovieReader final : public FilmReader {
     format.compressed = facts_.compressed;
     return format;
   }
+  [[nodiscard]] std::string table() const override { return table_; }
   [[nodiscard]] std::string mark() const override {
     return facts_.rotation == 0 ? "" : "rotation " + std::to_string(facts_.rotation);
   }
@@ -145,6 +150,18 @@ class MovieReader final : public FilmReader {
   [[nodiscard]] std::string problem() const override { return problem_; }
 
  private:
+  /// A film of a run has the exact times of its frames in a table; containers round them.
+  void readTable() {
+    const std::filesystem::path table = filmTableOf(source_);
+    if (isCameraAddress(source_) || !std::filesystem::exists(table)) return;
+    const std::vector<FilmFrame> frames = readFilmTable(table);
+    const std::size_t known = std::min(frames.size(), facts_.utimes.size());
+    for (std::size_t i = 0; i < known; ++i) {
+      facts_.utimes[i] = frames[i].camera_utime - frames.front().camera_utime;
+    }
+    table_ = table.filename().string();
+  }
+
   [[nodiscard]] std::int64_t utime(std::int64_t number) const {
     if (number < length()) return facts_.utimes[static_cast<std::size_t>(number)];
     // More frames than packets: extrapolates at the usual rate.
@@ -198,6 +215,7 @@ class MovieReader final : public FilmReader {
   std::int64_t count_ = 0;
   bool over_ = false;
   std::string problem_;
+  std::string table_;
 };
 
 [[noreturn]] void noMovie(const std::string& source, std::string why, const char* hint = "") {

@@ -23,6 +23,8 @@ namespace lab::report::html {
 /// All figures but those that open the page.
 [[nodiscard]] std::string otherFigures(const std::vector<Figure>& figures,
                                        const std::vector<std::string>& opening);
+/// Empty without a film.
+[[nodiscard]] std::string film(const RunRecord& record);
 [[nodiscard]] std::string lightSteps(const RunRecord& record);
 /// Empty without virtual senses.
 [[nodiscard]] std::string virtualSenses(const RunRecord& record);

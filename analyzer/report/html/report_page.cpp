@@ -80,6 +80,7 @@ std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figur
     page += folded(html::poseSource(record));
     return page + "</body>\n</html>\n";
   }
+  page += folded(html::film(record));
   page += folded(html::lightSteps(record));
   page += folded(html::virtualSenses(record));
   page += folded(html::lightBands(record));

@@ -15,6 +15,7 @@
 #include "analyzer/report/record/timelines.hpp"
 #include "analyzer/report/record/track_rows.hpp"
 #include "common/calibration/light_file.hpp"
+#include "common/camera/run_film.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/math/percentiles.hpp"
 
@@ -112,6 +113,10 @@ struct RunRecord {
   std::string version;                   ///< version of the software of the run
   int contract_version = 0;
   LogFacts log;
+  std::vector<FilmFacts> films;  ///< of the run: one for each start of the tracker
+  std::string film_note;         ///< how the poses were tracked again; empty: they are the run's
+  bool film_stills = false;      ///< film.jpg lies beside the report
+  bool film_clip = false;        ///< film.mp4 does
 
   std::int64_t start_utime = 0;  ///< time 0 of the report: start of the light script
   std::int64_t end_utime = 0;

@@ -307,6 +307,16 @@ std::string summaryJson(const RunRecord& record) {
   }
   json["light_bands"] = lightBandsJson(record);
   json["losses"] = losses(record);
+  if (!record.film_note.empty()) json["retracked"] = record.film_note;
+  for (const FilmFacts& film : record.films) {
+    json["films"].push_back({{"codec", film.codec},
+                             {"frames", film.frames},
+                             {"lost", film.lost},
+                             {"after_end", film.after_end},
+                             {"bytes", film.bytes},
+                             {"cpu_s", number(film.cpu)},
+                             {"problem", film.problem}});
+  }
   if (!record.links.empty()) json["links"] = links(record);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -101,6 +101,12 @@ void checkPlaces(const Experiment& e, Problems& problems) {
     checkTogether(e, "tracker_svc", "sim_svc", "the simulated camera's pictures are no messages",
                   problems);
   }
+  if (isFilmed(e.camera) && !hostOf(e, "tracker_svc").empty()) {
+    problems.add("camera.record", "found true with tracker_svc on host " +
+                                      tomlString(hostOf(e, "tracker_svc")) +
+                                      ", allowed with tracker_svc on this machine: films stay on "
+                                      "the machine of the tracker");
+  }
 }
 
 void checkLink(const Experiment& e, Problems& problems) {

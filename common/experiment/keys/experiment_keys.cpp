@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/experiment/keys/film_keys.hpp"
 #include "common/experiment/keys/key_helpers.hpp"
 #include "common/experiment/keys/light_keys.hpp"
 #include "common/experiment/keys/network_keys.hpp"
@@ -45,7 +46,6 @@ const std::array<Choice, 2> kShapes = {
     {choiceOf("circle", Region::kCircle), choiceOf("rectangle", Region::kRectangle)}};
 const std::array<Choice, 2> kTrackers = {
     {choiceOf("sim", Tracker::kSimPoses), choiceOf("camera", Tracker::kCamera)}};
-
 void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"diameter_cm", "diameter, which is also the distance d between the wheels"}, {1, 50},
            robot.diameter);
@@ -276,6 +276,7 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
                               "fps, dropout and frame_loss",
                    .default_text = "empty"}),
          {.most = 400}, camera.frames);
+  visitFilm(v, tracker, camera.film);
 }
 
 void visitRegion(KeyVisitor& v, RegionSpec& region) {

@@ -67,7 +67,24 @@ TEST(RunList, ListsRunsWithTheirFacts) {
   EXPECT_EQ(run.verdicts.front().max_z, 1.5);
   EXPECT_EQ(run.thumbnail, "trajectory_program.svg");
   EXPECT_TRUE(run.report);
+  EXPECT_FALSE(run.film);
   EXPECT_EQ(run.problem, "");
+}
+
+TEST(RunList, KnowsWhichRunsHaveAFilm) {
+  const TemporaryFolder folder;
+  const fs::path run = folder / "abp-20260131T120000Z";
+  makeRun(run);
+  support::writeFile(run / "film.mp4", "film");
+  RunList list(folder / "");
+  EXPECT_FALSE(list.runs().front().film);  // without times it cannot be shown at the slider
+
+  const TemporaryFolder other;
+  const fs::path whole = other / "abp-20260131T120000Z";
+  makeRun(whole);
+  support::writeFile(whole / "film.mp4", "film");
+  support::writeFile(whole / "film_clip.json", "{}");
+  EXPECT_TRUE(RunList(other / "").runs().front().film);
 }
 
 TEST(RunList, ListsDamagedAndIncompleteRunsWithAProblem) {
@@ -158,6 +175,9 @@ TEST_F(LibraryTest, RestrictsFilesOfRunsInTheBrowser) {
               AllOf(HasSubstr("Content-Type: image/svg+xml"),
                     HasSubstr("Content-Security-Policy: sandbox;"), EndsWith("<svg/>")));
   EXPECT_THAT(send("GET", kRun + "figures/msd_abp.csv"), HasSubstr("Content-Type: text/csv"));
+  support::writeFile(folder_ / "runs/abp-20260131T120000Z/film.mp4", "film");
+  EXPECT_THAT(send("GET", kRun + "film.mp4"),
+              AllOf(HasSubstr("Content-Type: video/mp4"), EndsWith("film")));
   for (const char* name : {"log.lcmlog", "none.svg", "figures%2fmsd_abp.csv", ""}) {
     EXPECT_EQ(statusOf(send("GET", kRun + name)), "404") << name;
   }

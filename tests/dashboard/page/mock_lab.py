@@ -24,8 +24,8 @@ OTHER_FILES = {"d3.min.js": pathlib.Path("/usr/share/javascript/d3/d3.min.js"),
              "d3_licence.txt": pathlib.Path("/usr/share/doc/libjs-d3/copyright")}
 TYPES = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8",
          ".css": "text/css; charset=utf-8", ".svg": "image/svg+xml", ".txt": "text/plain"}
-POLICY = ("default-src 'self'; img-src 'self' data: blob:; object-src 'none'; base-uri 'none'; "
-          "form-action 'none'; frame-ancestors 'none'")
+POLICY = ("default-src 'self'; img-src 'self' data: blob:; media-src 'self' blob:; "
+          "object-src 'none'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'")
 TOKEN = "0123456789abcdef0123456789abcdef"
 
 
@@ -212,9 +212,13 @@ class Handler(http.server.BaseHTTPRequestHandler):
                                {"error": "no such thing"}) if found is None else self.answer(200,
                                                                                              found)
         if path == "/api/runs":
-            return self.answer(200, mock_topics.RUNS)
+            return self.answer(200, world.runs())
         if path.startswith("/api/runs/") and path.endswith(".svg"):
             return self.answer(200, mock_topics.THUMBNAIL.encode(), "image/svg+xml")
+        if path.startswith("/api/runs/") and path.endswith("film_clip.json"):
+            return self.answer(200, mock_topics.FILM_CLIP)
+        if path.startswith("/api/runs/") and path.endswith("film.mp4"):
+            return self.answer(200, b"film", "video/mp4")
         if path.startswith("/api/runs/") and path.endswith(".html"):
             return self.answer(200, b"<!doctype html><title>report</title><p>report", "text/html")
         if path == "/api/campaigns":

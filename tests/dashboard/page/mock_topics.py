@@ -39,6 +39,7 @@ CAMPAIGNS = [
     {"name": "scan-20260103T200000Z", "updated_utc": None, "total": 0, "done": 0, "failed": 0,
      "running": False, "live": False, "seconds_left": None, "page": False},
 ]
+FILM_CLIP = {"fps": 24, "t_s": [2.5 * k for k in range(240)]}
 EXPERIMENTS = [
     {"file": "experiments/abp.toml", "name": "abp", "description": "Active Brownian particle",
      "shipped": True},
@@ -71,6 +72,11 @@ class World:
         self.speed = 1.0
         self.jumps = 0
         self.history = {p["name"]: [] for p in PROGRAMS}
+
+    def runs(self):
+        """The past runs. The one that is played has a film."""
+        played = dict(RUNS[1], name=self.lab()["run"], film=True)
+        return RUNS + [played] if self.replay else RUNS
 
     def robot(self, number):
         draw = self.random.uniform

@@ -111,6 +111,18 @@ class Replay(PageTest):
         self.says("stop-missing", "recorded run")
         self.assertEqual([], self.sent_requests("stop"))
 
+    def test_shows_the_film_of_a_recorded_run_at_the_slider(self):
+        self.open(robots=3, replay=True)
+        self.live()
+        self.until("!document.getElementById('player-film').hidden")
+        browser.execute_script("const s = document.getElementById('player-at'); s.value = 101;"
+                               "s.dispatchEvent(new Event('input'))")
+        self.says("player-film-text", "film at 1:40")
+        self.until("document.getElementById('player-film-video').src.startsWith('blob:')")
+        self.lab.world.replay = False
+        self.lab.publish("lab", dict(self.lab.world.lab(), run="live"))
+        self.until("document.getElementById('player-film').hidden")
+
     def test_a_jump_in_a_recorded_run_removes_the_curves(self):
         self.server_refuses = True
         self.open(robots=3, replay=True, size=(1280, 2200))

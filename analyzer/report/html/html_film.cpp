@@ -1,0 +1,61 @@
+#include <fmt/format.h>
+
+#include <cstdint>
+#include <string>
+
+#include "analyzer/report/html/html_sections.hpp"
+#include "common/text/format.hpp"
+
+namespace lab::report::html {
+namespace {
+
+std::string codecText(const FilmFacts& film) {
+  return film.lossless() ? film.codec + ", lossless"
+                         : fmt::format("{}, crf {}", film.codec, film.crf);
+}
+
+std::string filmSentence(const FilmFacts& film) {
+  std::string text = fmt::format(
+      "{} frames of {} × {} px in {} ({}), {:.3g} GB; recording them took {:.2g} processor cores.",
+      groupedText(film.frames), film.format.width, film.format.height,
+      durationText(film.duration()), codecText(film), static_cast<double>(film.bytes) * 1e-9,
+      film.duration() > 0 ? film.cpu / film.duration() : 0);
+  text += film.lost == 0 ? " No frame was lost."
+                         : fmt::format(" <b>{} frames were lost</b>, because the encoder was busy.",
+                                       groupedText(film.lost));
+  if (!film.problem.empty()) {
+    text += fmt::format(" <b>The film ends early:</b> {}; it lacks the last {} frames.",
+                        escapeHtml(film.problem), groupedText(film.after_end));
+  }
+  if (!film.complete) text += " The tracker was ended before the film was complete.";
+  return "<p>" + text + "</p>\n";
+}
+
+}  // namespace
+
+std::string film(const RunRecord& record) {
+  if (record.films.empty()) return {};
+  std::string html = "<h2>Film</h2>\n";
+  if (!record.film_note.empty()) {
+    html +=
+        fmt::format("<p><b>The poses of this report were tracked again from the film:</b> {}</p>\n",
+                    escapeHtml(record.film_note));
+  }
+  for (const FilmFacts& film : record.films) html += filmSentence(film);
+  if (record.film_stills) {
+    html +=
+        "<figure><img src=\"film.jpg\" alt=\"Stills of the film\" style=\"max-width:100%\">"
+        "<figcaption><b>Stills.</b> Green: both circles of a cap were measured; blue: a light edge "
+        "crosses one; orange: a degraded pose. Times count from the first message of the "
+        "log.</figcaption></figure>\n";
+  }
+  if (record.film_clip) {
+    html +=
+        "<figure><video src=\"film.mp4\" controls muted loop style=\"max-width:100%\"></video>"
+        "<figcaption><b>The run sped up</b>, at most 10 s long (film.mp4 beside this "
+        "page).</figcaption></figure>\n";
+  }
+  return html;
+}
+
+}  // namespace lab::report::html

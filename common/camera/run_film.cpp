@@ -1,0 +1,182 @@
+#include "common/camera/run_film.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+#include <system_error>
+
+#include "common/files/file_text.hpp"
+#include "common/files/json_section.hpp"
+
+namespace lab {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr const char* kForm = "active-lab film 1";
+constexpr const char* kTableHeader =
+    "frame,t_s,number,camera_utime,arrived_utime,searched,status_instance,status_seq";
+constexpr std::size_t kTableColumns = 8;
+constexpr double kLargest = 9e15;  // whole numbers up to here are exact
+
+fs::path filmFolder(const fs::path& run, int number) {
+  return run / (number == 1 ? std::string(film_files::kFolder)
+                            : fmt::format("{}_{}", film_files::kFolder, number));
+}
+
+template <typename Number>
+bool parse(const std::string& cell, Number& value) {
+  const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+  return error == std::errc() && end == cell.data() + cell.size();
+}
+
+bool parseLine(const std::string& line, FilmFrame& frame) {
+  std::array<std::string, kTableColumns> cells;
+  std::istringstream stream(line);
+  for (std::string& cell : cells) {
+    if (!std::getline(stream, cell, ',')) return false;
+  }
+  std::int64_t searched = 0;
+  const bool numbers = parse(cells[0], frame.frame) && parse(cells[1], frame.time) &&
+                       parse(cells[2], frame.number) && parse(cells[3], frame.camera_utime) &&
+                       parse(cells[4], frame.arrived_utime) && parse(cells[5], searched) &&
+                       parse(cells[6], frame.status_instance) && parse(cells[7], frame.status_seq);
+  frame.searched = searched != 0;
+  return numbers && std::isfinite(frame.time) && stream.eof();
+}
+
+}  // namespace
+
+fs::path filmTableOf(const fs::path& movie) {
+  return movie.parent_path() / (movie.stem().string() + ".frames.csv");
+}
+
+std::string filmTableHeader() { return std::string(kTableHeader) + "\n"; }
+
+std::string filmTableLine(const FilmFrame& frame) {
+  return fmt::format("{},{:.6f},{},{},{},{},{},{}\n", frame.frame, frame.time, frame.number,
+                     frame.camera_utime, frame.arrived_utime, frame.searched ? 1 : 0,
+                     frame.status_instance, frame.status_seq);
+}
+
+std::vector<FilmFrame> readFilmTable(const fs::path& file) {
+  FileContent content = readRegularFile(file, file_kinds::kFrameTable);
+  if (!content.text) throw CameraError(file.string() + ": " + content.problem);
+  const bool cut = !content.text->empty() && content.text->back() != '\n';
+  std::istringstream stream(*std::move(content.text));
+  std::string line;
+  std::getline(stream, line);
+  if (line != kTableHeader) {
+    throw CameraError(file.string() + ":1: found \"" + line.substr(0, 80) +
+                      "\", expected the columns " + kTableHeader);
+  }
+  std::vector<FilmFrame> frames;
+  for (int number = 2; std::getline(stream, line); ++number) {
+    if (cut && stream.eof()) break;
+    FilmFrame frame;
+    if (!parseLine(line, frame) || frame.frame != static_cast<std::int64_t>(frames.size())) {
+      throw CameraError(fmt::format("{}:{}: found \"{}\", expected frame {} and 7 more numbers",
+                                    file.string(), number, line.substr(0, 80), frames.size()));
+    }
+    frames.push_back(frame);
+  }
+  return frames;
+}
+
+bool writeFilmFacts(const fs::path& file, const FilmFacts& facts) {
+  const CameraFormat& format = facts.format;
+  const nlohmann::ordered_json json{{"form", kForm},
+                                    {"codec", facts.codec},
+                                    {"crf", facts.crf},
+                                    {"width_px", format.width},
+                                    {"height_px", format.height},
+                                    {"fps", format.fps},
+                                    {"exposure_s", format.exposure},
+                                    {"gain", format.gain},
+                                    {"pixels", format.pixels},
+                                    {"locked", format.locked},
+                                    {"compressed", format.compressed},
+                                    {"start_utime", facts.start_utime},
+                                    {"first_utime", facts.first_utime},
+                                    {"last_utime", facts.last_utime},
+                                    {"frames", facts.frames},
+                                    {"lost", facts.lost},
+                                    {"after_end", facts.after_end},
+                                    {"bytes", facts.bytes},
+                                    {"cpu_s", facts.cpu},
+                                    {"complete", facts.complete},
+                                    {"problem", facts.problem}};
+  fs::path part = file;
+  part += ".part";
+  std::ofstream stream(part, std::ios::binary);
+  constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
+  stream << json.dump(2, ' ', false, kReplace) << '\n';
+  stream.close();
+  std::error_code error;
+  if (stream) fs::rename(part, file, error);
+  if (stream && !error) return true;
+  fs::remove(part, error);
+  return false;
+}
+
+FilmFacts readFilmFacts(const fs::path& file) {
+  const std::string name = file.string();
+  const nlohmann::json json =
+      parseJson(name, readFileText(file, file_kinds::kCalibration), "the facts of a film");
+  const JsonSection section(name, "docs/films.md", json);
+  if (section.text("form") != kForm) {
+    section.fail("form", "found \"" + section.text("form") + "\", expected \"" + kForm + "\"");
+  }
+  const auto flag = [&](const char* key) {
+    const auto entry = json.find(key);
+    if (entry == json.end() || !entry->is_boolean()) section.fail(key, "expected true or false");
+    return entry->get<bool>();
+  };
+  const auto whole = [&](const char* key) {
+    return static_cast<std::int64_t>(section.number(key, 0, kLargest));
+  };
+  FilmFacts facts;
+  facts.codec = section.text("codec");
+  facts.crf = static_cast<int>(section.number("crf", 0, 51));
+  facts.format.width = section.pixels("width_px");
+  facts.format.height = section.pixels("height_px");
+  facts.format.fps = section.number("fps", 0, 1e6);
+  facts.format.exposure = section.number("exposure_s", 0, 1e6);
+  facts.format.gain = section.number("gain", -1e9, 1e9);
+  facts.format.pixels = section.text("pixels");
+  facts.format.locked = flag("locked");
+  facts.format.compressed = flag("compressed");
+  facts.start_utime = whole("start_utime");
+  facts.first_utime = whole("first_utime");
+  facts.last_utime = whole("last_utime");
+  facts.frames = whole("frames");
+  facts.lost = whole("lost");
+  facts.after_end = whole("after_end");
+  facts.bytes = whole("bytes");
+  facts.cpu = section.number("cpu_s", 0, 1e12);
+  facts.complete = flag("complete");
+  facts.problem = section.text("problem");
+  return facts;
+}
+
+std::vector<fs::path> filmFolders(const fs::path& run) {
+  std::vector<fs::path> folders;
+  std::error_code error;
+  for (int number = 1; fs::exists(filmFolder(run, number) / film_files::kFacts, error); ++number) {
+    folders.push_back(filmFolder(run, number));
+  }
+  return folders;
+}
+
+fs::path makeFilmFolder(const fs::path& run) {
+  for (int number = 1;; ++number) {
+    const fs::path folder = filmFolder(run, number);
+    if (fs::create_directory(folder)) return folder;
+  }
+}
+
+}  // namespace lab

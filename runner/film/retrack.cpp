@@ -1,0 +1,265 @@
+#include "runner/film/retrack.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string_view>
+#include <utility>
+
+#include "common/bus/channels.hpp"
+#include "common/calibration/camera_file.hpp"
+#include "common/experiment/experiment_file.hpp"
+#include "common/files/file_text.hpp"
+#include "runner/command_line/exit_code.hpp"
+#include "runner/film/film_pass.hpp"
+#include "runner/runs/run_directory.hpp"
+
+namespace lab::runner {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kTrackerName = "tracker_svc";
+
+/// The experiment of the run, for a tracker that gets its frames from the film.
+Experiment experimentToTrack(const RetrackOptions& options) {
+  const fs::path file = options.run / files::kExperiment;
+  Experiment experiment =
+      parseExperiment(readFileText(file, file_kinds::kExperiment), file.string(), options.set);
+  if (!options.calibration.empty()) {
+    experiment.camera.calibration = fs::absolute(options.calibration).string();
+  }
+  experiment.camera.film = {};
+  experiment.camera.debug_port = 0;
+  return experiment;
+}
+
+/// The header of a message of the run, so that its streams remain whole.
+template <class Message>
+void adoptHeader(Message& message, const Message& of) {
+  message.utime = of.utime;
+  message.sender = of.sender;
+  message.instance = of.instance;
+  message.seq = of.seq;
+}
+
+/// What the tracker knew of the camera in the run, and what it found now.
+tracker_status_t merged(const tracker_status_t& old, tracker_status_t now) {
+  adoptHeader(now, old);
+  now.camera = old.camera;
+  now.state = old.state;
+  now.trouble = old.trouble;
+  now.fps = old.fps;
+  now.dropped = old.dropped;
+  now.latency_p50 = old.latency_p50;
+  now.latency_p95 = old.latency_p95;
+  now.latency_p99 = old.latency_p99;
+  return now;
+}
+
+/// The films of a run as one, beside its log.
+class Retracking {
+ public:
+  Retracking(const RetrackOptions& options, LogWriter* writer,
+             const std::function<void(const RetrackedFrame&)>& take)
+      : options_(options),
+        experiment_(experimentToTrack(options)),
+        films_(filmFolders(options.run)),
+        log_(logSeries(options.run / files::kLog)),
+        writer_(writer),
+        take_(take) {
+    requireFilm(options.run);
+  }
+
+  RetrackCounts track() {
+    openNext();
+    LogReader reader(log_);
+    while (const std::optional<Packet> packet = reader.next()) rewrite(*packet);
+    while (advance()) {
+    }
+    if (writer_ != nullptr) writer_->flush();
+    return std::move(counts_);
+  }
+
+ private:
+  void openNext() {
+    pass_.reset();
+    if (next_film_ == films_.size()) return;
+    const fs::path& film = films_[next_film_++];
+    checkCalibration(film);
+    pass_ = std::make_unique<FilmPass>(film, experiment_, options_.run, log_);
+    ++counts_.films;
+    counts_.lossless = counts_.lossless && pass_->facts().lossless();
+    if (start_utime_ == 0) start_utime_ = pass_->facts().first_utime;
+  }
+
+  void checkCalibration(const fs::path& film) const {
+    if (options_.calibration.empty()) return;
+    const optics::CameraParameters& camera = readCameraFile(options_.calibration).camera;
+    const CameraFormat& format = readFilmFacts(film / film_files::kFacts).format;
+    if (format.width == camera.width && format.height == camera.height) return;
+    throw UserError(fmt::format(
+        "{}: found a calibration of {} x {} px, expected {} x {} px, the size of the film {}; "
+        "calibrate the camera at that size",
+        options_.calibration.string(), camera.width, camera.height, format.width, format.height,
+        (film / film_files::kMovie).string()));
+  }
+
+  /// Tracks the next frame. @return false after the last film
+  bool advance() {
+    while (pass_) {
+      if (pass_->next()) {
+        ++counts_.frames;
+        const tracked_frame_t& poses = pass_->poses();
+        counts_.poses += poses.num_robots + poses.num_unidentified;
+        take_({static_cast<double>(poses.utime - start_utime_) * 1e-6, pass_->picture(), poses,
+               pass_->details()});
+        return true;
+      }
+      if (counts_.problem.empty()) counts_.problem = pass_->problem();
+      openNext();
+    }
+    return false;
+  }
+
+  /// Whether the film has the frame of this time: tracks up to it.
+  bool reach(std::int64_t utime) {
+    while (pass_ && (counts_.frames == 0 || pass_->poses().utime < utime)) {
+      if (!advance()) return false;
+    }
+    return pass_ && pass_->poses().utime == utime;
+  }
+
+  void write(const Packet& packet) {
+    if (writer_ != nullptr) writer_->write(packet);
+  }
+
+  template <class Message>
+  void writeInPlaceOf(const Packet& packet, const Message& message) {
+    if (writer_ == nullptr) return;
+    const std::vector<std::uint8_t> bytes = encode(message);
+    writer_->write({packet.channel, bytes, packet.received_utime});
+  }
+
+  void rewrite(const Packet& packet) {
+    if (packet.channel == channels::kTrackedFrame) {
+      rewriteFrame(packet);
+    } else if (packet.channel == channels::kTrackedDetails) {
+      tracked_details_t old{};
+      if (!decode(packet.data, old) || old.sender != kTrackerName) return write(packet);
+      if (!reach(old.utime)) return;
+      tracked_details_t now = pass_->details();
+      adoptHeader(now, old);
+      writeInPlaceOf(packet, now);
+    } else if (packet.channel == channels::kTrackerStatus) {
+      tracker_status_t old{};
+      if (!decode(packet.data, old) || !pass_) return write(packet);
+      pass_->passTime(packet.received_utime);
+      writeInPlaceOf(packet, pass_->status() ? merged(old, *pass_->status()) : old);
+    } else {
+      write(packet);
+    }
+  }
+
+  void rewriteFrame(const Packet& packet) {
+    tracked_frame_t old{};
+    if (!decode(packet.data, old) || old.sender != kTrackerName) return write(packet);
+    if (!reach(old.utime)) {
+      ++counts_.missing;
+      return;
+    }
+    tracked_frame_t now = pass_->poses();
+    adoptHeader(now, old);
+    ++counts_.compared;
+    const std::vector<std::uint8_t> bytes = encode(now);
+    if (std::ranges::equal(bytes, packet.data)) ++counts_.equal;
+    if (writer_ != nullptr) writer_->write({packet.channel, bytes, packet.received_utime});
+  }
+
+  const RetrackOptions& options_;
+  Experiment experiment_;
+  std::vector<fs::path> films_;
+  std::vector<fs::path> log_;
+  LogWriter* writer_;
+  const std::function<void(const RetrackedFrame&)>& take_;
+  std::size_t next_film_ = 0;
+  std::unique_ptr<FilmPass> pass_;
+  std::int64_t start_utime_ = 0;
+  RetrackCounts counts_;
+};
+
+}  // namespace
+
+bool isRunFolder(const fs::path& folder) {
+  std::error_code error;
+  return fs::exists(folder / files::kLog, error) && fs::exists(folder / files::kExperiment, error);
+}
+
+void requireFilm(const fs::path& run) {
+  if (!filmFolders(run).empty()) return;
+  throw UserError(
+      run.string() +
+      ": found no film, expected film/film.mkv with film.json: set camera.record = true "
+      "before a run (docs/films.md)");
+}
+
+RetrackCounts retrack(const RetrackOptions& options, LogWriter* log,
+                      const std::function<void(const RetrackedFrame&)>& take) {
+  try {
+    return Retracking(options, log, take).track();
+  } catch (const CameraError& error) {
+    throw UserError(error.what());
+  } catch (const ExperimentError& error) {
+    throw UserError(error.what());
+  }
+}
+
+std::int64_t filmFramesOf(const fs::path& run) {
+  std::int64_t frames = 0;
+  try {
+    for (const fs::path& film : filmFolders(run)) {
+      frames += readFilmFacts(film / film_files::kFacts).frames;
+    }
+  } catch (const ExperimentError&) {
+    return 0;  // retrack() says what is wrong
+  }
+  return frames;
+}
+
+std::vector<tracker::FilmRow> filmRowsOf(const tracked_frame_t& poses,
+                                         const tracked_details_t& details, double time) {
+  std::vector<tracker::FilmRow> rows;
+  const auto add = [&](const tracked_pose_t& pose) {
+    tracker::FilmRow row{poses.frame, std::max<std::int64_t>(0, pose.robot_id), time, {}};
+    row.pose.x = pose.x;
+    row.pose.y = pose.y;
+    row.pose.theta = pose.theta;
+    std::ranges::copy(pose.covariance, row.pose.covariance.begin());
+    row.pose.quality = pose.confidence;
+    if (rows.size() < details.caps.size()) {
+      const cap_detail_t& cap = details.caps[rows.size()];
+      row.pose.used = static_cast<std::uint8_t>(cap.used);
+      row.pose.spacing = cap.spacing;
+      row.pose.middle = {cap.u, cap.v};
+    }
+    rows.push_back(row);
+  };
+  for (const tracked_pose_t& pose : poses.robots) add(pose);
+  for (const tracked_pose_t& pose : poses.unidentified) add(pose);
+  return rows;
+}
+
+std::string retrackText(const RetrackCounts& counts) {
+  std::string text =
+      fmt::format("{} frames, {} poses; in {} of {} frames those of the run, bit by bit",
+                  counts.frames, counts.poses, counts.equal, counts.compared);
+  if (!counts.lossless) text += "; the film is compressed, so poses differ";
+  if (counts.missing > 0)
+    text += fmt::format("; {} frames of the run are not in the film", counts.missing);
+  return text;
+}
+
+}  // namespace lab::runner
