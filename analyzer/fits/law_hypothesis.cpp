@@ -205,6 +205,7 @@ class Distance {
     return c.angular ? curves_.angular_offset : curves_.offset * curves_.joined[c.measured];
   }
   [[nodiscard]] Eigen::MatrixXd whitened(const Eigen::MatrixXd& of) const {
+    if (of.cols() == 0) return of;  // Eigen takes the address of its first element
     return factor_.matrixL().solve(of);
   }
 

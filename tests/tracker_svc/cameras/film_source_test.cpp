@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <fstream>
@@ -115,7 +116,11 @@ TEST_F(Player, CatchesUpAfterADelay) {
   ASSERT_EQ(came.size(), 12U);
   const auto lateBy = [this](std::size_t i) { return (came[i] - came[0]) - utimes[i]; };
   EXPECT_GT(lateBy(2), 100'000);
-  EXPECT_LT(lateBy(11), 100'000);
+  // Without catching up all later frames are 160 ms late. On a loaded machine some are late for
+  // other reasons.
+  std::int64_t least = lateBy(3);
+  for (std::size_t i = 4; i < 12; ++i) least = std::min(least, lateBy(i));
+  EXPECT_LT(least, 100'000);
 }
 
 TEST_F(Player, ReportsProblemsOfTheRecording) {
