@@ -185,6 +185,13 @@ class Tables(RunTestCase):
         curves = self.run_.curves
         self.assertEqual(set(curves.name), {"msd", "angular_msd"})
 
+    def test_collective_states_of_all_robots_have_a_program_without_name(self):
+        collective = self.run_.collective
+        everybody = collective[collective.program == ""]
+        self.assertIn("polar_order", set(everybody.name))
+        self.assertEqual(collective.attrs["units"]["t"], "s")
+        self.assertGreater(everybody.t.max(), 30)
+
     def test_trajectories_say_units_and_meanings(self):
         report = self.run_.trajectories
         self.assertEqual(set(report.columns), set(report.attrs["descriptions"]))
