@@ -26,12 +26,23 @@ std::uint16_t counts(double light) {
       std::lround(std::clamp(light, 0.0, 1.0) * (dynamics::kLightCounts - 1)));
 }
 
+/// "robot 3", "robot 3 and 4 others"
+std::string robotsOf(const robot_order_t& order) {
+  if (order.robot_ids.empty()) return "no robot";
+  std::string text = "robot " + std::to_string(order.robot_ids.front());
+  if (order.robot_ids.size() > 1) {
+    text += " and " + std::to_string(order.robot_ids.size() - 1) + " others";
+  }
+  return text;
+}
+
 /// Why the order's numbers other than its programs are wrong; empty if they are valid.
 std::string numbersRefusal(const robot_order_t& order, const dynamics::WheelLimits& limits) {
   if (order.mode == robot_order_t::DRIVE) {
     const bool drivable = std::abs(order.wheel_left) <= limits.v_max &&
                           std::abs(order.wheel_right) <= limits.v_max;  // false for nan
-    return drivable ? "" : "wheel speeds beyond the wheels' limit, or not numbers";
+    return drivable ? ""
+                    : robotsOf(order) + ": wheel speeds beyond the wheels' limit, or not numbers";
   }
   if (order.light_sensor < robot_order_t::SENSOR_MEAN ||
       order.light_sensor > robot_order_t::SENSOR_BACK) {

@@ -7,6 +7,7 @@
 
 #include "common/bus/contract_upgrade.hpp"
 #include "common/files/mapped_file.hpp"
+#include "common/schema/checked_encoding.hpp"
 
 namespace lab::schema {
 namespace fs = std::filesystem;
@@ -78,12 +79,36 @@ void LogIndex::read(std::string_view channel, const Type& type,
   }
 }
 
+ChannelCheck checkChannel(const LogIndex& log, std::string_view channel, const Type& type) {
+  ChannelCheck result;
+  log.read(channel, type, [&](std::int64_t event, const Packet& packet) {
+    CheckedEncoding checked = checkEncoding(packet.data);
+    if (checked.problem.empty()) return;
+    if (result.first.empty()) result.first = checked.problem;
+    result.undecodable += checked.decoded ? 0 : 1;
+    result.refused += checked.decoded && !checked.usable ? 1 : 0;
+    result.removed += checked.removed;
+    result.changed.emplace(event, std::move(checked.remaining));
+  });
+  return result;
+}
+
 LoadedTable loadTable(const LogIndex& log, std::string_view channel, const Type& type,
                       std::string_view path,
-                      const std::optional<std::vector<std::string>>& selection) {
+                      const std::optional<std::vector<std::string>>& selection,
+                      const ChannelCheck* check) {
   LoadedTable loaded{MessageTable(type, path, selection)};
+  if (check != nullptr) loaded.undecodable = check->undecodable;
   log.read(channel, type, [&](std::int64_t event, const Packet& packet) {
-    if (!loaded.table.take(event, packet.received_utime, packet.data)) ++loaded.undecodable;
+    Bytes data = packet.data;
+    if (check != nullptr) {
+      const auto changed = check->changed.find(event);
+      if (changed != check->changed.end()) {
+        if (changed->second.empty()) return;
+        data = changed->second;
+      }
+    }
+    if (!loaded.table.take(event, packet.received_utime, data)) ++loaded.undecodable;
   });
   return loaded;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -62,6 +63,21 @@ class LogIndex {
   LogReadResult result_;
 };
 
+/// What receivers of the lab would not use of the messages of one channel and type: what
+/// checkEncoding() refuses or removes.
+struct ChannelCheck {
+  /// By the number of the event: the message without the robots that were removed; empty: nothing
+  /// of the message is used.
+  std::map<std::int64_t, std::vector<std::uint8_t>> changed{};
+  std::int64_t undecodable = 0;  ///< messages that are damaged
+  std::int64_t refused = 0;      ///< messages with impossible numbers
+  std::int64_t removed = 0;      ///< robots and detections that were removed from other messages
+  std::string first{};           ///< the first problem; empty: none
+};
+
+[[nodiscard]] ChannelCheck checkChannel(const LogIndex& log, std::string_view channel,
+                                        const Type& type);
+
 struct LoadedTable {
   MessageTable table;
   std::int64_t undecodable = 0;  ///< messages of this type that are damaged, which are left out
@@ -69,8 +85,12 @@ struct LoadedTable {
 
 /// The table of all messages of one channel and type. It takes no more memory than its numbers.
 /// @param selection as for MessageTable
+/// @param check of this channel and type, whose changes are applied; nullptr: the table has all
+/// that
+///   was sent
 [[nodiscard]] LoadedTable loadTable(
     const LogIndex& log, std::string_view channel, const Type& type, std::string_view path,
-    const std::optional<std::vector<std::string>>& selection = std::nullopt);
+    const std::optional<std::vector<std::string>>& selection = std::nullopt,
+    const ChannelCheck* check = nullptr);
 
 }  // namespace lab::schema

@@ -10,6 +10,14 @@ from typing import Iterator, List, Optional, Tuple
 
 import numpy
 
+# As tracker_svc/cameras/movie_reader.cpp: no playlists (hls, dash, concat, imf, sdp), which name other files.
+_FORMATS = ("matroska,webm,mov,mp4,avi,mpegts,mpeg,mpegvideo,flv,live_flv,asf,ogg,nut,mxf,gxf,rm,wtv,dv,dirac,"
+            "ivf,obu,av1,h261,h263,h264,hevc,m4v,vc1,avs2,cavsvideo,dnxhd,mjpeg,mjpeg_2000,smjpeg,mlv,vidc,"
+            "yuv4mpegpipe,ser,gif,apng,fits,bmp_pipe,dpx_pipe,exr_pipe,gif_pipe,j2k_pipe,jpeg_pipe,"
+            "jpegls_pipe,jpegxl_pipe,pam_pipe,pbm_pipe,pgm_pipe,png_pipe,ppm_pipe,qoi_pipe,sgi_pipe,"
+            "sunrast_pipe,tiff_pipe,webp_pipe,tty")
+_INPUT = ("-protocol_whitelist", "file", "-format_whitelist", _FORMATS, "-i")
+
 MOVIES = (".mkv", ".mp4", ".avi", ".mov")
 PICTURES = (".pgm", ".png", ".jpg", ".jpeg", ".bmp")
 
@@ -26,10 +34,12 @@ class Film:
         self.path = Path(path)
         if not self.path.exists():
             raise FileNotFoundError(f"{self.path}: no such movie or folder of pictures")
+        if not self.path.is_dir():
+            _require_file(self.path)
 
     @property
     def _files(self) -> List[Path]:
-        files = [file for file in self.path.iterdir() if file.suffix.lower() in PICTURES]
+        files = [file for file in self.path.iterdir() if file.suffix.lower() in PICTURES and file.is_file()]
         return sorted(files, key=lambda file: (_number(file), file.name))
 
     @cached_property
@@ -39,11 +49,12 @@ class Film:
             table = self.path / "frames.csv"
             if not table.exists():
                 return None
+            _require_file(table)
             with open(table, encoding="utf-8-sig", newline="") as rows:
                 known = {int(row["frame"]): float(row["t_s"]) for row in csv.DictReader(rows)}
             return numpy.array([known[_number(file)] for file in self._files])
         entries = json.loads(_output("ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
-                                     "frame=best_effort_timestamp_time", "-of", "json", str(self.path)))
+                                     "frame=best_effort_timestamp_time", "-of", "json", *_INPUT, f"file:{self.path}"))
         times = numpy.array([float(frame["best_effort_timestamp_time"]) for frame in entries["frames"]])
         return times - times[0] if len(times) else times
 
@@ -52,7 +63,7 @@ class Film:
         """Width and height [px]."""
         source = self._files[0] if self.path.is_dir() else self.path
         entries = json.loads(_output("ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
-                                     "stream=width,height", "-of", "json", str(source)))
+                                     "stream=width,height", "-of", "json", *_INPUT, f"file:{source}"))
         return int(entries["streams"][0]["width"]), int(entries["streams"][0]["height"])
 
     def __len__(self) -> int:
@@ -79,8 +90,8 @@ class Film:
     def _pipe(self, source: List[Path], colour: bool) -> Iterator[numpy.ndarray]:
         width, height = self.size
         depth = 3 if colour else 1
-        command = [_program("ffmpeg"), "-v", "error", "-nostdin", "-i", str(source[0]), "-fps_mode", "passthrough",
-                   "-f", "rawvideo", "-pix_fmt", "rgb24" if colour else "gray", "-"]
+        command = [_program("ffmpeg"), "-v", "error", "-nostdin", *_INPUT, f"file:{source[0]}", "-fps_mode",
+                   "passthrough", "-f", "rawvideo", "-pix_fmt", "rgb24" if colour else "gray", "-"]
         with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
             assert process.stdout is not None
             try:
@@ -101,8 +112,14 @@ class Film:
 def films_in(folder: Path) -> List[Film]:
     """The movies below a folder, and its folders of pictures with frames.csv."""
     found = [file for file in folder.rglob("*") if file.suffix.lower() in MOVIES and file.is_file()]
-    found += [table.parent for table in folder.rglob("frames.csv")]
+    found += [table.parent for table in folder.rglob("frames.csv") if table.is_file()]
     return [Film(path) for path in sorted(set(found))]
+
+
+def _require_file(file: Path) -> None:
+    """Reading a pipe would wait for ever."""
+    if not file.is_file():
+        raise ValueError(f"{file}: found no regular file, expected one; make a copy of its content")
 
 
 def _number(file: Path) -> int:

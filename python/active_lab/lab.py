@@ -2,6 +2,7 @@
 import itertools
 import json
 import math
+import operator
 import os
 import sys
 from collections import deque
@@ -22,6 +23,7 @@ _LEASE_MS = 500  # a robot stops this long after the program has fallen silent
 _ANSWER_US = 5_000_000
 _SILENT_US = 10_000_000
 _FOREVER = 2**62
+_RUNNERS = ("lab", "replay")  # senders of EXPERIMENT_STATUS
 
 #: In virtual time a start time would be the same for two connections of one program.
 _instances = itertools.count(2)  # services have 1 in virtual time
@@ -90,8 +92,12 @@ class Lab:
         self._handlers: Dict[str, List[Callable[[Any], None]]] = {}
         self._queue: Deque[Received] = deque()
         self._wanted: Dict[str, int] = {}
-        self._latest: Dict[str, bytes] = {}
-        self._decoded: Dict[str, Any] = {}
+        #: Calls of drive() that were beyond the wheels' limit.
+        self.limited = 0
+        #: Messages (and robots in messages) of each channel that were refused: damaged, impossible.
+        self.refused: Dict[str, int] = {}
+        self._first_refused = ""
+        self._latest: Dict[str, Any] = {}
         self._timers: List[List[Any]] = []  # [due, period, callback]
         self._light: Optional[msg.light_command_t] = None
         self._light_due = 0
@@ -185,12 +191,7 @@ class Lab:
         return tomllib.loads((self.directory / "experiment.toml").read_text(encoding="utf-8"))
 
     def _last(self, channel: str) -> Any:
-        encoding = self._latest.get(channel)
-        if encoding is None:
-            return None
-        if channel not in self._decoded:
-            self._decoded[channel] = msg.decode(encoding)
-        return self._decoded[channel]
+        return self._latest.get(channel)
 
     # --- receiving ---
 
@@ -290,23 +291,30 @@ class Lab:
 
     def _take(self, channel: str, _received_utime: int, encoding: bytes) -> None:
         self._heard = self._bus.now
-        self._latest[channel] = encoding
-        self._decoded.pop(channel, None)
+        usable, problem, removed = _core.checked(encoding)
+        if problem:
+            self._refuse(channel, problem, max(1, removed))
+        if usable is None:
+            return
+        message = msg.decode(usable)
+        problem = _foreign(channel, message)
+        if problem:
+            self._refuse(channel, problem)
+            return
+        self._latest[channel] = message
         if channel == "EXPERIMENT_STATUS":
-            status = self._last(channel)
-            self.ended = self.ended or status.phase == status.ENDED
+            self.ended = self.ended or message.phase == message.ENDED  # type: ignore[attr-defined]
         elif channel == "LIGHT_STATUS" and self._light is not None:
-            self._check_refusal(self._last(channel).last_refusal)
-        if self._wanted.get(channel, 0) > 0 or self._handlers.get(channel):
-            try:
-                message = self._last(channel)
-            except ValueError:  # damaged, or of another version
-                self._latest.pop(channel)
-                return
-            if self._wanted.get(channel, 0) > 0:
-                self._queue.append(Received(channel, message))
-            for handler in self._handlers.get(channel, []):
-                handler(message)
+            self._check_refusal(message.last_refusal)  # type: ignore[attr-defined]
+        if self._wanted.get(channel, 0) > 0:
+            self._queue.append(Received(channel, message))
+        for handler in self._handlers.get(channel, []):
+            handler(message)
+
+    def _refuse(self, channel: str, problem: str, count: int = 1) -> None:
+        """Counts for the heartbeat, as the lab's services do."""
+        self.refused[channel] = self.refused.get(channel, 0) + count
+        self._first_refused = self._first_refused or f"{channel} refused: {problem}"
 
     def _check_refusal(self, refusal: str) -> None:
         prefix = f"LIGHT_COMMAND {self._seq.get('LIGHT_COMMAND', 0)} of {self.sender}: "
@@ -373,7 +381,8 @@ class Lab:
     def drive(self, robot_id: int, forward: float = 0.0, turn: float = 0.0, *, left: Optional[float] = None,
               right: Optional[float] = None) -> None:
         """Drives a robot until the next order for it: forward [m/s] and turn [rad/s] (counter-clockwise),
-        or its wheels, left and right [m/s]. It obeys until release(), or stops 0.5 s after the program
+        or its wheels, left and right [m/s]. Wheels faster than robot.max_wheel_speed_cm_s of the experiment
+        are scaled down, both alike, so that the path keeps its curvature; `limited` counts it. It obeys until release(), or stops 0.5 s after the program
         has fallen silent. Orders are sent when the program next waits, all robots in one message."""
         if (left is None) != (right is None):
             raise ValueError("drive(): found one wheel, expected left and right")
@@ -382,6 +391,11 @@ class Lab:
             left, right = forward - turn * half, forward + turn * half
         if not (math.isfinite(left) and math.isfinite(right)):
             raise ValueError(f"drive(): found {left} and {right} m/s, expected finite speeds")
+        fastest = max(abs(left), abs(right))
+        if fastest > self._max_wheel_speed:
+            share = self._max_wheel_speed / fastest
+            left, right = left * share, right * share
+            self.limited += 1
         self._order(robot_id, msg.robot_order_t(mode=msg.robot_order_t.DRIVE, wheel_left=left,
                                                      wheel_right=right))
 
@@ -417,6 +431,13 @@ class Lab:
         return getattr(self, "_table", {})
 
     def _order(self, robot_id: int, order: "msg.robot_order_t") -> None:
+        try:
+            known = 0 <= operator.index(robot_id) < 2**31
+        except TypeError:
+            known = False
+        if not known:
+            raise ValueError(f"found the robot {robot_id!r}, expected the id of a robot, a whole number from 0")
+        robot_id = operator.index(robot_id)
         order.robot_ids = [robot_id]
         before = self._orders.get(robot_id)
         if before is None or before != order:
@@ -429,6 +450,14 @@ class Lab:
             return float(self.experiment.get("robot", {}).get("diameter_cm", 7.5)) / 100
         except (KeyError, OSError):
             return 0.075
+
+    @cached_property
+    def _max_wheel_speed(self) -> float:
+        """[m/s]; infinite: not known, a robot then refuses what is beyond its limit."""
+        try:
+            return float(self.experiment["robot"]["max_wheel_speed_cm_s"]) / 100
+        except (KeyError, OSError):
+            return math.inf
 
     def _send_orders(self) -> None:
         self._orders_changed = False
@@ -532,7 +561,9 @@ class Lab:
             state=state, host="" if self.virtual else os.uname().nodename, pid=0 if self.virtual else os.getpid(),
             version=_core.version, contract_version=_core.contract_version, start_utime=self._started,
             sent=[msg.channel_count_t(channel=channel, messages=count)
-                  for channel, count in sorted(counts.items())]))
+                  for channel, count in sorted(counts.items())],
+            received=[msg.stream_count_t(channel=channel, decode_errors=count)
+                      for channel, count in sorted(self.refused.items())], last_error=self._first_refused))
 
     def close(self) -> None:
         """Gives up the light and the robots. Called at the end of a with block."""
@@ -554,6 +585,17 @@ class Lab:
     def __repr__(self) -> str:
         how = "virtual time" if self.virtual else "live"
         return f"<Lab {self.name or 'by URL'}, {how}{', over' if self.ended else ''}>"
+
+
+def _foreign(channel: str, message: Message) -> str:
+    """Why a message is not what the lab sends on this channel; empty: it is."""
+    expected = f"{channel.lower()}_t"
+    if expected in msg.types and message.type_name != expected:
+        return f"found a {message.type_name}, expected a {expected}"
+    if channel == "EXPERIMENT_STATUS" and message.sender not in _RUNNERS:  # type: ignore[attr-defined]
+        return (f"sender: found {message.sender!r}, "  # type: ignore[attr-defined]
+                "expected " + " or ".join(_RUNNERS))
+    return ""
 
 
 def _toml_layer(layer: Layer) -> str:

@@ -1,7 +1,7 @@
 """Logs of LCM messages as tables and as messages."""
 import os
 from pathlib import Path
-from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Union
+from typing import Any, Dict, Iterator, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy
 import pandas
@@ -42,12 +42,13 @@ class Log:
         if self.path.is_dir():
             raise IsADirectoryError(f"{self.path} is a folder; expected a log. The folder of a run is "
                                     "opened with active_lab.open()")
-        if not _core.is_log(self.path):
+        if not self.path.is_file() or not _core.is_log(self.path):
             raise ValueError(f"{self.path}: this is not an LCM log; expected a file that lcm-logger or "
                              "lab run wrote")
         self.files: List[Path] = [Path(file) for file in _core.log_series(self.path)]
         self._index = _core.LogIndex(self.files)
         self._channels = self._index.channels
+        self._checks: Dict[Tuple[str, str], "_core.ChannelCheck"] = {}
         #: Number of messages.
         self.message_count: int = self._index.events
         #: Damaged places that were skipped.
@@ -85,7 +86,7 @@ class Log:
                    for entry in self._channels)
 
     def table(self, channel: str, path: str = "", columns: Optional[Sequence[str]] = None,
-              above: Sequence[str] = ()) -> pandas.DataFrame:
+              above: Sequence[str] = (), checked: bool = False) -> pandas.DataFrame:
         """A table of one channel.
 
         path: "" for one row per message; the name of a list for one row per element ("robots"); with a
@@ -94,6 +95,10 @@ class Log:
             than the memory holds.
         above: columns of the tables above that each row gets as well. "seq" is a field of the message,
             "curves.name" one of a list above.
+        checked: False: all that was sent. True: as the lab's services and the report read it, without
+            messages and robots with numbers that nothing in a lab can measure (nan, a time beyond the
+            year 2100, a place more than 1 km away); `.attrs["refused_messages"]` and `.attrs["removed_robots"]`
+            count them.
 
         Units and meanings are in `.attrs["units"]` and `.attrs["descriptions"]`, the names of numbers
         that stand for something in `.attrs["values"]`. Texts are categories. `event` numbers the
@@ -113,36 +118,44 @@ class Log:
                            + ", ".join(known))
         self._require_memory(channel, path, type_name, wanted)
         needed = wanted + (["parent"] if above and "parent" not in wanted else [])
-        values, rows, damaged = self._index.table(channel, type_name, path, needed)
+        check = self._check(channel, type_name) if checked else None
+        values, rows, damaged = self._index.table(channel, type_name, path, needed, check)
         series = {name: _column(values[name]) for name in wanted}
         described = {name: known[name] for name in wanted}
         for name in above:
             upper, _, column = name.rpartition(".")
             series[column], described[column] = self._from_above(
-                channel, type_name, path, upper, column, numpy.asarray(values["parent"]))
+                channel, type_name, path, upper, column, numpy.asarray(values["parent"]), check)
         frame = pandas.DataFrame(series, index=pandas.RangeIndex(rows), copy=False)
         frame.attrs.update(
             source=str(self.path), channel=channel, type=type_name, table=path, damaged_messages=damaged,
             units={name: unit for name, (unit, _, _) in described.items() if unit},
             descriptions={name: text for name, (_, text, _) in described.items() if text},
             values={name: names for name, (_, _, names) in described.items() if names})
+        if check is not None:
+            frame.attrs.update(refused_messages=check.refused, removed_robots=check.removed)
         return frame
 
+    def _check(self, channel: str, type_name: str) -> "_core.ChannelCheck":
+        if (channel, type_name) not in self._checks:
+            self._checks[channel, type_name] = self._index.check(channel, type_name)
+        return self._checks[channel, type_name]
+
     def _from_above(self, channel: str, type_name: str, path: str, upper: str, column: str,
-                    parent: numpy.ndarray) -> Any:
+                    parent: numpy.ndarray, check: Optional["_core.ChannelCheck"]) -> Any:
         """One column of a table above, for every row whose row one level above is `parent`."""
         level = path.rpartition(".")[0]
         if not path or not (upper == "" or level == upper or level.startswith(upper + ".")):
             raise KeyError(f"above: {upper!r} is no table above {path!r}")
         while level != upper:
-            values, _, _ = self._index.table(channel, type_name, level, ["parent"])
+            values, _, _ = self._index.table(channel, type_name, level, ["parent"], check)
             parent = numpy.asarray(values["parent"])[parent]
             level = level.rpartition(".")[0]
         known = _core.table_columns(type_name, level)
         if column not in known:
             raise KeyError(f"above: the table {upper!r} of {channel} has no column {column!r}; it has "
                            + ", ".join(known))
-        values, _, _ = self._index.table(channel, type_name, level, [column])
+        values, _, _ = self._index.table(channel, type_name, level, [column], check)
         return _column(values[column]).take(parent), known[column]
 
     def _require_memory(self, channel: str, path: str, type_name: str, columns: List[str]) -> None:

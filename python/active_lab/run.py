@@ -17,6 +17,23 @@ else:
     tomllib = None
 
 LOG = "log.lcmlog"
+#: Unit and meaning of the columns of trajectories.csv.
+_TRAJECTORIES = {
+    "frame": ("", "number of the camera frame"),
+    "particle": ("", "id of the robot"),
+    "x": ("cm", "midpoint between the wheels in the arena frame, as tracked"),
+    "y": ("cm", "midpoint between the wheels in the arena frame, as tracked"),
+    "t": ("s", "middle of the exposure, since time 0"),
+    "theta": ("rad", "heading, counter-clockwise from x"),
+    "program": ("", "name of the program that the robot reported, or standing"),
+    "segment": ("", "number of the uninterrupted piece of free motion; -1: no free motion"),
+    "state": ("", "why the row is, or is not, free motion"),
+    "contact": ("", "none, robot, wall or both"),
+    "light_front": ("", "reading of the front light sensor, 0 to 1; nan: none"),
+    "light_back": ("", "reading of the back light sensor, 0 to 1; nan: none"),
+    "x_stitched": ("cm", "place with the reversals removed; nan: not free"),
+    "y_stitched": ("cm", "place with the reversals removed; nan: not free"),
+}
 _PICTURES = (".svg", ".png", ".jpg", ".jpeg", ".pdf")
 
 
@@ -25,7 +42,7 @@ class Run(Log):
     in the report; lengths are in m, angles in rad.
 
         run = active_lab.open("runs/NAME-20260131T120000Z")
-        run.poses, run.states, run.events, run.analysis, run.truth    # tables (pandas)
+        run.poses, run.states, run.events, run.analysis, run.collective, run.truth    # tables (pandas)
         run.light.at(t, x, y), run.light.field(t).image()             # the light, anywhere
         run.table("ROBOT_STATUS", "robots", columns=["utime", "battery"])   # any message of the log
         run.experiment, run.summary, run.films, run.pictures
@@ -47,7 +64,8 @@ class Run(Log):
         """Time 0 [us since 1970]: the command of the first step of the light script; without a script
         the start of the experiment; without that the first camera frame."""
         if "EXPERIMENT_EVENT" in self:
-            events = self.table("EXPERIMENT_EVENT", columns=["kind", "step", "utime", "commanded_utime"])
+            events = self.table("EXPERIMENT_EVENT", columns=["kind", "step", "utime", "commanded_utime"],
+                                checked=True)
             kind = label(events, "kind")
             first = events[(kind == "STEP") & (events.step == 0)]
             if len(first):
@@ -55,7 +73,9 @@ class Run(Log):
             if (kind == "START").any():
                 return int(events.utime[kind == "START"].iloc[0])
         if "TRACKED_FRAME" in self:
-            return int(self.table("TRACKED_FRAME", columns=["utime"]).utime.iloc[0])
+            frames = self.table("TRACKED_FRAME", columns=["utime"], checked=True)
+            if len(frames):
+                return int(frames.utime.iloc[0])
         return min((int(entry["first_utime"]) for entry in self._channels), default=0)
 
     def seconds(self, utime: Any) -> Any:
@@ -90,7 +110,7 @@ class Run(Log):
 
         In an hour of many robots these are gigabytes: take the columns that you need with
         table("ROBOT_STATUS", "robots", columns=[...])."""
-        states = self.table("ROBOT_STATUS", "robots")
+        states = self.table("ROBOT_STATUS", "robots", checked=True)
         attrs = states.attrs
         states.insert(0, "t", self.seconds(states.utime))
         return _described(states.drop(columns=["event", "parent", "message_utime"]), attrs)
@@ -99,7 +119,7 @@ class Run(Log):
     def events(self) -> pandas.DataFrame:
         """What happened: START, STEP, FAULT, MARK, CALIBRATION, END, each once. Times of a step are in s,
         nan: it was not observed."""
-        events = self.table("EXPERIMENT_EVENT")
+        events = self.table("EXPERIMENT_EVENT", checked=True)
         attrs = events.attrs
         events.insert(0, "t", self.seconds(events.utime))
         events["kind"] = label(events, "kind")
@@ -118,14 +138,21 @@ class Run(Log):
     def analysis(self) -> pandas.DataFrame:
         """The estimates of the analyzer while the run went on: t, robot_id (-1: all robots together),
         program, name, value, sigma, low, high, theory, unit. The last ones are in `summary`."""
-        estimates = self.table("ANALYSIS", "estimates", above=["robot_id", "program_name"])
+        estimates = self.table("ANALYSIS", "estimates", above=["robot_id", "program_name"], checked=True)
         return self._of_analysis(estimates)
 
     @cached_property
     def curves(self) -> pandas.DataFrame:
         """The curves of the analyzer: t, robot_id, program, name, lag, value, sigma, exact, paper."""
-        lags = self.table("ANALYSIS", "curves.lags", above=["robot_id", "program_name", "curves.name", "curves.unit"])
+        lags = self.table("ANALYSIS", "curves.lags", checked=True,
+                          above=["robot_id", "program_name", "curves.name", "curves.unit"])
         return self._of_analysis(lags)
+
+    @cached_property
+    def collective(self) -> pandas.DataFrame:
+        """The observables of many robots while the run went on: t, program (empty: all robots), name, value,
+        sigma, ... (docs/collective.md). The curves are in table("COLLECTIVE", "curves")."""
+        return self._of_analysis(self.table("COLLECTIVE", "observables", above=["program_name"], checked=True))
 
     def _of_analysis(self, table: pandas.DataFrame) -> pandas.DataFrame:
         attrs = table.attrs
@@ -137,8 +164,8 @@ class Run(Log):
     def _robots(self, channel: str, path: str, columns: Sequence[str],
                 of_message: Sequence[str] = ()) -> pandas.DataFrame:
         """Columns of a list, with the time and further columns of its message."""
-        robots = self.table(channel, path, columns=columns)
-        heads = self.table(channel, columns=["utime", f"num_{path}", *of_message])
+        robots = self.table(channel, path, columns=columns, checked=True)
+        heads = self.table(channel, columns=["utime", f"num_{path}", *of_message], checked=True)
         counts = heads[f"num_{path}"].to_numpy()
         series: Dict[str, Any] = {"t": numpy.repeat(self.seconds(heads.utime), counts)}
         for name in of_message:
@@ -165,39 +192,55 @@ class Run(Log):
         """The effective experiment file, with every default filled in; keys as in experiment files."""
         if tomllib is None:
             raise RuntimeError("experiment needs Python 3.11 or newer (tomllib)")
-        return tomllib.loads(self.experiment_text)
+        try:
+            return tomllib.loads(self.experiment_text)
+        except tomllib.TOMLDecodeError as error:
+            raise ValueError(f"{self.path}: the START of the experiment is damaged: {error}; its text is in "
+                             "experiment_text") from None
 
     @cached_property
     def experiment_text(self) -> str:
         """The same as text."""
         for _, _, message in self.messages("EXPERIMENT_EVENT"):
             if message.kind == message.START:  # type: ignore[attr-defined]
-                return str(message.text)  # type: ignore[attr-defined]
+                text = str(message.text)  # type: ignore[attr-defined]
+                return text.encode("utf-8", "surrogateescape").decode("utf-8", "replace")
         raise KeyError(f"{self.path} has no START of an experiment")
 
     @cached_property
     def arena(self) -> "tuple[float, float]":
         """Width and height of the arena [m]."""
         arena = self.experiment.get("arena", {})
-        return arena.get("width_cm", 120.0) / 100, arena.get("height_cm", 90.0) / 100
+        try:
+            return float(arena.get("width_cm", 120.0)) / 100, float(arena.get("height_cm", 90.0)) / 100
+        except (AttributeError, TypeError, ValueError):
+            raise ValueError(f"{self.path}: the START of the experiment is damaged: found the arena {arena!r}, "
+                             "expected width_cm and height_cm") from None
 
     @cached_property
     def summary(self) -> Dict[str, Any]:
         """The numbers of the report (summary.json; docs/report.md has its keys)."""
         file = self.folder / "summary.json"
-        if not file.exists():
-            raise FileNotFoundError(f"{file}: there is no report yet; make it with: lab analyze {self.folder}")
+        self._require_report(file)
         return dict(json.loads(file.read_text(encoding="utf-8")))
 
     @cached_property
     def trajectories(self) -> pandas.DataFrame:
         """trajectories.csv of the report: x, y in cm, with program and segment of every pose."""
         file = self.folder / "trajectories.csv"
+        self._require_report(file)
+        table = pandas.read_csv(file)
+        described = {name: about for name, about in _TRAJECTORIES.items() if name in table.columns}
+        table.attrs["units"] = {name: unit for name, (unit, _) in described.items() if unit}
+        table.attrs["descriptions"] = {name: text for name, (_, text) in described.items()}
+        return table
+
+    def _require_report(self, file: Path) -> None:
         if not file.exists():
             raise FileNotFoundError(f"{file}: there is no report yet; make it with: lab analyze {self.folder}")
-        table = pandas.read_csv(file)
-        table.attrs["units"] = {"x": "cm", "y": "cm", "t": "s", "theta": "rad"}
-        return table
+        if not file.is_file():
+            raise OSError(f"{file}: found no regular file, expected a file of the report; make it again with: "
+                          f"lab analyze {self.folder}")
 
     @property
     def films(self) -> "List[films.Film]":
@@ -215,6 +258,8 @@ class Run(Log):
             head = f"{self.experiment.get('name', '')}, seed {self.experiment.get('seed', '')}"
         except (KeyError, RuntimeError):
             head = "without START"
+        except ValueError:
+            head = "with a damaged START"
         return f"<Run {self.name}: {head}, {self.message_count} messages>\n{self._summary()}"
 
 
@@ -279,7 +324,7 @@ class Light:
     @cached_property
     def table(self) -> pandas.DataFrame:
         """LIGHT_STATUS: what was shown, since when, by whose command."""
-        table = self._run.table("LIGHT_STATUS")
+        table = self._run.table("LIGHT_STATUS", checked=True)
         table.insert(0, "t", self._run.seconds(table.utime))
         table.attrs["units"]["t"] = "s"
         return table

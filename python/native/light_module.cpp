@@ -23,6 +23,7 @@
 #include "common/bus/bus.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/bus/message_values.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/layer_texts.hpp"
 #include "common/experiment/light_messages.hpp"
@@ -43,6 +44,7 @@ light::ImageStore imagesOf(const std::optional<fs::path>& folder) {
   light::ImageStore store;
   if (!folder || !fs::is_directory(*folder)) return store;
   for (const auto& entry : fs::directory_iterator(*folder)) {
+    if (!entry.is_regular_file()) continue;  // a pipe would wait for ever
     std::ifstream file(entry.path(), std::ios::binary);
     const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
     const light::DecodedImage image =
@@ -152,6 +154,7 @@ class LightHistory {
     while (const auto packet = reader.next()) {
       light_status_t status{};
       if (packet->channel != channels::kLightStatus || !decode(packet->data, status)) continue;
+      if (impossibleValue(status)) continue;
       if (!light::validate(toLayers(status.layers)) &&
           !light::validate(toLayers(status.previous))) {
         return status;

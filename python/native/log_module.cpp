@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -62,12 +63,19 @@ py::array arrayOf(schema::Column& column, std::size_t rows) {
                    {static_cast<py::ssize_t>(column.itemSize())}, data, owner);
 }
 
+/// A text of a file, which may be damaged.
+py::str textOf(std::string_view text) {
+  return py::reinterpret_steal<py::str>(
+      PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace"));
+}
+
 py::tuple tableOf(const schema::LogIndex& log, const std::string& channel, const std::string& type,
-                  const std::string& path, const std::optional<std::vector<std::string>>& columns) {
+                  const std::string& path, const std::optional<std::vector<std::string>>& columns,
+                  const schema::ChannelCheck* check) {
   std::optional<schema::LoadedTable> loaded;
   {
     const py::gil_scoped_release released;
-    loaded.emplace(schema::loadTable(log, channel, typeOf(type), path, columns));
+    loaded.emplace(schema::loadTable(log, channel, typeOf(type), path, columns, check));
   }
   const std::size_t rows = loaded->table.rows();
   py::dict result;
@@ -75,8 +83,7 @@ py::tuple tableOf(const schema::LogIndex& log, const std::string& channel, const
     if (column.kind == schema::Kind::kString) {
       py::list texts;
       for (const std::string& text : column.texts.texts()) {
-        texts.append(py::reinterpret_steal<py::str>(
-            PyUnicode_DecodeUTF8(text.data(), static_cast<py::ssize_t>(text.size()), "replace")));
+        texts.append(textOf(text));
       }
       result[py::str(column.name)] = py::make_tuple(arrayOf(column, rows), texts);
     } else {
@@ -91,11 +98,17 @@ std::unique_ptr<schema::LogIndex> indexOf(Paths files) {
   return std::make_unique<schema::LogIndex>(std::move(files));
 }
 
+schema::ChannelCheck checkOf(const schema::LogIndex& log, const std::string& channel,
+                             const std::string& type) {
+  const py::gil_scoped_release released;
+  return schema::checkChannel(log, channel, typeOf(type));
+}
+
 py::list channelsOf(const schema::LogIndex& log) {
   py::list channels;
   for (const schema::LoggedChannel& logged : log.channels()) {
     py::dict entry;
-    entry["channel"] = logged.channel;
+    entry["channel"] = textOf(logged.channel);
     entry["type"] = logged.type == nullptr ? py::object(py::none()) : py::str(logged.type->name);
     entry["messages"] = logged.messages;
     entry["bytes"] = logged.bytes;
@@ -122,7 +135,7 @@ class Messages {
     }
     if (!packet) throw py::stop_iteration();
     return py::make_tuple(
-        py::str(packet->channel.data(), packet->channel.size()), packet->received_utime,
+        textOf(packet->channel), packet->received_utime,
         py::bytes(reinterpret_cast<const char*>(packet->data.data()), packet->data.size()));
   }
 
@@ -145,8 +158,15 @@ void addLogs(py::module_& module) {
       .def_property_readonly("damaged_places",
                              [](const schema::LogIndex& log) { return log.result().resyncs; })
       .def("table", &tableOf, py::arg("channel"), py::arg("type"), py::arg("path"),
-           py::arg("columns"),
-           "(columns, number of rows, damaged messages left out); texts are (codes, texts).");
+           py::arg("columns"), py::arg("check") = nullptr,
+           "(columns, number of rows, damaged messages left out); texts are (codes, texts).")
+      .def("check", &checkOf, py::arg("channel"), py::arg("type"));
+  py::class_<schema::ChannelCheck>(module, "ChannelCheck",
+                                   "What services would not use of the messages of a channel.")
+      .def_readonly("refused", &schema::ChannelCheck::refused)
+      .def_readonly("removed", &schema::ChannelCheck::removed)
+      .def_property_readonly("first",
+                             [](const schema::ChannelCheck& check) { return textOf(check.first); });
   py::class_<Messages>(module, "Messages", "Iterator over (channel, received_utime, encoding).")
       .def(py::init<Paths, std::optional<std::set<std::string>>>(), py::arg("files"),
            py::arg("channels"))

@@ -12,6 +12,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "common/schema/checked_encoding.hpp"
 #include "common/schema/schema.hpp"
 #include "python/native/module.hpp"
 #include "python/native/types.hpp"
@@ -307,6 +308,19 @@ void addMessages(py::module_& module) {
         return Decoder(*type, view).toPython();
       },
       py::arg("encoding"));
+  module.def(
+      "checked",
+      [](const py::bytes& encoding) {
+        const schema::CheckedEncoding checked = schema::checkEncoding(viewOf(encoding));
+        py::object usable = py::none();
+        if (checked.usable) {
+          const auto* remaining = reinterpret_cast<const char*>(checked.remaining.data());
+          usable = checked.removed == 0 ? encoding : py::bytes(remaining, checked.remaining.size());
+        }
+        return py::make_tuple(usable, checked.problem, checked.removed);
+      },
+      py::arg("encoding"),
+      "(the message as services use it, None: they refuse it; the first problem; robots removed).");
   module.def(
       "encode",
       [](const std::string& type, const py::object& message) {

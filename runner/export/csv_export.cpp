@@ -18,6 +18,8 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/bus/message_values.hpp"
+#include "common/bus/received_message.hpp"
 #include "common/math/units.hpp"
 #include "common/schema/array_groups.hpp"
 #include "common/schema/log_tables.hpp"
@@ -160,12 +162,13 @@ class TableFile {
   CsvFile file_;
 };
 
-/// Calls `take` for every camera frame.
+/// Calls `take` with every camera frame, without poses that have impossible numbers.
 template <class Take>
 void readFrames(const std::vector<fs::path>& log, const Take& take) {
   readLog(log, [&](const Packet& packet) {
-    tracked_frame_t frame{};
-    if (packet.channel == channels::kTrackedFrame && decode(packet.data, frame)) take(frame);
+    if (packet.channel != channels::kTrackedFrame) return;
+    const auto frame = receive<tracked_frame_t>(packet);
+    if (frame->decoded && (!frame->removed || frame->removed->usable)) take(frame->message);
   });
 }
 
@@ -180,12 +183,14 @@ std::int64_t timeZero(const std::vector<fs::path>& log) {
     if (message == 0) message = packet.received_utime;
     if (packet.channel == channels::kExperimentEvent) {
       experiment_event_t event{};
-      if (!decode(packet.data, event)) return;
+      if (!decode(packet.data, event) || impossibleValue(event)) return;
       if (event.kind == experiment_event_t::START && start == 0) start = event.utime;
       if (event.kind == experiment_event_t::STEP && event.step == 0) step = event.commanded_utime;
     } else if (packet.channel == channels::kTrackedFrame && frame == 0) {
       tracked_frame_t first{};
-      if (decode(packet.data, first)) frame = first.utime;
+      if (decode(packet.data, first) && !impossibleHeader(packet.channel, first.utime, first.seq)) {
+        frame = first.utime;
+      }
     }
   });
   for (const std::int64_t utime : {step, start, frame}) {

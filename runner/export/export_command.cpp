@@ -15,6 +15,7 @@
 #include "analyzer/log_source.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/bus/message_values.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
 #include "common/text/printable.hpp"
@@ -38,7 +39,10 @@ std::int64_t firstFrame(const std::vector<fs::path>& log) {
   try {
     readLog(log, [&](const Packet& packet) {
       tracked_frame_t frame{};
-      if (packet.channel != channels::kTrackedFrame || !decode(packet.data, frame)) return;
+      if (packet.channel != channels::kTrackedFrame || !decode(packet.data, frame) ||
+          impossibleHeader(packet.channel, frame.utime, frame.seq)) {
+        return;
+      }
       utime = frame.utime;
       throw Found{};
     });

@@ -30,11 +30,10 @@ constexpr unsigned kDeflate = 4;
 
 /// Datasets under a name of their own.
 constexpr std::pair<const char*, const char*> kNames[] = {
-    {"/TRACKED_FRAME/robots", "/poses"},
-    {"/ROBOT_STATUS/robots", "/states"},
-    {"/SIM_TRUTH/robots", "/truth"},
-    {"/LIGHT_STATUS/messages", "/light"},
-    {"/EXPERIMENT_EVENT/messages", "/events"}};
+    {"/TRACKED_FRAME/robots", "/poses"},       {"/ROBOT_STATUS/robots", "/states"},
+    {"/SIM_TRUTH/robots", "/truth"},           {"/LIGHT_STATUS/messages", "/light"},
+    {"/EXPERIMENT_EVENT/messages", "/events"}, {"/ANALYSIS/estimates", "/analysis"},
+    {"/COLLECTIVE/observables", "/collective"}};
 
 /// One table on its way into the file.
 class TableWriter {

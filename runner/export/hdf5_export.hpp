@@ -13,8 +13,8 @@ namespace lab::runner {
 /// message, /CHANNEL/robots a row per element of the list `robots` (MessageTable). Texts have a
 /// fixed length and are padded with zeros; a text that repeats costs almost nothing, because
 /// datasets are compressed. The attributes `units` and `descriptions` of a dataset are JSON.
-/// /poses, /states, /truth, /light and /events are further names of the datasets that most users
-/// want.
+/// /poses, /states, /truth, /light, /events, /analysis and /collective are further names of the
+/// datasets that most users want.
 /// @param about attributes of the file
 /// @return number of messages that are not in the file: damaged ones, and those of unknown types
 /// @throws std::runtime_error if the file cannot be written

@@ -85,7 +85,7 @@ void adoptLight(Experiment& experiment, const fs::path& calibration, const fs::p
 }
 
 void adoptFrames(Experiment& experiment, const fs::path& frames, const fs::path& run) {
-  const fs::path name = "frames.csv";
+  const fs::path name = "camera_frames.csv";  // frames.csv marks a folder of pictures
   writeNewFile(run / name, readFileText(frames, file_kinds::kFrameTable));
   experiment.camera.frames = name.string();
 }

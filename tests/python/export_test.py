@@ -1,5 +1,6 @@
 """`lab export`: each reader of another maker finds the numbers of the run."""
 import json
+import lzma
 import math
 import os
 import shutil
@@ -13,7 +14,7 @@ import numpy
 import pandas
 
 import active_lab
-from support import ROOT, SKIPPED, RunTestCase, lab, lcm_events, main
+from support import ROOT, SKIPPED, RunTestCase, lab, lcm_events, main, virtual_run
 
 JAVASCRIPT = ROOT / "tests" / "python" / "mcap_reader"
 
@@ -62,6 +63,9 @@ class Exports(RunTestCase):
         numpy.testing.assert_array_equal(poses.robot_id, self.run_.poses.robot_id)
         events = pandas.read_hdf(self.file(".h5"), "events")
         self.assertGreater(len(events), 5)
+        with h5py.File(self.file(".h5")) as file:
+            self.assertEqual(file["analysis"], file["ANALYSIS/estimates"])
+            self.assertEqual(file["collective"], file["COLLECTIVE/observables"])
 
     def test_csv_has_every_number_of_every_table(self):
         for channel, path in self.tables():
@@ -91,6 +95,23 @@ class Exports(RunTestCase):
             seen = trex[trex.missing == 0]
             numpy.testing.assert_allclose(seen["X#wcentroid (cm)"], 100 * own.x, rtol=1e-12)
             numpy.testing.assert_array_equal(seen.ANGLE, own.theta)
+
+    def test_poses_that_the_report_refuses_are_in_no_export_of_poses(self):
+        log = self.folder / "two_bits.lcmlog"
+        log.write_bytes(lzma.decompress((ROOT / "tests" / "system" / "damage" / "logs" / "two_bits.lcmlog.xz").read_bytes()))
+        lab("export", log, "--trackpy", "--trex", "--out", self.folder / "two_bits")
+        trackpy = pandas.read_csv(self.folder / "two_bits" / "two_bits-trackpy.csv")
+        self.assertLess(trackpy.t.max(), 1e4)
+        self.assertEqual(len(trackpy), len(active_lab.open(log).poses))
+        for file in (self.folder / "two_bits" / "two_bits-trex").glob("*.csv"):
+            self.assertLess(pandas.read_csv(file).time.max(), 1e4)
+
+    def test_a_run_with_recorded_frame_times_has_no_film(self):
+        frames = self.folder / "recorded.csv"
+        frames.write_text("t_s,missing\n" + "".join(f"{0.1 * i:.1f},\n" for i in range(20)))
+        run = virtual_run(self.folder / "framed", "abp", "--set", "duration_s=2", "--set", f"camera.frames={frames}")
+        self.assertEqual(active_lab.open(run).films, [])
+        lab("export", run, "--mcap")
 
     def test_analyze_takes_mcap_and_hdf5_back(self):
         out = {}

@@ -1,4 +1,5 @@
 """Films and series of pictures as arrays."""
+import os
 import shutil
 import subprocess
 import tempfile
@@ -65,6 +66,39 @@ class Films(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "wrong.mkv"):
             list(Film(wrong).frames())
         wrong.unlink()
+
+    def test_lists_that_name_other_files_are_refused(self):
+        folder = self.folder / "lists"
+        folder.mkdir()
+        self.addCleanup(shutil.rmtree, folder)
+        inner = folder / "inner.ts"
+        subprocess.run(["ffmpeg", "-v", "error", "-i", self.movie, "-c:v", "mpeg2video", "-f", "mpegts", inner], check=True)
+        for name, text in (("concat.mkv", f"ffconcat version 1.0\nfile {self.movie.name}\n"),
+                           ("playlist.mkv", "#EXTM3U\n#EXT-X-TARGETDURATION:1\n#EXTINF:1,\n"
+                                            f"file://{inner}\n#EXT-X-ENDLIST\n")):
+            shutil.copy(self.movie, folder)
+            film = folder / name
+            film.write_text(text)
+            for read in (lambda: Film(film).size, lambda: Film(film).times, lambda: list(Film(film).frames())):
+                with self.assertRaisesRegex(ValueError, name):
+                    read()
+
+    def test_a_pipe_is_refused_at_once(self):
+        folder = self.folder / "pipes"
+        folder.mkdir()
+        self.addCleanup(shutil.rmtree, folder)
+        os.mkfifo(folder / "movie.mkv")
+        with self.assertRaisesRegex(ValueError, "movie.mkv: found no regular file"):
+            Film(folder / "movie.mkv")
+        pictures = folder / "film"
+        write_pictures(pictures, self.times)
+        (pictures / "frames.csv").unlink()
+        os.mkfifo(pictures / "frames.csv")
+        os.mkfifo(pictures / "f9999.pgm")
+        with self.assertRaisesRegex(ValueError, "frames.csv: found no regular file"):
+            Film(pictures).times
+        self.assertEqual(len(Film(pictures)), 4)
+        self.assertEqual(films_in(folder), [])
 
 
 if __name__ == "__main__":

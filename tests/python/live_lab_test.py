@@ -1,4 +1,5 @@
 """A live lab in a program: found by its registration, or started with the run. In a private network."""
+import math
 import os
 import shutil
 import signal
@@ -10,6 +11,7 @@ import unittest
 from pathlib import Path
 
 import active_lab
+from active_lab import messages
 from support import BIN, experiment, lab, main
 
 
@@ -78,6 +80,48 @@ class LiveLab(unittest.TestCase):
         self.assertEqual(process.returncode, 3, output)
         self.assertIn("nothing works", output)
         self.assertIn("wrong.py ended with exit code 1", output)
+
+    def test_what_services_refuse_does_not_reach_a_program(self):
+        script = self.folder / "follow.py"
+        script.write_text(textwrap.dedent("""
+            import math
+            import active_lab
+            with active_lab.Lab() as lab:
+                print("begun", flush=True)
+                wanted = {"EXPERIMENT_STATUS": 4, "TRACKED_FRAME": 2, "ROBOT_STATUS": 1}
+                for frame in lab.frames(every=True):
+                    assert all(math.isfinite(robot.x) for robot in frame.robots)
+                    assert all(math.isfinite(robot.x) for robot in lab.poses.values())
+                    assert lab.states is not None and (lab.status is None or lab.status.sender == "lab")
+                    if lab.refused == wanted:
+                        break
+                lab.sleep(1.5)
+                print("refused", lab.refused == wanted, "ended", lab.ended, flush=True)
+                lab.end("seen enough")
+            """))
+        process = self.start("abp", 300, "--with", script)
+        for line in process.stdout:
+            if "begun" in line:
+                break
+        (url,) = [running.url for running in active_lab.running_labs()]
+        bus = active_lab.lab._core.LiveBus(url)
+        now = bus.now
+        status = messages.experiment_status_t(utime=now, sender="lab", seq=1).encode()
+        frame = messages.tracked_frame_t(utime=now, sender="other", seq=1, frame_period=0.02,
+                                         robots=[messages.tracked_pose_t(robot_id=1, x=math.nan)]).encode()
+        for _ in range(3):
+            bus.publish("EXPERIMENT_STATUS", status[:-5])
+        bus.publish("EXPERIMENT_STATUS", messages.experiment_status_t(
+            utime=now, sender="other", seq=1, phase=messages.experiment_status_t.ENDED).encode())
+        bus.publish("TRACKED_FRAME", frame)
+        bus.publish("TRACKED_FRAME", status)
+        bus.publish("ROBOT_STATUS", b"damaged")
+        run, output = self.finished(process)
+        self.assertIn("refused True ended False", output)
+        beats = [message for _, _, message in run.messages("SERVICE_STATUS") if message.sender == "follow"]
+        self.assertEqual({count.channel: count.decode_errors for count in beats[-1].received},
+                         {"EXPERIMENT_STATUS": 4, "TRACKED_FRAME": 2, "ROBOT_STATUS": 1})
+        self.assertIn("EXPERIMENT_STATUS refused: the bytes are no experiment_status_t", beats[-1].last_error)
 
     def test_without_a_lab_the_error_says_what_to_do(self):
         with self.assertRaisesRegex(ConnectionError, "lab run FILE --with"):

@@ -22,7 +22,7 @@ class Notebooks(unittest.TestCase):
         cls.addClassCleanup(shutil.rmtree, cls.folder)
         virtual_run(cls.folder / "runs", "abp", "--set", "duration_s=300", "--set", "robots[0].count=4")
         cls.environment = {**os.environ, "MPLBACKEND": "agg", "LAB": str(BIN / "lab"),
-                           "LAB_EXPERIMENT": str(experiment("speed_by_light"))}
+                           "LAB_EXPERIMENT": str(experiment("speed_by_light")), "LAB_SCAN": str(experiment("vicsek"))}
 
     def execute(self, name):
         """The cells one after the other, in one namespace; with nbconvert, if it is installed."""
@@ -57,7 +57,16 @@ class Notebooks(unittest.TestCase):
     def test_field_tools(self):
         self.execute("field_tools.ipynb")
 
+    def test_campaign_to_phase_diagram(self):
+        self.execute("campaign_to_phase_diagram.ipynb")
+        self.assertGreater((self.folder / "phase_diagram.png").stat().st_size, 5000)
+        points = (self.folder / "vicsek_scan" / "points.csv").read_text().splitlines()
+        self.assertEqual(len(points), 1 + 9)
+
     def test_every_notebook_has_a_test(self):
+        self.assertEqual({notebook.stem for notebook in EXAMPLES.glob("*.ipynb")},
+                         {"from_run_to_figure", "own_estimator", "own_closed_loop", "campaign_to_phase_diagram",
+                          "field_tools"})
         for notebook in EXAMPLES.glob("*.ipynb"):
             self.assertTrue(hasattr(self, "test_" + notebook.stem), notebook.name)
 

@@ -1,6 +1,8 @@
 """A run as tables: every number is that of LCM's own decoder, of the report, and of the truth."""
 import functools
+import lzma
 import math
+import os
 import re
 import struct
 import unittest
@@ -183,6 +185,18 @@ class Tables(RunTestCase):
         curves = self.run_.curves
         self.assertEqual(set(curves.name), {"msd", "angular_msd"})
 
+    def test_collective_states_of_all_robots_have_a_program_without_name(self):
+        collective = self.run_.collective
+        everybody = collective[collective.program == ""]
+        self.assertIn("polar_order", set(everybody.name))
+        self.assertEqual(collective.attrs["units"]["t"], "s")
+        self.assertGreater(everybody.t.max(), 30)
+
+    def test_trajectories_say_units_and_meanings(self):
+        report = self.run_.trajectories
+        self.assertEqual(set(report.columns), set(report.attrs["descriptions"]))
+        self.assertEqual(report.attrs["units"]["x_stitched"], "cm")
+
     def test_above_brings_columns_of_the_tables_above(self):
         lags = self.run_.table("ANALYSIS", "curves.lags", columns=["lag", "value"],
                                above=["robot_id", "curves.name", "curves.unit"])
@@ -244,6 +258,119 @@ class Tables(RunTestCase):
         self.assertGreater(run.damaged_places, 0)
         self.assertLess(len(run.poses), len(self.run_.poses))
         self.assertGreater(len(run.poses), 0.99 * len(self.run_.poses))
+
+
+class DamagedLogs(RunTestCase):
+    """Nothing that a log holds keeps it from being read."""
+
+    REPORT = False
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.damaged = {}
+        for packed in (ROOT / "tests" / "system" / "damage" / "logs").glob("*.xz"):
+            log = cls.folder / packed.stem
+            log.write_bytes(lzma.decompress(packed.read_bytes()))
+            cls.damaged[packed.name.split(".")[0]] = log
+
+    def read_all(self, log):
+        """Everything that a run gives, or an error that names what is missing."""
+        run = active_lab.open(log)
+        repr(run).encode()
+        str(run.channels), str(run.tables)
+        for name in ("poses", "truth", "states", "events", "analysis", "curves", "collective", "experiment", "arena"):
+            try:
+                getattr(run, name)
+            except (KeyError, ValueError) as error:
+                self.assertNotIsInstance(error, UnicodeError, name)
+                self.assertRegex(str(error), "it has|no START|is damaged", name)
+        for channel, path in zip(run.tables.channel, run.tables.path):
+            if run.type_of(channel) in set(run.channels.type[run.channels.index == channel]):
+                run.table(channel, path)
+        for _ in run.messages():
+            pass
+        run.light.at(1.0, 0.5, 0.5)
+        if "LIGHT_STATUS" in run:
+            repr(run.light.table)
+        return run
+
+    def test_shared_damaged_logs_are_read(self):
+        self.assertEqual(len(self.damaged), 6)
+        for name, log in self.damaged.items():
+            with self.subTest(name):
+                self.assertGreater(self.read_all(log).message_count, 100)
+
+    def test_what_the_report_refuses_is_in_no_table(self):
+        run = active_lab.open(self.damaged["two_bits"])
+        raw = run.seconds(run.table("TRACKED_FRAME").utime)
+        self.assertGreater(raw.max(), 1e9)
+        poses = run.poses
+        self.assertLess(poses.t.max(), 1e4)
+        self.assertEqual(poses.attrs["refused_messages"], 1)
+        self.assertEqual(poses.attrs["removed_robots"], 0)
+
+    def test_a_robot_with_impossible_numbers_is_removed_from_its_frame(self):
+        kept = active_lab.open(self.log).poses
+        frame = messages.tracked_frame_t(utime=1, frame=7, frame_period=0.02, sender="tracker_svc", robots=[
+            messages.tracked_pose_t(robot_id=1, x=math.nan), messages.tracked_pose_t(robot_id=2, x=0.25)])
+        longer = self.folder / "longer.lcmlog"
+        longer.write_bytes(self.log.read_bytes() + event(10**6, "TRACKED_FRAME", frame.encode()))
+        run = active_lab.open(longer)
+        self.assertEqual(len(run.poses), len(kept) + 1)
+        self.assertEqual((run.poses.x.iloc[-1], run.poses.robot_id.iloc[-1]), (0.25, 2))
+        self.assertEqual(run.poses.attrs["removed_robots"], 1)
+        self.assertEqual(len(run.table("TRACKED_FRAME", "robots")), len(kept) + 2)
+
+    def test_a_damaged_start_is_named(self):
+        data = self.log.read_bytes()
+        for wrong in (b'[[[\xff\xfe', b'x = 1 1 1 '):
+            place = data.index(b"fileversion")
+            damaged = self.folder / "start.lcmlog"
+            damaged.write_bytes(data[:place] + wrong + data[place + len(wrong):])
+            run = active_lab.open(damaged)
+            self.assertIn("with a damaged START", repr(run))
+            with self.assertRaisesRegex(ValueError, "START of the experiment is damaged"):
+                run.experiment
+            self.assertFalse(math.isnan(run.light.at(5, 0.6, 0.45)))
+            self.assertIn(wrong.decode("utf-8", "replace"), run.experiment_text)
+
+    def test_mutants_of_a_log_are_read(self):
+        whole = self.damaged["replay_gap_1"].read_bytes()[:20_000]
+        random = numpy.random.default_rng(33)
+        mutant = self.folder / "mutant.lcmlog"
+        for number in range(100):
+            data = bytearray(whole)
+            for place in random.integers(28, len(data), random.integers(1, 40)):
+                data[place] = random.integers(256)
+            if number % 3 == 0:
+                begin = int(random.integers(28, len(data)))
+                del data[begin:begin + int(random.integers(1, 200))]
+            mutant.write_bytes(data)
+            with self.subTest(number):
+                self.read_all(mutant)
+
+    def test_pipes_are_refused_at_once(self):
+        folder = self.folder / "pipes"
+        (folder / "images").mkdir(parents=True)
+        (folder / "log.lcmlog").write_bytes(self.log.read_bytes())
+        for name in ("summary.json", "trajectories.csv", "frames.csv", "images/pipe.png"):
+            os.mkfifo(folder / name)
+        run = active_lab.open(folder)
+        for name in ("summary", "trajectories"):
+            with self.assertRaisesRegex(OSError, "no regular file"):
+                getattr(run, name)
+        self.assertEqual((run.films, run.pictures), ([], []))
+        self.assertEqual(run.light.field(5).at(0.6, 0.45), 0.2)
+        os.mkfifo(folder / "pipe.lcmlog")
+        with self.assertRaisesRegex(ValueError, "not an LCM log"):
+            active_lab.Log(folder / "pipe.lcmlog")
+
+
+def event(utime, channel, encoding):
+    """One event of a log, by docs/formats.md."""
+    head = struct.pack(">IqqII", 0xEDA1DA01, 0, utime, len(channel), len(encoding))
+    return head + channel.encode() + encoding
 
 
 class OwnMessages(unittest.TestCase):

@@ -45,6 +45,26 @@ class VirtualLab(unittest.TestCase):
         self.assertLess(float(abs(late.theta.map(lambda angle: math.remainder(angle, math.tau))).max()), 0.1)
         self.assertEqual(run.damaged_places, 0)
 
+    def test_drive_keeps_to_the_limit_of_the_wheels(self):
+        run, output = self.run_with("""
+            with active_lab.Lab() as lab:
+                for wrong in ("a", 1.5, -1, None, 2**31):
+                    try:
+                        lab.drive(wrong)
+                    except ValueError as error:
+                        print(error)
+                lab.sleep(2)
+                lab.drive(1, left=9, right=4.5)
+                lab.sleep(1)
+                state = lab.states[1]
+                limit = lab.experiment["robot"]["max_wheel_speed_cm_s"] / 100
+                print("wheels", abs(state.wheel_left - limit) < 0.01, abs(state.wheel_right - limit / 2) < 0.01)
+                print("limited", lab.limited)
+            """, seconds=4)
+        self.assertEqual(output.count("expected the id of a robot"), 5, output)
+        self.assertIn("wheels True True", output)
+        self.assertIn("limited 1", output)
+
     def test_the_same_program_gives_the_same_log(self):
         first, _ = self.run_with(self.ALONG_X, seconds=4)
         second, _ = self.run_with(self.ALONG_X, seconds=4)
