@@ -226,6 +226,47 @@ std::string describeLight(const Experiment& e) {
   return text;
 }
 
+std::string senseText(const SenseSpec& sense) {
+  const std::string radius = centimetreText(sense.radius) + " cm";
+  const std::string place =
+      "the place (" + centimetreText(sense.x) + ", " + centimetreText(sense.y) + ") cm";
+  switch (sense.kind) {
+    case SenseKind::kNeighbours:
+      return "neighbours within " + radius;
+    case SenseKind::kDensity:
+      return "density within " + radius;
+    case SenseKind::kMeanHeading:
+      return "mean heading within " + radius + " (rad)";
+    case SenseKind::kNearestDistance:
+      return "distance of the nearest robot within " + radius + " (cm)";
+    case SenseKind::kNearestBearing:
+      return "bearing of the nearest robot within " + radius + " (rad)";
+    case SenseKind::kPlaceDistance:
+      return "distance of " + place + " (cm)";
+    case SenseKind::kPlaceBearing:
+      return "bearing of " + place + " (rad)";
+    case SenseKind::kGradient:
+      return "gradient of the light (1/cm)";
+    case SenseKind::kGradientBearing:
+      return "bearing of the light's gradient (rad)";
+  }
+  return {};
+}
+
+/// What the host writes for programs.
+std::string describeSenses(const Senses& senses) {
+  if (senses.values.empty()) return {};
+  std::string text = line(
+      "senses", rounded(senses.rate) + " times per second, " +
+                    (senses.delay > 0
+                         ? numberText(senses.delay * 1000) + " ms after the exposure of the frame"
+                         : "as soon as the tracker has the poses"));
+  for (const SenseSpec& sense : senses.values) {
+    text += line("", "  sense(" + std::to_string(sense.index) + "): " + senseText(sense));
+  }
+  return text;
+}
+
 std::string describeReversal(const Reversal& reversal) {
   if (reversal.on == ReverseOn::kNever) return line("reversal", "never");
   return line("reversal", std::string("from walls") +
@@ -336,6 +377,7 @@ std::string describeExperiment(const Experiment& e, const ProgramCoefficients& c
                centimetreText(e.arena_width) + " cm x " + centimetreText(e.arena_height) + " cm");
   text += describeRobots(e);
   text += describePrograms(e, coefficients);
+  text += describeSenses(e.senses);
   text += describeTable(e.light_table);
   text += describeLight(e);
   text += describeReversal(e.reversal);

@@ -9,6 +9,7 @@
 
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
+#include "robot/language/spelled_name.hpp"
 
 namespace lab::keys {
 namespace {
@@ -86,6 +87,31 @@ toml::table parseValue(const std::string& value, const std::string& source) {
   refuse(source, "found bytes that are no text, allowed UTF-8");
 }
 
+/// What is wrong with a Greek letter where a key was expected; empty: there is none.
+std::string greekNameAt(std::string_view text, const toml::source_position& at) {
+  for (toml::source_index line = 1; line < at.line; ++line) {
+    text.remove_prefix(std::min(text.size(), text.find('\n') + 1));
+  }
+  const std::string_view line = text.substr(0, text.find('\n'));
+  const auto is_further_byte = [](char c) { return (static_cast<unsigned char>(c) >> 6) == 2; };
+  std::size_t letter = 0;
+  for (toml::source_index column = 1; column < at.column && letter < line.size(); ++column) {
+    ++letter;
+    while (letter < line.size() && is_further_byte(line[letter])) ++letter;
+  }
+  if (letter >= line.size() || language::greekLetterIn(line.substr(letter, 2)).empty()) return {};
+  const auto in_name = [](char c) {
+    return kBareLetters.find(c) != std::string_view::npos || static_cast<unsigned char>(c) >= 0x80;
+  };
+  std::size_t begin = letter;
+  std::size_t end = letter;
+  while (begin > 0 && in_name(line[begin - 1])) --begin;
+  while (end < line.size() && in_name(line[end])) ++end;
+  const std::string_view name = line.substr(begin, end - begin);
+  return "found the name " + std::string(name) + ", allowed letters a to z, digits and _" +
+         language::spelledAdvice(name);
+}
+
 }  // namespace
 
 TomlDocument::TomlDocument(std::string_view text, std::string file,
@@ -95,8 +121,12 @@ TomlDocument::TomlDocument(std::string_view text, std::string file,
     root_ = toml::parse(text, file_);
   } catch (const toml::parse_error& error) {
     const toml::source_position at = error.source().begin;
-    throw ExperimentError({file_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) +
-                           ": found no valid TOML: " + std::string(error.description()) +
+    const std::string place =
+        file_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": ";
+    if (const std::string greek = greekNameAt(text, at); !greek.empty()) {
+      throw ExperimentError({place + greek});
+    }
+    throw ExperimentError({place + "found no valid TOML: " + std::string(error.description()) +
                            "; allowed: TOML 1.0 (docs/experiments.md)"});
   }
   std::vector<std::string> problems;

@@ -102,8 +102,8 @@ class ProgramReader {
       offset = 0;
     }
     const auto found = places_.find(key);
-    if (found == places_.end()) return document_.place(table_);
-    const toml::node& node = *found->second;
+    const toml::node& node = found == places_.end() ? table_ : *found->second;
+    if (found == places_.end()) offset = 0;
     keys::FileLocation at = document_.place(node);
     // The text begins after its quote. The text of an override has no line.
     const std::size_t column = node.source().begin.column + (node.is_string() ? 1U : 0U) + offset;

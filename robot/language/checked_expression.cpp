@@ -43,6 +43,9 @@ constexpr std::array<Function, 18> kFunctions{{
     {"sense", 1, "sense(0) to sense(7)"},
 }};
 
+/// The one function whose name a program may use: a direction of 1 or -1 is called so.
+constexpr std::string_view kFreeFunction = "sign";
+
 /// What other languages have, and what to write here.
 struct ForeignFunction {
   std::string_view name;
@@ -176,7 +179,6 @@ class Checker {
       CheckedExpression result;
       result.dimension = state->second.dimension;
       result.range = state->second.range;
-      result.range.attained = false;
       result.opcode = dynamics::kLoad;
       result.operand = state->second.number;
       return result;
@@ -222,7 +224,6 @@ class Checker {
     CheckedExpression result;
     result.dimension = dimension;
     result.range = range;
-    result.range.attained = false;
     result.opcode = dynamics::kRead;
     result.operand = input;
     return result;
@@ -366,11 +367,12 @@ class Checker {
   CheckedExpression select(const Expression& node, std::vector<CheckedExpression>& x) {
     requireType(x[0], Type::kTruth, node.operands[0], "as the first argument of 'if'");
     requireType(x[2], x[1].type, node.operands[2], "like " + quoted(node.operands[1]));
-    CheckedExpression result = combined(x[1].type, kPure, join(x[1].range, x[2].range),
-                                        dynamics::kSelect, {x[0], x[1], x[2]});
-    result.constant = false;
     // Sensors and history may never let a branch be taken; a draw does.
-    result.range.attained = result.range.attained && x[0].range.attained;
+    const Interval range =
+        x[0].range.isAttained() ? join(x[1].range, x[2].range) : either(x[1].range, x[2].range);
+    CheckedExpression result =
+        combined(x[1].type, kPure, range, dynamics::kSelect, {x[0], x[1], x[2]});
+    result.constant = false;
     result.phases = x[1].phases | x[2].phases;
     if (x[1].type == Type::kNumber) {
       result.dimension = commonDimension(node, 1, x[1], x[2]);
@@ -399,10 +401,8 @@ class Checker {
       return combined(Type::kNumber, x[0].dimension, absolute(x[0].range), dynamics::kAbs, {x[0]});
     }
     if (name == "sign") {
-      const double low = x[0].range.low > 0 ? 1 : x[0].range.low < 0 ? -1 : 0;
-      const double high = x[0].range.high > 0 ? 1 : x[0].range.high < 0 ? -1 : 0;
-      return combined(Type::kNumber, kPure, {low, high, x[0].range.attained}, dynamics::kSign,
-                      {x[0]});
+      const auto sign = [](double value) { return value > 0 ? 1.0 : value < 0 ? -1.0 : 0.0; };
+      return combined(Type::kNumber, kPure, mapped(x[0].range, sign), dynamics::kSign, {x[0]});
     }
     if (name == "sqrt") {
       return squareRootOf(node, x[0]);
@@ -455,10 +455,8 @@ class Checker {
                                             " can be negative; its square root is then 0 and is "
                                             "counted"});
     }
-    return combined(
-        Type::kNumber, *dimension,
-        {std::sqrt(std::max(0.0, x.range.low)), std::sqrt(x.range.high), x.range.attained},
-        dynamics::kSqrt, {x});
+    const auto root = [](double value) { return std::sqrt(std::max(0.0, value)); };
+    return combined(Type::kNumber, *dimension, mapped(x.range, root), dynamics::kSqrt, {x});
   }
 
   CheckedExpression checkDraw(const Expression& node, const std::vector<CheckedExpression>& x) {
@@ -482,13 +480,14 @@ class Checker {
                                                        ", expected 0 or more");
       }
       const double reach = kLargestNormal * x[1].range.magnitude();
-      result = combined(Type::kNumber, common, sum(x[0].range, bounds(-reach, reach)),
+      result = combined(Type::kNumber, common,
+                        unbounded(sum(x[0].range, bounds(-reach, reach)), x[0].range),
                         dynamics::kNormal, {x[0], x[1]});
     } else if (name == "exponential") {
       requirePositive(x[0], node.operands[0], "the mean of an exponential draw");
-      result =
-          combined(Type::kNumber, x[0].dimension, bounds(0, kLongestExponential * x[0].range.high),
-                   dynamics::kExponential, {x[0]});
+      result = combined(Type::kNumber, x[0].dimension,
+                        unbounded(bounds(0, kLongestExponential * x[0].range.high), x[0].range),
+                        dynamics::kExponential, {x[0]});
     } else if (name == "pareto") {
       requirePositive(x[0], node.operands[0], "the minimum of a Pareto draw");
       requirePositive(x[1], node.operands[1], "the exponent of a Pareto draw");
@@ -497,20 +496,35 @@ class Checker {
       const double longest = x[1].range.low > 0
                                  ? x[0].range.high * std::exp(kLongestExponential / x[1].range.low)
                                  : kLargestNumber;
-      result = combined(Type::kNumber, x[0].dimension, bounds(x[0].range.low, longest),
-                        dynamics::kPareto, {x[0], x[1]});
+      result = combined(Type::kNumber, x[0].dimension,
+                        unbounded(bounds(x[0].range.low, longest), x[0].range), dynamics::kPareto,
+                        {x[0], x[1]});
     } else if (name == "chance") {
       result = chance(node, x[0]);
     } else {
-      requireDimension(x[0], kPure, quoted(node.operands[0]), node.operands[0].offset);
-      if (x[0].range.high < 1) {
-        throw SyntaxError(node.operands[0].offset, "choose(n) needs n of 1 or more");
-      }
-      result = combined(Type::kNumber, kPure, bounds(0, std::floor(x[0].range.high) - 1),
-                        dynamics::kChoose, {x[0]});
+      result = choose(node, x[0]);
     }
     result.constant = false;
     return result;
+  }
+
+  /// A draw without a bound that programs reach: it counts with the mean (Pareto: the minimum).
+  static Interval unbounded(Interval range, const Interval& mean) {
+    range.sure_low = std::clamp(mean.sure_low, range.low, range.high);
+    range.sure_high = std::clamp(mean.sure_high, range.low, range.high);
+    return range;
+  }
+
+  CheckedExpression choose(const Expression& node, const CheckedExpression& x) {
+    const Expression& operand = node.operands[0];
+    requireDimension(x, kPure, quoted(operand), operand.offset);
+    if (x.range.high < 1 || (x.constant && x.range.low != std::floor(x.range.low))) {
+      throw SyntaxError(operand.offset, "choose(n) found n = " + quoted(operand) +
+                                            ", expected a whole number of 1 or more");
+    }
+    Interval range(0, std::floor(x.range.high) - 1);
+    range.sure_high = std::max(0.0, std::floor(x.range.sure_high) - 1);
+    return combined(Type::kNumber, kPure, range, dynamics::kChoose, {x});
   }
 
   CheckedExpression chance(const Expression& node, const CheckedExpression& x) {
@@ -525,7 +539,8 @@ class Checker {
       notes_.push_back({operand.offset, "the probability " + quoted(operand) +
                                             " can lie outside 0 to 1, where it counts as 0 or 1"});
     }
-    return combined(Type::kTruth, kPure, Interval{0, 1, x.constant}, dynamics::kChance, {x});
+    const bool both = x.constant && x.range.low > 0 && x.range.low < 1;
+    return combined(Type::kTruth, kPure, Interval{0, 1, both}, dynamics::kChance, {x});
   }
 
   /// "-1 1/s"; the largest value of a number that is not constant.
@@ -640,8 +655,23 @@ bool isReserved(std::string_view name) {
   constexpr std::array<std::string_view, 5> kWords{"and", "or", "not", "pi", "forever"};
   return unitNamed(name).has_value() ||
          std::find(kWords.begin(), kWords.end(), name) != kWords.end() ||
+         (functionNamed(name) != nullptr && name != kFreeFunction) ||
          std::any_of(kSensors.begin(), kSensors.end(),
                      [&](const Sensor& sensor) { return sensor.name == name; });
+}
+
+std::string inputName(std::uint8_t input) {
+  const auto numbered = [&](const char* name, int first) {
+    return name + ("(" + std::to_string(input - first) + ")");
+  };
+  if (input >= dynamics::kSense) return numbered("sense", dynamics::kSense);
+  if (input >= dynamics::kIr && input < dynamics::kIr + dynamics::kIrSensors) {
+    return numbered("ir", dynamics::kIr);
+  }
+  for (const Sensor& sensor : kSensors) {
+    if (sensor.input == input) return std::string(sensor.name);
+  }
+  return "?";
 }
 
 }  // namespace lab::language

@@ -70,8 +70,11 @@ struct RangeNote {
 void requireDimension(const CheckedExpression& number, const Dimension& dimension,
                       const std::string& what, std::size_t offset);
 
-/// Whether the language gives this name a meaning, so that no program may. Names of functions are
-/// free, because a function is a name with a bracket.
+/// Whether the language gives this name a meaning, so that no program may. Of the functions only
+/// `sign` is free: without a bracket it is a name, and a usual one.
 [[nodiscard]] bool isReserved(std::string_view name);
+
+/// What texts of programs call a dynamics::Input: "light", "ir(0)", "sense(3)".
+[[nodiscard]] std::string inputName(std::uint8_t input);
 
 }  // namespace lab::language

@@ -15,6 +15,7 @@
 #include "robot/language/code_generator.hpp"
 #include "robot/language/expression.hpp"
 #include "robot/language/formula.hpp"
+#include "robot/language/spelled_name.hpp"
 
 namespace lab::language {
 namespace {
@@ -114,11 +115,14 @@ class Compiler {
       if (!isName(name)) {
         error(key, 0,
               std::string(what) + " '" + name +
-                  "' is not a name: expected letters, digits and _, not a digit first");
+                  "' is not a name: expected letters (a to z), digits and _, not a digit first" +
+                  spelledAdvice(name));
       } else if (isReserved(name)) {
         error(key, 0,
               std::string(what) + " '" + name +
-                  "' has a meaning in the language (docs/programs.md); choose another name");
+                  "' has a meaning in the language (docs/programs.md); choose another name, such "
+                  "as " +
+                  name + "_1");
       } else if (const auto [first, is_new] = taken.try_emplace(name, what); !is_new) {
         error(key, 0,
               "the name '" + name + "' is used twice in this program: a " + first->second +
@@ -138,8 +142,8 @@ class Compiler {
     }
     if (text_.phases.empty()) {
       error("phases", 0,
-            "the program has no phase; write at least one, such as "
-            "phases.run = {forward = \"5 cm/s\", hold = \"1 s\"}");
+            "found no phase, expected at least one, such as phases.run = {forward = \"5 cm/s\", "
+            "hold = \"1 s\"}");
     }
     if (text_.phases.size() > dynamics::kLargestPhases) {
       error("phases", 0,
@@ -190,12 +194,26 @@ class Compiler {
       requireDimension(*checked, dimension, "the value", 0);
     } catch (const SyntaxError& problem) {
       const bool no_unit = checked->dimension == kPure;
+      const std::string mean = meanAdvice(*checked, dimension, text);
+      advised_ = advised_ || !mean.empty();
       error(key, problem.offset(),
-            problem.what() +
-                (no_unit ? "; give it one, as in 3 " + unitText(dimension) : std::string()));
+            problem.what() + (no_unit ? "; give it one, as in 3 " + unitText(dimension) : mean));
       return std::nullopt;
     }
     return checked;
+  }
+
+  /// A draw of a time from a rate.
+  static std::string meanAdvice(const CheckedExpression& found, const Dimension& wanted,
+                                const std::string& text) {
+    if (found.opcode != dynamics::kExponential || !(found.dimension == quotient(kPure, wanted))) {
+      return "";
+    }
+    const std::size_t open = text.find('(');
+    const std::string mean = text.substr(open + 1, text.rfind(')') - open - 1);
+    const bool name = isName(mean);
+    return "; an exponential draw takes its mean: write exponential(1/" +
+           (name ? mean : '(' + mean + ')') + ")";
   }
 
   std::optional<CheckedExpression> readPhase(const std::string& key, const std::string& text) {
@@ -425,7 +443,7 @@ class Compiler {
   /// is that parameter's: it is reported there, with the first of its uses.
   void blameParameter() {
     constexpr std::size_t kMostParameters = 30;  // a bound of the time
-    if (result_.parameters.size() > kMostParameters) {
+    if (advised_ || result_.parameters.size() > kMostParameters) {
       return;
     }
     std::optional<Parameter> blamed;
@@ -527,21 +545,22 @@ class Compiler {
   }
 
   void checkWheels(const std::string& key, const PhaseFacts& facts) {
-    const Interval& faster =
-        facts.left.magnitude() > facts.right.magnitude() ? facts.left : facts.right;
-    if (faster.magnitude() <= wheel_limit_ * (1 + kRoundingSlack)) {
+    const double fastest = std::max(facts.left.magnitude(), facts.right.magnitude());
+    if (fastest <= wheel_limit_ * (1 + kRoundingSlack)) {
       return;
     }
-    const std::string needed =
-        number(faster.magnitude()) + " cm/s, the wheels reach " + number(wheel_limit_) + " cm/s";
-    if (faster.attained) {
+    const double sure = std::max(
+        {facts.left.sure_high, facts.right.sure_high, -facts.left.sure_low, -facts.right.sure_low});
+    const std::string reach = number(wheel_limit_) + " cm/s";
+    if (sure > wheel_limit_ * (1 + kRoundingSlack)) {
       error(key, 0,
-            "needs a wheel speed of " + needed +
-                "; reduce the speed or the turn (a turn of 1 rad/s takes " + number(half_base_) +
-                " cm/s of each wheel)");
+            "found a wheel speed of " + number(sure) + " cm/s, expected at most " + reach +
+                ", which the wheels reach; reduce the speed or the turn (a turn of 1 rad/s takes " +
+                number(half_base_) + " cm/s of each wheel)");
     } else {
       result_.warnings.push_back({key, 0,
-                                  "can ask for a wheel speed of " + needed +
+                                  "can ask for a wheel speed of " + number(fastest) +
+                                      " cm/s, the wheels reach " + reach +
                                       "; it is then limited and counted; bound it with clamp"});
     }
   }
@@ -561,9 +580,12 @@ class Compiler {
     } else if (range.high < kShortestHold) {
       error(key, 0,
             "is never longer than " + number(range.high * 1000) + " ms, expected at least 1 ms");
-    } else if (range.low < 0 && range.attained) {
+    } else if (range.sure_high > kLongestHold) {
       error(key, 0,
-            "can be " + number(range.low) +
+            "can be " + number(range.sure_high) + " s, expected at most 3600 s, or forever");
+    } else if (range.sure_low < 0) {
+      error(key, 0,
+            "can be " + number(range.sure_low) +
                 " s, expected 0 or more; use max(0, ...) if "
                 "short holds may be cut");
     } else if (range.low < 0 || range.high > kLongestHold) {
@@ -603,9 +625,10 @@ class Compiler {
     }
     if (code.size() > dynamics::kLargestProgram) {
       error("", 0,
-            "compiles to " + std::to_string(code.size()) + " bytes, a robot stores " +
+            "found " + std::to_string(code.size()) + " bytes of byte code, expected at most " +
                 std::to_string(dynamics::kLargestProgram) +
-                "; share sub-expressions through state variables or use fewer phases");
+                ", which a robot stores; share sub-expressions through state variables or use "
+                "fewer phases");
     }
     if (!result_.ok()) {
       code.clear();
@@ -717,6 +740,7 @@ class Compiler {
   Scope scope_;
   std::string assumed_parameter_;  ///< Has another dimension than its text says; empty: none.
   Dimension assumed_dimension_;
+  bool advised_ = false;  ///< An error says what to write where the unit is wrong.
   std::map<std::string, std::uint8_t, std::less<>> waiting_phases_;
   std::map<std::string, Expression> syntax_;             ///< By key, parsed once.
   std::map<std::string, std::vector<RangeNote>> notes_;  ///< By key, of the last check.

@@ -47,7 +47,7 @@ void addFactor(std::string& text, const char* unit, int exponent) {
   if (exponent == 0) {
     return;
   }
-  text += text.empty() ? "" : " ";
+  text += text.empty() ? "" : "*";
   text += unit;
   if (exponent > 1) {
     text += '^' + std::to_string(exponent);
@@ -85,7 +85,7 @@ std::string unitText(const Dimension& dimension) {
   if (below.empty()) {
     return above;
   }
-  return above + '/' + (below.find(' ') == std::string::npos ? below : '(' + below + ')');
+  return above + '/' + (below.find('*') == std::string::npos ? below : '(' + below + ')');
 }
 
 std::optional<Unit> unitNamed(std::string_view name) {

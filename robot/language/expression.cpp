@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "robot/language/dimension.hpp"
+#include "robot/language/spelled_name.hpp"
 
 namespace lab::language {
 namespace {
@@ -31,13 +32,14 @@ struct Foreign {
 };
 
 constexpr std::string_view kNoPowers =
-    "there are no powers here: write a product such as x*x, in a formula of law pow(x, n)";
+    "only units have powers (cm^2): write a product such as x*x, in a formula of law pow(x, n)";
+constexpr std::string_view kNoSigns = "powers of units are written cm^2, others as a product x*x";
+constexpr double kHighestPower = 9;
 
-constexpr std::array<Foreign, 18> kForeign{
+constexpr std::array<Foreign, 17> kForeign{
     {{"=", "equality is written '=='; state variables get their values in 'set'"},
-     {"^", kNoPowers},
-     {"\u00b2", kNoPowers},
-     {"\u00b3", kNoPowers},
+     {"\u00b2", kNoSigns},
+     {"\u00b3", kNoSigns},
      {"&", "logic is written 'and', 'or', 'not'"},
      {"|", "logic is written 'and', 'or', 'not', a magnitude abs(x)"},
      {"!", "logic is written 'and', 'or', 'not'"},
@@ -107,7 +109,7 @@ class Lexer {
       }
     }
     const char c = text_[at_];
-    if (std::string_view("+-*/<>(),").find(c) == std::string_view::npos) {
+    if (std::string_view("+-*/<>(),^").find(c) == std::string_view::npos) {
       throw SyntaxError(at_, describeUnknown(c));
     }
     token.text = c;
@@ -120,6 +122,11 @@ class Lexer {
       if (rest.starts_with(foreign.symbol)) {
         return "found '" + std::string(foreign.symbol) + "'; " + std::string(foreign.instead);
       }
+    }
+    const std::string_view greek = greekLetterIn(rest.substr(0, 2));
+    if (!greek.empty()) {
+      return "found '" + std::string(greek) + "'; names are written in ASCII" +
+             spelledAdvice(greek);
     }
     const bool printable = c > ' ' && c < 127;
     return "found " + (printable ? std::string("'") + c + "'" : std::string("a character")) +
@@ -308,7 +315,9 @@ class Parser {
     return parsePrimary();
   }
 
-  Expression parsePrimary() {
+  Expression parsePrimary() { return power(parseUnpowered()); }
+
+  Expression parseUnpowered() {
     if (token_.kind == TokenKind::kNumber) {
       return parseNumber();
     }
@@ -351,7 +360,30 @@ class Parser {
     unit.value = 1;
     unit.offset = token_.offset;
     advance();
-    return binary("*", std::move(number), finish(std::move(unit)));
+    return binary("*", std::move(number), power(finish(std::move(unit))));
+  }
+
+  /// A unit, and the power that may follow it: "cm^2" is cm * cm.
+  Expression power(Expression unit) {
+    if (!isSymbol("^")) {
+      return unit;
+    }
+    if (unit.kind != Expression::kName || !unitNamed(unit.name)) {
+      throw SyntaxError(token_.offset, "found '^'; " + std::string(kNoPowers));
+    }
+    advance();
+    const double exponent = token_.value;
+    if (token_.kind != TokenKind::kNumber || exponent < 1 || exponent > kHighestPower ||
+        exponent != std::floor(exponent)) {
+      throw unexpected("a whole number from 1 to 9 as the power of '" + unit.name +
+                       "'; a negative power is a division: 1/" + unit.name);
+    }
+    advance();
+    Expression product = unit;
+    for (int i = 1; i < static_cast<int>(exponent); ++i) {
+      product = binary("*", std::move(product), unit);
+    }
+    return product;
   }
 
   Expression parseName() {

@@ -7,6 +7,7 @@
 
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/fixed_point.hpp"
+#include "robot/language/checked_expression.hpp"
 
 namespace lab::language {
 namespace {
@@ -17,7 +18,7 @@ constexpr std::array<std::pair<Opcode, std::string_view>, 38> kNames{{
     {kPushByte, "push"},
     {kPushShort, "push"},
     {kPushLong, "push"},
-    {kPushPlain, "push plain"},
+    {kPushPlain, "push phase"},
     {kPushForever, "push forever"},
     {kLoad, "load"},
     {kStore, "store"},
@@ -54,15 +55,6 @@ constexpr std::array<std::pair<Opcode, std::string_view>, 38> kNames{{
     {kChoose, "choose"},
 }};
 
-std::string nameOf(std::uint8_t opcode) {
-  if (opcode == kDrive) return "drive: forward, turn, hold, next";
-  if (opcode == kWheelSpeeds) return "drive: left, right, hold, next";
-  for (const auto& [code, name] : kNames) {
-    if (code == opcode) return std::string(name);
-  }
-  return "?";
-}
-
 std::string number(double value) {
   std::array<char, 32> text{};
   std::snprintf(text.data(), text.size(), "%.6g", value);
@@ -78,7 +70,13 @@ std::uint32_t littleEndian(std::span<const std::uint8_t> code, std::size_t at, i
   return value;
 }
 
-std::string operandText(std::span<const std::uint8_t> code, std::size_t at) {
+/// The name with this number; without one the number.
+std::string nameOf(const std::vector<std::string>& names, std::uint8_t index) {
+  return index < names.size() ? names[index] : std::to_string(index);
+}
+
+std::string operandText(std::span<const std::uint8_t> code, std::size_t at,
+                        const ListedNames& names) {
   switch (code[at]) {
     case kPushByte:
       return ' ' + number(static_cast<std::int8_t>(code[at + 1]));
@@ -89,11 +87,13 @@ std::string operandText(std::span<const std::uint8_t> code, std::size_t at) {
                           static_cast<double>(kOne));
     case kChanceOf:
       return ' ' + number(littleEndian(code, at + 1, 4) / 4294967296.0);
-    case kPushPlain:
+    case kPushPlain:  // the compiler writes no constant truth values
+      return ' ' + nameOf(names.phases, code[at + 1]);
     case kLoad:
     case kStore:
+      return ' ' + nameOf(names.states, code[at + 1]);
     case kRead:
-      return ' ' + std::to_string(code[at + 1]);
+      return ' ' + inputName(code[at + 1]);
     default:
       return "";
   }
@@ -101,17 +101,28 @@ std::string operandText(std::span<const std::uint8_t> code, std::size_t at) {
 
 }  // namespace
 
-std::vector<ListedBlock> listing(std::span<const std::uint8_t> code) {
+std::string instructionName(std::uint8_t opcode) {
+  if (opcode == kDrive) return "drive: forward, turn, hold, next";
+  if (opcode == kWheelSpeeds) return "drive: left, right, hold, next";
+  for (const auto& [code, name] : kNames) {
+    if (code == opcode) return std::string(name);
+  }
+  return "?";
+}
+
+std::vector<ListedBlock> listing(std::span<const std::uint8_t> code, const ListedNames& names) {
   std::vector<ListedBlock> blocks;
   std::size_t at = 2;
   for (int number = 0; number < 1 + 2 * code[1]; ++number) {
     ListedBlock block;
-    block.title = number == 0 ? "start" : "phase " + std::to_string((number - 1) / 2);
+    block.title =
+        number == 0 ? "start"
+                    : "phase " + nameOf(names.phases, static_cast<std::uint8_t>((number - 1) / 2));
     if (number > 0 && number % 2 == 0) block.title += ", until";
     const std::size_t end = at + 1 + code[at];
     for (++at; at < end; at += instructionSize(code[at])) {
       block.instructions.push_back({static_cast<unsigned>(at),
-                                    nameOf(code[at]) + operandText(code, at),
+                                    instructionName(code[at]) + operandText(code, at, names),
                                     instructionCost(code[at])});
     }
     if (!block.instructions.empty()) blocks.push_back(std::move(block));

@@ -18,9 +18,9 @@ constexpr int kResultFormat = 1;
 constexpr auto kReplace = Json::error_handler_t::replace;
 
 // Sections of summary.json that describe the recording or the instrument, not the motion.
-constexpr std::array<std::string_view, 11> kNotOfMotion{
-    "format",  "seed",  "contract_version", "poses",  "stitching", "robots",
-    "latency", "steps", "virtual_senses",   "losses", "links"};
+constexpr std::array<std::string_view, 12> kNotOfMotion{
+    "format",  "seed",  "contract_version", "poses",  "stitching",    "robots",
+    "latency", "steps", "virtual_senses",   "losses", "serial_lines", "links"};
 // Parts of a path that name no quantity.
 constexpr std::array<std::string_view, 5> kSilent{"pool", "estimates", "parameters", "derived",
                                                   "value"};

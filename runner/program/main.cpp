@@ -31,9 +31,10 @@ void addTrace(CLI::App& command, Chosen& chosen) {
   trace->add_option("--seed", options->seed, "Seed of the draws")
       ->check(wholeNumber())
       ->capture_default_str();
-  trace->add_option("--light", options->light, "What both light sensors read, 0 to 1")
-      ->check(between(0, 1))
-      ->capture_default_str();
+  addSettings(
+      *trace, options->set,
+      "What the robot reads: light (both sensors), light_front, light_back, ir(0) to ir(5), "
+      "each 0 to 1; sense(0) to sense(7); battery in volt; id (repeatable)");
   trace->callback([&chosen, options] { chosen = [options] { return traceProgram(*options); }; });
 }
 

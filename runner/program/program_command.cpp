@@ -3,10 +3,9 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include <cmath>
+#include <algorithm>
 #include <filesystem>
 #include <iterator>
-#include <numbers>
 #include <string_view>
 #include <vector>
 
@@ -15,11 +14,13 @@
 #include "common/files/file_text.hpp"
 #include "common/programs/shipped_programs.hpp"
 #include "common/text/nearest_word.hpp"
-#include "robot/dynamics/machine.hpp"
+#include "robot/dynamics/byte_code.hpp"
+#include "robot/language/expression.hpp"
 #include "robot/language/listing.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/experiment_lookup.hpp"
 #include "runner/command_line/print_line.hpp"
+#include "runner/program/program_trace.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -65,6 +66,13 @@ std::string holdText(const language::Interval& hold) {
   return fmt::format("{:.4g} s or more", hold.low);
 }
 
+/// Whether a parameter is computed from others.
+bool usesNames(const language::Expression& expression) {
+  const bool name = expression.kind == language::Expression::kName && expression.name != "pi" &&
+                    !language::unitNamed(expression.name);
+  return name || std::ranges::any_of(expression.operands, usesNames);
+}
+
 }  // namespace
 
 ProgramFile loadProgram(const std::string& named) {
@@ -82,10 +90,15 @@ std::string describeProgram(const ProgramFile& program) {
       fmt::format("{}: {}\n{} of {} bytes, hash {:08x}\n", compiled.name, program.text.description,
                   compiled.code.size(), dynamics::kLargestProgram, compiled.hash);
   const auto out = std::back_inserter(text);
-  for (const language::Parameter& parameter : compiled.parameters) {
+  for (std::size_t i = 0; i < compiled.parameters.size(); ++i) {
+    const language::Parameter& parameter = compiled.parameters[i];
+    const std::string& written = program.text.parameters[i].second;
     const std::string unit =
         parameter.dimension == language::kPure ? "" : " " + language::unitText(parameter.dimension);
-    fmt::format_to(out, "parameter {} = {:.6g}{}\n", parameter.name, parameter.value, unit);
+    fmt::format_to(out, "parameter {} = {}{}\n", parameter.name, written,
+                   usesNames(language::parseExpression(written))
+                       ? fmt::format(" = {:.6g}{}", parameter.value, unit)
+                       : "");
   }
   for (const language::PhaseFacts& phase : compiled.phases) {
     fmt::format_to(out, "phase {}: left wheel {}, right wheel {}, hold {}; at most {:.2f} ms\n",
@@ -104,51 +117,17 @@ std::string traceProgram(const ProgramFile& program, const TraceOptions& options
   const language::CompiledProgram& compiled = program.compiled;
   std::string text = describeProgram(program);
   const auto out = std::back_inserter(text);
-  for (const language::ListedBlock& block : language::listing(compiled.code)) {
+  language::ListedNames names{compiled.states, {}};
+  for (const language::PhaseFacts& phase : compiled.phases) names.phases.push_back(phase.name);
+  for (const language::ListedBlock& block : language::listing(compiled.code, names)) {
     fmt::format_to(out, "\n{}\n", block.title);
     for (const language::ListedInstruction& step : block.instructions) {
       fmt::format_to(out, "{:5}  {:34}{:6} cycles\n", step.position, step.text, step.cost);
     }
   }
-  fmt::format_to(out, "\n{:>10} {:>12} {:>10} {:>10} {:>10} {:>10}", "t (s)", "phase",
-                 "left (cm/s)", "right (cm/s)", "turn (/s)", "hold (s)");
-  for (const std::string& state : compiled.states) fmt::format_to(out, " {:>10}", state);
-  text += '\n';
-
-  dynamics::MachineInputs inputs;
-  const auto counts = static_cast<std::uint16_t>(std::lround(options.light * 1023));
-  inputs.sensors.light_front = counts;
-  inputs.sensors.light_back = counts;
-  dynamics::Rng rng(options.seed);
-  dynamics::Machine machine;
-  machine.start(compiled.code.data(), static_cast<std::uint8_t>(compiled.code.size()), inputs, rng);
-  for (int i = 0; i < options.holds; ++i) {
-    const dynamics::PhaseResult hold = machine.next(inputs, rng);
-    const double turning_rate =
-        (hold.right_um_s - hold.left_um_s) * 1e-6 / dynamics::WheelLimits().wheel_base;
-    const bool endless = hold.duration_ms == dynamics::kEndless;
-    fmt::format_to(out, "{:10.3f} {:>12} {:10.4f} {:10.4f} {:10.4f} {:>10}", inputs.time_ms / 1e3,
-                   compiled.phases[machine.phase()].name, hold.left_um_s / 1e4,
-                   hold.right_um_s / 1e4, turning_rate,
-                   endless ? "forever" : fmt::format("{:.3f}", hold.duration_ms / 1e3));
-    for (std::size_t state = 0; state < compiled.states.size(); ++state) {
-      fmt::format_to(
-          out, " {:10.4f}",
-          machine.state(static_cast<std::uint8_t>(state)) / static_cast<double>(dynamics::kOne));
-    }
-    text += '\n';
-    if (endless) break;
-    inputs.time_ms += hold.duration_ms;
-    inputs.distance_um += static_cast<std::uint32_t>(
-        std::abs(static_cast<std::int64_t>(hold.left_um_s) + hold.right_um_s) * hold.duration_ms /
-        2000);
-    inputs.heading_turns += dynamics::turnsOf(static_cast<dynamics::Fixed>(
-        std::remainder(turning_rate * hold.duration_ms / 1e3, 2 * std::numbers::pi) *
-        dynamics::kOne));
-  }
-  if (machine.saturationCount() > 0) {
-    fmt::format_to(out, "{} results were limited\n", machine.saturationCount());
-  }
+  TraceInputs inputs;
+  for (const std::string& setting : options.set) setInput(inputs, setting);
+  text += '\n' + traceTable(compiled, traceHolds(compiled, inputs, options.seed, options.holds));
   return text;
 }
 

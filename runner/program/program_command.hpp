@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "common/programs/program_file.hpp"
 
@@ -12,7 +13,7 @@ struct TraceOptions {
   std::string program;  ///< Name of a shipped program, or a file.
   int holds = 10;
   std::uint64_t seed = 1;
-  double light = 0;  ///< What both light sensors read, 0 to 1.
+  std::vector<std::string> set;  ///< what the sensors read: "light=0.5", see setInput()
 };
 
 /// Reads a file, or the shipped program of that name.

@@ -219,17 +219,35 @@ std::string virtualSenses(const RunRecord& record) {
 std::string robots(const RunRecord& record) {
   if (record.robots.empty()) return {};
   Table table({">robot", "origin", ">reversals", ">tumbles", ">contact with a robot",
-               ">contact with a wall", ">wheel at its limit", ">stopped", ">without host",
-               ">boots"});
+               ">contact with a wall", ">limited", ">reports with limits", ">stopped",
+               ">without host", ">boots"});
   for (const auto& [id, robot] : record.robots) {
     table.row({std::to_string(id), originName(robot.origin), std::to_string(robot.reversals),
                std::to_string(robot.tumbles), share(robot.contact_robot, robot.states),
-               share(robot.contact_wall, robot.states), share(robot.saturated, robot.states),
-               share(robot.stopped, robot.states), share(robot.lease_expired, robot.states),
-               std::to_string(robot.boots)});
+               share(robot.contact_wall, robot.states), share(robot.limited, robot.states),
+               std::to_string(robot.limited), share(robot.stopped, robot.states),
+               share(robot.lease_expired, robot.states), std::to_string(robot.boots)});
   }
   return "<h2>Robots</h2>\n<p>As reported by the robots; percentages are shares of their reports. "
-         "Only simulated robots report contacts.</p>\n" +
+         "Only simulated robots report contacts. Limited: since the report before, a wheel speed "
+         "was "
+         "beyond what the wheels reach, or the program's arithmetic was limited: a result too "
+         "large, "
+         "a division by 0, an impossible draw, a hold beyond 0 s to 1 h or too short for the "
+         "robot's "
+         "computing.</p>\n" +
+         table.text();
+}
+
+std::string serialLines(const RunRecord& record) {
+  if (record.serial_lines.empty()) return {};
+  Table table({"robot", ">frames received", ">lost", ">with errors"});
+  for (const SerialLine& line : record.serial_lines) {
+    table.row({escapeHtml(line.text), groupedText(line.received), groupedText(line.lost),
+               groupedText(line.decode_errors)});
+  }
+  return "<h2>Serial lines</h2>\n<p>Robots on serial lines, with the programs that they loaded at "
+         "the start of the run and the time that this took.</p>\n" +
          table.text();
 }
 

@@ -28,6 +28,7 @@ namespace lab::report::html {
 [[nodiscard]] std::string lightSteps(const RunRecord& record);
 /// Empty without virtual senses.
 [[nodiscard]] std::string virtualSenses(const RunRecord& record);
+[[nodiscard]] std::string serialLines(const RunRecord& record);
 [[nodiscard]] std::string robots(const RunRecord& record);
 [[nodiscard]] std::string losses(const RunRecord& record);
 /// Empty if all services ran on one host.

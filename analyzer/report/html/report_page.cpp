@@ -86,6 +86,7 @@ std::string reportHtml(const RunRecord& record, const std::vector<Figure>& figur
   page += folded(html::lightBands(record));
   page += folded(html::robots(record));
   page += folded(html::losses(record));
+  page += folded(html::serialLines(record));
   page += folded(html::links(record));
   page += folded(html::provenance(record));
   return page + "</body>\n</html>\n";

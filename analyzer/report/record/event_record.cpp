@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string_view>
 
 namespace lab::report {
 namespace {
@@ -12,6 +13,8 @@ namespace {
 constexpr std::size_t kMostSteps = 100'000;
 constexpr std::size_t kMostRemarks = 10'000;
 constexpr std::size_t kMostServices = 500;
+/// The channel of the rows in which robot_bridge counts what its serial lines carried.
+constexpr std::string_view kSerialLine = "serial line";
 
 }  // namespace
 
@@ -131,6 +134,11 @@ void ServiceRecords::finish(RunRecord& record) const {
             });
   for (const auto& [name, status] : last_) {
     for (const stream_count_t& stream : status.received) {
+      if (stream.channel == kSerialLine) {
+        record.serial_lines.push_back(
+            {stream.sender, stream.received, stream.lost, stream.decode_errors});
+        continue;
+      }
       if (stream.lost == 0 && stream.decode_errors == 0) continue;
       record.listeners.push_back(
           {name, stream.channel, stream.sender, stream.lost, stream.decode_errors});

@@ -60,6 +60,14 @@ struct ListenerLoss {
   std::int64_t decode_errors = 0;
 };
 
+/// A robot's serial line, by the last report of robot_bridge.
+struct SerialLine {
+  std::string text;  ///< the robot, its restarts, the programs that it loaded and how long it took
+  std::int64_t received = 0;
+  std::int64_t lost = 0;
+  std::int64_t decode_errors = 0;
+};
+
 /// A program of the run.
 struct RunProgram {
   program_id_t program{};
@@ -132,6 +140,7 @@ struct RunRecord {
   std::map<std::int32_t, RobotRecord> robots;
   std::vector<ServiceRecord> services;
   std::vector<ListenerLoss> listeners;
+  std::vector<SerialLine> serial_lines;
   std::vector<LinkRecord> links;
 
   Tracks tracks;

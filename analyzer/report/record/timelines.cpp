@@ -89,7 +89,7 @@ void RobotTimelines::take(Robot& robot, const robot_state_t& state, std::int64_t
   if (fresh) ++record.boots;
   record.origin = state.origin;
   ++record.states;
-  record.saturated += flag(state, robot_state_t::FLAG_SATURATED);
+  record.limited += flag(state, robot_state_t::FLAG_SATURATED);
   record.contact_robot += flag(state, robot_state_t::FLAG_CONTACT_ROBOT);
   record.contact_wall += flag(state, robot_state_t::FLAG_CONTACT_WALL);
   record.stopped += flag(state, robot_state_t::FLAG_STOPPED);

@@ -56,8 +56,8 @@ struct ProgramSpan {
 struct RobotRecord {
   std::int8_t origin = 0;
   std::vector<ProgramSpan> programs;
-  std::int64_t states = 0;     ///< reports in the log
-  std::int64_t saturated = 0;  ///< reports with a saturated wheel
+  std::int64_t states = 0;   ///< reports in the log
+  std::int64_t limited = 0;  ///< reports since whose predecessor a speed or a result was limited
   std::int64_t contact_robot = 0;
   std::int64_t contact_wall = 0;
   std::int64_t stopped = 0;

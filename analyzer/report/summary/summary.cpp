@@ -153,6 +153,17 @@ Json programs(const RunRecord& record) {
   return all;
 }
 
+Json serialLines(const RunRecord& record) {
+  Json all = Json::array();
+  for (const SerialLine& line : record.serial_lines) {
+    all.push_back({{"line", line.text},
+                   {"received", line.received},
+                   {"lost", line.lost},
+                   {"decode_errors", line.decode_errors}});
+  }
+  return all;
+}
+
 Json losses(const RunRecord& record) {
   Json streams = Json::array();
   for (const StreamLoss& stream : record.log.streams) {
@@ -257,7 +268,8 @@ Json robots(const RunRecord& record) {
                    {"boots", robot.boots},
                    {"reversals", robot.reversals},
                    {"tumbles", robot.tumbles},
-                   {"saturated_share", share(robot.saturated)},
+                   {"limited_share", share(robot.limited)},
+                   {"limited_reports", robot.limited},
                    {"contact_robot_share", share(robot.contact_robot)},
                    {"contact_wall_share", share(robot.contact_wall)},
                    {"stopped_share", share(robot.stopped)},
@@ -317,6 +329,7 @@ std::string summaryJson(const RunRecord& record) {
                              {"cpu_s", number(film.cpu)},
                              {"problem", film.problem}});
   }
+  if (!record.serial_lines.empty()) json["serial_lines"] = serialLines(record);
   if (!record.links.empty()) json["links"] = links(record);
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }

@@ -304,6 +304,21 @@ TEST(Html, OpensWithTheMsdOfTheOnlyProgram) {
   EXPECT_LT(dut.find("title of msd_abp"), dut.find("<th>verdict</th>"));
 }
 
+// Results of programs are limited too, with no wheel at a limit.
+TEST(Html, CountsReportsWithLimitedResults) {
+  RunRecord record = smallRun();
+  RobotRecord& robot = record.robots.begin()->second;
+  robot.states = 200;
+  robot.limited = 17;
+  const std::string dut = reportHtml(record, {});
+  EXPECT_THAT(dut, HasSubstr("limited</th>"));
+  EXPECT_THAT(dut, HasSubstr("a division by 0"));
+  EXPECT_THAT(dut, Not(HasSubstr("wheel at its limit")));
+  const nlohmann::json json = nlohmann::json::parse(summaryJson(record));
+  EXPECT_EQ(json["robots"][0]["limited_reports"], 17);
+  EXPECT_EQ(json["robots"][0]["limited_share"], 0.085);
+}
+
 TEST(Html, ReportsLostMessages) {
   RunRecord record = smallRun();
   EXPECT_THAT(reportHtml(record, {}), HasSubstr("Every message that was sent is in the log."));

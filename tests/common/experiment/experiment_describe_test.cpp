@@ -30,6 +30,14 @@ TEST(Description, ListsWhatWouldStart) {
   EXPECT_THAT(dut, HasSubstr("30 s half: ABP: light 0.5, abp\n"));
 }
 
+TEST(Description, SaysWhatSensesAre) {
+  EXPECT_THAT(
+      describeExperiment(shipped("quorum_sensing")),
+      HasSubstr("senses        10 times per second, 500 ms after the exposure of the frame\n"
+                "                sense(0): neighbours within 20 cm\n"));
+  EXPECT_THAT(describeExperiment(shipped("abp")), ::testing::Not(HasSubstr("senses  ")));
+}
+
 TEST(Description, GivesTheCoefficientsAndTheFastestWheelOfEachProgram) {
   // |v| + eta d / 2
   EXPECT_THAT(describeExperiment(shipped("abp")),

@@ -171,8 +171,8 @@ TEST(ExperimentPrograms, NameTheLineOfAFileBesideTheExperiment) {
 TEST(ExperimentPrograms, AreCheckedAgainstTheWheelsOfTheFile) {
   const std::string fast = "[programs.mine.phases.run]\nforward = \"30 cm/s\"\nhold = \"1 s\"\n";
   EXPECT_THAT(problemsOf(fast),
-              ElementsAre(HasSubstr("programs.mine.phases.run: needs a wheel speed of 30 cm/s, the "
-                                    "wheels reach 27 cm/s")));
+              ElementsAre(HasSubstr("programs.mine.phases.run: found a wheel speed of 30 cm/s, "
+                                    "expected at most 27 cm/s")));
   EXPECT_THAT(problemsOf(fast, {"robot.max_wheel_speed_cm_s=30"}), testing::IsEmpty());
 }
 

@@ -112,8 +112,8 @@ TEST(OrderSettings, RefusesWhatAFileMayNotContain) {
   robot_order_t order = table();
   order.bands[0].program = toMessage(shippedProgram("abp", {{"v", "40 cm/s"}}, kWidestWheels));
   EXPECT_THAT(refusalOf(order), AllOf(StartsWith("program \"abp\":"),
-                                      HasSubstr("phases.run: needs a wheel speed of "),
-                                      HasSubstr("the wheels reach 27 cm/s")));
+                                      HasSubstr("phases.run: found a wheel speed of "),
+                                      HasSubstr("expected at most 27 cm/s")));
   // As a robot with a slightly wider base may have it: limited and counted there.
   order.bands[0].program = toMessage(shippedProgram("abp", {{"v", "15.5 cm/s"}}, kWidestWheels));
   EXPECT_EQ(settingsFrom(order, {0.27, 0.078}, 0.02).refusal, "");

@@ -92,7 +92,13 @@ INSTANTIATE_TEST_SUITE_P(
               "p.toml:1:13: parameter: found an unknown key, allowed here: description, law, "
               "parameters, state, phases; did you mean parameters?"},
         Wrong{"phases = 3\n", "p.toml:1:10: phases: found 3, allowed a table"},
-        Wrong{"description = \"nothing\"\n", "p.toml:1: phases: the program has no phase"},
+        Wrong{"description = \"nothing\"\n",
+              "p.toml:1:1: phases: found no phase, expected at least one"},
+        Wrong{"parameters = {\u03b3 = \"0.5 1/s\"}\n",
+              "p.toml:1:15: found the name \u03b3, allowed letters a to z, digits and _; write "
+              "gamma"},
+        Wrong{"[parameters]\nv = \"\u03b7\"\n\u03b7 = \"0.5 1/s\"\n",
+              "p.toml:3:1: found the name \u03b7, allowed letters a to z, digits and _; write eta"},
         Wrong{"[phases.run]\nforward = \"1 cm/s\"\n", "p.toml:1:1: phases.run: has no hold"},
         Wrong{"[phases.run]\nforward = \"1 cm/s + 2 s\"\nhold = \"1 s\"\n",
               "p.toml:2:21: phases.run.forward: '2 s' is a number in s, expected a number in cm/s "

@@ -11,6 +11,7 @@
 
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/machine.hpp"
+#include "robot/language/checked_expression.hpp"
 
 namespace lab::language {
 namespace {
@@ -231,7 +232,7 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"missing phase", [](ProgramText& p) { run(p).next = "tumble"; }, "phases.run.next",
               "unknown name 'tumble'"},
         Wrong{"no phases", [](ProgramText& p) { p.phases.clear(); }, "phases",
-              "the program has no phase"},
+              "found no phase, expected at least one"},
         Wrong{"no hold", [](ProgramText& p) { run(p).hold.clear(); }, "phases.run", "has no hold"},
         Wrong{"hold of zero", [](ProgramText& p) { run(p).hold = "0"; }, "phases.run.hold",
               "holds for 0 s, expected 1 ms to 3600 s"},
@@ -258,16 +259,16 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"negative hold", [](ProgramText& p) { run(p).hold = "uniform(-1 s, 1 s)"; },
               "phases.run.hold", "can be -1 s"},
         Wrong{"wheels too fast", [](ProgramText& p) { run(p).forward = "30 cm/s"; }, "phases.run",
-              "needs a wheel speed of 31.5 cm/s, the wheels reach 27 cm/s"},
+              "found a wheel speed of 31.5 cm/s, expected at most 27 cm/s, which the wheels reach"},
         Wrong{"too fast after a draw",
               [](ProgramText& p) { run(p).forward = "if(chance(0.5), 30 cm/s, v)"; }, "phases.run",
-              "the wheels reach 27 cm/s"},
+              "expected at most 27 cm/s"},
         Wrong{"turn too fast",
               [](ProgramText& p) {
                 run(p).forward = "v";
                 run(p).turn = "uniform(-10, 10) * 1/s";
               },
-              "phases.run", "needs a wheel speed of"},
+              "phases.run", "found a wheel speed of"},
         Wrong{"both speed pairs", [](ProgramText& p) { run(p).left = "v"; }, "phases.run",
               "has both wheel speeds"},
         Wrong{"set of a parameter", [](ProgramText& p) { run(p).set[0].first = "v"; },
@@ -289,7 +290,66 @@ INSTANTIATE_TEST_SUITE_P(
         Wrong{"negative mean", [](ProgramText& p) { run(p).hold = "exponential(-1 s)"; },
               "phases.run.hold", "expected more than 0"},
         Wrong{"choose of none", [](ProgramText& p) { run(p).forward = "v * choose(0)"; },
-              "phases.run.forward", "needs n of 1 or more"},
+              "phases.run.forward", "choose(n) found n = '0', expected a whole number of 1 or more"},
+        Wrong{"choose of no whole number",
+              [](ProgramText& p) { run(p).forward = "v * choose(2.5)/4"; }, "phases.run.forward",
+              "choose(n) found n = '2.5', expected a whole number"},
+        Wrong{"always too fast by a draw",
+              [](ProgramText& p) {
+                run(p).forward = "v";
+                run(p).turn = "choose(5)*10 rad/s - 200 rad/s";
+              }, "phases.run",
+              "found a wheel speed of 755 cm/s, expected at most 27 cm/s"},
+        Wrong{"too fast in one of five draws",
+              [](ProgramText& p) {
+                run(p).forward = "v";
+                run(p).turn = "choose(5)*2 rad/s";
+              }, "phases.run",
+              "found a wheel speed of 35 cm/s"},
+        Wrong{"too fast whatever the light",
+              [](ProgramText& p) { run(p).forward = "100 cm/s + light*1 cm/s"; }, "phases.run",
+              "found a wheel speed of 101.5 cm/s"},
+        Wrong{"too fast by a draw whatever the light",
+              [](ProgramText& p) { run(p).forward = "uniform(-40, 40)*1 cm/s + light*1 cm/s"; },
+              "phases.run", "found a wheel speed of 41.5 cm/s"},
+        Wrong{"too fast with either speed",
+              [](ProgramText& p) { run(p).forward = "if(light > 0.5, 40 cm/s, 30 cm/s)"; },
+              "phases.run", "found a wheel speed of 31.5 cm/s"},
+        Wrong{"mean of a speed too fast",
+              [](ProgramText& p) { run(p).forward = "normal(30 cm/s, 1 cm/s)"; }, "phases.run",
+              "found a wheel speed of 31.5 cm/s"},
+        Wrong{"too fast in light and draw",
+              [](ProgramText& p) { run(p).forward = "uniform(-10, 10)*(3 cm/s + light*1 cm/s)"; },
+              "phases.run", "found a wheel speed of 31.5 cm/s"},
+        Wrong{"hold too long whatever the light",
+              [](ProgramText& p) { run(p).hold = "4000 s + light*1 s"; }, "phases.run.hold",
+              "can be 4000 s, expected at most 3600 s, or forever"},
+        Wrong{"hold over light too long",
+              [](ProgramText& p) { run(p).hold = "4000 s/light"; }, "phases.run.hold",
+              "can be 4000 s, expected at most 3600 s"},
+        Wrong{"mean of a hold too long",
+              [](ProgramText& p) { run(p).hold = "exponential(4000 s)"; }, "phases.run.hold",
+              "can be 4000 s, expected at most 3600 s"},
+        Wrong{"hold negative by a draw whatever the light",
+              [](ProgramText& p) { run(p).hold = "uniform(-3 s, 3 s) + light*1 s"; },
+              "phases.run.hold", "can be -2 s, expected 0 or more"},
+        Wrong{"name of a function", [](ProgramText& p) { p.parameters[0].first = "uniform"; },
+              "parameters.uniform", "has a meaning in the language"},
+        Wrong{"name of numbered inputs", [](ProgramText& p) { p.state[0].first = "sense"; },
+              "state.sense", "has a meaning in the language"},
+        Wrong{"Greek name", [](ProgramText& p) { p.parameters[0].first = "tau_\u03b3"; },
+              "parameters.tau_\u03b3",
+              "expected letters (a to z), digits and _, not a digit first; write tau_gamma"},
+        Wrong{"Greek letter in an expression",
+              [](ProgramText& p) { run(p).forward = "v*\u03b7/eta"; }, "phases.run.forward",
+              "found '\u03b7'; names are written in ASCII; write eta"},
+        Wrong{"mean of a draw from a rate",
+              [](ProgramText& p) { run(p).hold = "exponential(gamma)"; }, "phases.run.hold",
+              "is a number in 1/s, expected a number in s; an exponential draw takes its mean: "
+              "write exponential(1/gamma)"},
+        Wrong{"power of a unit that is no number",
+              [](ProgramText& p) { run(p).forward = "5 cm^v"; }, "phases.run.forward",
+              "found 'v', expected a whole number from 1 to 9 as the power of 'cm'"},
         Wrong{"forever in a sum", [](ProgramText& p) { run(p).hold = "forever + 1 s"; },
               "phases.run.hold", "'forever' can only stand alone"},
         Wrong{"forever as a speed", [](ProgramText& p) { run(p).forward = "forever"; },
@@ -328,7 +388,7 @@ INSTANTIATE_TEST_SUITE_P(
                   p.phases.back().name = "p" + std::to_string(i);
                 }
               },
-              "", "a robot stores 176"},
+              "", "bytes of byte code, expected at most 176"},
         Wrong{"stack too deep",
               [](ProgramText& p) {
                 std::string deep = "light";
@@ -353,9 +413,9 @@ INSTANTIATE_TEST_SUITE_P(
               },
               "phases.run.forward", "is a number in s, expected a number in cm/s"},
         Wrong{"power", [](ProgramText& p) { run(p).forward = "v^2"; }, "phases.run.forward",
-              "found '^'; there are no powers here: write a product"},
+              "found '^'; only units have powers (cm^2): write a product"},
         Wrong{"power of stars", [](ProgramText& p) { run(p).forward = "v**2"; },
-              "phases.run.forward", "found '**'; there are no powers here"},
+              "phases.run.forward", "found '**'; only units have powers"},
         Wrong{"question mark", [](ProgramText& p) { run(p).forward = "light > 1 ? v : 0"; },
               "phases.run.forward", "found '?'; a choice is written if(condition, a, b)"},
         Wrong{"degrees as a sign", [](ProgramText& p) { run(p).turn = "5\u00b0/s"; },
@@ -437,6 +497,50 @@ INSTANTIATE_TEST_SUITE_P(
                  "because it computes for at most half of its time"},
         Doubtful{"long hold", [](ProgramText& p) { run(p).hold = "exponential(1000 s)"; },
                  "it is then limited"}));
+
+TEST(Compiler, UnitsHavePowersAsMessagesWriteThem) {
+  for (const char* unit : {"cm^2/s", "cm*cm/s", "cm^3/(cm*s)", "cm^2 / s^1", "cm^2*s/s^2"}) {
+    ProgramText text = runReverse();
+    text.parameters.emplace_back("D", std::string("3 ") + unit);
+    run(text).forward = "D/1 cm";
+    const CompiledProgram program = compile(text);
+    ASSERT_TRUE(program.ok()) << unit << ": " << firstError(text);
+    EXPECT_EQ(program.parameters.back().value, 3);
+    EXPECT_EQ(unitText(program.parameters.back().dimension), "cm^2/s");
+  }
+  EXPECT_EQ(unitText({1, -2, -1}), "cm/(s^2*volt)");
+}
+
+TEST(Compiler, ADivisorThatCanBeZeroKeepsItsSign) {
+  ProgramText text = runReverse();
+  run(text).hold = "1 s/light";
+  EXPECT_EQ(compile(text).phases[0].hold.low, 1);
+  EXPECT_EQ(compile(text).phases[0].hold.high, kLargestNumber);
+  run(text).hold = "max(1 s/(0 - light), 1 s)";
+  EXPECT_EQ(compile(text).phases[0].hold.low, 1);
+  EXPECT_EQ(compile(text).phases[0].hold.high, 1);
+}
+
+// A phase may have no duration: what is drawn to be 0 is neither limited nor counted.
+TEST(Compiler, DrawnHoldsMayBeZero) {
+  for (const char* hold : {"choose(3)*1 s", "if(chance(0.5), 0 s, 1 s)"}) {
+    ProgramText text = runReverse();
+    run(text).hold = hold;
+    const CompiledProgram program = compile(text);
+    ASSERT_TRUE(program.ok()) << firstError(text);
+    EXPECT_TRUE(program.warnings.empty());
+    int zero = 0;
+    execute(program, 100, [&](const dynamics::PhaseResult& result, std::uint8_t) {
+      zero += result.duration_ms == 0 ? 1 : 0;
+    });
+    EXPECT_GT(zero, 10);
+  }
+}
+
+TEST(Compiler, AProgramMayCallItsDirectionSign) {
+  EXPECT_TRUE(isReserved("uniform"));
+  EXPECT_FALSE(isReserved("sign"));
+}
 
 // The robot makes up for a short hold in a long one.
 TEST(Compiler, DoesNotWarnOfAShortHoldAmongLongOnes) {

@@ -44,6 +44,8 @@ TEST(Expression, AUnitBelongsToItsNumber) {
   EXPECT_EQ(parsed("2 / 5 cm"), "(2 / (5 * cm))");
   EXPECT_EQ(parsed("1/s"), "(1 / s)");
   EXPECT_EQ(parsed("3 1/s"), "((3 * 1) / s)");
+  EXPECT_EQ(parsed("3 cm^2/s"), "((3 * (cm * cm)) / s)");
+  EXPECT_EQ(parsed("3 cm/s^2"), "((3 * cm) / (s * s))");
 }
 
 TEST(Expression, SaysWhatItCoversInTheText) {
@@ -81,7 +83,7 @@ INSTANTIATE_TEST_SUITE_P(
                     WrongText{"(a", 2, "expected ')' for the '(' at character 1"},
                     WrongText{"f(a", 3, "expected ')' for the '(' at character 2"},
                     WrongText{"a = b", 2, "equality is written '=='"},
-                    WrongText{"a^2", 1, "there are no powers"},
+                    WrongText{"a^2", 1, "only units have powers"},
                     WrongText{"a && b", 2, "logic is written 'and'"},
                     WrongText{"a < b < c", 6, "write 'a < b and b < c'"},
                     WrongText{"1e999", 0, "too large"},

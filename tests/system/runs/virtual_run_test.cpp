@@ -199,7 +199,7 @@ TEST_F(VirtualRun, ReportsAnInvalidExperimentAndStartsNothing) {
   const Finished lab = run("lab run " + experiment("abp").string() + " --virtual-time --out " +
                            out.string() + " --set programs.abp.eta_rad_s=9");
   EXPECT_EQ(lab.exit_code, 2);
-  EXPECT_THAT(lab.output, HasSubstr("needs a wheel speed of 36.75 cm/s"));
+  EXPECT_THAT(lab.output, HasSubstr("found a wheel speed of 36.75 cm/s"));
   EXPECT_FALSE(fs::exists(out));
 }
 

@@ -11,7 +11,9 @@
 #include <string_view>
 #include <utility>
 
+#include "analyzer/report/html/report_page.hpp"
 #include "analyzer/report/record/event_record.hpp"
+#include "analyzer/report/summary/summary.hpp"
 #include "analyzer/report_error.hpp"
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
@@ -188,6 +190,30 @@ TEST_F(RunRecordTest, HasEachFaultAndMarkOnce) {
 }
 
 /// A script that marks every second reaches the limit of marks in hours.
+// Also without losses: the line says which programs the robot loaded, and how long it took.
+TEST(ServiceRecords, KeepsEverySerialLine) {
+  service_status_t status{};
+  status.sender = "robot_bridge";
+  status.instance = 5;
+  stream_count_t line{};
+  line.channel = "serial line";
+  line.sender =
+      "robot 3 (0 restarts, 1 commands sent again, 0 given up, 2 programs loaded in 0.8 s)";
+  line.received = 1200;
+  status.received.push_back(line);
+  status.num_received = 1;
+  ServiceRecords dut;
+  dut.take(status);
+  RunRecord record;
+  dut.finish(record);
+
+  ASSERT_EQ(record.serial_lines.size(), 1U);
+  EXPECT_TRUE(record.listeners.empty());
+  EXPECT_EQ(record.serial_lines[0].received, 1200);
+  EXPECT_THAT(reportHtml(record, {}), testing::HasSubstr("2 programs loaded in 0.8 s"));
+  EXPECT_THAT(summaryJson(record), testing::HasSubstr("2 programs loaded in 0.8 s"));
+}
+
 TEST(EventRecord, HasFaultsAfterTooManyMarks) {
   EventRecord dut;
   experiment_event_t event{};
