@@ -53,6 +53,10 @@ std::string_view toText(Reason reason) {
       return "no cap around it";
     case Reason::kTaken:
       return "belongs to another";
+    case Reason::kMerged:
+      return "several in one";
+    case Reason::kPattern:
+      return "pattern does not fit";
   }
   return "?";
 }

@@ -1,0 +1,464 @@
+/// Detection of blobs: ground, regions, moments, and the splitting of groups.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numbers>
+#include <optional>
+#include <utility>
+
+#include "light/median.hpp"
+#include "light/photometry/camera_response.hpp"
+#include "tracker_svc/blobs/blob_areas.hpp"
+#include "tracker_svc/blobs/blob_ground.hpp"
+#include "tracker_svc/blobs/blob_groups.hpp"
+#include "tracker_svc/blobs/blob_moments.hpp"
+#include "tracker_svc/blobs/blob_split.hpp"
+#include "tracker_svc/blobs/pixel_regions.hpp"
+#include "tracker_svc/marker_detector.hpp"
+#include "tracker_svc/plane_pose.hpp"
+
+namespace lab::detector {
+namespace {
+
+constexpr double kHalf = 0.5;             // [1] of a blob's contrast: the level of its outline
+constexpr double kInside = 0.8;           // quantile of the contrasts of a region, inside the blob
+constexpr double kSmallest = 0.6;         // [1] of the smallest area: regions to look at
+constexpr int kRing = 4;                  // [px] of ground around a blob
+constexpr double kEdgeBlurs = 3;          // [1] blurs, half the width of a blurred edge
+constexpr double kCloseBlurs = 2;         // [1] half the gap in which edges mix
+constexpr int kWidestEdge = 14;           // [px]
+constexpr double kHugeGroup = 60;         // [1] areas of the largest blob: not looked at
+constexpr double kMisfit = 0.15;          // [1] largest misfit of a split
+constexpr double kMisfitSeparate = 0.25;  // [1] the same, if the number of blobs is certain
+constexpr int kMostParts = 12;            // of one group
+constexpr double kFilled = 0.95;          // [1] of the ellipse with the same second moments
+constexpr double kTruncated = 0.1;        // [px] error of a centre whose edge ends at a neighbour
+constexpr double kHidden = 0.7;           // [1] of the usual area: partly hidden
+constexpr double kLong = 1.2;             // [1] length over width of a blob with an axis
+constexpr double kKnownAxis = 0.2;        // [rad] largest error of an axis
+constexpr float kPoor = 0.4F;             // [1] quality of a biased centre: not analysed
+constexpr float kMergedQuality = 0.3F;
+
+double blurOf(const optics::Imaging& imaging) {
+  return std::sqrt(imaging.blur * imaging.blur + optics::kPixelBox);
+}
+
+int blockOf(const optics::CameraModel& camera, const BlobSettings& settings) {
+  constexpr int kSmallestBlock = 24;
+  constexpr int kLargestBlock = 128;
+  const optics::CameraParameters& p = camera.parameters();
+  const auto middle = camera.toPlane({p.width / 2.0, p.height / 2.0}, settings.height);
+  if (!middle) return kLargestBlock;
+  const double scale = std::sqrt(std::abs(determinant(camera.scaleAt(*middle, settings.height))));
+  return static_cast<int>(std::clamp(1.5 * settings.largest * scale,
+                                     static_cast<double>(kSmallestBlock),
+                                     static_cast<double>(kLargestBlock)));
+}
+
+class BlobDetector final : public MarkerDetector {
+ public:
+  BlobDetector(const optics::CameraModel& camera, const optics::Imaging& imaging,
+               const BlobSettings& settings)
+      : camera_(camera),
+        settings_(settings),
+        response_(imaging),
+        ground_(imaging,
+                columnsOf(camera, settings.arena_width, settings.arena_height, settings.height),
+                blockOf(camera, settings)),
+        blur_(blurOf(imaging)) {}
+
+  const std::vector<Detection>& search(const optics::GreyView& picture,
+                                       std::vector<Rejection>* rejected,
+                                       std::span<const Expected> expected) override;
+
+  const std::vector<Detection>& follow(const optics::GreyView& picture,
+                                       std::span<const Expected> expected) override;
+
+  void setCompressed(bool compressed) override { ground_.setCompressed(compressed); }
+
+  void setGamma(double gamma) override {
+    optics::Imaging imaging = ground_.imaging();
+    imaging.gamma = gamma;
+    response_ = optics::CameraResponse(imaging);
+  }
+
+  [[nodiscard]] const optics::CameraModel& camera() const override { return camera_; }
+
+ private:
+  /// A region at half of its contrast.
+  struct Blob {
+    PixelRegion region;
+    BlobArea area;
+    std::optional<BlobMoments> moments;
+    PlanePoint at;        ///< of the middle of the region
+    double diameter = 0;  ///< [m] of a disc of its area
+  };
+
+  void findBlobs(const optics::GreyView& picture);
+  void addBlobs(const PixelRegion& region);
+  void measure(const optics::GreyView& picture);
+  [[nodiscard]] int edge() const {
+    return std::min(kWidestEdge, static_cast<int>(std::ceil(kEdgeBlurs * blur_)) + 1);
+  }
+  [[nodiscard]] bool isClean(const Blob& blob) const;
+  [[nodiscard]] bool leavesColumns(const PixelRegion& region) const;
+  void learn();
+  [[nodiscard]] int countIn(const Blob& blob) const;
+  void addGroup(const optics::GreyView& picture, const std::vector<std::size_t>& group);
+  void addSingle(const Blob& blob, bool alone);
+  void addMerged(const Blob& blob, int count);
+  [[nodiscard]] bool addSplit(const optics::GreyView& picture,
+                              const std::vector<std::size_t>& group, int count);
+  void refuse(const Blob& blob, Reason reason, double value, double limit);
+
+  optics::CameraModel camera_;
+  BlobSettings settings_;
+  optics::CameraResponse response_;
+  BlobGround ground_;
+  RegionFinder finder_;
+  BlobAreas areas_;
+  std::vector<Blob> blobs_;
+  std::vector<Detection> found_;
+  std::vector<Detection> followed_;
+  std::vector<Rejection>* rejected_ = nullptr;
+  // From this picture, or from the last one with enough single blobs:
+  double blur_;             ///< [px] with the pixel's square
+  double usual_area_ = 0;   ///< [m^2] of one blob, 0: not known
+  double usual_long_ = 0;   ///< [m] half of the long axis
+  double usual_short_ = 0;  ///< [m]
+  double spread_ = 0.05;    ///< [1] standard deviation of lengths
+  bool alike_ = false;      ///< whether the areas differ little
+  bool equal_ = false;      ///< whether they hardly differ
+};
+
+const std::vector<Detection>& BlobDetector::search(const optics::GreyView& grey,
+                                                   std::vector<Rejection>* rejected,
+                                                   std::span<const Expected> /*expected*/) {
+  found_.clear();
+  rejected_ = rejected;
+  if (rejected != nullptr) rejected->clear();
+  const optics::CameraParameters& p = camera_.parameters();
+  if (grey.data == nullptr || grey.width != p.width || grey.height != p.height) return found_;
+  const optics::GreyView picture = response_.linear(grey);
+  ground_.estimate(picture, settings_.bright);
+  findBlobs(picture);
+  const int before = edge();
+  measure(picture);
+  learn();
+  if (edge() != before) {
+    measure(picture);
+    learn();
+  }
+  std::vector<std::vector<int>> neighbours;
+  for (const Blob& blob : blobs_) neighbours.push_back(blob.area.neighbours);
+  for (const std::vector<std::size_t>& group : groupsOf(neighbours)) addGroup(picture, group);
+  return found_;
+}
+
+const std::vector<Detection>& BlobDetector::follow(const optics::GreyView& picture,
+                                                   std::span<const Expected> expected) {
+  search(picture, nullptr, expected);
+  followed_.assign(expected.size(), Detection{});
+  std::vector<bool> given(found_.size(), false);
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    double least = expected[i].reach;
+    std::size_t nearest = found_.size();
+    for (std::size_t j = 0; j < found_.size(); ++j) {
+      const double distance = std::hypot(found_[j].x - expected[i].x, found_[j].y - expected[i].y);
+      if (given[j] || distance > least) continue;
+      least = distance;
+      nearest = j;
+    }
+    if (nearest == found_.size()) continue;
+    given[nearest] = true;
+    followed_[i] = found_[nearest];
+  }
+  return followed_;
+}
+
+void BlobDetector::findBlobs(const optics::GreyView& picture) {
+  std::array<float, 257> thresholds{};
+  for (std::size_t grey = 0; grey < thresholds.size(); ++grey) {
+    thresholds[grey] = ground_.threshold(static_cast<float>(grey));
+  }
+  finder_.begin();
+  for (int y = 0; y < picture.height; ++y) {
+    const ColumnSpan& span = ground_.columns()[static_cast<std::size_t>(y)];
+    const float* ground = ground_.row(y);
+    const float* out = ground_.contrast(y);
+    const auto stands = [&](int x) {
+      const auto grey = static_cast<std::size_t>(std::clamp(ground[x], 0.0F, 256.0F));
+      return out[x] > 2 && out[x] > thresholds[grey];
+    };
+    for (int x = span.first; x <= span.last; ++x) {
+      if (!stands(x)) continue;
+      const int first = x;
+      while (x < span.last && stands(x + 1)) ++x;
+      finder_.add({y, first, x});
+    }
+  }
+  blobs_.clear();
+  for (const PixelRegion& region : finder_.regions()) addBlobs(region);
+}
+
+/// Outlines the blobs of a region at half of its contrast.
+void BlobDetector::addBlobs(const PixelRegion& region) {
+  const optics::Pixel middle{(region.x0 + region.x1) / 2.0, (region.y0 + region.y1) / 2.0};
+  const std::optional<PlanePoint> at = planePoint(camera_, middle, settings_.height);
+  if (!at) return;
+  const double unit = std::abs(determinant(at->per_pixel));
+  const double quarter = std::numbers::pi / 4;
+  const double smallest = quarter * settings_.smallest * settings_.smallest;
+  const double largest = quarter * settings_.largest * settings_.largest;
+  if (region.pixels * unit < kSmallest * smallest) return;
+  if (region.pixels * unit > kHugeGroup * largest) {
+    if (rejected_ != nullptr) {
+      rejected_->push_back({middle, Reason::kSize,
+                            static_cast<float>(std::sqrt(region.pixels * unit / largest)), 1});
+    }
+    return;
+  }
+  std::vector<float> contrasts;
+  for (const PixelRun& run : region.runs) {
+    const float* out = ground_.contrast(run.y);
+    contrasts.insert(contrasts.end(), out + run.first, out + run.last + 1);
+  }
+  const auto inside = contrasts.begin() +
+                      static_cast<std::ptrdiff_t>(kInside * static_cast<double>(contrasts.size()));
+  std::nth_element(contrasts.begin(), inside, contrasts.end());
+  const float level = static_cast<float>(kHalf) * *inside;
+  RegionFinder finder;
+  for (const PixelRun& run : region.runs) {
+    const float* out = ground_.contrast(run.y);
+    for (int x = run.first; x <= run.last; ++x) {
+      if (out[x] <= level) continue;
+      const int first = x;
+      while (x < run.last && out[x + 1] > level) ++x;
+      finder.add({run.y, first, x});
+    }
+  }
+  for (PixelRegion& part : finder.regions()) {
+    if (part.pixels * unit < kSmallest * smallest) continue;
+    const optics::Pixel centre{(part.x0 + part.x1) / 2.0, (part.y0 + part.y1) / 2.0};
+    const std::optional<PlanePoint> place = planePoint(camera_, centre, settings_.height);
+    if (!place) continue;
+    const double area = part.pixels * std::abs(determinant(place->per_pixel));
+    blobs_.push_back({std::move(part), {}, {}, *place, std::sqrt(area / quarter)});
+  }
+}
+
+void BlobDetector::measure(const optics::GreyView& picture) {
+  std::vector<PixelRegion> regions;
+  for (const Blob& blob : blobs_) regions.push_back(blob.region);
+  std::vector<BlobArea> areas = areas_.grow(regions, picture.width, picture.height, edge(), kRing,
+                                            static_cast<int>(std::ceil(kCloseBlurs * blur_)));
+  for (std::size_t i = 0; i < blobs_.size(); ++i) {
+    blobs_[i].area = std::move(areas[i]);
+    if (leavesColumns(blobs_[i].region)) blobs_[i].area.cut = true;
+    blobs_[i].moments = blobMoments(picture, blobs_[i].area, edge(), ground_, settings_.bright);
+  }
+}
+
+/// Whether a region touches the border of the arena.
+bool BlobDetector::leavesColumns(const PixelRegion& region) const {
+  const auto& columns = ground_.columns();
+  const auto inside = [&](int y) {
+    return y >= 0 && y < static_cast<int>(columns.size()) &&
+           columns[static_cast<std::size_t>(y)].last >= columns[static_cast<std::size_t>(y)].first;
+  };
+  if (!inside(region.y0 - 1) || !inside(region.y1 + 1)) return true;
+  return std::any_of(region.runs.begin(), region.runs.end(), [&](const PixelRun& run) {
+    const ColumnSpan& span = columns[static_cast<std::size_t>(run.y)];
+    return run.first <= span.first + 1 || run.last >= span.last - 1;
+  });
+}
+
+bool BlobDetector::isClean(const Blob& blob) const {
+  return blob.moments && !blob.area.cut && blob.area.neighbours.empty() &&
+         blob.diameter >= settings_.smallest && blob.diameter <= settings_.largest;
+}
+
+/// Learns blur and usual shape from the single blobs.
+void BlobDetector::learn() {
+  constexpr std::size_t kFewest = 3;
+  constexpr double kAlike = 0.15;        // [1] median deviation of areas
+  constexpr double kEqual = 0.06;        // [1]
+  constexpr double kNormal = 1.4826;     // standard deviation over median deviation
+  constexpr double kLeastSpread = 0.02;  // [1] of lengths
+  constexpr double kLeastBlur = 0.5;     // [px]
+  std::vector<double> areas;
+  std::vector<double> longs;
+  std::vector<double> shorts;
+  std::vector<double> blurs;
+  for (const Blob& blob : blobs_) {
+    if (!isClean(blob)) continue;
+    const double unit = std::abs(determinant(blob.at.per_pixel));
+    const BlobAxes axes = axesOf(*blob.moments);
+    const double pixels = blob.region.pixels;
+    areas.push_back(pixels * unit);
+    // A blurred ellipse has the second moments a^2 / 4 + s^2 and b^2 / 4 + s^2, and its outline at
+    // half of the contrast the area pi a b: this gives s.
+    const double quarter_area = pixels / (4 * std::numbers::pi);
+    const double sum = axes.major + axes.minor;
+    const double rest = axes.major * axes.minor - quarter_area * quarter_area;
+    blurs.push_back((sum - std::sqrt(std::max(0.0, sum * sum - 4 * rest))) / 2);
+  }
+  if (areas.size() < kFewest) return;
+  blur_ = std::sqrt(std::max(kLeastBlur * kLeastBlur, medianOf(blurs)));
+  std::vector<double> copy = areas;
+  usual_area_ = medianOf(copy);
+  for (double& area : areas) area = std::abs(area / usual_area_ - 1);
+  const double deviation = medianOf(areas);
+  alike_ = deviation < kAlike;
+  equal_ = deviation < kEqual;
+  // The standard deviation of lengths is half that of areas.
+  spread_ = std::max(kLeastSpread, kNormal * deviation / 2);
+  for (const Blob& blob : blobs_) {
+    if (!isClean(blob)) continue;
+    const double unit = std::sqrt(std::abs(determinant(blob.at.per_pixel)));
+    const BlobAxes axes = axesOf(*blob.moments).sharpened(blur_);
+    longs.push_back(2 * std::sqrt(axes.major) * unit);
+    shorts.push_back(2 * std::sqrt(axes.minor) * unit);
+  }
+  usual_long_ = medianOf(longs);
+  usual_short_ = medianOf(shorts);
+}
+
+/// How many blobs a region consists of, by its area.
+int BlobDetector::countIn(const Blob& blob) const {
+  const double area = blob.region.pixels * std::abs(determinant(blob.at.per_pixel));
+  const bool large = blob.diameter > settings_.largest;
+  if (!large && !(alike_ && blob.moments)) return 1;
+  if (!large) {
+    // A single one fills the ellipse with its second moments.
+    const BlobAxes axes = axesOf(*blob.moments).sharpened(blur_);
+    const double ellipse = 4 * std::numbers::pi * std::sqrt(axes.major * axes.minor);
+    if (blob.region.pixels > kFilled * ellipse) return 1;
+  }
+  const double one =
+      usual_area_ > 0 ? usual_area_ : std::numbers::pi / 4 * settings_.largest * settings_.largest;
+  return std::max(large ? 2 : 1, static_cast<int>(std::lround(area / one)));
+}
+
+void BlobDetector::addGroup(const optics::GreyView& picture,
+                            const std::vector<std::size_t>& group) {
+  int count = 0;
+  for (const std::size_t one : group) count += countIn(blobs_[one]);
+  if (count == 1 && group.size() == 1) return addSingle(blobs_[group.front()], true);
+  if (usual_area_ > 0 && count <= kMostParts && addSplit(picture, group, count)) return;
+  for (const std::size_t one : group) {
+    const Blob& blob = blobs_[one];
+    const int inside = countIn(blob);
+    if (inside == 1) {
+      addSingle(blob, false);
+    } else if (group.size() == 1 || inside > kMostParts || usual_area_ <= 0 ||
+               !addSplit(picture, {one}, inside)) {
+      addMerged(blob, inside);
+    }
+  }
+}
+
+void BlobDetector::addSingle(const Blob& blob, bool alone) {
+  if (blob.diameter < settings_.smallest || !blob.moments) {
+    return refuse(blob, Reason::kSize, blob.diameter / settings_.smallest, 1);
+  }
+  const BlobMoments& m = *blob.moments;
+  BlobMoments known = m;
+  if (!alone) {
+    known.covariance[0] += kTruncated * kTruncated;
+    known.covariance[2] += kTruncated * kTruncated;
+  }
+  const std::optional<Detection> pose = blobPose(camera_, settings_.height, known, blur_);
+  if (!pose) return;
+  Detection one = *pose;
+  one.area = static_cast<float>(blob.region.pixels * std::abs(determinant(blob.at.per_pixel)));
+  if (static_cast<double>(one.length) < kLong * static_cast<double>(one.width) ||
+      one.covariance[5] > kKnownAxis * kKnownAxis) {
+    forgetHeading(one);
+  }
+  one.used = kUsedBlob;
+  const double signal = m.contrast / m.noise;
+  one.quality = static_cast<float>(std::max(0.5, 0.98 * signal / (signal + 2)));
+  if (!alone) {
+    one.used |= kUsedSplit;
+    one.quality = std::min(one.quality, 0.6F);
+  }
+  const bool hidden = equal_ && static_cast<double>(one.area) < kHidden * usual_area_;
+  if (blob.area.cut || hidden) one.quality = kPoor;
+  found_.push_back(one);
+}
+
+void BlobDetector::addMerged(const Blob& blob, int count) {
+  refuse(blob, Reason::kMerged, count, 1);
+  if (!blob.moments || count > kMostParts) return;
+  const std::optional<Detection> pose = blobPose(camera_, settings_.height, *blob.moments, blur_);
+  if (!pose) return;
+  Detection one = *pose;
+  forgetHeading(one);
+  // The blobs are somewhere in it.
+  const double spread = static_cast<double>(one.length * one.length) / 16;
+  one.covariance[0] += spread;
+  one.covariance[3] += spread;
+  one.area = static_cast<float>(blob.region.pixels * std::abs(determinant(blob.at.per_pixel)));
+  one.used = kUsedBlob;
+  one.quality = kMergedQuality;
+  one.merged = static_cast<std::uint8_t>(count);
+  found_.push_back(one);
+}
+
+bool BlobDetector::addSplit(const optics::GreyView& picture, const std::vector<std::size_t>& group,
+                            int count) {
+  std::vector<const BlobArea*> areas;
+  std::vector<optics::Pixel> starts;
+  for (const std::size_t one : group) {
+    if (blobs_[one].area.cut) return false;
+    areas.push_back(&blobs_[one].area);
+    if (blobs_[one].moments) starts.push_back(blobs_[one].moments->centre);
+  }
+  const std::vector<ContrastPixel> pixels =
+      contrastPixels(picture, areas, edge(), ground_, settings_.bright);
+  const double unit = std::sqrt(std::abs(determinant(blobs_[group.front()].at.per_pixel)));
+  const BlobShape shape{usual_long_ / unit, usual_short_ / unit, blur_, spread_};
+  const std::optional<BlobSplit> split = splitBlob(pixels, count, shape, starts);
+  const bool certain = static_cast<std::size_t>(count) == group.size();
+  if (!split || split->misfit > (certain ? kMisfitSeparate : kMisfit)) return false;
+  const double quality = 0.5 + 0.4 * (1 - split->misfit / kMisfitSeparate);
+  for (const BlobPart& part : split->parts) {
+    std::optional<Detection> one =
+        partPose(camera_, settings_.height, part.centre, part.angle, part.covariance);
+    if (!one) continue;
+    if (shape.isRound() || one->covariance[5] > kKnownAxis * kKnownAxis) {
+      forgetHeading(*one);
+    } else {
+      one->heading = HeadingKind::kAxis;
+    }
+    one->area = static_cast<float>(usual_area_);
+    one->length = static_cast<float>(2 * usual_long_);
+    one->width = static_cast<float>(2 * usual_short_);
+    one->used = kUsedBlob | kUsedSplit;
+    one->quality = static_cast<float>(quality);
+    found_.push_back(*one);
+  }
+  return true;
+}
+
+void BlobDetector::refuse(const Blob& blob, Reason reason, double value, double limit) {
+  if (rejected_ == nullptr) return;
+  const PixelRegion& region = blob.region;
+  rejected_->push_back({{(region.x0 + region.x1) / 2.0, (region.y0 + region.y1) / 2.0},
+                        reason,
+                        static_cast<float>(value),
+                        static_cast<float>(limit)});
+}
+
+}  // namespace
+
+std::unique_ptr<MarkerDetector> makeBlobDetector(const optics::CameraModel& camera,
+                                                 const optics::Imaging& imaging,
+                                                 const BlobSettings& settings) {
+  return std::make_unique<BlobDetector>(camera, imaging, settings);
+}
+
+}  // namespace lab::detector
