@@ -287,4 +287,19 @@ void Detector::Steps::explainTheRest(std::vector<Rejection>& rejected) const {
   }
 }
 
+std::unique_ptr<MarkerDetector> makeMarkerDetector(const MarkerSettings& settings,
+                                                   const optics::CameraModel& camera,
+                                                   const optics::CapGeometry& cap,
+                                                   const optics::Imaging& imaging) {
+  switch (settings.kind) {
+    case MarkerKind::kBlobs:
+      return makeBlobDetector(camera, imaging, settings.blobs);
+    case MarkerKind::kTags:
+      return makeTagDetector(camera, imaging, settings.tags);
+    case MarkerKind::kCaps:
+      break;
+  }
+  return std::make_unique<Detector>(camera, cap, imaging);
+}
+
 }  // namespace lab::detector

@@ -1,6 +1,7 @@
 /// What finds markers in one picture: the interface of the detectors of caps, blobs and tags.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string>
@@ -45,6 +46,9 @@ class MarkerDetector {
   [[nodiscard]] virtual const optics::CameraModel& camera() const = 0;
 };
 
+/// What marks the robots, animals or particles.
+enum class MarkerKind : std::uint8_t { kCaps, kBlobs, kTags };
+
 /// Single spots: animals, colloids, dots on robots.
 struct BlobSettings {
   bool bright = false;      ///< brighter than the ground; else darker
@@ -61,6 +65,26 @@ struct TagSettings {
   double size = 0.04;               ///< [m] side of the square between white and black border
   double height = 0.05;             ///< [m] of the tags above the floor
 };
+
+/// What a detector looks for.
+struct MarkerSettings {
+  MarkerKind kind = MarkerKind::kCaps;
+  BlobSettings blobs;
+  TagSettings tags;
+
+  /// [m] of the markers above the floor
+  [[nodiscard]] double height(const optics::CapGeometry& cap) const {
+    if (kind == MarkerKind::kBlobs) return blobs.height;
+    return kind == MarkerKind::kTags ? tags.height : cap.height;
+  }
+};
+
+/// The detector of these markers.
+/// @throws std::invalid_argument if a family of tags is unknown
+[[nodiscard]] std::unique_ptr<MarkerDetector> makeMarkerDetector(const MarkerSettings& settings,
+                                                                 const optics::CameraModel& camera,
+                                                                 const optics::CapGeometry& cap,
+                                                                 const optics::Imaging& imaging);
 
 /// Finds blobs. They must be darker (or brighter) than the ground by a fifth, and the ground must
 /// not change by much over two of the largest diameters.
