@@ -3,9 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <utility>
 
 namespace lab::tracker {
 namespace {
+
+// [1] strength of a link, relative to the best of its track and of its detection, that is left out
+constexpr double kNegligible = 1e-7;
 
 /// The place of a number among sorted different numbers.
 std::size_t placeOf(const std::vector<std::size_t>& numbers, std::size_t number) {
@@ -74,28 +78,64 @@ const std::vector<double>& LinkProbabilities::of(std::span<const Link> links) {
   return probabilities_;
 }
 
+/// Joins links to groups, the strongest first, as long as the groups stay small.
 void LinkProbabilities::group(std::span<const Link> links) {
-  std::vector<std::size_t> parents(links.size());
-  for (std::size_t i = 0; i < parents.size(); ++i) parents[i] = i;
+  std::size_t tracks = 0;
+  std::size_t detections = 0;
+  for (const Link& link : links) {
+    tracks = std::max(tracks, link.track + 1);
+    detections = std::max(detections, link.detection + 1);
+  }
+  std::vector<double> best_track(tracks, 0);
+  std::vector<double> best_detection(detections, 0);
+  for (const Link& link : links) {
+    best_track[link.track] = std::max(best_track[link.track], link.weight);
+    best_detection[link.detection] = std::max(best_detection[link.detection], link.weight);
+  }
+  const auto strength = [&](std::size_t i) {
+    const Link& link = links[i];
+    const double track = link.weight / std::max(1.0, best_track[link.track]);
+    const double detection = link.weight / std::max(1.0, best_detection[link.detection]);
+    return track * detection;
+  };
+  std::vector<std::pair<double, std::size_t>> order;
+  for (std::size_t i = 0; i < links.size(); ++i) order.emplace_back(-strength(i), i);
+  std::sort(order.begin(), order.end());
+
+  // Nodes: tracks, then detections.
+  struct Node {
+    std::size_t parent;
+    std::size_t tracks;
+    std::size_t detections;
+  };
+  std::vector<Node> nodes;
+  for (std::size_t i = 0; i < tracks; ++i) nodes.push_back({i, 1, 0});
+  for (std::size_t i = 0; i < detections; ++i) nodes.push_back({tracks + i, 0, 1});
   const auto root = [&](std::size_t i) {
-    while (parents[i] != i) i = parents[i] = parents[parents[i]];
+    while (nodes[i].parent != i) i = nodes[i].parent = nodes[nodes[i].parent].parent;
     return i;
   };
-  std::map<std::size_t, std::size_t> of_track;
-  std::map<std::size_t, std::size_t> of_detection;
-  for (std::size_t i = 0; i < links.size(); ++i) {
-    for (const std::size_t other :
-         {of_track.try_emplace(links[i].track, i).first->second,
-          of_detection.try_emplace(links[i].detection, i).first->second}) {
-      const std::size_t a = root(i);
-      const std::size_t b = root(other);
-      parents[std::max(a, b)] = std::min(a, b);
+  for (const auto& [minus, i] : order) {
+    if (-minus < kNegligible) break;
+    const std::size_t a = root(links[i].track);
+    const std::size_t b = root(tracks + links[i].detection);
+    if (a == b) continue;
+    const std::size_t both_tracks = nodes[a].tracks + nodes[b].tracks;
+    const std::size_t both_detections = nodes[a].detections + nodes[b].detections;
+    if (std::min(both_tracks, both_detections) > kMost ||
+        std::max(both_tracks, both_detections) > 4 * kMost) {
+      continue;
     }
+    nodes[std::max(a, b)].parent = std::min(a, b);
+    nodes[std::min(a, b)].tracks = both_tracks;
+    nodes[std::min(a, b)].detections = both_detections;
   }
   std::map<std::size_t, std::size_t> place;
   groups_.clear();
   for (std::size_t i = 0; i < links.size(); ++i) {
-    const auto [at, is_new] = place.try_emplace(root(i), groups_.size());
+    const std::size_t own = root(links[i].track);
+    if (own != root(tracks + links[i].detection)) continue;
+    const auto [at, is_new] = place.try_emplace(own, groups_.size());
     if (is_new) groups_.emplace_back();
     groups_[at->second].push_back(i);
   }
@@ -105,7 +145,6 @@ void LinkProbabilities::group(std::span<const Link> links) {
 void LinkProbabilities::solveExactly(std::span<const Link> links,
                                      const std::vector<std::size_t>& group) {
   const Table table(links, group);
-  if (table.columns > kExact) return propagate(links, group);
   const std::size_t sets = std::size_t{1} << table.columns;
   // after[r][set]: sum over the rows from r on, if the columns of the set are taken.
   std::vector<std::vector<double>> after(table.rows.size() + 1, std::vector<double>(sets, 1));
@@ -137,44 +176,6 @@ void LinkProbabilities::solveExactly(std::span<const Link> links,
       }
     }
     before.swap(next);
-  }
-}
-
-void LinkProbabilities::propagate(std::span<const Link> links,
-                                  const std::vector<std::size_t>& group) {
-  constexpr int kRounds = 200;
-  constexpr double kSettled = 1e-6;
-  const Table table(links, group);
-  // By link: the message of its column, and that of its row.
-  std::vector<double> from_column(links.size(), 1);
-  std::vector<double> from_row(links.size(), 0);
-  for (int round = 0; round < kRounds; ++round) {
-    std::vector<double> sums(table.columns, 1);
-    for (std::size_t r = 0; r < table.rows.size(); ++r) {
-      double sum = table.alone[r];
-      for (const Table::Entry& entry : table.rows[r]) sum += entry.weight * from_column[entry.link];
-      for (const Table::Entry& entry : table.rows[r]) {
-        const double others = sum - entry.weight * from_column[entry.link];
-        from_row[entry.link] = entry.weight / std::max(others, 1e-300);
-        sums[entry.column] += from_row[entry.link];
-      }
-    }
-    double change = 0;
-    for (const std::vector<Table::Entry>& row : table.rows) {
-      for (const Table::Entry& entry : row) {
-        const double now = 1 / std::max(sums[entry.column] - from_row[entry.link], 1.0);
-        change = std::max(change, std::abs(now - from_column[entry.link]));
-        from_column[entry.link] = now;
-      }
-    }
-    if (change < kSettled) break;
-  }
-  for (std::size_t r = 0; r < table.rows.size(); ++r) {
-    double sum = table.alone[r];
-    for (const Table::Entry& entry : table.rows[r]) sum += entry.weight * from_column[entry.link];
-    for (const Table::Entry& entry : table.rows[r]) {
-      probabilities_[entry.link] = entry.weight * from_column[entry.link] / sum;
-    }
   }
 }
 

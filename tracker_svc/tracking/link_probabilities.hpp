@@ -18,22 +18,22 @@ struct Link {
 /// The probability of every link, if each track has at most one detection and each detection at
 /// most one track, and an assignment is as probable as the product of its weights.
 ///
-/// Exact where at most kExact tracks or detections depend on each other; else by belief propagation
-/// (Williams and Lau, IEEE Trans. Aerosp. Electron. Syst. 50, 2942 (2014)).
+/// Links that depend on each other are summed over exactly, in groups of at most kMost tracks or
+/// detections. Larger groups are divided at their weakest links, which then have the probability
+/// 0. (Belief propagation, which needs no groups, is far too sure where two tracks may be swapped.)
 class LinkProbabilities {
  public:
-  static constexpr std::size_t kExact = 10;
+  static constexpr std::size_t kMost = 11;
 
   /// @return one probability for each link; valid until the next call
   [[nodiscard]] const std::vector<double>& of(std::span<const Link> links);
 
-  /// Indices of links that depend on each other, as found by the last call of of().
+  /// Indices of the links of each group, as found by the last call of of().
   [[nodiscard]] const std::vector<std::vector<std::size_t>>& groups() const { return groups_; }
 
  private:
   void group(std::span<const Link> links);
   void solveExactly(std::span<const Link> links, const std::vector<std::size_t>& group);
-  void propagate(std::span<const Link> links, const std::vector<std::size_t>& group);
 
   std::vector<double> probabilities_;
   std::vector<std::vector<std::size_t>> groups_;

@@ -51,6 +51,7 @@ struct MotionTracker::TrackState {
   double vy = 0;             ///< [m/s]
   bool moves = false;        ///< whether there was a step
   int missed = 0;            ///< pictures since its last detection
+  double swap = 0;           ///< [1] probability that its last step was one between two markers
   double forward = 0;        ///< [m] way along its heading, the last lengths of it
   bool detected = true;
 };
@@ -88,7 +89,11 @@ MotionTracker::Prediction MotionTracker::predict(const TrackState& track, double
   const double scale = result.steps / count;
   result.x += track.vx * interval * mean * scale;
   result.y += track.vy * interval * mean * scale;
-  result.variance = model_.variance * variance * scale * scale;
+  // After a doubtful link the last step may have been that between two markers.
+  const double speed2 = track.vx * track.vx + track.vy * track.vy;
+  const double doubt = track.swap * (1 - track.swap) * speed2;
+  const double way = interval * mean * scale;
+  result.variance = model_.variance * variance * scale * scale + doubt * way * way;
   return result;
 }
 
@@ -128,6 +133,7 @@ const std::vector<Track>& MotionTracker::update(double time,
     }
     taken[static_cast<std::size_t>(chosen_[i])] = true;
     noteDetected(track, time, found_[static_cast<std::size_t>(chosen_[i])]);
+    track.swap = swap_[i];
   }
   // Tracks that end.
   std::size_t kept = 0;
@@ -242,8 +248,6 @@ void MotionTracker::learn(double time) {
     if (round + 1 < rounds) {
       findLinks(time);
     } else {
-      first_weight_ *= keep;
-      first_square_ *= keep;
       weight_ *= keep;
       square_ *= keep;
       product_ *= keep;
