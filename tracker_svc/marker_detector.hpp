@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -61,7 +62,7 @@ struct BlobSettings {
 
 /// AprilTags.
 struct TagSettings {
-  std::string family = "tag36h11";  ///< one of tagFamilies()
+  std::string family = "tag36h11";  ///< one of optics::tagFamilies()
   double size = 0.04;               ///< [m] side of the square between white and black border
   double height = 0.05;             ///< [m] of the tags above the floor
 };
@@ -77,6 +78,14 @@ struct MarkerSettings {
     if (kind == MarkerKind::kBlobs) return blobs.height;
     return kind == MarkerKind::kTags ? tags.height : cap.height;
   }
+
+  /// The outline that is drawn around a marker: cap_radius at the height of the markers.
+  [[nodiscard]] optics::CapGeometry outline(optics::CapGeometry cap) const {
+    cap.height = height(cap);
+    if (kind == MarkerKind::kBlobs) cap.cap_radius = blobs.largest / 2;
+    if (kind == MarkerKind::kTags) cap.cap_radius = tags.size / std::numbers::sqrt2;
+    return cap;
+  }
 };
 
 /// The detector of these markers.
@@ -91,9 +100,6 @@ struct MarkerSettings {
 [[nodiscard]] std::unique_ptr<MarkerDetector> makeBlobDetector(const optics::CameraModel& camera,
                                                                const optics::Imaging& imaging,
                                                                const BlobSettings& settings);
-
-/// Names of the families of tags that libapriltag knows.
-[[nodiscard]] std::vector<std::string> tagFamilies();
 
 /// Finds tags with libapriltag, and refines their poses by a fit to the picture.
 /// @throws std::invalid_argument if the family is unknown

@@ -61,7 +61,7 @@ detector::MarkerSettings markersOf(const TrackOptions& options,
                      .arena_height = calibration.arena_height};
   } else if (options.marker == "tags") {
     markers.kind = detector::MarkerKind::kTags;
-    const std::vector<std::string> families = detector::tagFamilies();
+    const std::vector<std::string> families = optics::tagFamilies();
     const std::string family = options.tag_family.empty() ? families.front() : options.tag_family;
     if (std::find(families.begin(), families.end(), family) == families.end()) {
       throw UserError(fmt::format("--tag-family: found \"{}\", expected one of {}", family,

@@ -9,7 +9,6 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -167,18 +166,6 @@ tracker::TrackerSettings trackerSettings(const CameraCalibration& calibration) {
   return settings;
 }
 
-/// The outline that the overlay draws around a marker.
-optics::CapGeometry outlineOf(const detector::MarkerSettings& markers,
-                              const optics::CapGeometry& cap) {
-  optics::CapGeometry outline = cap;
-  outline.height = markers.height(cap);
-  if (markers.kind == detector::MarkerKind::kBlobs) outline.cap_radius = markers.blobs.largest / 2;
-  if (markers.kind == detector::MarkerKind::kTags) {
-    outline.cap_radius = markers.tags.size / std::numbers::sqrt2;
-  }
-  return outline;
-}
-
 std::unique_ptr<FilmOverlay> openOverlay(const TrackOptions& options,
                                          const CameraCalibration& calibration,
                                          const detector::MarkerSettings& markers, double fps) {
@@ -188,7 +175,7 @@ std::unique_ptr<FilmOverlay> openOverlay(const TrackOptions& options,
        .force = options.force,
        .fps = (fps > 0 ? fps : kAssumedFps) / static_cast<double>(options.every),
        .camera = optics::CameraModel(calibration.camera),
-       .cap = outlineOf(markers, calibration.cap)});
+       .cap = markers.outline(calibration.cap)});
 }
 
 /// Tracks one film from its first frame to its last.

@@ -12,8 +12,8 @@
 #include <opencv2/features2d.hpp>
 #endif
 
+#include "light/optics/tag_pattern.hpp"
 #include "tracker_svc/plane_pose.hpp"
-#include "tracker_svc/tags/tag_pattern.hpp"
 
 namespace lab::cases {
 namespace {
@@ -22,7 +22,7 @@ constexpr double kHalf = 0.5;  // [px] libapriltag counts from the corner of the
 
 std::vector<detector::Detection> findTags(const MarkerKind& kind, const optics::GreyView& picture) {
   const optics::CameraModel camera = cameraOf(kind.settings);
-  const detector::TagFamily family(kind.settings.family);
+  const optics::TagFamily family(kind.settings.family);
   apriltag_detector_t* detector = apriltag_detector_create();
   apriltag_detector_add_family_bits(detector, family.get(), 1);
   detector->nthreads = 1;

@@ -34,6 +34,7 @@ constexpr double kMisfit = 0.15;          // [1] largest misfit of a split
 constexpr double kMisfitSeparate = 0.25;  // [1] the same, if the number of blobs is certain
 constexpr int kMostParts = 12;            // of one group
 constexpr double kFilled = 0.95;          // [1] of the ellipse with the same second moments
+constexpr double kHollow = 0.5;           // [1] of that ellipse
 constexpr double kTruncated = 0.1;        // [px] error of a centre whose edge ends at a neighbour
 constexpr double kHidden = 0.7;           // [1] of the usual area: partly hidden
 constexpr double kLong = 1.2;             // [1] length over width of a blob with an axis
@@ -105,6 +106,7 @@ class BlobDetector final : public MarkerDetector {
   [[nodiscard]] bool isClean(const Blob& blob) const;
   [[nodiscard]] bool leavesColumns(const PixelRegion& region) const;
   void learn();
+  [[nodiscard]] bool isHollow(const Blob& blob) const;
   [[nodiscard]] int countIn(const Blob& blob) const;
   void addGroup(const optics::GreyView& picture, const std::vector<std::size_t>& group);
   void addSingle(const Blob& blob, bool alone);
@@ -326,6 +328,13 @@ void BlobDetector::learn() {
   usual_short_ = medianOf(shorts);
 }
 
+/// Whether a region is a ring or an arc, such as a shadow: blobs fill their outlines.
+bool BlobDetector::isHollow(const Blob& blob) const {
+  if (!blob.moments) return false;
+  const BlobAxes axes = axesOf(*blob.moments).sharpened(blur_);
+  return blob.region.pixels < kHollow * 4 * std::numbers::pi * std::sqrt(axes.major * axes.minor);
+}
+
 /// How many blobs a region consists of, by its area.
 int BlobDetector::countIn(const Blob& blob) const {
   const double area = blob.region.pixels * std::abs(determinant(blob.at.per_pixel));
@@ -346,6 +355,10 @@ void BlobDetector::addGroup(const optics::GreyView& picture,
                             const std::vector<std::size_t>& group) {
   int count = 0;
   for (const std::size_t one : group) count += countIn(blobs_[one]);
+  if (group.size() == 1 && isHollow(blobs_[group.front()])) {
+    return refuse(blobs_[group.front()], Reason::kSize,
+                  blobs_[group.front()].diameter / settings_.largest, 1);
+  }
   if (count == 1 && group.size() == 1) return addSingle(blobs_[group.front()], true);
   if (usual_area_ > 0 && count <= kMostParts && addSplit(picture, group, count)) return;
   for (const std::size_t one : group) {

@@ -12,11 +12,11 @@
 #include <optional>
 #include <utility>
 
+#include "light/optics/tag_pattern.hpp"
 #include "light/photometry/camera_response.hpp"
 #include "tracker_svc/marker_detector.hpp"
 #include "tracker_svc/plane_pose.hpp"
 #include "tracker_svc/tags/tag_fit.hpp"
-#include "tracker_svc/tags/tag_pattern.hpp"
 
 namespace lab::detector {
 namespace {
@@ -238,7 +238,7 @@ class TagDetector final : public MarkerDetector {
   optics::Imaging imaging_;
   TagSettings settings_;
   optics::CameraResponse response_;
-  TagFamily family_;
+  optics::TagFamily family_;
   std::unique_ptr<apriltag_detector_t, ReleaseDetector> detector_;
   std::vector<Detection> found_;
   std::vector<Detection> followed_;

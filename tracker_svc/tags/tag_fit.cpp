@@ -70,7 +70,7 @@ struct Window {
   }
 };
 
-Darkness darknessAt(const TagPattern& pattern, double column, double row, double blur) {
+Darkness darknessAt(const optics::TagPattern& pattern, double column, double row, double blur) {
   const Window columns(column, blur);
   const Window rows(row, blur);
   Darkness sum;
@@ -99,7 +99,7 @@ Darkness darknessAt(const TagPattern& pattern, double column, double row, double
 class TagFit {
  public:
   TagFit(const optics::GreyView& picture, const optics::CameraModel& camera,
-         const optics::Imaging& imaging, const TagPattern& pattern, double height,
+         const optics::Imaging& imaging, const optics::TagPattern& pattern, double height,
          const TagPose& start)
       : picture_(picture),
         camera_(camera),
@@ -280,7 +280,7 @@ class TagFit {
   const optics::GreyView& picture_;
   const optics::CameraModel& camera_;
   const optics::Imaging& imaging_;
-  const TagPattern& pattern_;
+  const optics::TagPattern& pattern_;
   double height_;
   TagPose start_;
   double cell_ = 0;   ///< [m]
@@ -291,7 +291,7 @@ class TagFit {
 }  // namespace
 
 std::optional<TagPose> fitTag(const optics::GreyView& picture, const optics::CameraModel& camera,
-                              const optics::Imaging& imaging, const TagPattern& pattern,
+                              const optics::Imaging& imaging, const optics::TagPattern& pattern,
                               double height, const TagPose& start) {
   return TagFit(picture, camera, imaging, pattern, height, start).fit();
 }

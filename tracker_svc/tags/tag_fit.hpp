@@ -6,8 +6,8 @@
 
 #include "light/optics/camera_model.hpp"
 #include "light/optics/grey_image.hpp"
+#include "light/optics/tag_pattern.hpp"
 #include "light/photometry/imaging.hpp"
-#include "tracker_svc/tags/tag_pattern.hpp"
 
 namespace lab::detector {
 
@@ -33,7 +33,7 @@ struct TagPose {
 [[nodiscard]] std::optional<TagPose> fitTag(const optics::GreyView& picture,
                                             const optics::CameraModel& camera,
                                             const optics::Imaging& imaging,
-                                            const TagPattern& pattern, double height,
+                                            const optics::TagPattern& pattern, double height,
                                             const TagPose& start);
 
 }  // namespace lab::detector

@@ -9,8 +9,8 @@
 #include <stdexcept>
 
 #include "light/optics/simulated_camera.hpp"
+#include "light/optics/tag_pattern.hpp"
 #include "tracker_svc/plane_pose.hpp"
-#include "tracker_svc/tags/tag_pattern.hpp"
 
 namespace lab::cases {
 namespace {
@@ -46,7 +46,7 @@ class MarkerLook {
   MarkerLook(const MarkerSceneSettings& settings, const TrueMarker& marker)
       : settings_(settings), marker_(marker) {
     if (marker.tag >= 0) {
-      pattern_ = detector::TagFamily(settings.family).pattern(marker.tag);
+      pattern_ = optics::TagFamily(settings.family).pattern(marker.tag);
       cell_ = marker.long_axis / pattern_.half_square;
     }
   }
@@ -72,7 +72,7 @@ class MarkerLook {
  private:
   const MarkerSceneSettings& settings_;
   const TrueMarker& marker_;
-  detector::TagPattern pattern_;
+  optics::TagPattern pattern_;
   double cell_ = 1;
 };
 
@@ -274,7 +274,7 @@ std::vector<TrueMarker> placeMarkers(const MarkerKind& kind, std::uint64_t seed)
   constexpr double kGap = 0.012;  // [m]
   const double tag_reach = [&] {
     if (!kind.tags) return 0.0;
-    const detector::TagPattern pattern = detector::TagFamily(kind.settings.family).pattern(0);
+    const optics::TagPattern pattern = optics::TagFamily(kind.settings.family).pattern(0);
     return kind.long_axis * pattern.cells / 2.0 / pattern.half_square;
   }();
   const double reach = kind.tags ? std::numbers::sqrt2 * tag_reach : kind.long_axis;

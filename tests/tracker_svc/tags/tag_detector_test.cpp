@@ -9,10 +9,10 @@
 #include <string>
 #include <vector>
 
+#include "light/optics/tag_pattern.hpp"
 #include "tests/support/marker_scenes/marker_scene.hpp"
 #include "tests/support/marker_scenes/marker_score.hpp"
 #include "tracker_svc/marker_detector.hpp"
-#include "tracker_svc/tags/tag_pattern.hpp"
 
 namespace lab::detector::tag_detector_test {
 namespace {
@@ -125,8 +125,9 @@ TEST(TagDetector, FindsNothingInNoise) {
 }
 
 TEST(TagDetector, RefusesUnknownFamilies) {
-  EXPECT_THROW(static_cast<void>(TagFamily("tag99h9")), std::invalid_argument);
-  for (const std::string& family : tagFamilies()) EXPECT_GT(TagFamily(family).size(), 0) << family;
+  EXPECT_THROW(static_cast<void>(optics::TagFamily("tag99h9")), std::invalid_argument);
+  for (const std::string& family : optics::tagFamilies())
+    EXPECT_GT(optics::TagFamily(family).size(), 0) << family;
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "tracker_svc/tags/tag_pattern.hpp"
+#include "light/optics/tag_pattern.hpp"
 
 #include <apriltag/apriltag.h>
 #include <apriltag/tag16h5.h>
@@ -14,9 +14,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "tracker_svc/marker_detector.hpp"
-
-namespace lab::detector {
+namespace lab::optics {
 namespace {
 
 struct FamilyEntry {
@@ -54,6 +52,10 @@ int TagFamily::size() const { return static_cast<int>(family_->ncodes); }
 /// As apriltag_to_image(), whose result cannot be freed with Debian's library.
 TagPattern TagFamily::pattern(int tag) const {
   const apriltag_family_t& family = *family_;
+  if (tag < 0 || tag >= size()) {
+    throw std::out_of_range("the family " + std::string(family.name) + " has no tag " +
+                            std::to_string(tag));
+  }
   TagPattern pattern;
   pattern.cells = family.total_width;
   pattern.half_square = family.width_at_border / 2.0;
@@ -79,4 +81,4 @@ TagPattern TagFamily::pattern(int tag) const {
   return pattern;
 }
 
-}  // namespace lab::detector
+}  // namespace lab::optics
