@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/math/units.hpp"
+#include "light/optics/tag_pattern.hpp"
 
 namespace lab::runner {
 namespace {

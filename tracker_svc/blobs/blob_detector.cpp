@@ -4,9 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "light/median.hpp"
 #include "light/photometry/camera_response.hpp"
@@ -31,6 +34,8 @@ constexpr double kCloseBlurs = 2;         // [1] half the gap in which edges mix
 constexpr int kWidestEdge = 14;           // [px]
 constexpr double kHugeGroup = 60;         // [1] areas of the largest blob: not looked at
 constexpr double kMisfit = 0.15;          // [1] largest misfit of a split
+constexpr double kGoodMisfit = 0.05;      // [1] with which the number is not doubted
+constexpr double kClearlyBetter = 0.7;    // [1] of the misfit, with another number
 constexpr double kMisfitSeparate = 0.25;  // [1] the same, if the number of blobs is certain
 constexpr int kMostParts = 12;            // of one group
 constexpr double kFilled = 0.95;          // [1] of the ellipse with the same second moments
@@ -434,8 +439,14 @@ bool BlobDetector::addSplit(const optics::GreyView& picture, const std::vector<s
       contrastPixels(picture, areas, edge(), ground_, settings_.bright);
   const double unit = std::sqrt(std::abs(determinant(blobs_[group.front()].at.per_pixel)));
   const BlobShape shape{usual_long_ / unit, usual_short_ / unit, blur_, spread_};
-  const std::optional<BlobSplit> split = splitBlob(pixels, count, shape, starts);
   const bool certain = static_cast<std::size_t>(count) == group.size();
+  std::optional<BlobSplit> split = splitBlob(pixels, count, shape, starts);
+  // Sizes differ, so the area may say one too many or too few.
+  for (const int other : {count - 1, count + 1}) {
+    if (certain || (split && split->misfit < kGoodMisfit) || other < 2) continue;
+    const std::optional<BlobSplit> next = splitBlob(pixels, other, shape, starts);
+    if (next && (!split || next->misfit < kClearlyBetter * split->misfit)) split = next;
+  }
   if (!split || split->misfit > (certain ? kMisfitSeparate : kMisfit)) return false;
   const double quality = 0.5 + 0.4 * (1 - split->misfit / kMisfitSeparate);
   for (const BlobPart& part : split->parts) {

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <optional>
+#include <vector>
 
 #include "light/optics/grey_image.hpp"
 #include "tracker_svc/blobs/blob_areas.hpp"

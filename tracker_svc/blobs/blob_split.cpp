@@ -13,14 +13,16 @@
 namespace lab::detector {
 namespace {
 
-constexpr double kModelError = 0.02;  // [1] of the contrast: shapes are not quite ellipses
-constexpr double kTouch = 0.01;       // [px] error where blurred outlines meet
+constexpr double kModelError = 0.02;    // [1] of the contrast: shapes are not quite ellipses
+constexpr double kTouch = 0.01;         // [px] error where blurred outlines meet
+constexpr double kUnusual = 4;          // [1] standard deviations of the sizes
+constexpr double kLeastUnusual = 0.35;  // [1] of the size
 constexpr double kSingular = 1e-9;
 constexpr double kFar = 4;  // [1] beyond it an edge is not seen
 constexpr int kEvaluations = 40;
 constexpr double kGoodMisfit = 0.05;  // [1] no other start is tried
 constexpr int kTries = 8;
-constexpr int kRoundTries = 3;
+constexpr int kRoundTries = 5;
 
 /// Pixels and the shape, with the unknowns: x, y, the logarithm of the size and perhaps the angle
 /// of each blob, then the contrast.
@@ -99,12 +101,21 @@ class Fit {
           out(row, each_ * k + j) = (residual(i, level, moved) - here) / kStep;
         }
       }
-      out(row, unknowns() - 1) = std::min(sum, 1.0) / sigmas_[i];
+      out(row, unknowns() - 1) = shown(sum) / sigmas_[i];
     }
     for (int k = 0; k < count_; ++k) out(last + k, each_ * k + 2) = 1 / shape_.spread;
   }
 
   [[nodiscard]] int residualCount() const { return static_cast<int>(pixels_.size()) + count_; }
+
+  /// Whether no blob shrank or grew to fill a gap.
+  [[nodiscard]] bool hasUsualSizes(const Eigen::VectorXd& x) const {
+    const double most = std::max(kUnusual * shape_.spread, kLeastUnusual);
+    for (int k = 0; k < count_; ++k) {
+      if (!(std::abs(x[each_ * k + 2]) < most)) return false;
+    }
+    return true;
+  }
 
   /// The rms of the residuals without their weights, over the contrast.
   [[nodiscard]] double misfit(const Eigen::VectorXd& residuals, double level) const {
@@ -117,8 +128,14 @@ class Fit {
   }
 
  private:
+  /// Bodies beside each other add up. Those that overlap are not darker, but a fit must not hide
+  /// one below the others, so they count half.
+  [[nodiscard]] static double shown(double coverage) {
+    return coverage <= 1 ? coverage : 1 + (coverage - 1) / 2;
+  }
+
   [[nodiscard]] double residual(std::size_t i, double level, double coverage) const {
-    return (level * std::min(coverage, 1.0) - pixels_[i].contrast) / sigmas_[i];
+    return (level * shown(coverage) - pixels_[i].contrast) / sigmas_[i];
   }
 
   const std::vector<ContrastPixel>& pixels_;
@@ -289,6 +306,7 @@ std::optional<BlobSplit> splitBlob(const std::vector<ContrastPixel>& pixels, int
          .evaluations = kEvaluations},
         x);
     fit.residuals(x, residuals);
+    if (!fit.hasUsualSizes(x)) continue;
     const double sum = residuals.squaredNorm();
     if (!(sum < least)) continue;
     least = sum;

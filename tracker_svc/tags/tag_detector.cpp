@@ -10,7 +10,9 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <span>
 #include <utility>
+#include <vector>
 
 #include "light/optics/tag_pattern.hpp"
 #include "light/photometry/camera_response.hpp"
