@@ -11,12 +11,12 @@
 #include <utility>
 #include <vector>
 
-#include "light/median.hpp"
 #include "light/photometry/camera_response.hpp"
 #include "tracker_svc/blobs/blob_areas.hpp"
 #include "tracker_svc/blobs/blob_ground.hpp"
 #include "tracker_svc/blobs/blob_groups.hpp"
 #include "tracker_svc/blobs/blob_moments.hpp"
+#include "tracker_svc/blobs/blob_population.hpp"
 #include "tracker_svc/blobs/blob_split.hpp"
 #include "tracker_svc/blobs/pixel_regions.hpp"
 #include "tracker_svc/marker_detector.hpp"
@@ -38,10 +38,7 @@ constexpr double kGoodMisfit = 0.05;      // [1] with which the number is not do
 constexpr double kClearlyBetter = 0.7;    // [1] of the misfit, with another number
 constexpr double kMisfitSeparate = 0.25;  // [1] the same, if the number of blobs is certain
 constexpr int kMostParts = 12;            // of one group
-constexpr double kFilled = 0.95;          // [1] of the ellipse with the same second moments
-constexpr double kHollow = 0.5;           // [1] of that ellipse
 constexpr double kTruncated = 0.1;        // [px] error of a centre whose edge ends at a neighbour
-constexpr double kHidden = 0.7;           // [1] of the usual area: partly hidden
 constexpr double kLong = 1.2;             // [1] length over width of a blob with an axis
 constexpr double kKnownAxis = 0.2;        // [rad] largest error of an axis
 constexpr float kPoor = 0.4F;             // [1] quality of a biased centre: not analysed
@@ -73,7 +70,7 @@ class BlobDetector final : public MarkerDetector {
         ground_(imaging,
                 columnsOf(camera, settings.arena_width, settings.arena_height, settings.height),
                 blockOf(camera, settings)),
-        blur_(blurOf(imaging)) {}
+        population_(settings, blurOf(imaging)) {}
 
   const std::vector<Detection>& search(const optics::GreyView& picture,
                                        std::vector<Rejection>* rejected,
@@ -93,26 +90,13 @@ class BlobDetector final : public MarkerDetector {
   [[nodiscard]] const optics::CameraModel& camera() const override { return camera_; }
 
  private:
-  /// A region at half of its contrast.
-  struct Blob {
-    PixelRegion region;
-    BlobArea area;
-    std::optional<BlobMoments> moments;
-    PlanePoint at;        ///< of the middle of the region
-    double diameter = 0;  ///< [m] of a disc of its area
-  };
-
   void findBlobs(const optics::GreyView& picture);
   void addBlobs(const PixelRegion& region);
   void measure(const optics::GreyView& picture);
   [[nodiscard]] int edge() const {
-    return std::min(kWidestEdge, static_cast<int>(std::ceil(kEdgeBlurs * blur_)) + 1);
+    return std::min(kWidestEdge, static_cast<int>(std::ceil(kEdgeBlurs * population_.blur())) + 1);
   }
-  [[nodiscard]] bool isClean(const Blob& blob) const;
   [[nodiscard]] bool leavesColumns(const PixelRegion& region) const;
-  void learn();
-  [[nodiscard]] bool isHollow(const Blob& blob) const;
-  [[nodiscard]] int countIn(const Blob& blob) const;
   void addGroup(const optics::GreyView& picture, const std::vector<std::size_t>& group);
   void addSingle(const Blob& blob, bool alone);
   void addMerged(const Blob& blob, int count);
@@ -130,14 +114,7 @@ class BlobDetector final : public MarkerDetector {
   std::vector<Detection> found_;
   std::vector<Detection> followed_;
   std::vector<Rejection>* rejected_ = nullptr;
-  // From this picture, or from the last one with enough single blobs:
-  double blur_;             ///< [px] with the pixel's square
-  double usual_area_ = 0;   ///< [m^2] of one blob, 0: not known
-  double usual_long_ = 0;   ///< [m] half of the long axis
-  double usual_short_ = 0;  ///< [m]
-  double spread_ = 0.05;    ///< [1] standard deviation of lengths
-  bool alike_ = false;      ///< whether the areas differ little
-  bool equal_ = false;      ///< whether they hardly differ
+  BlobPopulation population_;
 };
 
 const std::vector<Detection>& BlobDetector::search(const optics::GreyView& grey,
@@ -153,10 +130,10 @@ const std::vector<Detection>& BlobDetector::search(const optics::GreyView& grey,
   findBlobs(picture);
   const int before = edge();
   measure(picture);
-  learn();
+  population_.learn(blobs_);
   if (edge() != before) {
     measure(picture);
-    learn();
+    population_.learn(blobs_);
   }
   std::vector<std::vector<int>> neighbours;
   for (const Blob& blob : blobs_) neighbours.push_back(blob.area.neighbours);
@@ -259,8 +236,9 @@ void BlobDetector::addBlobs(const PixelRegion& region) {
 void BlobDetector::measure(const optics::GreyView& picture) {
   std::vector<PixelRegion> regions;
   for (const Blob& blob : blobs_) regions.push_back(blob.region);
-  std::vector<BlobArea> areas = areas_.grow(regions, picture.width, picture.height, edge(), kRing,
-                                            static_cast<int>(std::ceil(kCloseBlurs * blur_)));
+  std::vector<BlobArea> areas =
+      areas_.grow(regions, picture.width, picture.height, edge(), kRing,
+                  static_cast<int>(std::ceil(kCloseBlurs * population_.blur())));
   for (std::size_t i = 0; i < blobs_.size(); ++i) {
     blobs_[i].area = std::move(areas[i]);
     if (leavesColumns(blobs_[i].region)) blobs_[i].area.cut = true;
@@ -282,96 +260,22 @@ bool BlobDetector::leavesColumns(const PixelRegion& region) const {
   });
 }
 
-bool BlobDetector::isClean(const Blob& blob) const {
-  return blob.moments && !blob.area.cut && blob.area.neighbours.empty() &&
-         blob.diameter >= settings_.smallest && blob.diameter <= settings_.largest;
-}
-
-/// Learns blur and usual shape from the single blobs.
-void BlobDetector::learn() {
-  constexpr std::size_t kFewest = 3;
-  constexpr double kAlike = 0.15;        // [1] median deviation of areas
-  constexpr double kEqual = 0.06;        // [1]
-  constexpr double kNormal = 1.4826;     // standard deviation over median deviation
-  constexpr double kLeastSpread = 0.02;  // [1] of lengths
-  constexpr double kLeastBlur = 0.5;     // [px]
-  std::vector<double> areas;
-  std::vector<double> longs;
-  std::vector<double> shorts;
-  std::vector<double> blurs;
-  for (const Blob& blob : blobs_) {
-    if (!isClean(blob)) continue;
-    const double unit = std::abs(determinant(blob.at.per_pixel));
-    const BlobAxes axes = axesOf(*blob.moments);
-    const double pixels = blob.region.pixels;
-    areas.push_back(pixels * unit);
-    // A blurred ellipse has the second moments a^2 / 4 + s^2 and b^2 / 4 + s^2, and its outline at
-    // half of the contrast the area pi a b: this gives s.
-    const double quarter_area = pixels / (4 * std::numbers::pi);
-    const double sum = axes.major + axes.minor;
-    const double rest = axes.major * axes.minor - quarter_area * quarter_area;
-    blurs.push_back((sum - std::sqrt(std::max(0.0, sum * sum - 4 * rest))) / 2);
-  }
-  if (areas.size() < kFewest) return;
-  blur_ = std::sqrt(std::max(kLeastBlur * kLeastBlur, medianOf(blurs)));
-  std::vector<double> copy = areas;
-  usual_area_ = medianOf(copy);
-  for (double& area : areas) area = std::abs(area / usual_area_ - 1);
-  const double deviation = medianOf(areas);
-  alike_ = deviation < kAlike;
-  equal_ = deviation < kEqual;
-  // The standard deviation of lengths is half that of areas.
-  spread_ = std::max(kLeastSpread, kNormal * deviation / 2);
-  for (const Blob& blob : blobs_) {
-    if (!isClean(blob)) continue;
-    const double unit = std::sqrt(std::abs(determinant(blob.at.per_pixel)));
-    const BlobAxes axes = axesOf(*blob.moments).sharpened(blur_);
-    longs.push_back(2 * std::sqrt(axes.major) * unit);
-    shorts.push_back(2 * std::sqrt(axes.minor) * unit);
-  }
-  usual_long_ = medianOf(longs);
-  usual_short_ = medianOf(shorts);
-}
-
-/// Whether a region is a ring or an arc, such as a shadow: blobs fill their outlines.
-bool BlobDetector::isHollow(const Blob& blob) const {
-  if (!blob.moments) return false;
-  const BlobAxes axes = axesOf(*blob.moments).sharpened(blur_);
-  return blob.region.pixels < kHollow * 4 * std::numbers::pi * std::sqrt(axes.major * axes.minor);
-}
-
-/// How many blobs a region consists of, by its area.
-int BlobDetector::countIn(const Blob& blob) const {
-  const double area = blob.region.pixels * std::abs(determinant(blob.at.per_pixel));
-  const bool large = blob.diameter > settings_.largest;
-  if (!large && !(alike_ && blob.moments)) return 1;
-  if (!large) {
-    // A single one fills the ellipse with its second moments.
-    const BlobAxes axes = axesOf(*blob.moments).sharpened(blur_);
-    const double ellipse = 4 * std::numbers::pi * std::sqrt(axes.major * axes.minor);
-    if (blob.region.pixels > kFilled * ellipse) return 1;
-  }
-  const double one =
-      usual_area_ > 0 ? usual_area_ : std::numbers::pi / 4 * settings_.largest * settings_.largest;
-  return std::max(large ? 2 : 1, static_cast<int>(std::lround(area / one)));
-}
-
 void BlobDetector::addGroup(const optics::GreyView& picture,
                             const std::vector<std::size_t>& group) {
   int count = 0;
-  for (const std::size_t one : group) count += countIn(blobs_[one]);
-  if (group.size() == 1 && isHollow(blobs_[group.front()])) {
+  for (const std::size_t one : group) count += population_.countIn(blobs_[one]);
+  if (group.size() == 1 && population_.isHollow(blobs_[group.front()])) {
     return refuse(blobs_[group.front()], Reason::kSize,
                   blobs_[group.front()].diameter / settings_.largest, 1);
   }
   if (count == 1 && group.size() == 1) return addSingle(blobs_[group.front()], true);
-  if (usual_area_ > 0 && count <= kMostParts && addSplit(picture, group, count)) return;
+  if (population_.area() > 0 && count <= kMostParts && addSplit(picture, group, count)) return;
   for (const std::size_t one : group) {
     const Blob& blob = blobs_[one];
-    const int inside = countIn(blob);
+    const int inside = population_.countIn(blob);
     if (inside == 1) {
       addSingle(blob, false);
-    } else if (group.size() == 1 || inside > kMostParts || usual_area_ <= 0 ||
+    } else if (group.size() == 1 || inside > kMostParts || population_.area() <= 0 ||
                !addSplit(picture, {one}, inside)) {
       addMerged(blob, inside);
     }
@@ -388,10 +292,11 @@ void BlobDetector::addSingle(const Blob& blob, bool alone) {
     known.covariance[0] += kTruncated * kTruncated;
     known.covariance[2] += kTruncated * kTruncated;
   }
-  const std::optional<Detection> pose = blobPose(camera_, settings_.height, known, blur_);
+  const std::optional<Detection> pose =
+      blobPose(camera_, settings_.height, known, population_.blur());
   if (!pose) return;
   Detection one = *pose;
-  one.area = static_cast<float>(blob.region.pixels * std::abs(determinant(blob.at.per_pixel)));
+  one.area = static_cast<float>(blob.size());
   if (static_cast<double>(one.length) < kLong * static_cast<double>(one.width) ||
       one.covariance[5] > kKnownAxis * kKnownAxis) {
     forgetHeading(one);
@@ -403,7 +308,7 @@ void BlobDetector::addSingle(const Blob& blob, bool alone) {
     one.used |= kUsedSplit;
     one.quality = std::min(one.quality, 0.6F);
   }
-  const bool hidden = equal_ && static_cast<double>(one.area) < kHidden * usual_area_;
+  const bool hidden = population_.isHidden(static_cast<double>(one.area));
   if (blob.area.cut || hidden) one.quality = kPoor;
   found_.push_back(one);
 }
@@ -411,7 +316,8 @@ void BlobDetector::addSingle(const Blob& blob, bool alone) {
 void BlobDetector::addMerged(const Blob& blob, int count) {
   refuse(blob, Reason::kMerged, count, 1);
   if (!blob.moments || count > kMostParts) return;
-  const std::optional<Detection> pose = blobPose(camera_, settings_.height, *blob.moments, blur_);
+  const std::optional<Detection> pose =
+      blobPose(camera_, settings_.height, *blob.moments, population_.blur());
   if (!pose) return;
   Detection one = *pose;
   forgetHeading(one);
@@ -419,7 +325,7 @@ void BlobDetector::addMerged(const Blob& blob, int count) {
   const double spread = static_cast<double>(one.length * one.length) / 16;
   one.covariance[0] += spread;
   one.covariance[3] += spread;
-  one.area = static_cast<float>(blob.region.pixels * std::abs(determinant(blob.at.per_pixel)));
+  one.area = static_cast<float>(blob.size());
   one.used = kUsedBlob;
   one.quality = kMergedQuality;
   one.merged = static_cast<std::uint8_t>(count);
@@ -438,7 +344,7 @@ bool BlobDetector::addSplit(const optics::GreyView& picture, const std::vector<s
   const std::vector<ContrastPixel> pixels =
       contrastPixels(picture, areas, edge(), ground_, settings_.bright);
   const double unit = std::sqrt(std::abs(determinant(blobs_[group.front()].at.per_pixel)));
-  const BlobShape shape{usual_long_ / unit, usual_short_ / unit, blur_, spread_};
+  const BlobShape shape = population_.shape(unit);
   const bool certain = static_cast<std::size_t>(count) == group.size();
   std::optional<BlobSplit> split = splitBlob(pixels, count, shape, starts);
   // Sizes differ, so the area may say one too many or too few.
@@ -458,9 +364,9 @@ bool BlobDetector::addSplit(const optics::GreyView& picture, const std::vector<s
     } else {
       one->heading = HeadingKind::kAxis;
     }
-    one->area = static_cast<float>(usual_area_);
-    one->length = static_cast<float>(2 * usual_long_);
-    one->width = static_cast<float>(2 * usual_short_);
+    one->area = static_cast<float>(population_.area());
+    one->length = static_cast<float>(2 * shape.long_axis * unit);
+    one->width = static_cast<float>(2 * shape.short_axis * unit);
     one->used = kUsedBlob | kUsedSplit;
     one->quality = static_cast<float>(quality);
     found_.push_back(*one);
