@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "light/field/field.hpp"
@@ -26,6 +27,13 @@ struct Albedos {
   double wall = 0.45;
   double outside = 0.30;
   double sheet = 0.86;
+};
+
+/// What is on top of a robot.
+enum class RobotTop : std::uint8_t {
+  kCircles,  ///< the two circles of a cap
+  kSpot,     ///< a single disc in the middle
+  kTag,      ///< an AprilTag
 };
 
 /// A flat disc on the floor.
@@ -55,7 +63,12 @@ struct GlareSpot {
 struct PainterSettings {
   optics::CameraParameters camera;
   optics::CapGeometry cap;
-  optics::Imaging imaging;  ///< at gain 1
+  RobotTop top = RobotTop::kCircles;
+  double spot_radius = 0.01;            ///< [m] of RobotTop::kSpot
+  bool bright_spot = false;             ///< white on a black cap
+  std::string tag_family = "tag36h11";  ///< of RobotTop::kTag
+  double tag_size = 0.04;               ///< [m] side, where its black border meets white
+  optics::Imaging imaging;              ///< at gain 1
   Albedos albedos;
   double arena_width = 1.20;   ///< [m]
   double arena_height = 0.90;  ///< [m]
@@ -88,6 +101,7 @@ struct PaintedRobot {
   double vx = 0;     ///< [m/s]
   double vy = 0;     ///< [m/s]
   double omega = 0;  ///< [rad/s]
+  int tag = 0;       ///< number of its tag
 };
 
 /// A fully lit floor gives kFullSignal [DN] above black in kFullExposure [s] at gain 1.

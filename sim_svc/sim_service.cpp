@@ -236,8 +236,8 @@ void SimService::paintFrame(std::int64_t exposure) {
   for (std::size_t i = 0; i < world_.size(); ++i) {
     const dynamics::Pose pose = world_.pose(i);
     const Velocity velocity = world_.velocity(i);
-    robots.push_back(
-        {pose.x, pose.y, pose.theta, velocity.linear.x, velocity.linear.y, velocity.turn});
+    robots.push_back({pose.x, pose.y, pose.theta, velocity.linear.x, velocity.linear.y,
+                      velocity.turn, world_.id(i)});
   }
   kinematic_robots_.addPainted(exposure, experiment_.camera.exposure, robots);
   camera_->take(tracker_.frame().frame, exposure, std::move(robots));

@@ -1,4 +1,4 @@
-/// Detections of caps in one picture, and why candidates were rejected.
+/// Detections of markers in one picture, and why candidates were rejected.
 #pragma once
 
 #include <array>
@@ -11,10 +11,20 @@ namespace lab::detector {
 
 /// The features that a pose was computed from; bits.
 enum Used : std::uint8_t {
-  kUsedBig = 1,    ///< the big circle
-  kUsedSmall = 2,  ///< the small circle
-  kUsedRim = 4,    ///< the rim of the cap instead of one circle: a degraded pose
-  kUsedEdge = 8,   ///< a circle was fitted together with a light edge or a light gradient
+  kUsedBig = 1,     ///< the big circle
+  kUsedSmall = 2,   ///< the small circle
+  kUsedRim = 4,     ///< the rim of the cap instead of one circle: a degraded pose
+  kUsedEdge = 8,    ///< a circle was fitted together with a light edge or a light gradient
+  kUsedBlob = 16,   ///< a blob
+  kUsedSplit = 32,  ///< one of several blobs that touch each other
+  kUsedTag = 64,    ///< a tag
+};
+
+/// What is known about the heading of a marker.
+enum class HeadingKind : std::uint8_t {
+  kDirected,
+  kAxis,     ///< up to half a turn: theta is the long axis of a blob
+  kUnknown,  ///< theta is 0, its variance that of a uniform distribution
 };
 
 struct Detection {
@@ -30,7 +40,14 @@ struct Detection {
   float blur = 0;        ///< [px] standard deviation of the point spread; 0 unless both were seen
   optics::Pixel big;     ///< centre in the picture, if seen
   optics::Pixel small;   ///< centre in the picture, if seen
-  optics::Pixel middle;  ///< image of the axis at cap height
+  optics::Pixel middle;  ///< image of the axis at cap height, or of the centre of the marker
+  HeadingKind heading = HeadingKind::kDirected;
+  std::int32_t tag = -1;  ///< number of the tag, -1: not a tag
+  float area = 0;         ///< [m^2] of a blob
+  /// [m] of a blob: long axis of the ellipse with its second moments; of a tag: measured side
+  float length = 0;
+  float width = 0;          ///< [m] of a blob: the short axis
+  std::uint8_t merged = 1;  ///< how many blobs are in this one, if it could not be split
 };
 
 /// Why a candidate for a cap, or for a part of one, was rejected.
@@ -40,7 +57,9 @@ enum class Reason : std::uint8_t {
   kNoPartner,  ///< a circle without the other one at the right distance
   kSpacing,    ///< [m] distance of the best partner
   kNoCap,      ///< [1] rim contrast around the pair: circles on the bare floor
-  kTaken,      ///< its circle belongs to a better pair
+  kTaken,      ///< its circle belongs to a better pair, or its number to a better tag
+  kMerged,     ///< [1] blobs that touch each other and could not be split
+  kPattern,    ///< [1] residuals over the contrast: a tag whose pattern does not fit
 };
 [[nodiscard]] std::string_view toText(Reason reason);
 

@@ -53,6 +53,10 @@ std::string_view toText(Reason reason) {
       return "no cap around it";
     case Reason::kTaken:
       return "belongs to another";
+    case Reason::kMerged:
+      return "several in one";
+    case Reason::kPattern:
+      return "pattern does not fit";
   }
   return "?";
 }
@@ -281,6 +285,21 @@ void Detector::Steps::explainTheRest(std::vector<Rejection>& rejected) const {
                         spot.found,
                         spot.wanted});
   }
+}
+
+std::unique_ptr<MarkerDetector> makeMarkerDetector(const MarkerSettings& settings,
+                                                   const optics::CameraModel& camera,
+                                                   const optics::CapGeometry& cap,
+                                                   const optics::Imaging& imaging) {
+  switch (settings.kind) {
+    case MarkerKind::kBlobs:
+      return makeBlobDetector(camera, imaging, settings.blobs);
+    case MarkerKind::kTags:
+      return makeTagDetector(camera, imaging, settings.tags);
+    case MarkerKind::kCaps:
+      break;
+  }
+  return std::make_unique<Detector>(camera, cap, imaging);
 }
 
 }  // namespace lab::detector

@@ -11,16 +11,16 @@ namespace {
 constexpr double kMoment = 1e-3;  // [s] between pictures without time stamps
 constexpr double kCm = 100;
 
-/// The track that a detection of this picture was assigned to, 0 if none.
-std::int64_t numberOf(const detector::Detection& detection, const std::vector<Track>& tracks) {
+/// The track that a detection of this picture was assigned to, null if none.
+const Track* trackOf(const detector::Detection& detection, const std::vector<Track>& tracks) {
   // Compared by pixel position: a track may have corrected the pose.
   for (const Track& track : tracks) {
     if (track.detected && track.pose.middle.x == detection.middle.x &&
         track.pose.middle.y == detection.middle.y) {
-      return track.number;
+      return &track;
     }
   }
-  return 0;
+  return nullptr;
 }
 
 }  // namespace
@@ -43,10 +43,15 @@ const std::vector<FilmRow>& FilmTracking::process(std::int64_t number, double ti
 
   rows_.clear();
   for (const detector::Detection& detection : found_) {
-    const std::int64_t id = numberOf(detection, tracks);
+    const Track* track = trackOf(detection, tracks);
+    const std::int64_t id = track != nullptr ? track->number : 0;
     if (id == 0 && (detection.used & detector::kUsedRim) != 0)
       continue;  // the circle belongs to another cap than expected
-    rows_.push_back({number, id, time, detection});
+    rows_.push_back({number, id, time, detection, track != nullptr ? track->swap : 0});
+    // The track knows at which end of its axis a blob has its head.
+    if (track != nullptr && detection.heading == detector::HeadingKind::kAxis) {
+      rows_.back().pose.theta = track->pose.theta;
+    }
   }
   std::stable_sort(rows_.begin(), rows_.end(),
                    [](const FilmRow& a, const FilmRow& b) { return a.id < b.id; });
@@ -69,11 +74,10 @@ void FilmTracking::count(std::int64_t number) {
   for (const FilmRow& row : rows_) {
     confidences_ += static_cast<double>(row.pose.quality);
     if ((row.pose.used & detector::kUsedRim) != 0) ++total_.degraded;
-    // Track numbers only increase.
-    if (row.id > highest_id_) {
-      highest_id_ = row.id;
-      ++total_.ids;
-    }
+    if (row.pose.merged > 1) ++total_.merged;
+    total_.swaps += row.swap;
+    if (row.swap > kDoubtful) ++total_.doubtful;
+    if (row.id > 0 && ids_.insert(row.id).second) ++total_.ids;
     if (row.pose.spacing > 0) {
       const double off = static_cast<double>(row.pose.spacing) - spacing_mean_;
       spacing_mean_ += off / static_cast<double>(++spacings_);
@@ -92,13 +96,35 @@ FilmSummary FilmTracking::summary() const {
   return summary;
 }
 
-std::string_view filmCsvHeader() { return "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s\n"; }
+std::string_view filmCsvHeader(detector::MarkerKind kind) {
+  switch (kind) {
+    case detector::MarkerKind::kBlobs:
+      return "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s,area_cm2,length_cm,width_cm,merged,"
+             "swap\n";
+    case detector::MarkerKind::kTags:
+      return "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s,tag\n";
+    case detector::MarkerKind::kCaps:
+      break;
+  }
+  return "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s\n";
+}
 
-std::string filmCsvLine(const FilmRow& row) {
+std::string filmCsvLine(const FilmRow& row, detector::MarkerKind kind) {
   const detector::Detection& pose = row.pose;
-  return fmt::format("{},{},{:.6f},{:.6f},{:.8f},{:.5f},{:.5f},{:.4f},{:.6f}\n", row.frame, row.id,
-                     pose.x * kCm, pose.y * kCm, pose.theta, pose.middle.x, pose.middle.y,
-                     static_cast<double>(pose.quality), row.time);
+  const bool known = pose.heading != detector::HeadingKind::kUnknown;
+  std::string line =
+      fmt::format("{},{},{:.6f},{:.6f},{},{:.5f},{:.5f},{:.4f},{:.6f}", row.frame, row.id,
+                  pose.x * kCm, pose.y * kCm, known ? fmt::format("{:.8f}", pose.theta) : "",
+                  pose.middle.x, pose.middle.y, static_cast<double>(pose.quality), row.time);
+  if (kind == detector::MarkerKind::kBlobs) {
+    line +=
+        fmt::format(",{:.5f},{:.4f},{:.4f},{},{:.2g}", static_cast<double>(pose.area) * kCm * kCm,
+                    static_cast<double>(pose.length) * kCm, static_cast<double>(pose.width) * kCm,
+                    pose.merged, row.swap);
+  } else if (kind == detector::MarkerKind::kTags) {
+    line += fmt::format(",{}", pose.tag);
+  }
+  return line + "\n";
 }
 
 }  // namespace lab::tracker

@@ -4,13 +4,14 @@
 #pragma once
 
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "light/optics/grey_image.hpp"
-#include "tracker_svc/detector.hpp"
-#include "tracker_svc/tracking/cap_tracker.hpp"
+#include "tracker_svc/marker_detector.hpp"
+#include "tracker_svc/tracking/marker_tracker.hpp"
 
 namespace lab::tracker {
 
@@ -20,6 +21,7 @@ struct FilmRow {
   std::int64_t id = 0;     ///< of the track, from 1, never reused; 0 if it belongs to no track
   double time = 0;         ///< [s] since the start of the recording
   detector::Detection pose;
+  double swap = 0;  ///< [1] probability that it is not the marker of the row before; only of blobs
 };
 
 /// Totals over a recording.
@@ -33,6 +35,9 @@ struct FilmSummary {
   std::int64_t crowded = 0;   ///< frames with surplus detections
   std::int64_t fewest = 0;    ///< fewest robots in one frame
   std::int64_t most = 0;
+  std::int64_t merged = 0;    ///< rows of several blobs that were not split
+  double swaps = 0;           ///< expected number of swaps of identities
+  std::int64_t doubtful = 0;  ///< rows whose probability of a swap is above kDoubtful
   double confidence = 0;      ///< [1] mean over the rows
   double spacing = 0;         ///< [m] mean spacing of the two circles of a cap, 0 if never measured
   double spacing_spread = 0;  ///< [m] its standard deviation
@@ -41,7 +46,8 @@ struct FilmSummary {
 class FilmTracking {
  public:
   /// @param most_robots if positive, at most this many detections of a frame are used, best first
-  FilmTracking(detector::Detector& detector, CapTracker& tracker, std::size_t most_robots = 0)
+  FilmTracking(detector::MarkerDetector& detector, MarkerTracker& tracker,
+               std::size_t most_robots = 0)
       : detector_(detector), tracker_(tracker), most_robots_(most_robots) {}
 
   /// Processes the next picture.
@@ -55,18 +61,21 @@ class FilmTracking {
 
   [[nodiscard]] FilmSummary summary() const;
 
+  /// [1] Probability of a swap above which a row is doubtful.
+  static constexpr double kDoubtful = 0.05;
+
  private:
   void count(std::int64_t number);
 
-  detector::Detector& detector_;
-  CapTracker& tracker_;
+  detector::MarkerDetector& detector_;
+  MarkerTracker& tracker_;
   std::size_t most_robots_;
   std::vector<detector::Detection> found_;
   std::vector<FilmRow> rows_;
   FilmSummary total_;
   std::int64_t next_number_ = 0;
   double tracker_time_ = 0;  ///< [s] increases monotonically
-  std::int64_t highest_id_ = 0;
+  std::set<std::int64_t> ids_;
   double confidences_ = 0;
   std::int64_t spacings_ = 0;
   double spacing_mean_ = 0;     ///< running mean [m]
@@ -74,10 +83,14 @@ class FilmTracking {
 };
 
 /// The header line of a file of poses, with its line end.
-[[nodiscard]] std::string_view filmCsvHeader();
+[[nodiscard]] std::string_view filmCsvHeader(
+    detector::MarkerKind kind = detector::MarkerKind::kCaps);
 
 /// One line of a file of poses: frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s. (u, v) is the
-/// image of the robot's axis at cap height [px].
-[[nodiscard]] std::string filmCsvLine(const FilmRow& row);
+/// image of the robot's axis at cap height, or of the marker's centre [px]; theta_rad is empty if
+/// the marker has no heading. Blobs have the further columns
+/// area_cm2,length_cm,width_cm,merged,swap, tags the column tag.
+[[nodiscard]] std::string filmCsvLine(const FilmRow& row,
+                                      detector::MarkerKind kind = detector::MarkerKind::kCaps);
 
 }  // namespace lab::tracker

@@ -174,6 +174,7 @@ class Drawing {
         circle(mark.pose, cap_.small_offset, cap_.small_radius, colour, 16);
       }
     }
+    if (mark.pose.heading == detector::HeadingKind::kUnknown) return;
     const double tip = 1.6 * cap_.cap_radius;
     const double barb = 0.3 * cap_.cap_radius;
     optics::Canvas canvas(image_);
@@ -304,8 +305,11 @@ std::string rejectionText(const detector::Rejection& rejection) {
     case detector::Reason::kNoPartner:
     case detector::Reason::kTaken:
       return std::string(detector::toText(rejection.reason));
+    case detector::Reason::kMerged:
+      return fmt::format("{} {:.0f}", detector::toText(rejection.reason), value);
     case detector::Reason::kSize:
     case detector::Reason::kNoCap:
+    case detector::Reason::kPattern:
       break;
   }
   const double shown = std::abs(value) < 0.005 ? 0 : value;  // avoids "-0.00"

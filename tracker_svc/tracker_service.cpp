@@ -19,6 +19,7 @@
 #include "tracker_svc/camera_devices.hpp"
 #include "tracker_svc/cap_spacings.hpp"
 #include "tracker_svc/detector/scale_map.hpp"
+#include "tracker_svc/marker_tracking.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -55,6 +56,23 @@ std::vector<std::int32_t> robotsInView(const Experiment& experiment) {
     if ((robot.body == Body::kSerial) != painted) ids.push_back(robot.id);
   }
   return ids;
+}
+
+detector::MarkerSettings markersOf(const Experiment& experiment) {
+  const Camera& camera = experiment.camera;
+  detector::MarkerSettings markers;
+  markers.blobs = {.bright = camera.blob == BlobTone::kBright,
+                   .smallest = camera.blob_smallest,
+                   .largest = camera.blob_largest,
+                   .height = camera.marker_height,
+                   .arena_width = experiment.arena_width,
+                   .arena_height = experiment.arena_height};
+  markers.tags = {.family = entryOf(camera.tag_family).name,
+                  .size = camera.tag_size,
+                  .height = camera.marker_height};
+  if (camera.marker == Marker::kBlobs) markers.kind = detector::MarkerKind::kBlobs;
+  if (camera.marker == Marker::kTags) markers.kind = detector::MarkerKind::kTags;
+  return markers;
 }
 
 TrackerSettings trackerSettings(const Experiment& experiment) {
@@ -106,29 +124,31 @@ TrackerService::TrackerService(const ServiceContext& context)
       loop_(context.loop),
       experiment_(context.experiment),
       calibration_(calibrationInForce(context)),
-      detector_(optics::CameraModel(calibration_.camera), calibration_.cap,
-                imagingOf(calibration_)),
+      markers_(markersOf(experiment_)),
+      detector_(makeMarkerDetector(markers_, optics::CameraModel(calibration_.camera),
+                                   calibration_.cap, imagingOf(calibration_))),
       gamma_(imagingOf(calibration_).gamma.value_or(1)),
-      tracker_(trackerSettings(context.experiment), robotsInView(context.experiment)),
+      tracker_(makeMarkerTracker(markers_, trackerSettings(context.experiment),
+                                 robotsInView(context.experiment))),
       spacing_(spacingSettings(calibration_)),
       pictures_(imagingOf(calibration_).black),
-      blind_(
-          static_cast<double>(detector::ScaleMap(detector_.camera(), calibration_.cap).smallest()) *
-              calibration_.cap.small_radius,
-          imagingOf(calibration_).black),
+      blind_(static_cast<double>(
+                 detector::ScaleMap(detector_->camera(), calibration_.cap).smallest()) *
+                 calibration_.cap.small_radius,
+             imagingOf(calibration_).black),
       robots_(robotsInView(context.experiment).size()),
       origin_(originOf(experiment_.camera)),
       origin_utime_(context.loop.now()),
       // A tracker that is already running is noticed within a few frames.
       other_until_(loop_.isVirtual() ? 0 : loop_.now() + kListen_us) {
   try {
-    debug_ =
-        openDebugOutput(loop_, experiment_.camera.debug_port, detector_.camera(), calibration_.cap);
+    debug_ = openDebugOutput(loop_, experiment_.camera.debug_port, detector_->camera(),
+                             markers_.outline(calibration_.cap));
   } catch (const std::runtime_error& error) {  // tracking works without the debug view
     node_.noteError(std::string(error.what()) + ": no debug view");
   }
-  if (!imagingOf(calibration_).gamma) {
-    response_.emplace(detector_.camera(), calibration_.cap, imagingOf(calibration_));
+  if (markers_.kind == detector::MarkerKind::kCaps && !imagingOf(calibration_).gamma) {
+    response_.emplace(detector_->camera(), calibration_.cap, imagingOf(calibration_));
   }
   status_.camera = experiment_.camera.source;
   status_.state = tracker_status_t::WAITING;
@@ -138,7 +158,7 @@ TrackerService::TrackerService(const ServiceContext& context)
   node_.subscribe<tracked_frame_t>(
       channels::kTrackedFrame, [this](const tracked_frame_t& frame) { watchOtherTracker(frame); });
   if (experiment_.projector.sync_patch > 0) {
-    sync_.emplace(detector_.camera());
+    sync_.emplace(detector_->camera());
     node_.subscribe<light_status_t>(channels::kLightStatus, [this](const light_status_t& status) {
       if (status.sync < 0) return;
       // The instance and the sequence number together identify a new light command.
@@ -166,7 +186,7 @@ void TrackerService::handle(const robot_status_t& status) {
   for (const robot_state_t& robot : status.robots) {
     wheels_.push_back({robot.robot_id, seconds(robot.utime), robot.wheel_left, robot.wheel_right});
   }
-  tracker_.addReports(wheels_);
+  tracker_->addReports(wheels_);
   status_instance_ = status.instance;
   status_seq_ = status.seq;
 }
@@ -205,7 +225,7 @@ void TrackerService::handle(const CameraFrame& frame) {
   const bool begins = status_.state != tracker_status_t::RUNNING;
   status_.state = tracker_status_t::RUNNING;
   if (begins && source_) {
-    detector_.setCompressed(source_->format().compressed);
+    detector_->setCompressed(source_->format().compressed);
     if (response_) response_->setCompressed(source_->format().compressed);
   }
   ++status_.frames;
@@ -227,7 +247,7 @@ void TrackerService::findResponse(const optics::GreyView& picture) {
   if (!response_) return;
   response_->examine(picture);
   const double gamma = response_->gamma().value_or(gamma_);
-  if (std::exchange(gamma_, gamma) != gamma) detector_.setGamma(gamma);
+  if (std::exchange(gamma_, gamma) != gamma) detector_->setGamma(gamma);
   if (response_->isSettled()) response_.reset();
 }
 
@@ -245,20 +265,21 @@ void TrackerService::film(const CameraFrame& frame, std::int64_t utime, std::int
 const std::vector<Track>& TrackerService::track(const CameraFrame& frame, double time,
                                                 std::int64_t now, const Exposure& exposure) {
   const optics::GreyView& picture = frame.grey;
-  const std::vector<detector::Expected>& expected = tracker_.expect(time);
+  const std::vector<detector::Expected>& expected = tracker_->expect(time);
   const bool draw = debug_ && debug_->wanted();
   std::vector<detector::Rejection> rejected;
   const std::vector<detector::Detection>* found = nullptr;
   searched_ = draw || frame.search || !all_detected_ || now >= next_search_;
   if (searched_) {
-    found = &detector_.search(picture, draw ? &rejected : nullptr, expected);
+    found = &detector_->search(picture, draw ? &rejected : nullptr, expected);
     next_search_ = now + kSearchEvery_us;
   } else {
-    found = &detector_.follow(picture, expected);
+    found = &detector_->follow(picture, expected);
     const auto missing = [](const detector::Detection& cap) { return cap.quality <= 0; };
-    if (std::ranges::any_of(*found, missing)) found = &detector_.search(picture, nullptr, expected);
+    if (std::ranges::any_of(*found, missing))
+      found = &detector_->search(picture, nullptr, expected);
   }
-  const std::vector<Track>& tracks = tracker_.update(time, *found);
+  const std::vector<Track>& tracks = tracker_->update(time, *found);
   std::size_t detected = 0;
   for (const Track& one : tracks) {
     if (!one.detected) continue;
@@ -269,7 +290,7 @@ const std::vector<Track>& TrackerService::track(const CameraFrame& frame, double
   blind_.add(time, exposure, detected > 0 || robots_ == 0);
   if (draw) {
     debug_->show(picture, tracks, rejected,
-                 std::to_string(detected) + " caps of " + std::to_string(robots_));
+                 std::to_string(detected) + " markers of " + std::to_string(robots_));
   }
   return tracks;
 }
@@ -359,7 +380,7 @@ void TrackerService::report() {
   status_.dropped = source_ ? source_->dropped() : 0;
   status_.dark = pictures_.dark();
   status_.saturated = pictures_.saturated();
-  const TrackerCounts& counts = tracker_.counts();
+  const TrackerCounts& counts = tracker_->counts();
   status_.bindings = counts.bound;
   status_.unbindings = counts.unbound;
   status_.flips = counts.flips;

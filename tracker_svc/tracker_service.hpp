@@ -15,22 +15,23 @@
 #include "common/service/service_main.hpp"
 #include "tracker_svc/calibration/spacing_check.hpp"
 #include "tracker_svc/cameras/run_filmer.hpp"
-#include "tracker_svc/detector.hpp"
 #include "tracker_svc/detector/picture_check.hpp"
 #include "tracker_svc/detector/sync_reader.hpp"
+#include "tracker_svc/marker_detector.hpp"
 #include "tracker_svc/response_finder.hpp"
-#include "tracker_svc/tracking/cap_tracker.hpp"
 #include "tracker_svc/tracking/latency.hpp"
+#include "tracker_svc/tracking/marker_tracker.hpp"
 #include "tracker_svc/views/debug_output.hpp"
 
 namespace lab::tracker {
 
-/// Publishes TRACKED_FRAME (caps bound to robots, and unidentified caps) and TRACKED_DETAILS for
+/// Publishes TRACKED_FRAME (markers bound to robots, and unidentified ones) and TRACKED_DETAILS for
 /// every picture, and TRACKER_STATUS, which includes a continuous check of the calibration.
 ///
 /// Searches near expected caps. Once a second, and whenever a cap is missing, it searches the whole
 /// picture; both give the same poses. ROBOT_STATUS reports the wheel motion of each robot. The
-/// comparison with the motion of the caps tells which cap is which robot.
+/// comparison with the motion of the caps tells which cap is which robot. Tags have the ids of
+/// robots; blobs remain unidentified.
 ///
 /// A second tracker in the same lab stays silent and reports that.
 class TrackerService final : public Service {
@@ -59,10 +60,11 @@ class TrackerService final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   CameraCalibration calibration_;
-  detector::Detector detector_;
+  detector::MarkerSettings markers_;
+  std::unique_ptr<detector::MarkerDetector> detector_;
   std::optional<detector::ResponseFinder> response_;  ///< while the camera's response is not known
   double gamma_;                                      ///< assumed until then
-  CapTracker tracker_;
+  std::unique_ptr<MarkerTracker> tracker_;
   calibration::SpacingCheck spacing_;
   PictureCheck pictures_;
   BlindCheck blind_;

@@ -326,6 +326,21 @@ enum class Tracker : std::int8_t {
   kCamera,    ///< tracker_svc measures them with a camera
 };
 
+/// What marks robots, animals or particles in the pictures.
+enum class Marker : std::int8_t { kCaps, kBlobs, kTags };
+
+/// Brightness of blobs.
+enum class BlobTone : std::int8_t { kDark, kBright };
+
+/// Families of AprilTags.
+enum class TagFamilyKey : std::int8_t {
+  kTag36h11,
+  kTag25h9,
+  kTag16h5,
+  kStandard41h12,
+  kStandard52h13
+};
+
 /// The source name of the simulated camera, whose frames sim_svc paints.
 inline constexpr const char* kSimulatedCamera = "sim";
 
@@ -353,10 +368,17 @@ struct Camera {
   int width = 1280;                       ///< [px]
   int height = 720;                       ///< [px]
   double exposure = 0.01;                 ///< [s]
-  double gain = 1;            ///< a factor for the simulated camera, a device's own units
-  std::string calibration;    ///< path as in the file, empty: that of the simulated camera
-  bool handshake = true;      ///< each robot turns before the script, to be identified
-  int debug_port = 0;         ///< of the tracker's debug view on 127.0.0.1, 0: none
+  double gain = 1;          ///< a factor for the simulated camera, a device's own units
+  std::string calibration;  ///< path as in the file, empty: that of the simulated camera
+  Marker marker = Marker::kCaps;
+  BlobTone blob = BlobTone::kDark;
+  double blob_smallest = 0.01;  ///< [m] diameter of a disc with the area of a blob
+  double blob_largest = 0.03;   ///< [m]
+  TagFamilyKey tag_family = TagFamilyKey::kTag36h11;
+  double tag_size = 0.04;       ///< [m] side of a tag, where its black border meets white
+  double marker_height = 0.05;  ///< [m] of blobs or tags above the floor
+  bool handshake = true;        ///< each robot turns before the script, to be identified
+  int debug_port = 0;           ///< of the tracker's debug view on 127.0.0.1, 0: none
   double ambient = 0.03;      ///< [1] room light in the simulated picture, of full projector light
   double position_noise = 0;  ///< [m] standard deviation per axis
   double heading_noise = 0;   ///< [rad] standard deviation
@@ -368,6 +390,32 @@ struct Camera {
 
   bool operator==(const Camera&) const = default;
 };
+
+/// Name and number of tags of a family.
+struct TagFamilyEntry {
+  const char* name = "";
+  int tags = 0;
+};
+[[nodiscard]] constexpr TagFamilyEntry entryOf(TagFamilyKey family) {
+  switch (family) {
+    case TagFamilyKey::kTag25h9:
+      return {"tag25h9", 35};
+    case TagFamilyKey::kTag16h5:
+      return {"tag16h5", 30};
+    case TagFamilyKey::kStandard41h12:
+      return {"tagStandard41h12", 2115};
+    case TagFamilyKey::kStandard52h13:
+      return {"tagStandard52h13", 48714};
+    case TagFamilyKey::kTag36h11:
+      break;
+  }
+  return {"tag36h11", 587};
+}
+
+/// Whether robots must turn before the script so that the tracker can tell them apart.
+[[nodiscard]] inline bool needsHandshake(const Camera& camera) {
+  return camera.tracker == Tracker::kCamera && camera.marker == Marker::kCaps && camera.handshake;
+}
 
 /// Whether tracker_svc reads the simulated camera.
 [[nodiscard]] inline bool isPainted(const Camera& camera) {

@@ -29,6 +29,14 @@ struct TrackOptions {
   std::size_t robots = 0;             ///< how many there are at most, 0: not known
   bool force = false;                 ///< replaces files that are there
   std::vector<std::string> set;       ///< key=value: of the experiment of a run
+  std::string marker = "caps";        ///< "caps", "blobs" or "tags"
+  double cm_per_px = 0;               ///< [cm] of a pixel, in place of a calibration; 0: none
+  std::optional<double> height_cm;    ///< [cm] of the markers above the floor
+  std::string blob_tone;              ///< "dark" or "bright"; empty: dark
+  std::vector<double> diameters_cm;   ///< [cm] smallest and largest diameter of a blob
+  double max_speed_cm_s = 0;          ///< [cm/s] no blob is faster; 0: not known
+  std::string tag_family;             ///< empty: tag36h11
+  double tag_size_cm = 0;             ///< [cm] side of a tag
 };
 ExitCode track(const TrackOptions& options);
 

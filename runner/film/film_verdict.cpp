@@ -29,11 +29,18 @@ calibration::SpacingSettings wholeFilm(const CameraCalibration& calibration) {
 }  // namespace
 
 void printFilmSummary(const tracker::FilmSummary& film, const CameraCalibration& calibration,
-                      std::int64_t dropped, double seconds) {
+                      const detector::MarkerSettings& markers, std::int64_t dropped,
+                      double seconds) {
+  const bool blobs = markers.kind == detector::MarkerKind::kBlobs;
+  const bool tags = markers.kind == detector::MarkerKind::kTags;
   fmt::print(
-      "{} frames ({} dropped), {} to {} robots in each, {} tracks, {} poses ({} degraded), "
+      "{} frames ({} dropped), {} to {} {} in each, {} tracks, {} poses ({} {}), "
       "mean confidence {:.2f}, {:.0f} frames/s",
-      film.frames, dropped, film.fewest, film.most, film.ids, film.rows, film.degraded,
+      film.frames, dropped, film.fewest, film.most,
+      blobs  ? "blobs"
+      : tags ? "tags"
+             : "robots",
+      film.ids, film.rows, blobs ? film.merged : film.degraded, blobs ? "merged" : "degraded",
       film.confidence, static_cast<double>(film.frames) / std::max(seconds, 1e-9));
   const double expected = calibration.cap.spacing();
   const double off = film.spacing > 0 ? film.spacing / expected - 1 : 0;
@@ -42,14 +49,31 @@ void printFilmSummary(const tracker::FilmSummary& film, const CameraCalibration&
                off * kPercents, film.spacing_spread / expected * kPercents);
   }
   fmt::print("\n");
+  if (blobs || tags) {
+    fmt::print("note     markers are taken to be {:g} cm above the floor\n",
+               markers.height(calibration.cap) * kCm);
+  }
+  if (blobs) {
+    fmt::print(
+        "note     identities come from motion alone: {:.2g} swaps are expected in all; {} poses "
+        "have a probability of a swap above {:g} % (column swap)\n",
+        film.swaps, film.doubtful, tracker::FilmTracking::kDoubtful * kPercents);
+  }
   if (film.surplus > 0) {
     fmt::print(
-        "note     {} of {} frames showed more caps than --robots says; {} poses were left out, "
+        "note     {} of {} frames showed more {} than --robots says; {} poses were left out, "
         "those with the lowest confidence\n",
-        film.crowded, film.frames, film.surplus);
+        film.crowded, film.frames,
+        blobs  ? "blobs"
+        : tags ? "tags"
+               : "caps",
+        film.surplus);
   }
   if (film.rows == 0) {
-    fmt::print("note     no robot was found; --overlay NAME.png shows what was rejected and why\n");
+    fmt::print("note     no {} was found; --overlay NAME.png shows what was rejected and why\n",
+               blobs  ? "blob"
+               : tags ? "tag"
+                      : "robot");
   }
 }
 

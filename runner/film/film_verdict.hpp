@@ -6,13 +6,15 @@
 #include "common/calibration/camera_file.hpp"
 #include "tracker_svc/calibration/spacing_check.hpp"
 #include "tracker_svc/film_tracking.hpp"
+#include "tracker_svc/marker_detector.hpp"
 
 namespace lab::runner {
 
 /// Prints one line about the poses that were found, and notes about those that were left out.
 /// @param seconds processing time
 void printFilmSummary(const tracker::FilmSummary& film, const CameraCalibration& calibration,
-                      std::int64_t dropped, double seconds);
+                      const detector::MarkerSettings& markers, std::int64_t dropped,
+                      double seconds);
 
 /// Checks the calibration with the detected poses: the spacing of the two circles of a cap, and
 /// poses outside the arena.

@@ -15,14 +15,14 @@ namespace lab::runner {
 
 namespace fs = std::filesystem;
 
-PoseWriter::PoseWriter(fs::path path, bool may_replace)
-    : path_(std::move(path)), part_(path_.string() + ".part") {
+PoseWriter::PoseWriter(fs::path path, detector::MarkerKind kind, bool may_replace)
+    : path_(std::move(path)), part_(path_.string() + ".part"), kind_(kind) {
   checkOutput(path_, may_replace);
   file_.open(part_, std::ios::binary);
   if (!file_) {
     throw UserError(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));
   }
-  file_ << tracker::filmCsvHeader();
+  file_ << tracker::filmCsvHeader(kind_);
 }
 
 PoseWriter::~PoseWriter() {
@@ -31,7 +31,7 @@ PoseWriter::~PoseWriter() {
 }
 
 void PoseWriter::write(const std::vector<tracker::FilmRow>& rows) {
-  for (const tracker::FilmRow& row : rows) file_ << tracker::filmCsvLine(row);
+  for (const tracker::FilmRow& row : rows) file_ << tracker::filmCsvLine(row, kind_);
   if (!file_) fail();
 }
 

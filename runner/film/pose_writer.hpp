@@ -13,7 +13,7 @@ namespace lab::runner {
 class PoseWriter {
  public:
   /// @throws UserError if the file exists, unless it may be replaced, or cannot be written
-  PoseWriter(std::filesystem::path path, bool may_replace);
+  PoseWriter(std::filesystem::path path, detector::MarkerKind kind, bool may_replace);
   ~PoseWriter();
   PoseWriter(const PoseWriter&) = delete;
   PoseWriter& operator=(const PoseWriter&) = delete;
@@ -27,6 +27,7 @@ class PoseWriter {
 
   std::filesystem::path path_;
   std::filesystem::path part_;
+  detector::MarkerKind kind_;
   std::ofstream file_;
 };
 

@@ -18,6 +18,7 @@
 #include "common/text/printable.hpp"
 #include "runner/command_line/progress_bar.hpp"
 #include "runner/film/film_commands.hpp"
+#include "runner/film/film_markers.hpp"
 #include "runner/film/film_overlay.hpp"
 #include "runner/film/film_verdict.hpp"
 #include "runner/film/named_files.hpp"
@@ -25,6 +26,7 @@
 #include "runner/film/retrack.hpp"
 #include "tracker_svc/film_reader.hpp"
 #include "tracker_svc/film_tracking.hpp"
+#include "tracker_svc/marker_tracking.hpp"
 #include "tracker_svc/response_finder.hpp"
 
 namespace lab::runner {
@@ -56,12 +58,16 @@ class InterruptHandler {
 };
 
 void requireOptions(const TrackOptions& options) {
-  const char* missing = options.calibration.empty() ? "--calibration"
-                        : options.out.empty()       ? "--out"
-                                                    : nullptr;
-  if (missing != nullptr) {
-    throw UserError(fmt::format("{}: found no {}, which only a run with a film does not need",
-                                options.source, missing));
+  if (options.out.empty()) {
+    throw UserError(fmt::format("{}: found no --out, which only a run with a film does not need",
+                                options.source));
+  }
+  if (options.calibration.empty() && !(options.cm_per_px > 0)) {
+    throw UserError(fmt::format(
+        "{}: found no --calibration, which only a run with a film does not need, expected the "
+        "calibration of the camera (lab calibrate camera); for blobs and tags below a camera "
+        "straight above, --cm-per-px SIZE_OF_A_PIXEL",
+        options.source));
   }
   if (!options.set.empty()) {
     throw UserError(
@@ -85,7 +91,8 @@ void refuseSameFiles(const TrackOptions& options) {
     const auto& [option, path] = named[written];
     if (path.empty()) continue;
     for (std::size_t other = 0; other < written; ++other) {
-      if (canonical(path) != canonical(named[other].second)) continue;
+      if (named[other].second.empty() || canonical(path) != canonical(named[other].second))
+        continue;
       throw UserError(fmt::format("{}: is named as {} and as {}; choose another name for {}",
                                   path.string(), named[other].first, option, option));
     }
@@ -133,36 +140,42 @@ tracker::TrackerSettings trackerSettings(const CameraCalibration& calibration) {
 }
 
 std::unique_ptr<FilmOverlay> openOverlay(const TrackOptions& options,
-                                         const CameraCalibration& calibration, double fps) {
+                                         const CameraCalibration& calibration,
+                                         const detector::MarkerSettings& markers, double fps) {
   if (options.overlay.empty()) return nullptr;
   return FilmOverlay::open(
       {.path = options.overlay,
        .force = options.force,
        .fps = (fps > 0 ? fps : kAssumedFps) / static_cast<double>(options.every),
        .camera = optics::CameraModel(calibration.camera),
-       .cap = calibration.cap});
+       .cap = markers.outline(calibration.cap)});
 }
 
 /// Tracks one film from its first frame to its last.
 class Film {
  public:
-  Film(const TrackOptions& options, const CameraCalibration& calibration, FilmReader& reader)
+  Film(const TrackOptions& options, const CameraCalibration& calibration,
+       const detector::MarkerSettings& markers, FilmReader& reader)
       : options_(options),
         calibration_(calibration),
+        markers_(markers),
         reader_(reader),
-        detector_(optics::CameraModel(calibration.camera), calibration.cap,
+        detector_(makeMarkerDetector(markers, optics::CameraModel(calibration.camera),
+                                     calibration.cap,
+                                     calibration.imaging.value_or(optics::Imaging{}))),
+        response_(detector_->camera(), calibration.cap,
                   calibration.imaging.value_or(optics::Imaging{})),
-        response_(detector_.camera(), calibration.cap,
-                  calibration.imaging.value_or(optics::Imaging{})),
-        finds_response_(!calibration.imaging || !calibration.imaging->gamma),
-        caps_(trackerSettings(calibration), {}),
-        tracking_(detector_, caps_, options.robots),
+        finds_response_(markers.kind == detector::MarkerKind::kCaps &&
+                        (!calibration.imaging || !calibration.imaging->gamma)),
+        tracker_(makeMarkerTracker(markers, trackerSettings(calibration), {},
+                                   options.max_speed_cm_s / units::kCm)),
+        tracking_(*detector_, *tracker_, options.robots),
         verdict_(calibration),
-        poses_(options.out, options.force),
-        overlay_(openOverlay(options, calibration, reader.format().fps)) {}
+        poses_(options.out, markers.kind, options.force),
+        overlay_(openOverlay(options, calibration, markers, reader.format().fps)) {}
 
   ExitCode track() {
-    detector_.setCompressed(reader_.format().compressed);
+    detector_->setCompressed(reader_.format().compressed);
     response_.setCompressed(reader_.format().compressed);
     const InterruptHandler interrupt_handler;
     std::string problem;
@@ -187,7 +200,7 @@ class Film {
     }
     poses_.finish();
     draw([&] { overlay_->finish(); });
-    printFilmSummary(tracking_.summary(), calibration_, reader_.dropped(), seconds);
+    printFilmSummary(tracking_.summary(), calibration_, markers_, reader_.dropped(), seconds);
     verdict_.print(tracking_.summary());
     if (!(reader_.format().fps > 0) && tracking_.summary().frames > 1) {
       fmt::print(
@@ -208,7 +221,8 @@ class Film {
     }
     if (finds_response_) {
       printResponse();
-    } else if (tracking_.summary().rows == 0) {
+    } else if (tracking_.summary().rows == 0 && calibration_.imaging &&
+               calibration_.imaging->gamma) {
       fmt::print("note     grey steps were read with a gamma of {:g}, as the calibration says\n",
                  *calibration_.imaging->gamma);
     }
@@ -234,7 +248,7 @@ class Film {
     const double gamma = response_.gamma().value_or(gamma_);
     if (gamma != gamma_ && tracking_.summary().frames > 0) gamma_from_ = frame.number;
     gamma_ = gamma;
-    detector_.setGamma(gamma);
+    detector_->setGamma(gamma);
   }
 
   void printResponse() const {
@@ -280,13 +294,14 @@ class Film {
 
   const TrackOptions& options_;
   const CameraCalibration& calibration_;
+  const detector::MarkerSettings& markers_;
   FilmReader& reader_;
-  detector::Detector detector_;
+  std::unique_ptr<detector::MarkerDetector> detector_;
   detector::ResponseFinder response_;
   bool finds_response_;
   double gamma_ = 1;                        ///< gamma in use
   std::optional<std::int64_t> gamma_from_;  ///< first frame that was read with gamma_; nothing: all
-  tracker::CapTracker caps_;
+  std::unique_ptr<tracker::MarkerTracker> tracker_;
   tracker::FilmTracking tracking_;
   CalibrationVerdict verdict_;
   PoseWriter poses_;
@@ -302,7 +317,10 @@ ExitCode track(const TrackOptions& options) {
   requireOptions(options);
   refuseSameFiles(options);
   refuseSheetAmongPictures(options);
-  const CameraCalibration calibration = readCameraFile(options.calibration);
+  std::optional<CameraCalibration> calibration;
+  if (!options.calibration.empty()) calibration = readCameraFile(options.calibration);
+  // Wrong options are refused before the film is opened.
+  static_cast<void>(markersOf(options, calibration.value_or(CameraCalibration{})));
   const std::unique_ptr<FilmReader> reader = openFilm(options.source, options.fps);
   if (const std::string table = reader->table(); options.fps > 0 && !table.empty()) {
     throw UserError(
@@ -310,8 +328,18 @@ ExitCode track(const TrackOptions& options) {
                     options.source, table));
   }
   const CameraFormat format = reader->format();
-  if (format.width > 0) checkSize(options, calibration, *reader, format.width, format.height);
-  return Film(options, calibration, *reader).track();
+  if (!calibration) {
+    if (format.width <= 0) {
+      throw UserError(fmt::format(
+          "{}: found no size of its pictures before they are read, expected one for --cm-per-px; "
+          "use --calibration",
+          options.source));
+    }
+    calibration = cameraAbove(format.width, format.height, options.cm_per_px);
+  }
+  if (format.width > 0) checkSize(options, *calibration, *reader, format.width, format.height);
+  const detector::MarkerSettings markers = markersOf(options, *calibration);
+  return Film(options, *calibration, markers, *reader).track();
 }
 
 }  // namespace lab::runner

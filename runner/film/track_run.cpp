@@ -56,7 +56,8 @@ ExitCode trackRun(const TrackOptions& options) {
   const std::int64_t length = filmFramesOf(run);
   requireFilm(run);  // before any file is made
   const fs::path out = options.out.empty() ? run / film_files::kFolder / "poses.csv" : options.out;
-  PoseWriter poses(out, options.force);
+  // TRACKED_FRAME has no areas and axes of blobs: the columns are those of caps.
+  PoseWriter poses(out, detector::MarkerKind::kCaps, options.force);
   const std::unique_ptr<FilmOverlay> overlay = overlayOf(options, run);
   RetrackCounts counts;
   double seconds = 0;

@@ -30,7 +30,7 @@ Handshake::Handshake(const Experiment& experiment)
       speed_(std::min(kTurnRate * experiment.hardware.diameter / 2,
                       experiment.hardware.max_wheel_speed)) {
   const Camera& camera = experiment.camera;
-  if (camera.tracker != Tracker::kCamera || !camera.handshake) return;
+  if (!needsHandshake(camera)) return;
   for (const RobotSpec& robot : experiment.robots) {
     const bool in_view = (robot.body == Body::kSerial) != isPainted(camera);
     if (in_view && robot.body != Body::kReplay) waiting_.push_back(robot.id);

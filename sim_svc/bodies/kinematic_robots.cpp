@@ -76,6 +76,7 @@ void KinematicRobots::addPainted(std::int64_t exposure_utime, double exposure,
     const auto pose = tracked ? tracked : replayed.robot.lastPose(exposure_utime);
     if (!pose) continue;
     PaintedRobot robot{pose->x, pose->y, pose->theta};
+    robot.tag = replayed.robot.id();
     const auto before = replayed.robot.trackedPose(exposure_utime - half);
     const auto after = replayed.robot.trackedPose(exposure_utime + half);
     if (before && after) {

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <vector>
 
+#include "light/optics/tag_pattern.hpp"
+
 namespace lab::sim::painter {
 namespace {
 
@@ -312,13 +314,69 @@ void RobotPainter::paintDisc(const Canvas& canvas, double forward, double radius
   }
 }
 
+/// Paints the tag by the mean of points in each cell of the lattice, which is much smaller than a
+/// cell of the tag.
+void RobotPainter::paintTag(const Canvas& canvas) const {
+  constexpr int kPoints = 4;  // along each side of a cell
+  const optics::TagPattern pattern = optics::TagFamily(settings_.tag_family).pattern(robot_.tag);
+  const double per_cell = 2 * pattern.half_square / settings_.tag_size;  // [1/m]
+  const double middle = pattern.cells / 2.0;
+  const double radius = middle / per_cell * 1.4143;
+  const Cell cell = cellAt(robot_.x, robot_.y);
+  const Lattice& lattice = *canvas.lattice;
+  const Box cells =
+      lattice.cells(pixelsAround(model_, robot_.x, robot_.y, settings_.cap.height, radius))
+          .within(lattice.all());
+  const auto at_point = [&](double x, double y, double& sum) {
+    const double column = (cosine_ * x + sine_ * y) * per_cell + middle;
+    const double row = middle - (-sine_ * x + cosine_ * y) * per_cell;
+    if (column < 0 || row < 0 || column >= pattern.cells || row >= pattern.cells) return false;
+    const bool dark = pattern.at(static_cast<int>(column), static_cast<int>(row)) > 0.5F;
+    sum += dark ? settings_.albedos.circle : settings_.albedos.cap;
+    return true;
+  };
+  for (int j = cells.y0; j < cells.y1; ++j) {
+    for (int i = cells.x0; i < cells.x1; ++i) {
+      const std::size_t at = lattice.at(i, j);
+      const double x =
+          to_camera_.scale * static_cast<double>(canvas.ground->x[at]) + to_camera_.x0 - robot_.x;
+      const double y =
+          to_camera_.scale * static_cast<double>(canvas.ground->y[at]) + to_camera_.y0 - robot_.y;
+      if (x * x + y * y > radius * radius) continue;
+      double sum = 0;
+      int inside = 0;
+      for (int k = 0; k < kPoints * kPoints; ++k) {
+        const double right = (k % kPoints + 0.5) / kPoints - 0.5;
+        const double down = (k / kPoints + 0.5) / kPoints - 0.5;
+        // Each point at another time of the exposure.
+        const double time = (k * 7 % (kPoints * kPoints) + 0.5) / (kPoints * kPoints) - 0.5;
+        if (at_point(x + right * cell.right_x + down * cell.down_x - time * cell.move_x,
+                     y + right * cell.right_y + down * cell.down_y - time * cell.move_y, sum)) {
+          ++inside;
+        }
+      }
+      if (inside == 0) continue;
+      const double share = static_cast<double>(inside) / (kPoints * kPoints);
+      const auto light = settings_.ambient + static_cast<double>(canvas.cap_light[at]);
+      float& grey = canvas.grey[at];
+      grey += static_cast<float>(share * (sum / inside * light - static_cast<double>(grey)));
+    }
+  }
+}
+
 void RobotPainter::paintTop(const Canvas& canvas) const {
   constexpr double kHole = 0.0325;       // [m] distance before and behind the axis
   constexpr double kHoleRadius = 0.002;  // [m]
   const optics::CapGeometry& cap = settings_.cap;
   const Albedos& albedos = settings_.albedos;
   paintDisc(canvas, 0, cap.robot_radius, solid_, albedos.body);
-  paintDisc(canvas, 0, cap.cap_radius, 0, albedos.cap);
+  const bool black = settings_.top == RobotTop::kSpot && settings_.bright_spot;
+  paintDisc(canvas, 0, cap.cap_radius, 0, black ? albedos.circle : albedos.cap);
+  if (settings_.top == RobotTop::kTag) return paintTag(canvas);
+  if (settings_.top == RobotTop::kSpot) {
+    paintDisc(canvas, 0, settings_.spot_radius, 0, black ? albedos.cap : albedos.circle);
+    return;
+  }
   paintDisc(canvas, cap.big_offset, cap.big_radius, 0, albedos.circle);
   paintDisc(canvas, cap.small_offset, cap.small_radius, 0, albedos.circle);
   paintDisc(canvas, kHole, kHoleRadius, 0, albedos.hole);

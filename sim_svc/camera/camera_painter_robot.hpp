@@ -69,6 +69,7 @@ class RobotPainter {
   };
 
   [[nodiscard]] Cell cellAt(double x, double y) const;
+  void paintTag(const Canvas& canvas) const;
   void paintDisc(const Canvas& canvas, double forward, double radius, double hidden,
                  double albedo) const;
   /// Calls row(first, count) for the cells that the robot's upright cylinder may cover as seen from

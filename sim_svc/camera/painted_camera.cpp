@@ -1,5 +1,6 @@
 #include "sim_svc/camera/painted_camera.hpp"
 
+#include <algorithm>
 #include <utility>
 
 #include "common/math/units.hpp"
@@ -29,6 +30,16 @@ PainterSettings painterSettings(const Experiment& experiment, const optics::Proj
   settings.camera = optics::simulatedCamera(experiment.camera.width, experiment.camera.height,
                                             experiment.arena_width, experiment.arena_height);
   settings.cap.robot_radius = experiment.hardware.diameter / 2;
+  const Camera& camera = experiment.camera;
+  if (camera.marker != Marker::kCaps) {
+    constexpr double kLowest = 0.001;  // [m] of a robot
+    settings.cap.height = std::max(camera.marker_height, kLowest);
+    settings.top = camera.marker == Marker::kTags ? RobotTop::kTag : RobotTop::kSpot;
+    settings.spot_radius = (camera.blob_smallest + camera.blob_largest) / 4;
+    settings.bright_spot = camera.blob == BlobTone::kBright;
+    settings.tag_family = entryOf(camera.tag_family).name;
+    settings.tag_size = camera.tag_size;
+  }
   settings.arena_width = experiment.arena_width;
   settings.arena_height = experiment.arena_height;
   settings.projector = {experiment.arena_width / 2, experiment.arena_height + kBehindTheWall,

@@ -10,6 +10,8 @@
 
 #include "tests/tracker_svc/covered_cap.hpp"
 #include "tests/tracker_svc/painted_film.hpp"
+#include "tracker_svc/detector.hpp"
+#include "tracker_svc/tracking/cap_tracker.hpp"
 
 namespace lab::tracker::film_tracking_test {
 namespace {

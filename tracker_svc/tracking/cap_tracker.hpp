@@ -9,26 +9,10 @@
 #include "tracker_svc/detector.hpp"
 #include "tracker_svc/tracking/assignment.hpp"
 #include "tracker_svc/tracking/binding.hpp"
+#include "tracker_svc/tracking/marker_tracker.hpp"
 #include "tracker_svc/tracking/motion.hpp"
 
 namespace lab::tracker {
-
-/// Reported wheel speeds of a robot.
-struct WheelReport {
-  std::int32_t robot_id = 0;
-  double time = 0;   ///< [s] sampling time, on the clock of the pictures
-  double left = 0;   ///< [m/s]
-  double right = 0;  ///< [m/s]
-};
-
-/// One tracked cap.
-struct Track {
-  std::int64_t number = 0;     ///< unique, never reused
-  std::int32_t robot_id = -1;  ///< the robot it is bound to, -1 if unbound
-  detector::Detection pose;    ///< of this picture, or predicted if not detected (quality 0)
-  bool detected = false;       ///< in this picture
-  double since_detection = 0;  ///< [s] since its last detection
-};
 
 struct TrackerSettings {
   double wheel_base = 0.075;      ///< [m]
@@ -41,13 +25,6 @@ struct TrackerSettings {
   /// and within the distance at twice its speed: its own highest mean speed over half a second, but
   /// at least the median over all tracks (a wall may have held it).
   bool caps_may_be_replaced = false;
-};
-
-struct TrackerCounts {
-  std::int64_t flips = 0;    ///< head/tail flips detected and corrected
-  std::int64_t lost = 0;     ///< tracks given up
-  std::int64_t bound = 0;    ///< bindings made
-  std::int64_t unbound = 0;  ///< bindings ended because they became doubtful
 };
 
 /// Assigns detections to tracks globally, with a motion model, and binds tracks to robot ids as
@@ -70,31 +47,25 @@ struct TrackerCounts {
 /// while the others stand. This needs pictures at least every 0.35 s. If two tracks may have been
 /// exchanged (for example both undetected while close together), both are unbound until their
 /// motion identifies them.
-class CapTracker {
+class CapTracker final : public MarkerTracker {
  public:
   CapTracker(const TrackerSettings& settings, std::vector<std::int32_t> robot_ids);
-  ~CapTracker();
-  CapTracker(const CapTracker&) = delete;
-  CapTracker& operator=(const CapTracker&) = delete;
+  ~CapTracker() override;
 
-  /// Adds wheel reports; they may arrive up to a second after the picture they belong to.
-  void addReports(std::span<const WheelReport> wheels);
+  void addReports(std::span<const WheelReport> wheels) override;
 
-  /// Where to search the caps in a picture taken at `time` [s], one place per track in the order of
-  /// the last update: the range its wheels allow, but at most a robot's radius, or 0.15 m if the
-  /// track is lost (undetected for half a second).
-  [[nodiscard]] const std::vector<detector::Expected>& expect(double time);
+  /// Caps are expected as far away as their wheels allow, but at most a robot's radius, or 0.15 m
+  /// if the track is lost (undetected for half a second).
+  [[nodiscard]] const std::vector<detector::Expected>& expect(double time) override;
 
-  /// Assigns the detections of the picture taken at `time` [s], which must increase. Detections of
-  /// quality 0 are ignored.
-  /// @return all tracks, valid until the next call
-  const std::vector<Track>& update(double time, std::span<const detector::Detection> detections);
+  const std::vector<Track>& update(double time,
+                                   std::span<const detector::Detection> detections) override;
 
   /// Binds the track whose cap is nearest to a known place, as for a start from known poses.
   /// @return whether there is one within `reach` [m]
   bool bind(std::int32_t robot_id, double x, double y, double reach);
 
-  [[nodiscard]] const TrackerCounts& counts() const { return counts_; }
+  [[nodiscard]] const TrackerCounts& counts() const override { return counts_; }
 
   /// [ln] 10000 to 1.
   static constexpr double kDoubt = 9.2;

@@ -87,6 +87,7 @@ class Reader {
   }
 
   PoseFile finish() {
+    dropWithoutHeading();
     if (rows_.empty()) {
       throw ReportError(fmt::format("{}: found no pose in {} rows; expected at least one robot",
                                     name_, file_.rows));
@@ -108,6 +109,19 @@ class Reader {
       }
     }
     return {};
+  }
+
+  /// Leaves out rows without a heading; if these are most of them, as of round blobs, the headings.
+  void dropWithoutHeading() {
+    const auto unknown = [](const PoseRow& row) { return !std::isfinite(row.pose.theta); };
+    const auto count = std::count_if(rows_.begin(), rows_.end(), unknown);
+    if (2 * count <= std::ssize(rows_)) {
+      std::erase_if(rows_, unknown);
+      file_.without_pose += count;
+      return;
+    }
+    file_.headings = false;
+    for (PoseRow& row : rows_) row.pose.theta = 0;
   }
 
   void readHeader(std::istream& text, std::string& line) {
@@ -142,6 +156,7 @@ class Reader {
       }
       field = trimmed(field.substr(0, bracket));
     }
+    if (findWide()) return;
     frame_ = find({"frame"});
     id_ = find({"id", "particle"});
     x_ = find({"x_cm"});
@@ -186,6 +201,53 @@ class Reader {
       fail(1,
            "found no column of times; expected t_s, t or time in s, or --fps with the frames per "
            "second");
+    }
+  }
+
+  /// Finds the columns of idtracker.ai: x1, y1, x2, y2 ... in pixels, one row for each frame.
+  bool findWide() {
+    wide_.clear();
+    for (int robot = 1;; ++robot) {
+      const Column x = find({"x" + std::to_string(robot)});
+      const Column y = find({"y" + std::to_string(robot)});
+      if (!x || !y) break;
+      wide_.emplace_back(x, y);
+    }
+    if (wide_.empty() || find({"frame"})) return false;
+    time_ = find({"time", "seconds"});
+    file_.times = static_cast<bool>(time_);
+    if (!options_.scale) {
+      fail(1, "x1, y1: found places in pixels; expected --scale-cm with the size of a pixel in cm");
+    }
+    if (static_cast<bool>(time_) == options_.fps.has_value()) {
+      fail(1, fmt::format("found {}; expected a column time or --fps with the frames per second",
+                          time_ ? "a column of times beside --fps" : "no column of times"));
+    }
+    unit_ = *options_.scale;
+    return true;
+  }
+
+  /// Reads a row with all animals of one frame; lost ones are nan.
+  void readWideRow() {
+    const std::int64_t frame = file_.rows - 1;
+    const double time = time_ ? number(time_) : static_cast<double>(frame) / *options_.fps;
+    if (!std::isfinite(time)) {
+      fail(line_, fmt::format("{}: found no number, expected a time in s", time_.name));
+    }
+    for (std::size_t i = 0; i < wide_.size(); ++i) {
+      PoseRow row;
+      row.line = line_;
+      row.frame = frame;
+      row.time = time;
+      row.pose.robot = static_cast<int>(i) + 1;
+      row.pose.x = number(wide_[i].first) * unit_;
+      row.pose.y = number(wide_[i].second) * unit_;
+      row.pose.valid = true;
+      if (!std::isfinite(row.pose.x + row.pose.y)) {
+        ++file_.without_pose;
+      } else {
+        rows_.push_back(row);
+      }
     }
   }
 
@@ -245,6 +307,7 @@ class Reader {
                               columns_));
     }
     ++file_.rows;
+    if (!wide_.empty()) return readWideRow();
     PoseRow row;
     row.line = line_;
     row.frame = whole(frame_);
@@ -273,7 +336,7 @@ class Reader {
     row.pose.y = number(y_) * unit_;
     row.pose.theta = theta_ ? number(theta_) : 0;
     row.pose.valid = !confidence_ || number(confidence_) >= kLeastConfidence;
-    if (!seen || !std::isfinite(row.pose.x + row.pose.y + row.pose.theta)) {
+    if (!seen || !std::isfinite(row.pose.x + row.pose.y)) {
       ++file_.without_pose;
     } else if (id == 0 && file_.in_arena) {
       ++file_.without_id;
@@ -292,7 +355,8 @@ class Reader {
   char separator_ = ',';
   double unit_ = 1;  ///< [m]
   Column frame_, id_, x_, y_, time_, theta_, confidence_, missing_;
-  bool trex_ = false;  ///< one individual per file
+  std::vector<std::pair<Column, Column>> wide_;  ///< x and y of each animal of idtracker.ai
+  bool trex_ = false;                            ///< one individual per file
   int default_robot_ = 0;
 };
 

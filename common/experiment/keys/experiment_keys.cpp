@@ -46,6 +46,18 @@ const std::array<Choice, 2> kShapes = {
     {choiceOf("circle", Region::kCircle), choiceOf("rectangle", Region::kRectangle)}};
 const std::array<Choice, 2> kTrackers = {
     {choiceOf("sim", Tracker::kSimPoses), choiceOf("camera", Tracker::kCamera)}};
+const std::array<Choice, 3> kMarkers = {{choiceOf("caps", Marker::kCaps),
+                                         choiceOf("blobs", Marker::kBlobs),
+                                         choiceOf("tags", Marker::kTags)}};
+const std::array<Choice, 2> kBlobTones = {
+    {choiceOf("dark", BlobTone::kDark), choiceOf("bright", BlobTone::kBright)}};
+const std::array<Choice, 5> kTagFamilies = {
+    {choiceOf(entryOf(TagFamilyKey::kTag36h11).name, TagFamilyKey::kTag36h11),
+     choiceOf(entryOf(TagFamilyKey::kTag25h9).name, TagFamilyKey::kTag25h9),
+     choiceOf(entryOf(TagFamilyKey::kTag16h5).name, TagFamilyKey::kTag16h5),
+     choiceOf(entryOf(TagFamilyKey::kStandard41h12).name, TagFamilyKey::kStandard41h12),
+     choiceOf(entryOf(TagFamilyKey::kStandard52h13).name, TagFamilyKey::kStandard52h13)}};
+
 void visitHardware(KeyVisitor& v, RobotHardware& robot) {
   v.number({"diameter_cm", "diameter, which is also the distance d between the wheels"}, {1, 50},
            robot.diameter);
@@ -250,6 +262,25 @@ void visitCamera(KeyVisitor& v, Camera& camera) {
                       "camera.json of lab calibrate camera; if empty, that of the simulated camera",
                   .default_text = "empty"}),
          {.most = 400}, camera.calibration);
+  const Selector marker(v,
+                        painted({"marker",
+                                 "what marks robots in the pictures: caps with two circles, single "
+                                 "blobs, or AprilTags with the robots' ids (docs/track.md)"}),
+                        kMarkers, camera.marker);
+  const auto blobs = [&](Key key) { return marker.only({Marker::kBlobs}, std::move(key)); };
+  const auto tags = [&](Key key) { return marker.only({Marker::kTags}, std::move(key)); };
+  enumerate(v, blobs({"blob", "whether blobs are darker or brighter than the ground"}), kBlobTones,
+            camera.blob);
+  v.number(blobs({"blob_smallest_cm", "smallest diameter of a disc with the area of one blob"}),
+           {0.01, 100}, camera.blob_smallest);
+  v.number(blobs({"blob_largest_cm", "largest diameter of a disc with the area of one blob"}),
+           {0.01, 100}, camera.blob_largest);
+  enumerate(v, tags({"tag_family", "family of the tags"}), kTagFamilies, camera.tag_family);
+  v.number(tags({"tag_size_cm", "side of a tag, where its black border meets white"}), {0.1, 100},
+           camera.tag_size);
+  v.number(marker.only({Marker::kBlobs, Marker::kTags},
+                       {"marker_height_cm", "height of blobs or tags above the floor"}),
+           {0, 100}, camera.marker_height);
   v.flag(
       painted({"handshake",
                "before the script all robots turn by a code, so that the tracker can identify it"}),

@@ -48,6 +48,55 @@ TEST(PoseFile, ReadsFilesOfLabTrack) {
   EXPECT_TRUE(dut.in_arena);
 }
 
+TEST(PoseFile, ReadsBlobsWithoutHeading) {
+  const PoseFile dut = read(
+      "frame,id,x_cm,y_cm,theta_rad,u,v,confidence,t_s,area_cm2,length_cm,width_cm,merged,swap\n"
+      "0,1,10.5,20,,640.1,360.2,0.98,0.0,1.1,1.2,1.2,1,0\n"
+      "0,2,30,40,0.2,1,2,0.9,0.0,1.1,1.4,1.2,1,0\n"
+      "1,1,11,20,,641,360,0.97,0.033333,1.1,1.2,1.2,1,1e-5\n");
+
+  EXPECT_FALSE(dut.headings);
+  ASSERT_EQ(dut.frames.size(), 2U);
+  EXPECT_EQ(dut.frames[0].poses.size(), 2U);
+  EXPECT_EQ(dut.frames[0].poses[1].theta, 0);
+}
+
+TEST(PoseFile, LeavesOutTheFewRowsWithoutHeading) {
+  const PoseFile dut = read(
+      "frame,id,x_cm,y_cm,theta_rad,confidence,t_s\n"
+      "0,1,10.5,20,1.5,0.98,0.0\n"
+      "1,1,11,20,,0.97,0.1\n"
+      "2,1,12,20,1.4,0.97,0.2\n");
+
+  EXPECT_TRUE(dut.headings);
+  EXPECT_EQ(dut.frames.size(), 2U);
+  EXPECT_EQ(dut.without_pose, 1);
+}
+
+TEST(PoseFile, ReadsFilesOfIdtracker) {
+  const PoseFile dut = read(
+      "time,x1,y1,x2,y2\n"
+      "0.000,100,200,300,400\n"
+      "0.100,101,200,nan,nan\n",
+      {.scale = 0.001, .fps = {}});
+
+  ASSERT_EQ(dut.frames.size(), 2U);
+  ASSERT_EQ(dut.frames[0].poses.size(), 2U);
+  EXPECT_EQ(dut.frames[0].poses[1].robot, 2);
+  EXPECT_DOUBLE_EQ(dut.frames[0].poses[1].x, 0.3);
+  EXPECT_EQ(dut.frames[1].poses.size(), 1U);
+  EXPECT_DOUBLE_EQ(dut.frames[1].time, 0.1);
+  EXPECT_FALSE(dut.headings);
+  EXPECT_EQ(dut.without_pose, 1);
+}
+
+TEST(PoseFile, NeedsScaleAndTimesOfIdtracker) {
+  EXPECT_THAT(problemOf("x1,y1\n1,2\n", {.scale = {}, .fps = 10}), HasSubstr("--scale-cm"));
+  EXPECT_THAT(problemOf("x1,y1\n1,2\n", {.scale = 0.001, .fps = {}}), HasSubstr("--fps"));
+  EXPECT_THAT(problemOf("time,x1,y1\n0,1,2\n", {.scale = 0.001, .fps = 10}),
+              HasSubstr("beside --fps"));
+}
+
 TEST(PoseFile, ReadsFilesOfTrackpy) {
   const PoseFile dut = read(
       ",y,x,mass,frame,particle\n"
