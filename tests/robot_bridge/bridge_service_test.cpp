@@ -183,7 +183,7 @@ TEST_F(BridgeServiceTest, AnOrderBeyondTheWheelLimitIsRejectedAndOthersContinue)
   EXPECT_FALSE(last[2].flags & robot_state_t::FLAG_REJECTED);
   EXPECT_EQ(last[2].command_seq, 2);
   EXPECT_EQ(second.left(), 47);
-  EXPECT_THAT(errors, Contains(HasSubstr("beyond the wheels' limit")));
+  EXPECT_THAT(errors, Contains(HasSubstr("robot 1: wheel speeds beyond the wheels' limit")));
   command(drive({1, 2}, 0.02, 0.02), 3);
   runCommanded(1);
   EXPECT_FALSE(last[1].flags & robot_state_t::FLAG_REJECTED);
