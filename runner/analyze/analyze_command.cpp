@@ -56,16 +56,14 @@ report::PoseFileOptions columnsOf(const AnalyzeOptions& options) {
 ExitCode analyzeOpenFormat(const fs::path& input, const fs::path& out,
                            const AnalyzeOptions& options, const report::AnalyzeOptions& how) {
   const ScratchFolder scratch(report::makeFolderIn(out, ".import"));
-  if (isHdf5(input) && !hasLogTables(input)) {
-    const fs::path csv = scratch.path() / (input.stem().string() + ".csv");
-    writePosesOfHdf5(input, csv);
-    printHeadline(
-        report::analyzePoses(csv, out, columnsOf(options), {options.program, options.set}, how));
-    return kDone;
-  }
   const fs::path log = scratch.path() / files::kLog;
   if (isHdf5(input)) {
-    writeLogOfHdf5(input, log);
+    const fs::path csv = scratch.path() / (input.stem().string() + ".csv");
+    if (importHdf5(input, log, csv) == Hdf5Content::kPoses) {
+      printHeadline(
+          report::analyzePoses(csv, out, columnsOf(options), {options.program, options.set}, how));
+      return kDone;
+    }
   } else if (writeLogOfMcap(input, log) == 0) {
     throw UserError(fmt::format(
         "{}: found no topic /bus/..., expected the messages of a run's bus, as lab export --mcap "

@@ -68,7 +68,10 @@ std::string readText(hid_t object, const std::string& name) {
   const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), &H5Aclose, name);
   const Handle type(H5Aget_type(attribute.get()), &H5Tclose, name);
   if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) > 0) return {};
+  const Handle space(H5Aget_space(attribute.get()), &H5Sclose, name);
   std::string text(H5Tget_size(type.get()), '\0');
+  // A list of texts would not fit.
+  if (H5Sget_simple_extent_npoints(space.get()) != 1 || text.empty()) return {};
   check(H5Aread(attribute.get(), type.get(), text.data()), name);
   return text.substr(0, text.find('\0'));
 }

@@ -17,11 +17,15 @@
 #include <vector>
 
 #include "common/bus/log_file.hpp"
+#include "common/files/file_text.hpp"
+#include "common/process/limited_call.hpp"
 #include "common/schema/array_groups.hpp"
 #include "common/schema/lcm_writer.hpp"
 #include "common/schema/message_table.hpp"
 #include "common/schema/schema.hpp"
+#include "runner/command_line/exit_code.hpp"
 #include "runner/export/hdf5_handles.hpp"
+#include "runner/export/hdf5_table.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -29,137 +33,15 @@ namespace {
 
 using hdf5::check;
 using hdf5::Handle;
+using hdf5::kindOf;
+using hdf5::ReadFile;
+using hdf5::TableReader;
 using schema::ColumnInfo;
 using schema::Field;
 using schema::Kind;
 using schema::Type;
 
-constexpr int kNone = -1;
-
-Handle openFile(const fs::path& file) {
-  hdf5::silence();
-  return {H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), &H5Fclose,
-          "cannot read " + file.string()};
-}
-
-/// The rows of a table, read in blocks.
-class TableReader {
- public:
-  TableReader(hid_t file, const std::string& name, const std::vector<ColumnInfo>& columns)
-      : name_(name),
-        dataset_(H5Dopen2(file, name.c_str(), H5P_DEFAULT), &H5Dclose, "there is no " + name),
-        columns_(columns) {
-    const Handle stored(H5Dget_type(dataset_.get()), &H5Tclose, name + " has no type");
-    if (H5Tget_class(stored.get()) != H5T_COMPOUND) fail("is no table of records");
-    std::vector<Handle> types;
-    for (const ColumnInfo& column : columns_) {
-      const int member = H5Tget_member_index(stored.get(), column.name.c_str());
-      if (member < 0) fail("has no column " + column.name);
-      offsets_.push_back(record_bytes_);
-      std::size_t size = column.itemSize();
-      if (column.kind == Kind::kString) {
-        const Handle text(H5Tget_member_type(stored.get(), static_cast<unsigned>(member)),
-                          &H5Tclose, "no type");
-        if (H5Tget_class(text.get()) != H5T_STRING || H5Tis_variable_str(text.get()) > 0) {
-          fail("has in " + column.name + " no text of fixed length");
-        }
-        size = H5Tget_size(text.get());
-        types.emplace_back(H5Tcopy(text.get()), &H5Tclose, "no type");
-      } else {
-        types.emplace_back(H5Tcopy(hdf5::numberType(column.kind)), &H5Tclose, "no type");
-      }
-      sizes_.push_back(size);
-      record_bytes_ += size;
-    }
-    record_.emplace(H5Tcreate(H5T_COMPOUND, record_bytes_), &H5Tclose, "no type of records");
-    for (std::size_t i = 0; i < columns_.size(); ++i) {
-      check(H5Tinsert(record_->get(), columns_[i].name.c_str(), offsets_[i], types[i].get()),
-            "no column");
-    }
-    const Handle space(H5Dget_space(dataset_.get()), &H5Sclose, name + " has no space");
-    check(H5Sget_simple_extent_dims(space.get(), &rows_, nullptr) == 1 ? 0 : -1,
-          name + " is no list of records");
-  }
-
-  [[nodiscard]] hsize_t rows() const { return rows_; }
-  [[nodiscard]] const std::string& name() const { return name_; }
-
-  /// Makes rows available from `begin` on, until `end`; those before are given up.
-  void require(hsize_t begin, hsize_t end) {
-    if (begin >= begin_ && end <= begin_ + loaded_) return;
-    constexpr std::size_t kBlock_bytes = 1U << 20U;
-    const hsize_t least = end - begin;
-    const hsize_t count =
-        std::min(rows_ - begin, std::max<hsize_t>(least, kBlock_bytes / record_bytes_ + 1));
-    records_.resize(static_cast<std::size_t>(count) * record_bytes_);
-    const Handle space(H5Dget_space(dataset_.get()), &H5Sclose, "no space");
-    const Handle part(H5Screate_simple(1, &count, nullptr), &H5Sclose, "no space");
-    check(H5Sselect_hyperslab(space.get(), H5S_SELECT_SET, &begin, nullptr, &count, nullptr),
-          "no rows");
-    check(H5Dread(dataset_.get(), record_->get(), part.get(), space.get(), H5P_DEFAULT,
-                  records_.data()),
-          "cannot read the table " + name_ + ": the file is damaged");
-    begin_ = begin;
-    loaded_ = count;
-  }
-
-  [[nodiscard]] std::uint64_t bits(hsize_t row, std::size_t column) const {
-    std::uint64_t value = 0;
-    std::memcpy(&value, at(row, column), sizes_[column]);
-    return value;
-  }
-  [[nodiscard]] std::string_view text(hsize_t row, std::size_t column) const {
-    const auto* begin = reinterpret_cast<const char*>(at(row, column));
-    const auto* end = static_cast<const char*>(std::memchr(begin, 0, sizes_[column]));
-    return {begin, end == nullptr ? sizes_[column] : static_cast<std::size_t>(end - begin)};
-  }
-  [[nodiscard]] std::size_t sizeOf(std::size_t column) const { return sizes_[column]; }
-
-  [[nodiscard]] int indexOf(std::string_view column) const {
-    const auto found = std::ranges::find(columns_, column, &ColumnInfo::name);
-    return found == columns_.end() ? kNone : static_cast<int>(found - columns_.begin());
-  }
-
-  /// The first column whose name begins so.
-  [[nodiscard]] int firstWith(std::string_view begin) const {
-    const auto found = std::ranges::find_if(
-        columns_, [&](const ColumnInfo& column) { return column.name.starts_with(begin); });
-    return found == columns_.end() ? kNone : static_cast<int>(found - columns_.begin());
-  }
-
-  /// The number of rows from `row` on that belong to `parent`.
-  hsize_t children(hsize_t row, std::uint64_t parent) {
-    const auto column = static_cast<std::size_t>(indexOf(schema::columns::kParent));
-    hsize_t end = row;
-    while (end < rows_) {
-      require(row, end + 1);
-      if (bits(end, column) != parent) break;
-      ++end;
-    }
-    return end - row;
-  }
-
-  [[noreturn]] void fail(const std::string& what) const {
-    throw std::runtime_error("the table " + name_ + " " + what +
-                             "; expected the tables that lab export --hdf5 makes");
-  }
-
- private:
-  [[nodiscard]] const std::byte* at(hsize_t row, std::size_t column) const {
-    return records_.data() + static_cast<std::size_t>(row - begin_) * record_bytes_ +
-           offsets_[column];
-  }
-
-  std::string name_;
-  Handle dataset_;
-  std::vector<ColumnInfo> columns_;
-  std::vector<std::size_t> offsets_, sizes_;
-  std::size_t record_bytes_ = 0;
-  std::optional<Handle> record_;
-  hsize_t rows_ = 0;
-  std::vector<std::byte> records_;
-  hsize_t begin_ = 0, loaded_ = 0;
-};
+constexpr FileKind kHdf5File{"an HDF5 file", UINTMAX_MAX};
 
 /// A table from which messages take their rows, one after the other.
 struct Source {
@@ -185,7 +67,8 @@ struct Plan {
 /// The messages of one channel.
 class Channel {
  public:
-  Channel(hid_t file, std::string name, const Type& type) : name_(std::move(name)), type_(type) {
+  Channel(const ReadFile& file, std::string name, const Type& type)
+      : name_(std::move(name)), type_(type) {
     for (const std::string& path : schema::tablePaths(type)) {
       Source& source = sources_[path];
       source.table = std::make_unique<TableReader>(file, "/" + name_ + "/" + hdf5::tableName(path),
@@ -283,8 +166,8 @@ class Channel {
     const std::string name = prefix + field.name;
     int index = table.indexOf(name);
     const bool elements = field.array && field.count_field < 0;
-    if (index == kNone && elements) index = table.firstWith(name + "_");
-    if (index == kNone) table.fail("has no column " + name);
+    if (index == TableReader::kNone && elements) index = table.firstWith(name + "_");
+    if (index == TableReader::kNone) table.fail("has no column " + name);
     return static_cast<std::size_t>(index);
   }
 
@@ -345,31 +228,24 @@ class Channel {
   schema::LcmWriter encoding_;
 };
 
-std::vector<std::string> linksOf(hid_t group) {
+std::vector<std::string> linksOf(const ReadFile& file) {
   std::vector<std::string> names;
   const auto add = [](hid_t, const char* name, const H5L_info_t*, void* all) -> herr_t {
     static_cast<std::vector<std::string>*>(all)->emplace_back(name);
     return 0;
   };
-  check(H5Literate(group, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names), "cannot list a group");
+  check(H5Literate(file.id, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names),
+        "cannot list a group");
   return names;
 }
 
-/// H5I_GROUP, H5I_DATASET; H5I_BADID: there is nothing of this name.
-H5I_type_t kindOf(hid_t file, const std::string& name) {
-  const hid_t object = H5Oopen(file, name.c_str(), H5P_DEFAULT);
-  if (object < 0) return H5I_BADID;
-  const Handle opened(object, &H5Oclose, name);
-  return H5Iget_type(object);
-}
-
 /// Channels with their types.
-std::vector<std::pair<std::string, const Type*>> channelsOf(hid_t file) {
+std::vector<std::pair<std::string, const Type*>> channelsOf(const ReadFile& file) {
   std::vector<std::pair<std::string, const Type*>> channels;
   for (const std::string& name : linksOf(file)) {
     const std::string table = name + "/messages";
     if (kindOf(file, name) != H5I_GROUP || kindOf(file, table) != H5I_DATASET) continue;
-    const Handle dataset(H5Dopen2(file, table.c_str(), H5P_DEFAULT), &H5Dclose, table);
+    const Handle dataset = hdf5::openTable(file, table);
     const Type* type = schema::messageSchema().find(hdf5::readText(dataset.get(), "type"));
     if (type != nullptr) channels.emplace_back(name, type);
   }
@@ -377,8 +253,8 @@ std::vector<std::pair<std::string, const Type*>> channelsOf(hid_t file) {
 }
 
 /// The columns of a table of numbers.
-std::vector<ColumnInfo> numberColumns(hid_t file, const std::string& name) {
-  const Handle dataset(H5Dopen2(file, name.c_str(), H5P_DEFAULT), &H5Dclose, name);
+std::vector<ColumnInfo> numberColumns(const ReadFile& file, const std::string& name) {
+  const Handle dataset = hdf5::openTable(file, name);
   const Handle type(H5Dget_type(dataset.get()), &H5Tclose, name);
   std::vector<ColumnInfo> columns;
   if (H5Tget_class(type.get()) != H5T_COMPOUND) return columns;
@@ -386,6 +262,7 @@ std::vector<ColumnInfo> numberColumns(hid_t file, const std::string& name) {
     const H5T_class_t kind = H5Tget_member_class(type.get(), i);
     if (kind != H5T_INTEGER && kind != H5T_FLOAT) continue;
     char* member = H5Tget_member_name(type.get(), i);
+    if (member == nullptr) continue;
     columns.push_back({member, kind == H5T_INTEGER ? Kind::kInt64 : Kind::kDouble, "", ""});
     H5free_memory(member);
   }
@@ -393,9 +270,10 @@ std::vector<ColumnInfo> numberColumns(hid_t file, const std::string& name) {
 }
 
 /// The dataset with poses.
-std::string posesIn(hid_t file, const fs::path& name) {
-  if (kindOf(file, "poses") == H5I_DATASET) return "poses";
-  if (kindOf(file, "poses/table") == H5I_DATASET) return "poses/table";
+std::string posesIn(const ReadFile& file) {
+  for (const char* name : {"poses", "poses/table"}) {
+    if (kindOf(file, name) == H5I_DATASET) return name;
+  }
   std::vector<std::string> found;
   for (const std::string& link : linksOf(file)) {
     for (const std::string& candidate : {link, link + "/table"}) {
@@ -406,28 +284,19 @@ std::string posesIn(hid_t file, const fs::path& name) {
   }
   if (found.size() == 1) return found.front();
   throw std::runtime_error(fmt::format(
-      "{}: found {} tables of records, expected those of lab export --hdf5, or a table \"poses\" "
+      "found {} tables of records, expected those of lab export --hdf5, or a table \"poses\" "
       "with the columns of docs/track.md (pandas: to_hdf(FILE, \"poses\", format=\"table\", "
       "data_columns=True))",
-      name.string(), found.size()));
+      found.size()));
 }
 
-}  // namespace
-
-bool isHdf5(const fs::path& file) {
-  hdf5::silence();
-  return fs::is_regular_file(file) && H5Fis_hdf5(file.c_str()) > 0;
-}
-
-bool hasLogTables(const fs::path& file) { return !channelsOf(openFile(file).get()).empty(); }
-
-void writeLogOfHdf5(const fs::path& file, const fs::path& log) {
-  const Handle opened = openFile(file);
+void writeLog(const ReadFile& file,
+              const std::vector<std::pair<std::string, const Type*>>& log_channels,
+              LogWriter& writer) {
   std::vector<std::unique_ptr<Channel>> channels;
-  for (const auto& [name, type] : channelsOf(opened.get())) {
-    channels.push_back(std::make_unique<Channel>(opened.get(), name, *type));
+  for (const auto& [name, type] : log_channels) {
+    channels.push_back(std::make_unique<Channel>(file, name, *type));
   }
-  LogWriter writer(log);
   std::vector<std::optional<std::int64_t>> events;
   for (const auto& channel : channels) events.push_back(channel->nextEvent());
   while (true) {
@@ -442,12 +311,10 @@ void writeLogOfHdf5(const fs::path& file, const fs::path& log) {
   writer.flush();
 }
 
-void writePosesOfHdf5(const fs::path& file, const fs::path& csv) {
-  const Handle opened = openFile(file);
-  const std::string name = posesIn(opened.get(), file);
-  const std::vector<ColumnInfo> columns = numberColumns(opened.get(), name);
-  TableReader table(opened.get(), name, columns);
-  std::ofstream out(csv);
+void writePoses(const ReadFile& file, std::ofstream& out) {
+  const std::string name = posesIn(file);
+  const std::vector<ColumnInfo> columns = numberColumns(file, name);
+  TableReader table(file, name, columns);
   for (std::size_t i = 0; i < columns.size(); ++i) out << (i == 0 ? "" : ",") << columns[i].name;
   out << "\n";
   for (hsize_t row = 0; row < table.rows(); ++row) {
@@ -463,7 +330,63 @@ void writePosesOfHdf5(const fs::path& file, const fs::path& csv) {
     out << "\n";
   }
   out.flush();
-  if (!out) throw std::runtime_error("cannot write " + csv.string() + ": is the disk full?");
+  if (!out) throw std::runtime_error("cannot write its poses as CSV: is the disk full?");
+}
+
+constexpr const char* kLog = "log";
+constexpr const char* kPoses = "poses";
+
+/// What importHdf5() does in the child.
+/// @returns kLog or kPoses
+std::string readHere(const fs::path& file, std::uint64_t bytes, const fs::path& log,
+                     const fs::path& poses) {
+  hdf5::silence();
+  const Handle opened(H5Fopen(file.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), &H5Fclose,
+                      "cannot open the file: it is damaged");
+  LogWriter log_writer(log);
+  std::ofstream csv(poses);
+  check(H5PLset_loading_state(0), "cannot turn plug-ins off");
+  refuseFurtherFiles();
+  const ReadFile read{opened.get(), bytes};
+  if (const auto channels = channelsOf(read); !channels.empty()) {
+    writeLog(read, channels, log_writer);
+    return kLog;
+  }
+  writePoses(read, csv);
+  return kPoses;
+}
+
+}  // namespace
+
+bool isHdf5(const fs::path& file) {
+  // HDF5 File Format Specification 3.0, II.A: the superblock begins at 0, 512, 1024, 2048, ...
+  constexpr std::string_view kSignature = "\x89HDF\r\n\x1a\n";
+  if (!regularFileProblem(file, file_kinds::kAny).empty()) return false;
+  std::ifstream stream(file, std::ios::binary);
+  std::string begin(kSignature.size(), '\0');
+  for (std::streamoff at = 0; stream.seekg(at); at = at == 0 ? 512 : 2 * at) {
+    if (!stream.read(begin.data(), static_cast<std::streamsize>(begin.size()))) return false;
+    if (begin == kSignature) return true;
+  }
+  return false;
+}
+
+Hdf5Content importHdf5(const fs::path& file, const fs::path& log, const fs::path& poses) {
+  if (const std::string problem = regularFileProblem(file, kHdf5File); !problem.empty()) {
+    throw UserError(file.string() + ": " + problem);
+  }
+  const std::uint64_t bytes = fs::file_size(file);
+  // An export of an hour with 250 robots has 1 GB.
+  const CallLimits limits{.processor = std::chrono::seconds(30 + bytes / 100'000),
+                          .memory_bytes = 1'000'000'000,
+                          .file_bytes = 1'000'000'000 + 30 * bytes};
+  try {
+    const std::string content =
+        callLimited(limits, [&] { return readHere(file, bytes, log, poses); });
+    return content == kLog ? Hdf5Content::kLog : Hdf5Content::kPoses;
+  } catch (const std::exception& error) {
+    throw UserError(file.string() + ": " + error.what());
+  }
 }
 
 }  // namespace lab::runner

@@ -6,7 +6,6 @@
 #include <lab/tracked_frame_t.hpp>
 #include <limits>
 #include <memory>
-#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -20,6 +19,7 @@
 #include "common/schema/ros_encoding.hpp"
 #include "common/schema/schema.hpp"
 #include "dds_gateway/ros_recording.hpp"
+#include "runner/command_line/exit_code.hpp"
 #include "runner/export/mcap_reader.hpp"
 #include "runner/export/mcap_writer.hpp"
 
@@ -191,10 +191,9 @@ std::int64_t writeLogOfMcap(const fs::path& file, const fs::path& log) {
     const auto encoding = schema::fromCdr(
         *type, {reinterpret_cast<const std::uint8_t*>(message.data.data()), message.data.size()});
     if (!encoding) {
-      throw std::runtime_error(
-          file.string() + ": a message on " + std::string(message.topic) + " is no " +
-          std::string(message.schema) +
-          " of this version: it was written by another version, or is damaged");
+      throw UserError(file.string() + ": a message on " + std::string(message.topic) + " is no " +
+                      std::string(message.schema) +
+                      " of this version: it was written by another version, or is damaged");
     }
     if (!writer) writer = std::make_unique<LogWriter>(log);
     writer->write({message.topic.substr(kBusTopics.size()), *encoding,

@@ -49,7 +49,7 @@ McapResult writeMcap(const std::vector<std::filesystem::path>& log,
 
 /// Makes the log again from the topics "/bus/...".
 /// @return number of messages; 0: the file has none of these topics
-/// @throws std::runtime_error if the file cannot be read, or a message is not what its schema says
+/// @throws UserError if the file cannot be read, or a message is not what its schema says
 std::int64_t writeLogOfMcap(const std::filesystem::path& file, const std::filesystem::path& log);
 
 }  // namespace lab::runner

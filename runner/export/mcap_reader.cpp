@@ -5,8 +5,8 @@
 
 #include <fstream>
 #include <map>
-#include <stdexcept>
 
+#include "runner/command_line/exit_code.hpp"
 #include "runner/export/mcap_records.hpp"
 
 namespace lab::runner::mcap {
@@ -57,9 +57,7 @@ class FileReader {
   /// Bytes of the file that have not been read.
   [[nodiscard]] std::uint64_t left() { return size_ - static_cast<std::uint64_t>(stream_.tellg()); }
 
-  [[noreturn]] void fail(const std::string& what) const {
-    throw std::runtime_error(name_ + ": " + what);
-  }
+  [[noreturn]] void fail(const std::string& what) const { throw UserError(name_ + ": " + what); }
 
   void take(Opcode opcode, std::string_view content) {
     RecordReader fields(content);

@@ -27,7 +27,7 @@ struct ReadResult {
 
 /// Calls `handler` for every message, in the order of the file. A file that was cut short is read
 /// as far as it goes.
-/// @throws std::runtime_error if it cannot be read, is no MCAP file, or has a chunk with a checksum
+/// @throws UserError if it cannot be read, is no MCAP file, or has a chunk with a checksum
 ///   that is wrong or a compression other than none, zstd
 ReadResult read(const std::filesystem::path& file,
                 const std::function<void(const Message&)>& handler);
