@@ -4,16 +4,10 @@
 #include <functional>
 #include <stdexcept>
 
-#include "analyzer/laws/forms.hpp"
-
 namespace lab::analysis {
 
 const std::vector<ClosedForm>& closedForms() {
-  static const std::vector<ClosedForm> forms = [] {
-    std::vector<ClosedForm> all;
-    for (const auto form : kForms) all.push_back(form());
-    return all;
-  }();
+  static const std::vector<ClosedForm> forms = formsOfAllFiles();
   return forms;
 }
 

@@ -1,5 +1,5 @@
-/// The laws that are known in closed form. A new one is a file with its class, and its name in the
-/// list of forms.hpp.
+/// The laws that are known in closed form. A new one is a file forms/NAME.cpp with its class and
+/// the function std::vector<ClosedForm> forms::NAME(); the build finds it.
 #pragma once
 
 #include <functional>
@@ -21,6 +21,9 @@ struct ClosedForm {
 };
 
 [[nodiscard]] const std::vector<ClosedForm>& closedForms();
+
+/// The same, made anew from all files of forms/. The build generates it.
+[[nodiscard]] std::vector<ClosedForm> formsOfAllFiles();
 
 /// nullptr: there is none with this name.
 [[nodiscard]] const ClosedForm* findClosedForm(std::string_view name);

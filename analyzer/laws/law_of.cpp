@@ -44,6 +44,11 @@ ProgramLaw lawOf(const Program& program, double wheel_base) {
 ProgramLaw lawOf(const Program& program, const RobotBody& body) {
   if (program.hash == 0) return {};
   const LawText& text = program.law;
+  const bool names_law = !text.name.empty() || !text.msd.empty() || !text.angular_msd.empty();
+  if (const std::string reason = dependence(program); !reason.empty()) {
+    return without(program, body.wheel_base,
+                   reason + (names_law ? " The law that its file gives is not used." : ""));
+  }
   try {
     if (!text.name.empty()) {
       return ProgramLaw(closedForm(text.name, text.parameters, body.wheel_base), program.hash);
@@ -54,8 +59,6 @@ ProgramLaw lawOf(const Program& program, const RobotBody& body) {
   } catch (const std::exception& problem) {
     return without(program, body.wheel_base, problem.what());
   }
-  const std::string reason = dependence(program);
-  if (!reason.empty()) return without(program, body.wheel_base, reason);
   std::shared_ptr<const Law> law = makeSimulatedLaw(program, body);
   if (law->motion() == nullptr) {
     return without(program, body.wheel_base,

@@ -49,11 +49,11 @@ Experiment experimentForLayers() {
 fileversion = 1
 name = "by_hand"
 duration_s = 1
-program = "stand"
+program = "none"
 [[robots]]
 id = 1
-[programs.stand]
-model = "stand"
+[programs.none.phases.none]
+hold = "forever"
 )",
                          kHandName);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <filesystem>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -13,6 +14,7 @@
 #include "analyzer/laws.hpp"
 #include "analyzer/theory_table.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/files/file_values.hpp"
 #include "common/math/units.hpp"
 #include "runner/analyze/analyze_commands.hpp"
 
@@ -35,16 +37,16 @@ std::string without(std::string text, const std::string& part) {
   return text;
 }
 
-/// Reads the program as from an experiment file, so with the same keys, ranges and errors. The
-/// wheels get the highest speed that a file may have: laws are also computed for programs that real
-/// robots cannot execute.
+/// Reads the program as from an experiment file in the working directory, so with the same keys,
+/// ranges and errors; a program file is found from there. The wheels get the highest speed that a
+/// file may have: laws are also computed for programs that real robots cannot execute.
 Experiment experimentOf(const TheoryOptions& options) {
   const std::string& model = options.program;
   const std::string text = fmt::format(
       "fileversion = 1\nname = \"theory\"\nduration_s = 1\nprogram = \"motion\"\n"
       "[arena]\nwidth_cm = 1000\nheight_cm = 1000\n[robot]\nmax_wheel_speed_cm_s = 500\n"
-      "sensor_period_ms = 1\n[[robots]]\nid = 1\n[programs.motion]\nmodel = \"{}\"\n",
-      model);
+      "sensor_period_ms = 1\n[[robots]]\nid = 1\n[programs.motion]\nmodel = {}\n",
+      keys::tomlString(model));
   const std::string own = "programs.motion.";
   const std::string hardware = "robot.";
   std::vector<std::string> set;
@@ -53,7 +55,7 @@ Experiment experimentOf(const TheoryOptions& options) {
     set.push_back((key == "diameter_cm" ? hardware : own) + one);
   }
   try {
-    return parseExperiment(text, "theory", set);
+    return parseExperiment(text, "theory", set, std::filesystem::current_path());
   } catch (const ExperimentError& error) {
     std::string lines;
     for (const std::string& problem : error.problems()) {

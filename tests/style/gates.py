@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The gates of style: each looks at every file of the tree and exits 1 with one line a finding.
 
-    gates.py GATE ROOT [BUILD]     GATE: format | names | spelling | includes | layout | alone
+    gates.py GATE ROOT [BUILD]     GATE: format | names | spelling | includes | layout | programs | alone
 
 format    clang-format changes nothing
 names     clang-tidy finds no name against .clang-tidy in any header
@@ -9,6 +9,7 @@ spelling  codespell finds no misspelt word in code, comments, manual and experim
 includes  every file includes the standard headers whose names it uses
 layout    no folder at the root that is not in docs/architecture.md, no include against the arrow or
           of another service's private header
+programs  no name of a program of programs/ outside the folders that may know programs
 alone     every header compiles without any other header before it
 
 77 is returned where the tool is not installed or is of another version than the one that decides.
@@ -255,6 +256,53 @@ def check_layout(root, _build):
     return found
 
 
+# Folders that may name programs of motion; other files that name some, and why (empty: any).
+KNOW_PROGRAMS = ("programs/", "experiments/", "docs/", "tests/", "analyzer/laws/")
+NAMES_PROGRAMS = {
+    "CHANGELOG.md": ((), "says what was shipped"),
+    "common/bus/upgrade/from_version_4.cpp": (("abp", "noisy_abp", "bp", "rtp", "wheels"),
+                                              "logs of version 4 number the programs that have these names"),
+    "common/camera/camera_source.cpp": (("rtp",), "a protocol of cameras"),
+    "common/camera/camera_source.hpp": (("rtp",), "a protocol of cameras"),
+    "dashboard/page/robot_panel.js": (("wheels",), "a row with the speeds of the wheels"),
+    "dds_gateway/ros/ros_commands.cpp": (("stand",), "an order of ROS 2, which needs no program"),
+    "sim_svc/world.cpp": (("wheels",), "the purpose of a stream of random numbers"),
+}
+# Names of programs that are also words: only where they stand alone in quotes or as a file.
+PROGRAM_WORDS = ("memory", "resetting", "stand", "wheels")
+
+
+def check_programs(root, _build):
+    names = [os.path.basename(name)[:-len(".toml")] for name in files_of(root, (".toml",))
+             if name.startswith("programs/")]
+    if not names:
+        return ["programs/: no program, expected files NAME.toml"]
+    words = [rf"(?<=[\"'`]){name}(?=\\?[\"'`])|\b{name}\.toml\b" for name in names if name in PROGRAM_WORDS]
+    others = [rf"(?<!\w){name}(?!\w)" for name in names if name not in PROGRAM_WORDS]
+    pattern = re.compile("|".join(words + others))
+    found = []
+    for name in files_of(root, ""):
+        if name.startswith(KNOW_PROGRAMS):
+            continue
+        try:
+            with open(os.path.join(root, name), encoding="utf-8") as text:
+                lines = text.read().splitlines()
+        except UnicodeDecodeError:
+            continue
+        excepted = NAMES_PROGRAMS.get(name, (None,))[0]
+        used = set()
+        for number, line in enumerate(lines, 1):
+            # An experiment may have the name of its program.
+            for use in pattern.findall(re.sub(r"\bexperiments/\w+\.toml\b", "", line)):
+                if excepted == () or excepted and use in excepted:
+                    used.add(use)
+                else:
+                    found.append(f"{name}:{number}: names the program {use}; expected code for all programs alike")
+        for unused in sorted(set(excepted or ()) - used):
+            found.append(f"{name}: does not name the program {unused}; remove this exception in tests/style/gates.py")
+    return found
+
+
 def check_alone(root, build):
     compiler = need("g++")
     flags = compile_flags(build, root)
@@ -270,7 +318,7 @@ def check_alone(root, build):
 
 
 GATES = {"format": check_format, "names": check_names, "spelling": check_spelling,
-         "includes": check_includes, "layout": check_layout, "alone": check_alone}
+         "includes": check_includes, "layout": check_layout, "programs": check_programs, "alone": check_alone}
 
 
 def main():

@@ -23,6 +23,8 @@ BAD = {
     "includes": ("light/bad.hpp", "#pragma once\n\nnamespace lab {\n\nstruct Bad {\n  std::string text;\n};\n\n"
                  "}  // namespace lab\n", "light/bad.hpp:6: uses std::string, expected #include <string>"),
     "layout": ("light/bad.hpp", '#pragma once\n\n#include "runner/live/launch.hpp"\n', "light may include robot"),
+    "programs": ("light/bad.hpp", '#pragma once\n\nconstexpr const char* kModel = "hover";\n',
+                 "light/bad.hpp:3: names the program hover"),
     "alone": ("light/bad.hpp", "#pragma once\n\nnamespace lab {\n\nstruct Bad {\n  Unknown member;\n};\n\n"
               "}  // namespace lab\n", "does not compile alone"),
 }
@@ -42,6 +44,9 @@ def main():
             os.makedirs(os.path.join(root, "light"))
             with open(os.path.join(root, "light/good.hpp"), "w", encoding="utf-8") as file:
                 file.write(GOOD)
+            os.makedirs(os.path.join(root, "programs"))
+            with open(os.path.join(root, "programs/hover.toml"), "w", encoding="utf-8") as file:
+                file.write('[phases.hover]\nhold = "forever"\n')
             before = run(gate, root)
             with open(os.path.join(root, name), "w", encoding="utf-8") as file:
                 file.write(text)

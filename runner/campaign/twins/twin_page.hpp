@@ -35,7 +35,7 @@ inline constexpr double kDeviates = 0.01;
 
 /// A look as text, for tables.
 struct LookTexts {
-  std::string name;  ///< "D_r of abp (rad²/s)"
+  std::string name;  ///< "D_r of PROGRAM (rad²/s)"
   std::string run;
   std::string twins;     ///< "0.75 ± 0.04"
   std::string interval;  ///< "0.67 to 0.83"

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <cstdint>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "analyzer/laws.hpp"
 #include "tests/analyzer/program_films.hpp"
@@ -12,6 +14,7 @@
 namespace lab::analysis {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 
 /// Mean and error of a curve over films.
@@ -210,6 +213,48 @@ TEST(LawOf, GivesTheReasonWhereThereCanBeNoLaw) {
   unknown.law = {"abp", {{"v", 0.03}}, "", "", "", ""};
   EXPECT_THAT(reason(unknown), HasSubstr("law \"abp\": parameter epsilon (s) is missing"));
   EXPECT_EQ(reason(withoutLaw("run_reverse")), "");
+}
+
+/// A program with one parameter, the law of abp, and an expression that reads something.
+Program reading(const std::string& law, const std::string& forward) {
+  const std::string text = "law = " + law + R"toml(
+parameters = {v = "3 cm/s", epsilon = "0.5 s", eta = "3 rad/s"}
+[phases.run]
+turn = "uniform(-eta, eta)"
+hold = "epsilon"
+forward = ")toml" + forward +
+                           "\"\n";
+  return toProgram(readProgram(text, "reading.toml", "reading"));
+}
+
+// A law in free space would be a wrong verdict there.
+TEST(LawOf, UsesNoGivenLawWhereTheMotionDependsOnMoreThanTheProgram) {
+  const std::string formulas = R"toml({msd = "v*v*tau*tau", angular_msd = "eta*eta*tau*tau"})toml";
+  for (const std::string& law : {std::string("\"abp\""), formulas}) {
+    ASSERT_TRUE(ExactLaw(lawOf(reading(law, "v"), kPaperWheelBase)).exists()) << law;
+    for (const auto& [forward, reason] : std::vector<std::pair<std::string, std::string>>{
+             {"v*(0.5 + light)", "reads light"},
+             {"v*(0.5 + light_front)", "reads light"},
+             {"if(ir(0) > 0.5, 0 cm/s, v)", "reads light, infrared sensors"},
+             {"if(sense(0) > 3, 0 cm/s, v)", "infrared sensors or senses"},
+             {"if(battery > 3 volt, v, v/2)", "reads the battery"},
+             {"if(id > 3, v, v/2)", "reads the robot's number"}}) {
+      const Program program = reading(law, forward);
+      const ProgramLaw dut = lawOf(program, kPaperWheelBase);
+      EXPECT_FALSE(ExactLaw(dut).exists()) << law << " " << forward;
+      EXPECT_FALSE(dut->isSimulated()) << law << " " << forward;
+      EXPECT_THAT(dut->whyNoVerdict(),
+                  AllOf(HasSubstr(reason), HasSubstr("The law that its file gives is not used.")));
+      EXPECT_THAT(referenceText(program, kPaperWheelBase), HasSubstr("not judged: "));
+    }
+  }
+}
+
+TEST(LawOf, GivesNoVerdictForAFilmOfAProgramThatReadsLightAndNamesALaw) {
+  const ProgramLaw law = lawOf(reading("\"abp\"", "v*(0.5 + light)"), kPaperWheelBase);
+  const ProgramResult dut = judgeFilm(law, filmOf(withoutLaw("abp"), law, 3, {.duration = 600}));
+  EXPECT_EQ(dut.verdict.kind, VerdictKind::kUndecided);
+  EXPECT_EQ(dut.verdict.judged, 0);
 }
 
 TEST(LawOf, SaysBeforeARunWhatTheMotionIsComparedWith) {

@@ -2,6 +2,7 @@
 // simulation of the same motion in double precision: the MSD at all lags.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -230,6 +231,47 @@ TEST(ProgramFilms, RunsWithReversalsAndFlicksFollowAnIndependentSimulation) {
       shippedProgram("run_reverse_flick"),
       [](std::uint64_t seed) { return runReverseFlick(seed, 0.5); },
       [](std::uint64_t seed) { return runReverseFlick(seed, 0.525); });
+}
+
+Film ornsteinUhlenbeck(std::uint64_t seed, double tau) {
+  Rng64 rng(seed + 6000);
+  Film film;
+  std::normal_distribution<double> normal;
+  const double kept = 1 - 0.1 / tau;
+  const double kick = std::sqrt(1 - kept * kept);
+  double speed = 0;
+  double rate = 0;
+  while (!film.full()) {
+    speed = speed * kept + 3 * kick * normal(rng);
+    rate = rate * kept + 0.8 * kick * normal(rng);
+    film.drive(speed, rate, 0.1);
+  }
+  return film;
+}
+
+// The speeds are below the shipped ones, so that no draw of 100 hours needs faster wheels.
+TEST(ProgramFilms, OrnsteinUhlenbeckSpeedsFollowAnIndependentSimulation) {
+  compare(
+      shippedProgram("aoup", {{"v_rms", "3 cm/s"}, {"turn_rms", "0.8 rad/s"}}),
+      [](std::uint64_t seed) { return ornsteinUhlenbeck(seed, 1); },
+      [](std::uint64_t seed) { return ornsteinUhlenbeck(seed, 1.05); });
+}
+
+Film memory(std::uint64_t seed, double tau) {
+  Rng64 rng(seed + 7000);
+  Film film;
+  double rate = 0;
+  while (!film.full()) {
+    rate = std::clamp(rate + 0.1 / tau * (uniform(rng, -10, 10) - rate), -4.0, 4.0);
+    film.drive(kSpeed, rate, 0.1);
+  }
+  return film;
+}
+
+TEST(ProgramFilms, ParticlesWithMemoryFollowAnIndependentSimulation) {
+  compare(
+      shippedProgram("memory"), [](std::uint64_t seed) { return memory(seed, 2); },
+      [](std::uint64_t seed) { return memory(seed, 2.1); });
 }
 
 }  // namespace

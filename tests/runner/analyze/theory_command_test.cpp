@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/reference_table.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace {
 
@@ -17,10 +21,12 @@ struct Output {
   int code = -1;
 };
 
-/// Runs the program in a shell.
-Output lab(const std::string& arguments) {
+/// Runs the program in a shell, in a folder.
+Output lab(const std::string& arguments, const std::filesystem::path& folder = ".") {
   Output output;
-  FILE* pipe = popen((LAB_PROGRAM " " + arguments + " 2>&1").c_str(), "r");
+  const std::string command =
+      "cd '" + folder.string() + "' && " LAB_PROGRAM " " + arguments + " 2>&1";
+  FILE* pipe = popen(command.c_str(), "r");
   if (pipe == nullptr) return output;
   char buffer[4096];
   for (std::size_t n = 0; (n = fread(buffer, 1, sizeof buffer, pipe)) > 0;) {
@@ -105,6 +111,52 @@ TEST(LabTheory, TakesMissingParametersFromTheShippedProgram) {
   const Output one = lab("theory abp epsilon_s=0.5 --lags 0.3,7");
   ASSERT_EQ(lines(all.text).size(), 3U) << all.text;
   EXPECT_EQ(one.text, all.text);
+}
+
+TEST(LabTheory, PrintsTheFormulasOfAProgramFile) {
+  const lab::TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "my \"own\" motion.toml";
+  lab::support::writeFile(file, R"toml(
+law = {msd = "2*v*v/gamma*(tau - (1 - exp(-gamma*tau))/gamma)"}
+parameters = {v = "5 cm/s", gamma = "0.5 1/s"}
+[phases.run]
+forward = "v"
+hold = "exponential(1/gamma)"
+next = "turn"
+[phases.turn]
+turn = "uniform(-pi, pi) / 0.1 s"
+hold = "0.1 s"
+next = "run"
+)toml");
+  for (const auto& [set, v] :
+       std::vector<std::pair<std::string, double>>{{"", 5}, {" v_cm_s=2", 2}}) {
+    for (const std::string& command :
+         {"theory '" + file.string() + "'", std::string("theory 'my \"own\" motion.toml'")}) {
+      const Output output = lab(command + set + " --lags 1,30", folder.path());
+      ASSERT_EQ(output.code, 0) << output.text;
+      const auto table = lines(output.text);
+      ASSERT_EQ(table.size(), 3U) << output.text;
+      for (std::size_t i = 1; i < table.size(); ++i) {
+        const auto row = numbers(table[i]);
+        EXPECT_NEAR(row.at(1) / (4 * v * v * (row.at(0) - 2 * (1 - std::exp(-row.at(0) / 2)))), 1,
+                    1e-12)
+            << output.text;
+      }
+    }
+  }
+}
+
+TEST(LabTheory, SaysWhatIsWrongInAProgramFile) {
+  const lab::TemporaryFolder folder;
+  lab::support::writeFile(folder.path() / "wrong.toml",
+                          "law = \"abp\"\n[phases.run]\nforward = \"5 s\"\nhold = \"1 s\"\n");
+  const Output wrong = lab("theory wrong.toml", folder.path());
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_EQ(lines(wrong.text).size(), 1U) << wrong.text;
+  EXPECT_NE(wrong.text.find("wrong.toml:3"), std::string::npos) << wrong.text;
+  const Output none = lab("theory none.toml", folder.path());
+  EXPECT_EQ(none.code, 2);
+  EXPECT_NE(none.text.find("found \"none.toml\" (no such file)"), std::string::npos) << none.text;
 }
 
 TEST(LabTheory, ReportsWrongArgumentsInOneLine) {

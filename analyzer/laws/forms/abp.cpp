@@ -4,11 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/laws/forms.hpp"
+#include "analyzer/laws/closed_forms.hpp"
 #include "analyzer/laws/held_noise_law.hpp"
 #include "analyzer/laws/persistent_msd.hpp"
 
 namespace lab::analysis {
+namespace forms {
+std::vector<ClosedForm> abp();
+}
 namespace {
 
 /// Constant speed v; every epsilon a turning rate is drawn from +-eta.
@@ -88,13 +91,13 @@ class Abp : public HeldNoiseLaw {
 
 }  // namespace
 
-ClosedForm abpForm() {
-  return {"abp",
-          {{"v", "v", "m/s", 0.03}, {"epsilon", "ε", "s", 0.5}, {"eta", "η", "rad/s", 3}},
-          [](std::vector<LawParameter> parameters, double wheel_base) {
-            return std::shared_ptr<const Law>(
-                std::make_shared<const Abp>(std::move(parameters), wheel_base));
-          }};
+std::vector<ClosedForm> forms::abp() {
+  return {{"abp",
+           {{"v", "v", "m/s", 0.03}, {"epsilon", "ε", "s", 0.5}, {"eta", "η", "rad/s", 3}},
+           [](std::vector<LawParameter> parameters, double wheel_base) {
+             return std::shared_ptr<const Law>(
+                 std::make_shared<const Abp>(std::move(parameters), wheel_base));
+           }}};
 }
 
 }  // namespace lab::analysis

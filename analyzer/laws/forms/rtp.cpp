@@ -6,11 +6,14 @@
 #include <string>
 #include <vector>
 
-#include "analyzer/laws/forms.hpp"
+#include "analyzer/laws/closed_forms.hpp"
 #include "analyzer/laws/persistent_msd.hpp"
 #include "analyzer/laws/rtp_law.hpp"
 
 namespace lab::analysis {
+namespace forms {
+std::vector<ClosedForm> rtp();
+}
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -124,13 +127,13 @@ class Rtp : public Law {
 
 }  // namespace
 
-ClosedForm rtpForm() {
-  return {"rtp",
-          {{"v", "v", "m/s", 0.05}, {"gamma", "γ", "1/s", 1}, {"tau_t", "τt", "s", 0.5}},
-          [](std::vector<LawParameter> parameters, double wheel_base) {
-            return std::shared_ptr<const Law>(
-                std::make_shared<const Rtp>(std::move(parameters), wheel_base));
-          }};
+std::vector<ClosedForm> forms::rtp() {
+  return {{"rtp",
+           {{"v", "v", "m/s", 0.05}, {"gamma", "γ", "1/s", 1}, {"tau_t", "τt", "s", 0.5}},
+           [](std::vector<LawParameter> parameters, double wheel_base) {
+             return std::shared_ptr<const Law>(
+                 std::make_shared<const Rtp>(std::move(parameters), wheel_base));
+           }}};
 }
 
 }  // namespace lab::analysis

@@ -6,11 +6,14 @@
 #include <vector>
 
 #include "analyzer/laws/bp_kurtosis.hpp"
-#include "analyzer/laws/forms.hpp"
+#include "analyzer/laws/closed_forms.hpp"
 #include "analyzer/laws/held_noise_law.hpp"
 #include "analyzer/laws/persistent_msd.hpp"
 
 namespace lab::analysis {
+namespace forms {
+std::vector<ClosedForm> noisy_abp();
+}
 namespace {
 
 /// Every epsilon both wheel speeds are drawn from va +- V. The Brownian particle is the same with
@@ -128,20 +131,17 @@ const LawParameter kHold{"epsilon", "ε", "s", 0.2};
 
 }  // namespace
 
-ClosedForm noisyAbpForm() {
-  return {"noisy_abp",
-          {{"va", "va", "m/s", 0.01}, kAmplitude, kHold},
-          [](std::vector<LawParameter> parameters, double wheel_base) {
-            return std::shared_ptr<const Law>(std::make_shared<const DrawnWheelsLaw>(
-                "noisy_abp", std::move(parameters), wheel_base, false));
-          }};
-}
-
-ClosedForm bpForm() {
-  return {"bp", {kAmplitude, kHold}, [](std::vector<LawParameter> parameters, double wheel_base) {
-            return std::shared_ptr<const Law>(std::make_shared<const DrawnWheelsLaw>(
-                "bp", std::move(parameters), wheel_base, true));
-          }};
+std::vector<ClosedForm> forms::noisy_abp() {
+  return {{"noisy_abp",
+           {{"va", "va", "m/s", 0.01}, kAmplitude, kHold},
+           [](std::vector<LawParameter> parameters, double wheel_base) {
+             return std::shared_ptr<const Law>(std::make_shared<const DrawnWheelsLaw>(
+                 "noisy_abp", std::move(parameters), wheel_base, false));
+           }},
+          {"bp", {kAmplitude, kHold}, [](std::vector<LawParameter> parameters, double wheel_base) {
+             return std::shared_ptr<const Law>(std::make_shared<const DrawnWheelsLaw>(
+                 "bp", std::move(parameters), wheel_base, true));
+           }}};
 }
 
 }  // namespace lab::analysis
