@@ -139,9 +139,10 @@ void adviseOnRobots(const AdviceFacts& facts, std::vector<Advice>& out) {
   battery.report(out, Level::kWarn, "battery is low", "charge it");
   errors.report(out, Level::kWarn, "many corrupted frames on its connection",
                 "try another cable or radio channel, away from motors");
-  saturated.report(
-      out, Level::kInfo, "a commanded wheel speed exceeds the maximum",
-      "reduce the program's speed or noise: the robot does not follow its exact law now");
+  saturated.report(out, Level::kInfo, "a wheel speed, or a result of its program, is limited",
+                   "reduce the program's speed or noise, and see the warnings of ./lab check: the "
+                   "robot does not "
+                   "follow its exact law now");
 }
 
 void adviseOnTracker(const AdviceFacts& facts, std::vector<Advice>& out) {
