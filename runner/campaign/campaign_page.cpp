@@ -32,7 +32,6 @@ constexpr std::size_t kMostFigures = 6;
 constexpr std::size_t kMostColumns = 6;  // quantities in the table of points
 constexpr std::size_t kMostRuns = 2000;  // rows in the table of runs
 constexpr std::size_t kMostListed = 20;  // failures
-constexpr const char* kFigures = "figures";
 
 constexpr const char* kMoreStyle = R"css(
 body { max-width: 80rem; }
@@ -269,7 +268,7 @@ std::string figureHtml(const report::DrawnFigure& figure) {
   return fmt::format(
       "<figure{}>{}<figcaption><b>{}.</b> {} <a href=\"{}/{}.pdf\">PDF</a></figcaption></figure>\n",
       wide ? " class=\"wide\"" : "", report::svgElement(figure.svg, figure.name + "_"),
-      escapeHtml(figure.title), escapeHtml(figure.caption), kFigures, figure.name);
+      escapeHtml(figure.title), escapeHtml(figure.caption), names::kFigures, figure.name);
 }
 
 std::vector<report::ScriptedFigure> scriptsOf(const CampaignData& data, const PooledTable& pooled,
@@ -336,10 +335,10 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
   if (options.figures) {
     const FigureScratch scratch(folder);
     figures = report::drawFigureScripts(scriptsOf(data, pooled, leading), scratch.path());
-    fs::create_directories(folder / kFigures);
+    fs::create_directories(folder / names::kFigures);
     for (const report::DrawnFigure& figure : figures) {
-      replaceFile(folder / kFigures / (figure.name + ".svg"), figure.svg);
-      replaceFile(folder / kFigures / (figure.name + ".pdf"), figure.pdf);
+      replaceFile(folder / names::kFigures / (figure.name + ".svg"), figure.svg);
+      replaceFile(folder / names::kFigures / (figure.name + ".pdf"), figure.pdf);
     }
   }
 

@@ -116,12 +116,7 @@ void requireVirtual(const Experiment& experiment) {
 /// What prepareRun() checks, before the first run.
 void requireUsable(const Experiment& experiment, const fs::path& source, bool live) {
   if (!live) requireVirtual(experiment);
-  if (experiment.camera.tracker == Tracker::kCamera) {
-    static_cast<void>(cameraInForce(experiment, source));
-  }
-  checkProjectorFile(experiment, source);
-  static_cast<void>(activeLightCalibration(experiment, source));
-  checkScenes(experiment, source);
+  checkFiles(experiment, source);
 }
 
 std::vector<std::string> settingsOf(const Request& request, const std::vector<Axis>& axes,

@@ -230,6 +230,20 @@ void requireDisk(const CampaignData& data, const fs::path& folder,
       folder.string(), sizeText(need), sizeText(have)));
 }
 
+/// The folder of a campaign may come from a stranger: a link in it must not lead files elsewhere.
+void refuseLinks(const fs::path& folder) {
+  for (const char* name :
+       {names::kFiles, names::kResults, names::kSummaries, names::kRuns, names::kFailures,
+        names::kWork, names::kEarlier, names::kFigures, names::kMarked, names::kJournal, kLock}) {
+    std::error_code ignored;
+    if (!fs::is_symlink(fs::symlink_status(folder / name, ignored))) continue;
+    throw UserError(fmt::format(
+        "{}: found a symbolic link, expected a folder or file of the campaign, into which it "
+        "writes; remove the link, or choose another folder with --out",
+        (folder / name).string()));
+  }
+}
+
 FileLock lockOf(const fs::path& folder) {
   auto lock = FileLock::tryLock(folder / kLock);
   if (lock) return std::move(*lock);
@@ -418,6 +432,7 @@ ExitCode sweep(const SweepOptions& options) {
   const bool is_folder = fs::is_directory(options.input);
   if (is_folder) refuseRequestOptions(options);
   const fs::path folder = is_folder ? options.input : prepare(options);
+  refuseLinks(folder);
   const FileLock lock = lockOf(folder);
   for (const char* part : {"", names::kResults, names::kSummaries, names::kFailures}) {
     removeAbandonedFiles(folder / part);

@@ -23,12 +23,7 @@ namespace fs = std::filesystem;
 
 ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   const Experiment experiment = loadExperiment(file, set, analysis::lawKnowledge());
-  if (experiment.camera.tracker == Tracker::kCamera) {
-    static_cast<void>(cameraInForce(experiment, file.parent_path()));
-  }
-  checkProjectorFile(experiment, file.parent_path());
-  static_cast<void>(activeLightCalibration(experiment, file.parent_path()));
-  checkScenes(experiment, file.parent_path());
+  checkFiles(experiment, file.parent_path());
   const auto coefficients = [&](const Program& program) {
     const double wheel_base = experiment.hardware.diameter;
     const std::string measured = analysis::coefficientsText(program, wheel_base);

@@ -229,22 +229,32 @@ std::int64_t diskNeed_bytes(const Experiment& experiment) {
                                    rows * kTrajectoryRow);
 }
 
+void checkFiles(const Experiment& experiment, const fs::path& source) {
+  static_cast<void>(findRecordings(experiment, source));
+  const fs::path motors = experiment.hardware.motors;
+  if (!motors.empty()) static_cast<void>(readMotorFile(source / motors));
+  if (experiment.camera.tracker == Tracker::kCamera) {
+    static_cast<void>(cameraInForce(experiment, source));
+  }
+  checkProjectorFile(experiment, source);
+  const fs::path frames = experiment.camera.frames;
+  if (!frames.empty()) static_cast<void>(readRecordedFrames(source / frames));
+  static_cast<void>(activeLightCalibration(experiment, source));
+  checkScenes(experiment, source);
+  static_cast<void>(readNetworkFiles(experiment.gateway, source));
+}
+
 PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::path& parent,
                        std::int64_t utime) {
+  checkFiles(experiment, source);
   PreparedRun run;
   const std::vector<fs::path> recordings = findRecordings(experiment, source);
   const fs::path motors = experiment.hardware.motors;
-  if (!motors.empty()) static_cast<void>(readMotorFile(source / motors));  // throws if unusable
   const bool by_camera = experiment.camera.tracker == Tracker::kCamera;
   const std::string camera = by_camera ? cameraInForce(experiment, source) : std::string();
-  checkProjectorFile(experiment, source);
   const fs::path projector = experiment.projector.calibration;
   const fs::path light = experiment.projector.light_calibration;
   const fs::path frames = experiment.camera.frames;
-  if (!frames.empty())
-    static_cast<void>(readRecordedFrames(source / frames));       // throws if unusable
-  static_cast<void>(activeLightCalibration(experiment, source));  // throws if unusable
-  checkScenes(experiment, source);
   const NetworkFiles network = readNetworkFiles(experiment.gateway, source);
   run.directory = makeRunDirectory(parent, experiment.name, utime);
   if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);

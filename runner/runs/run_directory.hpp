@@ -31,6 +31,11 @@ inline constexpr const char* kPorts = "ports";  ///< while it runs: serial lines
 /// @throws UserError that names the step
 void checkScenes(const Experiment& experiment, const std::filesystem::path& source);
 
+/// Checks all files that the experiment names, as prepareRun() does, without making anything.
+/// @param source folder to which the paths are relative
+/// @throws ExperimentError, UserError for a file that cannot be used
+void checkFiles(const Experiment& experiment, const std::filesystem::path& source);
+
 /// Copies the images of the light script into the run, named by their SHA-256, and changes their
 /// paths in the experiment.
 /// @param source folder to which the paths are relative

@@ -8,6 +8,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
 #include <initializer_list>
@@ -19,6 +20,7 @@
 
 #include "analyzer/report/poses/pose_frames.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/files/file_text.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::report {
@@ -398,7 +400,8 @@ std::vector<std::filesystem::path> trexFiles(const std::filesystem::path& folder
 
 PoseFile readPoses(const std::filesystem::path& file, const PoseFileOptions& options) {
   std::vector<std::filesystem::path> files{file};
-  if (std::filesystem::is_directory(file)) files = trexFiles(file);
+  const bool folder = std::filesystem::is_directory(file);
+  if (folder) files = trexFiles(file);
   if (files.empty()) {
     throw ReportError(
         fmt::format("{}: found no NAME_fish0.csv or NAME_id0.csv, the files that TRex "
@@ -407,6 +410,10 @@ PoseFile readPoses(const std::filesystem::path& file, const PoseFileOptions& opt
   }
   Reader reader(file.string(), options);
   for (const std::filesystem::path& one : files) {
+    if (folder) {  // whatever lies in it: pipes and devices are not opened
+      const std::string problem = regularFileProblem(one, {"a file of poses", UINTMAX_MAX});
+      if (!problem.empty()) throw ReportError(fmt::format("{}: {}", one.string(), problem));
+    }
     std::ifstream stream(one, std::ios::binary);
     if (!stream) throw ReportError(fmt::format("{}: {}", one.string(), std::strerror(errno)));
     reader.rename(one.string());

@@ -45,7 +45,6 @@ constexpr std::int64_t kPauseAfterFailure_us = 300 * kSecond_us;
 constexpr std::int64_t kLiveDiskReserve = 500'000'000;  // [bytes]
 // In the campaign's folder, because its paths are relative to it.
 constexpr const char* kPlaying = "playing.toml";
-constexpr const char* kMarked = "marked";  // runs that were repeated
 
 void appendToJournal(const fs::path& folder, const std::string& line) {
   const fs::path path = folder / names::kJournal;
@@ -256,7 +255,7 @@ class LiveCampaign {
       keep(row, played.run, verdict, entry);
     } else if (!played.run.empty()) {
       const std::int64_t number = schedule_.triesOf(row) + 1;
-      moveFolder(played.run, folder_ / kMarked / fmt::format("{}-{}", identity.text(), number));
+      moveFolder(played.run, folder_ / names::kMarked / fmt::format("{}-{}", identity.text(), number));
     }
     const auto left_out = schedule_.leftOut();
     note(entry);

@@ -97,6 +97,19 @@ def check_wrong(folder):
         assert not os.path.exists(os.path.join(folder, 'wrong')), arguments
 
 
+def check_links(folder):
+    """A campaign's folder may come from a stranger."""
+    file = write_experiment(folder)
+    out = os.path.join(folder, 'linked')
+    sweep([file, '--seeds', '1', '--no-figures', '--out', out])
+    elsewhere = os.path.join(folder, 'elsewhere')
+    os.mkdir(elsewhere)
+    os.symlink(elsewhere, os.path.join(out, 'figures'))
+    text = sweep([out], code=2)
+    assert 'figures: found a symbolic link' in text, text
+    assert os.listdir(elsewhere) == []
+
+
 def queue(folder, arguments, code=0):
     done = subprocess.run([lab(), 'queue', *arguments], cwd=folder, capture_output=True, text=True)
     text = done.stdout + done.stderr
@@ -123,7 +136,8 @@ def check_queue(folder):
 
 
 def main():
-    for check in (check_rehearsal, check_kill, check_known, check_wrong, check_queue):
+    for check in (check_rehearsal, check_kill, check_known, check_links, check_wrong,
+                  check_queue):
         with tempfile.TemporaryDirectory(prefix='lab-live-campaign-') as folder:
             check(folder)
 

@@ -80,6 +80,14 @@ TEST_F(PreparedRunTest, WaitsForNoPipe) {
   Experiment experiment = small();
   experiment.hardware.motors = "pipe";
   EXPECT_THAT(problemOf(experiment), HasSubstr("pipe: found a pipe, expected a calibration"));
+  EXPECT_THROW(checkFiles(experiment, folder_.path()), std::exception) << "as lab check";
+  experiment = small();
+  experiment.camera.frames = "pipe";
+  EXPECT_THAT(problemOf(experiment), HasSubstr("pipe: found a pipe"));
+  EXPECT_THROW(checkFiles(experiment, folder_.path()), std::exception);
+  experiment = small("[gateway]\nros = true\nmapping = \"pipe\"\n");
+  EXPECT_THROW(checkFiles(experiment, folder_.path()), std::exception);
+  EXPECT_NO_THROW(checkFiles(small(), folder_.path()));
   experiment = small();
   experiment.robots[0].body = Body::kReplay;
   experiment.robots[0].log = "pipe";

@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <fstream>
 #include <sstream>
@@ -217,6 +218,15 @@ TEST(PoseFile, ReadsAFolderOfTrexFiles) {
   ASSERT_EQ(dut.frames[0].poses.size(), 3U);
   EXPECT_EQ(dut.frames[0].poses[2].robot, 10);
   EXPECT_DOUBLE_EQ(dut.frames[1].poses[2].x, 0.1);
+}
+
+TEST(PoseFile, OpensNoPipeOrDeviceInAFolderOfTrexFiles) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder.path() / "x_id0.csv").c_str(), 0600), 0);
+  EXPECT_THROW(static_cast<void>(readPoses(folder.path())), ReportError);
+  std::filesystem::remove(folder.path() / "x_id0.csv");
+  std::filesystem::create_symlink("/dev/zero", folder.path() / "x_id0.csv");
+  EXPECT_THROW(static_cast<void>(readPoses(folder.path())), ReportError);
 }
 
 TEST(PoseFile, OmitsFramesWhoseTimeDoesNotIncrease) {
