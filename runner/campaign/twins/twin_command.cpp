@@ -38,7 +38,7 @@ constexpr const char* kReport = "report.html";
 constexpr std::size_t kListedLooks = 8;
 
 /// How the run is analyzed, and its twins: without fits, which repeat the direct estimates.
-constexpr report::AnalyzeOptions kHow{.needs_frames = false, .depth = analysis::Depth::kLive};
+const report::AnalyzeOptions kHow{.needs_frames = false, .depth = analysis::Depth::kLive};
 
 /// What decides where things are.
 struct TwinPlaces {
