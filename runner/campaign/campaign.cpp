@@ -83,7 +83,8 @@ std::string liveText(const LivePlan& plan) {
   return fmt::format(
       "# Played on a real lab, unless it is a rehearsal.\nrehearsal = {}\nrest_s = {:.6f}\nclear = "
       "{}\ntries = {}\nstrikes = {}\n"
-      "until_us = {}\nknown = {}\n",
+      "until_us = {}\n"
+      "known = {}\n",
       plan.rehearsal, plan.rest_s, keys::tomlString(plan.clear), plan.tries, plan.strikes,
       plan.until_us, listText(known));
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "runner/campaign/campaign.hpp"
 #include "runner/campaign/run_result.hpp"

@@ -46,8 +46,8 @@ class Background {
   bool ended_ = false;
 };
 
-/// Runs a command to its end. The timeout only ends a test that hangs: on a loaded machine a command
-/// takes twenty times as long.
+/// Runs a command to its end. The timeout only ends a test that hangs: on a loaded machine a
+/// command takes twenty times as long.
 Finished run(const std::string& command, std::chrono::seconds timeout = std::chrono::seconds(600));
 
 /// The only run folder in `parent`. @throws std::runtime_error if there is not exactly one

@@ -255,7 +255,8 @@ class LiveCampaign {
       keep(row, played.run, verdict, entry);
     } else if (!played.run.empty()) {
       const std::int64_t number = schedule_.triesOf(row) + 1;
-      moveFolder(played.run, folder_ / names::kMarked / fmt::format("{}-{}", identity.text(), number));
+      moveFolder(played.run,
+                 folder_ / names::kMarked / fmt::format("{}-{}", identity.text(), number));
     }
     const auto left_out = schedule_.leftOut();
     note(entry);

@@ -1,7 +1,9 @@
-#include "runner/campaign/queue/campaign_queue.hpp"
-
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <vector>
+
+#include "runner/campaign/queue/campaign_queue.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner::campaign {

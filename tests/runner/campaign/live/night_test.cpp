@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
