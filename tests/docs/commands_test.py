@@ -26,6 +26,7 @@ OPTION = re.compile(r"^--?[a-zA-Z][\w-]*")
 LINE_LIMIT_S = 300
 HIDDEN = {"host-agent"}          # of lab: hidden from users
 PASSES_ON = ["lab", "python"]    # its arguments are those of Python
+AS_SWEEP = ["lab", "queue", "add"]  # its arguments are those of lab sweep
 SCRIPT_ONLY = {"test", "package", "build"}  # of ./lab: not in the built program
 
 ROOT, PROGRAMS, PAGE = Path(), Path(), None
@@ -99,6 +100,8 @@ def unknown(name, rest):
         command.append(rest.pop(0))
     if command == PASSES_ON:
         return ""
+    if command == AS_SWEEP:
+        command = ["lab", "sweep"]
     for word in rest:
         option = OPTION.match(word)
         if option and option.group() not in options(*command):

@@ -272,7 +272,10 @@ TEST_F(WebTest, DownloadsThatNobodyTakesDoNotBlockOthers) {
   EXPECT_TRUE(waitUntil([&] { return statusOf(send("GET", "/api/me")) == "200"; },
                         std::chrono::seconds(30)));
   EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(8));
-  EXPECT_EQ(statusOf(control(R"({"wish":"stop","reason":""})")), "202");
+  // On a loaded machine, downloads that were accepted later are not stalled yet.
+  EXPECT_TRUE(
+      waitUntil([&] { return statusOf(control(R"({"wish":"stop","reason":""})")) == "202"; },
+                std::chrono::seconds(30)));
 }
 
 /// A non-loopback address of this host, 0 if there is none.
