@@ -177,10 +177,10 @@ TEST(CorePrograms, AConditionThatIsLimitedSetsTheFlagOnceForEachHold) {
 }
 
 TEST(CorePrograms, HoldsOfNoTimeFollowEachOtherAtOnce) {
-  const language::PhaseText choose =
-      drivingPhase("choose", "1 cm/s", "", "(light - light) * 1 s", "go");
+  const language::PhaseText pick =
+      drivingPhase("pick", "1 cm/s", "", "(light - light) * 1 s", "go");
   RobotCore dut =
-      runningCore(0, running({choose, drivingPhase("go", "2 cm/s", "", "1 s", "choose")}));
+      runningCore(0, running({pick, drivingPhase("go", "2 cm/s", "", "1 s", "pick")}));
   dut.advanceTo(0);
   EXPECT_EQ(dut.report().phase, 1);
   expectWheels(dut, 20000, 20000);

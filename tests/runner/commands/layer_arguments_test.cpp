@@ -40,7 +40,7 @@ TEST(LayerArguments, AcceptEveryKeyOfAFile) {
   const auto dut =
       layersOf({R"({kind = "wave", period_cm = 40, speed_cm_s = 2, intensity = 1})",
                 R"({kind = "disk", radius_cm = 4, follow = "robots", intensity = 1})",
-                R"({kind = "uniform", program = "stand", waveform = "sine", period_s = 2})"});
+                R"({kind = "uniform", program = "none", waveform = "sine", period_s = 2})"});
   ASSERT_EQ(dut.size(), 3U);
   EXPECT_EQ(dut[0].layer.kind, LayerKind::kWave);
   EXPECT_GT(dut[0].drive.phase_rate, 0);
