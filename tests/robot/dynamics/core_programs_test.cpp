@@ -179,8 +179,7 @@ TEST(CorePrograms, AConditionThatIsLimitedSetsTheFlagOnceForEachHold) {
 TEST(CorePrograms, HoldsOfNoTimeFollowEachOtherAtOnce) {
   const language::PhaseText pick =
       drivingPhase("pick", "1 cm/s", "", "(light - light) * 1 s", "go");
-  RobotCore dut =
-      runningCore(0, running({pick, drivingPhase("go", "2 cm/s", "", "1 s", "pick")}));
+  RobotCore dut = runningCore(0, running({pick, drivingPhase("go", "2 cm/s", "", "1 s", "pick")}));
   dut.advanceTo(0);
   EXPECT_EQ(dut.report().phase, 1);
   expectWheels(dut, 20000, 20000);

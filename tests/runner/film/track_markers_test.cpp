@@ -116,7 +116,7 @@ TEST_F(TrackMarkers, SaysWhichOptionIsMissingOrTooMuch) {
   EXPECT_THAT(problem(), HasSubstr("--diameter-cm: found 2 1"));
   options_.diameters_cm = {1, 2};
   options_.calibration.clear();
-  EXPECT_THAT(problem(), HasSubstr("--calibration: found nothing"));
+  EXPECT_THAT(problem(), HasSubstr("found no --calibration"));
   EXPECT_FALSE(fs::exists(options_.out));
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/codec.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/random.hpp"
@@ -143,10 +144,9 @@ class EmulatedLab {
   template <class Message, class Change>
   static void writeChanged(LogWriter& writer, const Packet& packet, const Change& change) {
     Message message;
-    EXPECT_GE(message.decode(packet.data.data(), 0, static_cast<int>(packet.data.size())), 0);
+    EXPECT_TRUE(decode(packet.data, message));
     change(message);
-    std::vector<std::uint8_t> bytes(static_cast<std::size_t>(message.getEncodedSize()));
-    EXPECT_GE(message.encode(bytes.data(), 0, static_cast<int>(bytes.size())), 0);
+    const std::vector<std::uint8_t> bytes = encode(message);
     Packet result = packet;
     result.data = bytes;
     writer.write(result);
