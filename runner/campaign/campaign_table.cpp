@@ -261,7 +261,8 @@ PooledTable poolCampaign(const CampaignData& data) {
       if (std::isfinite(theory)) point.theory[q] = theory;
     }
     for (const auto& [name, cell] : result->columns) {
-      if (const auto* text = std::get_if<std::string>(&cell)) ++point.verdicts[name][*text];
+      const auto* text = std::get_if<std::string>(&cell);
+      if (text != nullptr && name.ends_with("verdict")) ++point.verdicts[name][*text];
     }
   }
   for (const Numbers& one : numbers) {

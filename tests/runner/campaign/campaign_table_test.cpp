@@ -42,6 +42,7 @@ CampaignData sampleData() {
     result.identity = row.identity;
     result.code = "0.1.0";
     result.columns = {{"abp.verdict", row.point == 0 ? "disagrees" : "agrees"},
+                      {"live.began", "2026-01-31T12:00:00Z"},
                       {"abp.robots", 1.0},
                       {"abp.v_cm_s", 3.0 + 0.001 * static_cast<double>(row.replicate)},
                       {"abp.v_cm_s.standard_error", 0.001},
@@ -120,6 +121,7 @@ TEST(CampaignTable, PoolsTheRunsOfEachPoint) {
   EXPECT_EQ(table[1][columnOf(table, "runs")], "2");
   EXPECT_EQ(table[1][columnOf(table, "abp.verdict.disagrees")], "2");
   EXPECT_EQ(table[2][columnOf(table, "abp.verdict.agrees")], "2");
+  EXPECT_EQ(pooled.points[0].verdicts.size(), 1U) << "other texts are no verdicts";
   EXPECT_NEAR(std::stod(table[9][columnOf(table, "abp.D_r_rad2_s")]), 0.6, 1e-6);
   EXPECT_EQ(table[9][columnOf(table, "abp.D_r_rad2_s.theory")], "0.6");
   const double low = std::stod(table[9][columnOf(table, "abp.D_r_rad2_s.low95")]);
