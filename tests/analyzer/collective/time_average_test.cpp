@@ -123,8 +123,8 @@ struct Case {
 std::vector<double> mixed(const Case& of, std::mt19937_64& random) {
   const double phi = of.lengths > 0 ? std::exp(-of.lengths / static_cast<double>(of.blocks)) : 0;
   std::vector<double> series = correlated(of.blocks, phi, random);
-  std::normal_distribution<double> white(0, std::sqrt((1 - of.slow) / of.slow) / (1 - phi));
   if (of.slow == 1) return series;
+  std::normal_distribution<double> white(0, std::sqrt((1 - of.slow) / of.slow) / (1 - phi));
   for (double& value : series) value += white(random);
   return series;
 }
