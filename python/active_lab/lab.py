@@ -97,7 +97,8 @@ class Lab:
         #: Messages (and robots in messages) of each channel that were refused: damaged, impossible.
         self.refused: Dict[str, int] = {}
         self._first_refused = ""
-        self._latest: Dict[str, Any] = {}
+        self._latest: Dict[str, bytes] = {}  # checked encodings, decoded when somebody looks
+        self._decoded: Dict[str, Any] = {}
         self._timers: List[List[Any]] = []  # [due, period, callback]
         self._light: Optional[msg.light_command_t] = None
         self._light_due = 0
@@ -191,7 +192,12 @@ class Lab:
         return tomllib.loads((self.directory / "experiment.toml").read_text(encoding="utf-8"))
 
     def _last(self, channel: str) -> Any:
-        return self._latest.get(channel)
+        encoding = self._latest.get(channel)
+        if encoding is None:
+            return None
+        if channel not in self._decoded:
+            self._decoded[channel] = msg.decode(encoding)
+        return self._decoded[channel]
 
     # --- receiving ---
 
@@ -296,20 +302,21 @@ class Lab:
             self._refuse(channel, problem, max(1, removed))
         if usable is None:
             return
-        message = msg.decode(usable)
-        problem = _foreign(channel, message)
+        problem = _foreign(channel, usable)
         if problem:
             self._refuse(channel, problem)
             return
-        self._latest[channel] = message
+        self._latest[channel] = usable
+        self._decoded.pop(channel, None)
         if channel == "EXPERIMENT_STATUS":
-            self.ended = self.ended or message.phase == message.ENDED  # type: ignore[attr-defined]
+            status = self._last(channel)
+            self.ended = self.ended or status.phase == status.ENDED
         elif channel == "LIGHT_STATUS" and self._light is not None:
-            self._check_refusal(message.last_refusal)  # type: ignore[attr-defined]
+            self._check_refusal(self._last(channel).last_refusal)
         if self._wanted.get(channel, 0) > 0:
-            self._queue.append(Received(channel, message))
+            self._queue.append(Received(channel, self._last(channel)))
         for handler in self._handlers.get(channel, []):
-            handler(message)
+            handler(self._last(channel))
 
     def _refuse(self, channel: str, problem: str, count: int = 1) -> None:
         """Counts for the heartbeat, as the lab's services do."""
@@ -587,14 +594,16 @@ class Lab:
         return f"<Lab {self.name or 'by URL'}, {how}{', over' if self.ended else ''}>"
 
 
-def _foreign(channel: str, message: Message) -> str:
+def _foreign(channel: str, encoding: bytes) -> str:
     """Why a message is not what the lab sends on this channel; empty: it is."""
     expected = f"{channel.lower()}_t"
-    if expected in msg.types and message.type_name != expected:
-        return f"found a {message.type_name}, expected a {expected}"
-    if channel == "EXPERIMENT_STATUS" and message.sender not in _RUNNERS:  # type: ignore[attr-defined]
-        return (f"sender: found {message.sender!r}, "  # type: ignore[attr-defined]
-                "expected " + " or ".join(_RUNNERS))
+    found = msg.type_of(encoding)
+    if expected in msg.types and found != expected:
+        return f"found a {found}, expected a {expected}"
+    if channel == "EXPERIMENT_STATUS":
+        sender = msg.decode(encoding).sender  # type: ignore[attr-defined]
+        if sender not in _RUNNERS:
+            return f"sender: found {sender!r}, expected " + " or ".join(_RUNNERS)
     return ""
 
 
