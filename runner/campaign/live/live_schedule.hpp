@@ -36,7 +36,7 @@ class LiveSchedule {
   /// Leaves out the runs of a point that are still open.
   void closePoint(std::size_t point);
 
-  /// Gives a run up. @see triesOf()
+  /// Ends the repetitions of a run.
   void giveUp(std::size_t row);
 
   /// How often a run was played to its end, or could not be played.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <numbers>
 #include <tuple>
 
@@ -115,5 +116,18 @@ std::string MarkerScore::text() const {
       100 * recall(), 100 * precision(), positionRms(), headingRms_deg(), nees / n, nees_x / n,
       headings > 0 ? nees_theta / headings : 0.0, 1e3 * seconds / std::max(pictures, 1));
 }
+
+MarkerScore scoreOf(MarkerKind kind, detector::MarkerDetector& detector, int pictures) {
+  MarkerScore score;
+  for (int i = 1; i <= pictures; ++i) {
+    kind.settings.seed = static_cast<std::uint64_t>(i);
+    const std::vector<TrueMarker> truth = placeMarkers(kind, kind.settings.seed);
+    const optics::GreyImage picture = paintMarkers(kind.settings, truth);
+    score.add(kind, truth, detector.search(picture.view()), 0);
+  }
+  return score;
+}
+
+double fourSigmas(int squares) { return 4 * std::sqrt(2.0 / squares); }
 
 }  // namespace lab::cases

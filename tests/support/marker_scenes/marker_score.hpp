@@ -6,6 +6,7 @@
 
 #include "tests/support/marker_scenes/marker_scene.hpp"
 #include "tracker_svc/detection.hpp"
+#include "tracker_svc/marker_detector.hpp"
 
 namespace lab::cases {
 
@@ -38,5 +39,12 @@ struct MarkerScore {
   [[nodiscard]] std::string text() const;
   [[nodiscard]] static std::string header();
 };
+
+/// Scores a detector on pictures of a kind, with the seeds 1, 2, ...
+[[nodiscard]] MarkerScore scoreOf(MarkerKind kind, detector::MarkerDetector& detector,
+                                  int pictures);
+
+/// A mean of n squares of errors over their variances deviates from 1 by sqrt(2 / n).
+[[nodiscard]] double fourSigmas(int squares);
 
 }  // namespace lab::cases

@@ -14,6 +14,7 @@
 namespace lab::detector::blob_detector_test {
 namespace {
 
+using cases::fourSigmas;
 using cases::MarkerKind;
 using cases::MarkerScore;
 using cases::TrueMarker;
@@ -30,20 +31,9 @@ std::unique_ptr<MarkerDetector> detectorOf(const MarkerKind& kind) {
 }
 
 MarkerScore scoreOf(const std::string& name, int pictures) {
-  MarkerKind kind = cases::markerKind(name);
-  const auto detector = detectorOf(kind);
-  MarkerScore score;
-  for (int i = 1; i <= pictures; ++i) {
-    kind.settings.seed = static_cast<std::uint64_t>(i);
-    const std::vector<TrueMarker> truth = placeMarkers(kind, kind.settings.seed);
-    const optics::GreyImage picture = paintMarkers(kind.settings, truth);
-    score.add(kind, truth, detector->search(picture.view()), 0);
-  }
-  return score;
+  const MarkerKind kind = cases::markerKind(name);
+  return cases::scoreOf(kind, *detectorOf(kind), pictures);
 }
-
-/// A mean of n squares of errors over their variances deviates from 1 by sqrt(2 / n).
-double fourSigmas(int squares) { return 4 * std::sqrt(2.0 / squares); }
 
 class BlobKinds : public testing::TestWithParam<const char*> {};
 

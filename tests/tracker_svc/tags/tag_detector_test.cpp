@@ -17,6 +17,7 @@
 namespace lab::detector::tag_detector_test {
 namespace {
 
+using cases::fourSigmas;
 using cases::MarkerKind;
 using cases::MarkerScore;
 using cases::TrueMarker;
@@ -28,19 +29,9 @@ std::unique_ptr<MarkerDetector> detectorOf(const MarkerKind& kind) {
 }
 
 MarkerScore scoreOf(const std::string& name, int pictures) {
-  MarkerKind kind = cases::markerKind(name);
-  const auto detector = detectorOf(kind);
-  MarkerScore score;
-  for (int i = 1; i <= pictures; ++i) {
-    kind.settings.seed = static_cast<std::uint64_t>(i);
-    const std::vector<TrueMarker> truth = placeMarkers(kind, kind.settings.seed);
-    const optics::GreyImage picture = paintMarkers(kind.settings, truth);
-    score.add(kind, truth, detector->search(picture.view()), 0);
-  }
-  return score;
+  const MarkerKind kind = cases::markerKind(name);
+  return cases::scoreOf(kind, *detectorOf(kind), pictures);
 }
-
-double fourSigmas(int squares) { return 4 * std::sqrt(2.0 / squares); }
 
 class TagKinds : public testing::TestWithParam<const char*> {};
 
