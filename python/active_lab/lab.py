@@ -389,8 +389,9 @@ class Lab:
               right: Optional[float] = None) -> None:
         """Drives a robot until the next order for it: forward [m/s] and turn [rad/s] (counter-clockwise),
         or its wheels, left and right [m/s]. Wheels faster than robot.max_wheel_speed_cm_s of the experiment
-        are scaled down, both alike, so that the path keeps its curvature; `limited` counts it. It obeys until release(), or stops 0.5 s after the program
-        has fallen silent. Orders are sent when the program next waits, all robots in one message."""
+        are scaled down, both alike, so that the path keeps its curvature; `limited` counts such calls. The
+        robot obeys until release(), or stops 0.5 s after the program has fallen silent. Orders are sent when
+        the program next waits, all robots in one message."""
         if (left is None) != (right is None):
             raise ValueError("drive(): found one wheel, expected left and right")
         if left is None or right is None:
