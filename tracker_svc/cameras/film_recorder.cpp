@@ -135,6 +135,8 @@ FilmRecorder::~FilmRecorder() {
   }
   changed_.notify_all();
   thread_.join();
+  // Frames that came after the end of the film are counted as well.
+  static_cast<void>(writeFilmFacts(recording_.folder / film_files::kFacts, facts_));
 }
 
 void FilmRecorder::add(FilmFrame frame, std::int64_t utime, const optics::GreyView& picture) {
@@ -172,6 +174,10 @@ void FilmRecorder::add(FilmFrame frame, std::int64_t utime, const optics::GreyVi
     std::memcpy(item.picture.row(y), picture.row(y), static_cast<std::size_t>(picture.width));
   }
   lock.lock();
+  if (ended_) {  // while the picture was copied
+    ++facts_.after_end;
+    return;
+  }
   items_.push_back(std::move(item));
   changed_.notify_all();
 }
