@@ -8,6 +8,7 @@
 
 #include "analyzer/laws/numerics.hpp"
 #include "analyzer/tracks/flip_filter.hpp"
+#include "analyzer/tracks/uniform_motion.hpp"
 #include "common/math/units.hpp"
 #include "light/median.hpp"
 
@@ -31,21 +32,6 @@ constexpr double kMadToSigma = 1.4826;
 
 double medianOrZero(std::vector<double> values) { return values.empty() ? 0 : medianOf(values); }
 
-/// Uniform motion along a straight line.
-struct Line {
-  double time = 0;  ///< middle, s
-  double x = 0, y = 0;
-  double vx = 0, vy = 0;
-  double rms = 0;      ///< m, per axis
-  double heading = 0;  ///< mean, rad
-  double heading_rms = 0;
-
-  [[nodiscard]] double speed() const { return std::hypot(vx, vy); }
-  [[nodiscard]] double cosine() const {
-    return (vx * std::cos(heading) + vy * std::sin(heading)) / speed();
-  }
-};
-
 /// Indices [begin, end) of a track.
 struct Stretch {
   std::size_t begin = 0;
@@ -60,6 +46,7 @@ class Finder {
 
   TrackFindings run() {
     if (search_.headings) correctHeadings();
+    headings_ = continuousHeadings(track_);
     measureNoise();
     if (!search_.wanted || track_.size() < 2) {
       search_.speed = kNan;
@@ -112,44 +99,12 @@ class Finder {
     found_.sigma = std::max(kLeastSigma, kMadToSigma * medianOrZero(std::move(sideways)));
   }
 
-  [[nodiscard]] Line fit(std::size_t begin, std::size_t end) const {
-    Line line;
-    const double n = static_cast<double>(end - begin);
-    double c = 0;
-    double s = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      line.time += (track_[i].time - track_[begin].time) / n;
-      line.x += track_[i].x / n;
-      line.y += track_[i].y / n;
-      c += std::cos(track_[i].theta);
-      s += std::sin(track_[i].theta);
-    }
-    line.time += track_[begin].time;
-    line.heading = std::atan2(s, c);
-    double tt = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double t = track_[i].time - line.time;
-      tt += t * t;
-      line.vx += t * (track_[i].x - line.x);
-      line.vy += t * (track_[i].y - line.y);
-    }
-    line.vx /= tt;
-    line.vy /= tt;
-    double squares = 0;
-    double turns = 0;
-    for (std::size_t i = begin; i < end; ++i) {
-      const double t = track_[i].time - line.time;
-      squares += std::pow(track_[i].x - line.x - line.vx * t, 2) +
-                 std::pow(track_[i].y - line.y - line.vy * t, 2);
-      turns += std::pow(wrapped(track_[i].theta - line.heading), 2);
-    }
-    line.rms = std::sqrt(squares / std::max(1.0, 2 * n - 4));
-    line.heading_rms = std::sqrt(turns / n);
-    return line;
+  [[nodiscard]] UniformMotion fit(std::size_t begin, std::size_t end) const {
+    return uniformMotion(track_, begin, end);
   }
 
   /// Whether a line may be part of a reversal. Speed nan: any speed.
-  [[nodiscard]] bool even(const Line& line, double time, double n, double speed) const {
+  [[nodiscard]] bool even(const UniformMotion& line, double time, double n, double speed) const {
     const double speed_error = found_.sigma * std::sqrt(12 / n) / time;
     const double least = std::max(kLeastSpeed, 5 * speed_error);
     const bool at_speed = std::isfinite(speed) ? std::abs(line.speed() - speed) <=
@@ -166,12 +121,14 @@ class Finder {
   [[nodiscard]] std::vector<Stretch> evenStretches(double time, double speed) const {
     constexpr std::size_t kLeastFrames = 4;
     std::vector<Stretch> stretches;
+    SlidingMotion sums(track_, headings_);
     std::size_t end = 0;
     for (std::size_t begin = 0; begin + kLeastFrames <= track_.size(); ++begin) {
       while (end < track_.size() &&
              (track_[end].time < track_[begin].time + time || end < begin + kLeastFrames)) {
         ++end;
       }
+      sums.moveTo(begin, end);
       const double span = track_[end - 1].time - track_[begin].time;
       // Fast rejection: most windows are much slower.
       const double distance =
@@ -179,7 +136,7 @@ class Finder {
       if (std::isfinite(speed) && distance < 0.7 * speed * span - kSigmas * found_.sigma) continue;
       // Frames are missing, or the track ends: the window is too short.
       if (span > 2 * time || (end == track_.size() && span < time - 1.5 * framePeriod())) continue;
-      const Line line = fit(begin, end);
+      const UniformMotion line = sums.motion();
       if (!even(line, span, static_cast<double>(end - begin), speed)) continue;
       const bool backward = search_.headings && line.cosine() < 0;
       if (!stretches.empty() && begin < stretches.back().end &&
@@ -262,7 +219,8 @@ class Finder {
   }
 
   /// The distance of a point from the robot on the line: along the line, and across.
-  [[nodiscard]] std::pair<double, double> offLine(const Line& line, const TrackPoint& point) const {
+  [[nodiscard]] std::pair<double, double> offLine(const UniformMotion& line,
+                                                  const TrackPoint& point) const {
     const double dx = point.x - line.x - line.vx * (point.time - line.time);
     const double dy = point.y - line.y - line.vy * (point.time - line.time);
     const double v = line.speed();
@@ -271,7 +229,8 @@ class Finder {
 
   /// The time at which the adjacent free motion meets the line. `outside` is the first point beyond
   /// the line, and `step` (+1 or -1) leads away from it.
-  [[nodiscard]] std::optional<double> edge(const Line& line, std::size_t outside, int step) const {
+  [[nodiscard]] std::optional<double> edge(const UniformMotion& line, std::size_t outside,
+                                           int step) const {
     const double closing = line.speed() + search_.free_speed;
     const auto meets = [&](std::size_t i) {
       return track_[i].time + offLine(line, track_[i]).first / closing;
@@ -305,7 +264,7 @@ class Finder {
            track_[core.end - 1].time > track_[stretch.end - 1].time - kTrim) {
       --core.end;
     }
-    Line line = fit(core.begin, core.end);
+    UniformMotion line = fit(core.begin, core.end);
     const double allowed = kSigmas * found_.sigma + kPositionSlack;
     const auto on = [&](std::size_t i) {
       const auto [ahead, off] = offLine(line, track_[i]);
@@ -339,6 +298,7 @@ class Finder {
   ReversalSearch search_;
   TrackFindings found_;
   std::vector<int> chain_;
+  std::vector<double> headings_;  ///< continuous, rad
 };
 
 }  // namespace
