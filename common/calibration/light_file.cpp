@@ -10,13 +10,13 @@
 #include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
 #include "common/math/units.hpp"
+#include "light/field/drive.hpp"
 
 namespace lab {
 namespace {
 
 constexpr const char* kLightForm = "active-lab light 1";
-constexpr double kSameLength = 1e-4;  // [m] of an arena's side
-constexpr std::int32_t kLargestId = 9999;
+constexpr double kSameLength = 1e-4;      // [m] of an arena's side
 constexpr double kNarrowestBand = 0.005;  // [1] five steps of the converter
 
 /// Checks that the light bands are wide enough for every robot's sensors.
@@ -115,8 +115,8 @@ LightCalibration parseLightFile(const std::string& name, const std::string& text
   const JsonSection sensors = file.section("sensors");
   for (const auto& [key, value] : root.at("sensors").items()) {
     const bool digits =
-        !key.empty() && key.size() <= 4 && key.find_first_not_of("0123456789") == std::string::npos;
-    if (!digits || std::stoi(key) > kLargestId) {
+        !key.empty() && key.size() <= 5 && key.find_first_not_of("0123456789") == std::string::npos;
+    if (!digits || std::stoi(key) > light::kLargestRobot) {
       file.fail("sensors", "found the robot \"" + key + "\", expected its number");
     }
     const JsonSection robot = sensors.section(key.c_str());

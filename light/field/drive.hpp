@@ -90,14 +90,14 @@ struct DrivenLayer {
 [[nodiscard]] inline bool isStill(const Drive& drive) { return drive == Drive{}; }
 
 /// Limits checked by validate().
-inline constexpr double kLargestSpeed = 1;           ///< [m/s] of vx and vy
-inline constexpr double kLargestRate = 1000;         ///< [1/s] or [rad/s]
-inline constexpr double kLargestDiffusion = 0.01;    ///< [m^2/s]
-inline constexpr double kShortestPeriod = 0.001;     ///< [s]
-inline constexpr double kLongestTime = 864000;       ///< [s] ten days
-inline constexpr std::size_t kMostImages = 1000;     ///< in a sequence
-inline constexpr std::size_t kMostFollowed = 250;    ///< robots
-inline constexpr std::int32_t kLargestRobot = 9999;  ///< id
+inline constexpr double kLargestSpeed = 1;             ///< [m/s] of vx and vy
+inline constexpr double kLargestRate = 1000;           ///< [1/s] or [rad/s]
+inline constexpr double kLargestDiffusion = 0.01;      ///< [m^2/s]
+inline constexpr double kShortestPeriod = 0.001;       ///< [s]
+inline constexpr double kLongestTime = 864000;         ///< [s] ten days
+inline constexpr std::size_t kMostImages = 1000;       ///< in a sequence
+inline constexpr std::size_t kMostFollowed = 250;      ///< robots
+inline constexpr std::int32_t kLargestRobot = 10'000;  ///< id
 
 /// m of the waveform at `time` [s], 0..1.
 [[nodiscard]] double modulation(const Drive& drive, double time);

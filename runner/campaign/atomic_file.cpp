@@ -9,6 +9,7 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <regex>
 #include <string>
 #include <system_error>
@@ -34,6 +35,18 @@ void writeAll(int descriptor, std::string_view text, const fs::path& file, const
     if (written < 0) fail(file, beside, errno);
     text.remove_prefix(static_cast<std::size_t>(written));
   }
+}
+
+/// Whether a process of this host can still write. A killed process whose parent has not waited for
+/// it cannot, but kill() finds it.
+bool canWrite(pid_t process) {
+  if (kill(process, 0) != 0 && errno == ESRCH) return false;
+  std::string line;
+  std::getline(std::ifstream(fmt::format("/proc/{}/stat", process)), line);
+  // PID (NAME) STATE …, and the name may contain parentheses (proc_pid_stat(5)).
+  const std::size_t name_end = line.rfind(')');
+  if (name_end == std::string::npos || name_end + 2 >= line.size()) return true;
+  return line[name_end + 2] != 'Z' && line[name_end + 2] != 'X';
 }
 
 std::string hostName() {
@@ -67,9 +80,8 @@ void removeAbandonedFiles(const fs::path& folder) {
     const std::string name = entry->path().filename().string();
     std::smatch found;
     if (!std::regex_match(name, found, form)) continue;
-    const bool lives = kill(std::stoi(found[1].str()), 0) == 0 || errno != ESRCH;
     std::error_code ignored;
-    if (!lives) fs::remove(entry->path(), ignored);
+    if (!canWrite(std::stoi(found[1].str()))) fs::remove(entry->path(), ignored);
   }
 }
 

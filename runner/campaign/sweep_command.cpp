@@ -420,6 +420,12 @@ ExitCode conclude(const CampaignData& data, const fs::path& folder, const Engine
   return done + stale == all || end.known ? kDone : kFailed;
 }
 
+void removeAbandoned(const fs::path& folder) {
+  for (const char* part : {"", names::kResults, names::kSummaries, names::kFailures}) {
+    removeAbandonedFiles(folder / part);
+  }
+}
+
 }  // namespace
 
 ExitCode sweep(const SweepOptions& options) {
@@ -434,9 +440,7 @@ ExitCode sweep(const SweepOptions& options) {
   const fs::path folder = is_folder ? options.input : prepare(options);
   refuseLinks(folder);
   const FileLock lock = lockOf(folder);
-  for (const char* part : {"", names::kResults, names::kSummaries, names::kFailures}) {
-    removeAbandonedFiles(folder / part);
-  }
+  removeAbandoned(folder);
   CampaignData data = dataOf(readCampaign(folder));
   data.survey = surveyRows(folder, data.rows);
   describe(data, folder);
@@ -450,6 +454,7 @@ ExitCode sweep(const SweepOptions& options) {
     const std::int64_t begin = wallClock();
     end = runEngine(data, folder, rows, options);
     seconds = static_cast<double>(wallClock() - begin) * 1e-6;
+    removeAbandoned(folder);
   }
   if (end.written_only) return kDone;
   return conclude(data, folder, end, seconds, options);

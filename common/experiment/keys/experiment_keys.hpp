@@ -7,11 +7,12 @@
 
 #include "common/experiment/keys/experiment_form.hpp"
 #include "common/experiment/keys/key_visitor.hpp"
+#include "light/field/drive.hpp"
 
 namespace lab::keys {
 
 inline constexpr std::int64_t kFileVersion = 1;
-inline constexpr std::int64_t kLargestId = 9999;
+inline constexpr std::int64_t kLargestId = light::kLargestRobot;
 inline constexpr std::int64_t kMostRobots = kLargestId;
 inline constexpr double kLongestRun = 864000;  ///< [s] ten days
 

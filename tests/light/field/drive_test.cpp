@@ -219,7 +219,7 @@ TEST(DriveValidate, ReportsFoundAndAllowedValues) {
   EXPECT_EQ(problem({.phase_rate = 1}), "phase_rate = 1, allowed: 0");
   EXPECT_EQ(problem({.period = 0}), "period = 0 s, allowed: 0.001 to 864000 s");
   EXPECT_THAT(problem({.images = {"a"}}), HasSubstr("none where the layer is no image"));
-  EXPECT_EQ(problem({.robots = {3, 0}}), "robots = 0, allowed: 1 to 9999");
+  EXPECT_EQ(problem({.robots = {3, 0}}), "robots = 0, allowed: 1 to 10000");
   EXPECT_THAT(problem({.follow = Follow::kRobots}, LayerKind::kUniform),
               HasSubstr("0 where the layer has no place"));
   EXPECT_EQ(problem({.follow = Follow::kTrail}), "none");

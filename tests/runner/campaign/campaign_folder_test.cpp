@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/types.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -95,6 +98,22 @@ TEST(AtomicFile, WhatKilledProcessesLeftIsRemoved) {
   EXPECT_TRUE(fs::exists(folder / ("a.json." + dead)));
   EXPECT_TRUE(fs::exists(folder / "a.json"));
   removeAbandonedFiles(folder / "nothing");
+}
+
+TEST(AtomicFile, AKilledProcessThatNobodyWaitedForIsDead) {
+  const TemporaryFolder folder;
+  char host[64] = {};
+  gethostname(host, sizeof host - 1);
+  const pid_t child = fork();
+  if (child == 0) _exit(0);
+  siginfo_t ended = {};
+  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT), 0);
+  const fs::path left = folder / fmt::format(".a.json.{}-{}-1.part", host, child);
+  writeFile(left, "x");
+  ASSERT_EQ(kill(child, 0), 0) << "kill() finds it until somebody waits";
+  removeAbandonedFiles(folder / "");
+  EXPECT_FALSE(fs::exists(left));
+  waitpid(child, nullptr, 0);
 }
 
 TEST_F(CampaignFolder, IsReadAfterItWasMoved) {
