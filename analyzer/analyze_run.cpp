@@ -3,6 +3,9 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <functional>
+#include <ostream>
+#include <string>
 #include <string_view>
 
 #include "analyzer/report/figures/figures.hpp"
@@ -22,13 +25,19 @@ namespace lab::report {
 namespace fs = std::filesystem;
 namespace {
 
-void write(const fs::path& file, const std::string& text) {
+void writeBy(const fs::path& file, const std::function<void(std::ostream&)>& writer) {
   std::ofstream stream(file, std::ios::binary);
-  stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  writer(stream);
   stream.flush();
   if (!stream) {
     throw ReportError(fmt::format("cannot write {}: is the disk full?", file.filename().string()));
   }
+}
+
+void write(const fs::path& file, const std::string& text) {
+  writeBy(file, [&](std::ostream& stream) {
+    stream.write(text.data(), static_cast<std::streamsize>(text.size()));
+  });
 }
 
 /// The error for a log without frames, with the streams it has.
@@ -82,7 +91,8 @@ AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with
   refuseLink(out / for_paper);
   std::vector<std::string> names{"summary.json", "trajectories.csv", "segments.csv"};
   write(scratch.path() / "summary.json", summaryJson(record));
-  write(scratch.path() / "trajectories.csv", trajectoriesCsv(record));
+  writeBy(scratch.path() / "trajectories.csv",
+          [&](std::ostream& stream) { writeTrajectories(record, stream); });
   write(scratch.path() / "segments.csv", segmentsCsv(record));
   for (const Figure& figure : figures) {
     if (figure.svg.empty()) continue;
@@ -140,10 +150,9 @@ AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory
 AnalyzedRun analyzePoses(const fs::path& file, const fs::path& out_directory,
                          const PoseFileOptions& poses, const PoseProgram& program,
                          const AnalyzeOptions& options) {
-  const PoseFile recording = readPoses(file, poses);
-  return writeResults(
-      poseRun(recording, file.stem().string(), program, {options.depth, options.stitch}),
-      out_directory, options.figures);
+  return writeResults(poseRun(readPoses(file, poses), file.stem().string(), program,
+                              {options.depth, options.stitch}),
+                      out_directory, options.figures);
 }
 
 }  // namespace lab::report

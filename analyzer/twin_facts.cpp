@@ -51,6 +51,7 @@ void readFrames(const RunRecord& record, TwinFacts& facts) {
         facts.first_poses[row.robot] = {static_cast<double>(row.x), static_cast<double>(row.y),
                                         static_cast<double>(row.theta)};
       }
+      record.tracks.rows.keepNear(r);
     }
     std::ranges::set_difference(robots, seen, std::back_inserter(frame.missing));
     facts.frames.push_back(std::move(frame));

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <lab/experiment_command_t.hpp>
+#include <sstream>
 #include <string>
 #include <vector>
 
@@ -61,7 +62,8 @@ void report(const std::vector<std::filesystem::path>& files) {
     static_cast<void>(report::findStart(files));
     const report::RunRecord record = report::readRun(files, {analysis::Depth::kLive, true});
     static_cast<void>(report::summaryJson(record));
-    static_cast<void>(report::trajectoriesCsv(record));
+    std::ostringstream trajectories;
+    report::writeTrajectories(record, trajectories);
     static_cast<void>(report::segmentsCsv(record));
     static_cast<void>(report::reportHtml(record, {}));
     static_cast<void>(report::headlines(record));

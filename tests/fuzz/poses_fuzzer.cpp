@@ -39,7 +39,8 @@ void analyze(unsigned options, const std::string& text) {
   const report::RunRecord record =
       report::poseRun(poses, "fuzz", programOf(options / 4 % 4), {analysis::Depth::kLive, true});
   static_cast<void>(report::summaryJson(record));
-  static_cast<void>(report::trajectoriesCsv(record));
+  std::ostringstream trajectories;
+  report::writeTrajectories(record, trajectories);
   static_cast<void>(report::segmentsCsv(record));
   static_cast<void>(report::reportHtml(record, {}));
   static_cast<void>(report::headlines(record));

@@ -51,6 +51,7 @@ std::string readings(const RunRecord& record, const style::TimeAxis& axis, std::
     block.row(std::nan(""), std::nan(""));
     bool any = false;
     for (std::size_t i = 0; i < frames; i += stride) {
+      record.tracks.rows.keepNear(record.tracks.frames[i].first_row);
       for (std::size_t r = record.tracks.frames[i].first_row; r < record.tracks.endOf(i); ++r) {
         const TrackRow& row = record.tracks.rows[r];
         const double light = 0.5 * static_cast<double>(row.light_front + row.light_back);

@@ -66,7 +66,8 @@ double addSpeeds(const RunRecord& record, const Stretch& stretch, const std::str
                  double spacing, DataBlock& free, DataBlock& held, CsvText& csv) {
   struct Place {
     std::int64_t utime;
-    const TrackRow* row;
+    float x, y;  ///< [m]
+    bool free;
   };
   std::vector<Place> places;
   const Tracks& tracks = record.tracks;
@@ -74,9 +75,11 @@ double addSpeeds(const RunRecord& record, const Stretch& stretch, const std::str
     if (tracks.frames[i].utime < stretch.begin_utime) continue;
     if (tracks.frames[i].utime > stretch.end_utime) break;
     for (std::size_t r = tracks.frames[i].first_row; r < tracks.endOf(i); ++r) {
-      if (tracks.rows[r].robot == stretch.robot) {
-        places.push_back({tracks.frames[i].utime, &tracks.rows[r]});
+      const TrackRow& row = tracks.rows[r];
+      if (row.robot == stretch.robot) {
+        places.push_back({tracks.frames[i].utime, row.x, row.y, row.segment >= 0});
       }
+      tracks.rows.keepNear(r);
     }
   }
   double largest = -1;
@@ -89,9 +92,9 @@ double addSpeeds(const RunRecord& record, const Stretch& stretch, const std::str
     const double t = record.seconds(to.utime) - dt / 2;
     if (dt < kBaseline / 2 || t < next) continue;
     next = t + spacing;
-    const double distance = static_cast<double>(
-        std::hypot(to.row->x - places[from].row->x, to.row->y - places[from].row->y));
-    const bool is_free = to.row->segment >= 0 && places[from].row->segment >= 0;
+    const double distance =
+        static_cast<double>(std::hypot(to.x - places[from].x, to.y - places[from].y));
+    const bool is_free = to.free && places[from].free;
     DataBlock& data = is_free ? free : held;
     if (is_free != last_free) (is_free ? free : held).blank();
     data.row(t, distance / dt * kCm);

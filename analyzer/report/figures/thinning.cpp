@@ -28,6 +28,7 @@ double typicalSpeed(const Tracks& tracks, double period) {
   double time = 0;
   for (std::size_t i = 0; i + half_second < tracks.frames.size(); i += stride) {
     const std::size_t j = i + half_second;
+    tracks.rows.keepNear(tracks.frames[i].first_row);
     for (std::size_t a = tracks.frames[i].first_row; a < tracks.endOf(i); ++a) {
       for (std::size_t b = tracks.frames[j].first_row; b < tracks.endOf(j); ++b) {
         const TrackRow& from = tracks.rows[a];
@@ -38,6 +39,7 @@ double typicalSpeed(const Tracks& tracks, double period) {
       }
     }
   }
+  tracks.rows.releaseMemory();
   return time > 0 ? distance / time : 0;
 }
 
@@ -93,6 +95,7 @@ PlotTracks thinnedTracks(const RunRecord& record, std::size_t points, bool per_p
   std::vector<bool> chosen(tracks.rows.size(), false);
   for (std::size_t i = (tracks.frames.size() - 1) / stride * stride + stride; i >= stride;) {
     i -= stride;
+    tracks.rows.keepNear(tracks.frames[i].first_row);
     for (std::size_t r = tracks.frames[i].first_row; r < tracks.endOf(i); ++r) {
       const int program = tracks.rows[r].program;
       const std::size_t share = per_program && program >= 0 ? static_cast<std::size_t>(program) : 0;
@@ -109,6 +112,7 @@ PlotTracks thinnedTracks(const RunRecord& record, std::size_t points, bool per_p
   Lines lines(std::max(1.0, 3 * static_cast<double>(stride) * period));
   bool first = true;
   for (std::size_t i = 0; i < tracks.frames.size(); i += stride) {
+    tracks.rows.keepNear(tracks.frames[i].first_row);
     for (std::size_t r = tracks.frames[i].first_row; r < tracks.endOf(i); ++r) {
       if (!chosen[r]) continue;
       const TrackRow& row = tracks.rows[r];
@@ -118,6 +122,7 @@ PlotTracks thinnedTracks(const RunRecord& record, std::size_t points, bool per_p
       lines.add(row, {t, static_cast<double>(row.x) * kCm, static_cast<double>(row.y) * kCm});
     }
   }
+  tracks.rows.releaseMemory();
   plot.lines = lines.take();
   return plot;
 }

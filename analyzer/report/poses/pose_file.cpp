@@ -116,14 +116,20 @@ class Reader {
   /// Leaves out rows without a heading; if these are most of them, as of round blobs, the headings.
   void dropWithoutHeading() {
     const auto unknown = [](const PoseRow& row) { return !std::isfinite(row.pose.theta); };
-    const auto count = std::count_if(rows_.begin(), rows_.end(), unknown);
-    if (2 * count <= std::ssize(rows_)) {
-      std::erase_if(rows_, unknown);
-      file_.without_pose += count;
+    std::size_t known = 0;
+    rows_.each([&](const PoseRow& row) { known += unknown(row) ? 0U : 1U; });
+    if (known == rows_.size()) return;
+    if (2 * known >= rows_.size()) {
+      file_.without_pose += static_cast<std::int64_t>(rows_.size() - known);
+      std::size_t kept = 0;
+      rows_.each([&](const PoseRow& row) {
+        if (!unknown(row)) rows_[kept++] = row;
+      });
+      rows_.shrink(kept);
       return;
     }
     file_.headings = false;
-    for (PoseRow& row : rows_) row.pose.theta = 0;
+    rows_.each([](PoseRow& row) { row.pose.theta = 0; });
   }
 
   void readHeader(std::istream& text, std::string& line) {
@@ -350,7 +356,7 @@ class Reader {
   std::string name_;
   const PoseFileOptions& options_;
   PoseFile file_;
-  std::vector<PoseRow> rows_;
+  DiskVector<PoseRow> rows_;
   Fields fields_;
   std::size_t columns_ = 0;
   std::int64_t line_ = 0;

@@ -1,14 +1,16 @@
 /// Reads CSV files of poses, from `lab track` or another tracker.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <istream>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
-#include "analyzer/service/analysis.hpp"
+#include "common/files/disk_vector.hpp"
 
 namespace lab::report {
 
@@ -18,11 +20,28 @@ struct PoseFileOptions {
   std::optional<double> fps;    ///< frame rate [1/s], if the file has no column of times
 };
 
-/// All poses, in order of time.
+/// A robot in a frame, SI units.
+struct Pose {
+  int robot = 0;
+  bool valid = true;  ///< false: its confidence is low
+  double x = 0;
+  double y = 0;
+  double theta = 0;
+};
+
+/// A frame of a recording.
+struct PoseFrame {
+  double time = 0;  ///< [s]
+  std::int64_t frame = 0;
+  std::size_t first = 0;  ///< index into PoseFile::poses
+};
+
+/// All poses, in order of time, and of the robots in each frame.
 struct PoseFile {
-  std::vector<analysis::Frame> frames;  ///< SI units; poses with low confidence are marked invalid
-  bool headings = false;                ///< the file has a column of headings
-  bool times = false;                   ///< the file has a column of times
+  std::vector<PoseFrame> frames;
+  DiskVector<Pose> poses;
+  bool headings = false;  ///< the file has a column of headings
+  bool times = false;     ///< the file has a column of times
   bool in_arena =
       false;  ///< the columns are x_cm and y_cm, with the origin at a corner of the arena
   std::int64_t rows = 0;
@@ -34,6 +53,44 @@ struct PoseFile {
   std::int64_t bad_times = 0;       ///< frames omitted: their time does not increase
   std::vector<double> clock_steps;  ///< [s] times of frames after a step of the clock
   double frame_period = 0;          ///< [s] median, 0: fewer than two frames
+
+  /// Appends a frame.
+  void add(double time, std::int64_t frame, std::span<const Pose> robots) {
+    frames.push_back({time, frame, poses.size()});
+    for (const Pose& pose : robots) poses.push_back(pose);
+  }
+
+  /// The poses of frames[i].
+  [[nodiscard]] std::span<Pose> posesOf(std::size_t i) {
+    return poses.part(frames[i].first, endOf(i));
+  }
+  [[nodiscard]] std::span<const Pose> posesOf(std::size_t i) const {
+    return poses.part(frames[i].first, endOf(i));
+  }
+
+  /// Calls visit(frame, poses) for all frames, in order.
+  template <class Visit>
+  void eachFrame(Visit&& visit) {
+    eachFrameOf(*this, visit);
+  }
+  template <class Visit>
+  void eachFrame(Visit&& visit) const {
+    eachFrameOf(*this, visit);
+  }
+
+ private:
+  [[nodiscard]] std::size_t endOf(std::size_t i) const {
+    return i + 1 < frames.size() ? frames[i + 1].first : poses.size();
+  }
+
+  template <class Self, class Visit>
+  static void eachFrameOf(Self& self, Visit& visit) {
+    for (std::size_t i = 0; i < self.frames.size(); ++i) {
+      visit(self.frames[i], self.posesOf(i));
+      self.poses.keepNear(self.endOf(i));
+    }
+    self.poses.releaseMemory();
+  }
 };
 
 /// Reads poses by the names of their columns, in any order, others ignored; fields are separated by

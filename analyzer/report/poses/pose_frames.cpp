@@ -6,7 +6,9 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "analyzer/report_error.hpp"
 #include "light/median.hpp"
@@ -21,33 +23,33 @@ constexpr double kDrift = 0.01;   // relative error of camera clocks, and jitter
 
 class Collector {
  public:
-  Collector(std::vector<PoseRow> rows, const PoseNames& names, PoseFile& file)
+  Collector(DiskVector<PoseRow> rows, const PoseNames& names, PoseFile& file)
       : rows_(std::move(rows)), names_(names), file_(file) {}
 
   void collect() {
-    std::stable_sort(rows_.begin(), rows_.end(), [](const PoseRow& a, const PoseRow& b) {
+    rows_.stableSort([](const PoseRow& a, const PoseRow& b) {
       return std::pair(a.frame, a.pose.robot) < std::pair(b.frame, b.pose.robot);
     });
     takeOutTwins();
-    const PoseRow* bad = nullptr;  // the first one whose time does not increase
+    std::optional<PoseRow> bad;  // the first one whose time does not increase
     std::int64_t left_out = std::numeric_limits<std::int64_t>::min();
-    for (const PoseRow& row : rows_) {
-      if (row.frame == left_out) continue;
+    rows_.each([&](const PoseRow& row) {
+      if (row.frame == left_out) return;
       if (!file_.frames.empty() && file_.frames.back().frame == row.frame) {
         checkTimes(row);
-        file_.frames.back().poses.push_back(row.pose);
-        continue;
+        file_.poses.push_back(row.pose);
+        return;
       }
       if (!file_.frames.empty() && !(row.time > file_.frames.back().time)) {
-        if (bad == nullptr) bad = &row;
+        if (!bad) bad = row;
         left_out = row.frame;
         ++file_.bad_times;
-        continue;
+        return;
       }
-      file_.frames.push_back({row.time, row.frame, {row.pose}});
-    }
+      file_.add(row.time, row.frame, {&row.pose, 1});
+    });
     const auto all = static_cast<std::int64_t>(file_.frames.size()) + file_.bad_times;
-    if (bad != nullptr && file_.bad_times * kBadTimesOneIn > all) {
+    if (bad && file_.bad_times * kBadTimesOneIn > all) {
       const std::string where =
           fmt::format("{}: found {} s in frame {}", names_.time, bad->time, bad->frame);
       fail(bad->line,
@@ -76,29 +78,29 @@ class Collector {
     const auto sameRobot = [](const PoseRow& a, const PoseRow& b) {
       return a.frame == b.frame && a.pose.robot == b.pose.robot;
     };
-    const PoseRow* first = nullptr;  // the first row that contradicts another
-    std::vector<PoseRow> kept;
-    kept.reserve(rows_.size());
+    std::optional<PoseRow> first;  // the first row that contradicts another
+    std::size_t kept = 0;
     for (std::size_t i = 0; i < rows_.size();) {
       std::size_t end = i + 1;
-      const PoseRow* other = nullptr;
+      std::optional<PoseRow> other;
       for (; end < rows_.size() && sameRobot(rows_[i], rows_[end]); ++end) {
-        const analysis::FramePose& a = rows_[i].pose;
-        const analysis::FramePose& b = rows_[end].pose;
+        const Pose& a = rows_[i].pose;
+        const Pose& b = rows_[end].pose;
         if (a.x != b.x || a.y != b.y || a.theta != b.theta || rows_[i].time != rows_[end].time) {
-          other = &rows_[end];
+          other = rows_[end];
         }
       }
-      if (other == nullptr) {
+      if (!other) {
         file_.repeated += static_cast<std::int64_t>(end - i - 1);
-        kept.push_back(rows_[i]);
+        rows_[kept++] = rows_[i];
       } else {
         ++file_.contradicted;
-        if (first == nullptr || other->line < first->line) first = other;
+        if (!first || other->line < first->line) first = other;
       }
       i = end;
+      rows_.keepNear(i);
     }
-    const auto all = static_cast<std::int64_t>(kept.size()) + file_.contradicted;
+    const auto all = static_cast<std::int64_t>(kept) + file_.contradicted;
     if (file_.contradicted * kContradictedOneIn > all) {
       fail(
           first->line,
@@ -107,7 +109,7 @@ class Collector {
                       "frames of two recordings?",
                       names_.id, first->pose.robot, first->frame, file_.contradicted, all));
     }
-    rows_ = std::move(kept);
+    rows_.shrink(kept);
   }
 
   /// The period, the gaps in the frame numbers and the steps of the clock.
@@ -139,14 +141,14 @@ class Collector {
     }
   }
 
-  std::vector<PoseRow> rows_;
+  DiskVector<PoseRow> rows_;
   const PoseNames& names_;
   PoseFile& file_;
 };
 
 }  // namespace
 
-void collectFrames(std::vector<PoseRow> rows, const PoseNames& names, PoseFile& file) {
+void collectFrames(DiskVector<PoseRow> rows, const PoseNames& names, PoseFile& file) {
   Collector(std::move(rows), names, file).collect();
 }
 

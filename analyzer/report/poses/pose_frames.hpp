@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <string>
-#include <vector>
 
 #include "analyzer/report/poses/pose_file.hpp"
 
@@ -14,7 +13,7 @@ struct PoseRow {
   std::int64_t line = 0;
   std::int64_t frame = 0;
   double time = 0;  ///< [s]
-  analysis::FramePose pose;
+  Pose pose;
 };
 
 /// Names of the file and its columns for messages, and the remedy for wrong times.
@@ -28,6 +27,6 @@ struct PoseNames {
 /// Sorts the rows; omits and counts duplicate robots and frames whose time does not increase;
 /// determines the period, the gaps and the steps of the clock. @throws ReportError if too many rows
 /// contradict each other or have bad times
-void collectFrames(std::vector<PoseRow> rows, const PoseNames& names, PoseFile& file);
+void collectFrames(DiskVector<PoseRow> rows, const PoseNames& names, PoseFile& file);
 
 }  // namespace lab::report

@@ -10,7 +10,10 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <span>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/report/poses/pose_units.hpp"
@@ -105,21 +108,26 @@ struct Contacts {
   std::set<int> at_walls;  ///< that touch a wall, if the arena is known
 };
 
-Contacts contactsIn(const Frame& frame, const Experiment& experiment, bool in_arena) {
+Contacts contactsIn(std::span<const Pose> robots, const Experiment& experiment, bool in_arena) {
   Contacts contacts;
   const double diameter = experiment.hardware.diameter;
   const double nearest = diameter / 2 + kTouching;
-  for (std::size_t i = 0; i < frame.poses.size(); ++i) {
-    const FramePose& a = frame.poses[i];
-    if (in_arena && (a.x < nearest || a.y < nearest || a.x > experiment.arena_width - nearest ||
-                     a.y > experiment.arena_height - nearest)) {
-      contacts.at_walls.insert(a.robot);
+  std::vector<const Pose*> from_left;
+  for (const Pose& pose : robots) {
+    from_left.push_back(&pose);
+    if (in_arena &&
+        (pose.x < nearest || pose.y < nearest || pose.x > experiment.arena_width - nearest ||
+         pose.y > experiment.arena_height - nearest)) {
+      contacts.at_walls.insert(pose.robot);
     }
-    for (std::size_t k = i + 1; k < frame.poses.size(); ++k) {
-      const FramePose& b = frame.poses[k];
-      if (std::hypot(a.x - b.x, a.y - b.y) > diameter + kTouching) continue;
-      contacts.robots.insert(a.robot);
-      contacts.robots.insert(b.robot);
+  }
+  std::ranges::sort(from_left, {}, &Pose::x);
+  for (auto a = from_left.begin(); a != from_left.end(); ++a) {
+    for (auto b = a + 1; b != from_left.end(); ++b) {
+      if ((*b)->x - (*a)->x > diameter + kTouching) break;
+      if (std::hypot((*a)->x - (*b)->x, (*a)->y - (*b)->y) > diameter + kTouching) continue;
+      contacts.robots.insert((*a)->robot);
+      contacts.robots.insert((*b)->robot);
     }
   }
   return contacts;
@@ -128,14 +136,14 @@ Contacts contactsIn(const Frame& frame, const Experiment& experiment, bool in_ar
 /// Feeds the analysis and stores its classification of every row.
 class PoseFeed {
  public:
-  PoseFeed(const PoseFile& poses, const Experiment& experiment, const analysis::ProgramLaw& law,
+  PoseFeed(PoseFile poses, const Experiment& experiment, const analysis::ProgramLaw& law,
            bool speed_is_known)
-      : poses_(poses),
+      : poses_(std::move(poses)),
         experiment_(experiment),
         law_(law),
         speed_is_known_(speed_is_known),
-        epoch_start_(poses.frames.front().time),
-        analysis_(configOf(poses, experiment)),
+        epoch_start_(poses_.frames.front().time),
+        analysis_(configOf(poses_, experiment)),
         crowd_(analysis::crowdConfig(experiment)) {
     const auto runs = law->runs();
     run_share_ = runs && runs->rate > 0 ? 1 / (1 + runs->rate * runs->turn_time) : 1;
@@ -162,7 +170,8 @@ class PoseFeed {
       record.pieces.push_back({robot, 0, piece});
     });
     examine(record);
-    for (const Frame& frame : poses_.frames) take(frame, record);
+    poses_.eachFrame(
+        [&](const PoseFrame& frame, std::span<const Pose> robots) { take(frame, robots, record); });
     analysis_.flush();
     fillCrowds(
         crowd_, units::seconds(record.start_utime), [](int) { return -1; }, record);
@@ -187,15 +196,6 @@ class PoseFeed {
 
   /// Corrects headings and finds reversals, robot by robot.
   void examine(RunRecord& record) {
-    std::map<int, std::vector<analysis::TrackPoint>> tracks;
-    for (const Frame& frame : poses_.frames) {
-      for (const FramePose& pose : frame.poses) {
-        if (!pose.valid) continue;
-        std::vector<analysis::TrackPoint>& track = tracks[pose.robot];
-        if (!track.empty() && track.back().time == frame.time) continue;  // appears twice
-        track.push_back({frame.time, frame.frame, pose.x, pose.y, pose.theta, 0, 0, true});
-      }
-    }
     const Reversal& reversal = experiment_.reversal;
     analysis::ReversalSearch search =
         analysis::reversalSearch(law_, speed_is_known_ ? reversal.speed : kNan, reversal.distance);
@@ -203,7 +203,8 @@ class PoseFeed {
     search.max_turn_rate = 2 * experiment_.hardware.max_wheel_speed / experiment_.hardware.diameter;
     // Without a program, reversals cannot be distinguished from its motion.
     search.wanted = !experiment_.programs.empty() && reversal.on != ReverseOn::kNever;
-    for (auto& [robot, track] : tracks) {
+    for (const auto& [robot, presence] : presences()) {
+      std::vector<analysis::TrackPoint> track = trackOf(robot, presence);
       if (poses_.headings) {
         const double noise = heading_noise_[robot] = analysis::headingNoise(track);
         for (analysis::TrackPoint& point : track) point.sigma_theta = noise;
@@ -214,35 +215,84 @@ class PoseFeed {
       record.headings.sense_turns += found.sense_turns;
       record.poses->reversals += static_cast<std::int64_t>(found.reversals.size());
       reporters_.try_emplace(robot, found.reversals);
-      std::map<double, double>& corrected = corrected_[robot];
-      if (found.flips == 0 && found.sense_turns == 0) continue;
-      for (const analysis::TrackPoint& point : track) corrected[point.time] = point.theta;
+      if (found.flips != 0 || found.sense_turns != 0) correct(robot, presence, track);
     }
   }
 
-  void take(Frame frame, RunRecord& record) {
-    while (next_step_ < poses_.clock_steps.size() && poses_.clock_steps[next_step_] <= frame.time) {
+  /// The first and the last frame with valid poses of a robot: indices.
+  struct Presence {
+    std::size_t first = 0;
+    std::size_t last = 0;
+  };
+
+  [[nodiscard]] std::map<int, Presence> presences() const {
+    std::map<int, Presence> all;
+    std::size_t i = 0;
+    poses_.eachFrame([&](const PoseFrame& /*frame*/, std::span<const Pose> robots) {
+      for (const Pose& pose : robots) {
+        if (pose.valid) all.try_emplace(pose.robot, Presence{i, i}).first->second.last = i;
+      }
+      ++i;
+    });
+    return all;
+  }
+
+  /// Calls visit(frame, pose) for the valid poses of one robot, in order.
+  template <class Visit>
+  void eachPoseOf(int robot, const Presence& presence, Visit&& visit) {
+    for (std::size_t i = presence.first; i <= presence.last; ++i) {
+      const std::span<Pose> robots = poses_.posesOf(i);
+      const auto found = std::ranges::lower_bound(robots, robot, {}, &Pose::robot);
+      if (found != robots.end() && found->robot == robot && found->valid) {
+        visit(poses_.frames[i], *found);
+      }
+      poses_.poses.keepNear(poses_.frames[i].first);
+    }
+    poses_.poses.releaseMemory();
+  }
+
+  [[nodiscard]] std::vector<analysis::TrackPoint> trackOf(int robot, const Presence& presence) {
+    std::vector<analysis::TrackPoint> track;
+    eachPoseOf(robot, presence, [&](const PoseFrame& frame, const Pose& pose) {
+      track.push_back({frame.time, frame.frame, pose.x, pose.y, pose.theta, 0, 0, true});
+    });
+    return track;
+  }
+
+  void correct(int robot, const Presence& presence,
+               const std::vector<analysis::TrackPoint>& track) {
+    auto point = track.begin();
+    eachPoseOf(robot, presence,
+               [&](const PoseFrame& /*frame*/, Pose& pose) { pose.theta = (point++)->theta; });
+  }
+
+  void take(const PoseFrame& now, std::span<const Pose> robots, RunRecord& record) {
+    while (next_step_ < poses_.clock_steps.size() && poses_.clock_steps[next_step_] <= now.time) {
       epoch_start_ = poses_.clock_steps[next_step_++];
     }
-    const Contacts contacts = contactsIn(frame, experiment_, poses_.in_arena);
-    rows_.beginFrame(units::microseconds(frame.time), frame.frame);
-    for (FramePose& pose : frame.poses) {
-      const auto corrected = corrected_.find(pose.robot);
-      if (corrected != corrected_.end()) {
-        const auto theta = corrected->second.find(frame.time);
-        if (theta != corrected->second.end()) pose.theta = theta->second;
-      }
+    const Contacts contacts = contactsIn(robots, experiment_, poses_.in_arena);
+    rows_.beginFrame(units::microseconds(now.time), now.frame);
+    frame_.time = now.time;
+    frame_.frame = now.frame;
+    frame_.poses.clear();
+    for (const Pose& one : robots) {
+      FramePose pose;
+      pose.robot = one.robot;
+      pose.x = one.x;
+      pose.y = one.y;
+      pose.theta = one.theta;
+      pose.valid = one.valid;
       const auto noise = heading_noise_.find(pose.robot);
       if (noise != heading_noise_.end()) pose.sigma_theta = noise->second;
       analysis::RobotTelemetry telemetry;
-      telemetry.time = frame.time;
+      telemetry.time = now.time;
       telemetry.program_epoch = static_cast<std::int64_t>(next_step_);
       telemetry.program_start = epoch_start_;
       telemetry.contact_robot = contacts.robots.contains(pose.robot);
       telemetry.contact_wall = contacts.at_walls.contains(pose.robot);
       telemetry.contact = telemetry.contact_robot || telemetry.contact_wall;
       record.poses->in_contact += telemetry.contact ? 1 : 0;
-      telemetry.run_time = frame.time - poses_.frames.front().time;
+      telemetry.run_time = now.time - poses_.frames.front().time;
       const auto reporter = reporters_.find(pose.robot);
       if (reporter != reporters_.end()) {
         reporter->second.report(telemetry);
@@ -255,31 +305,32 @@ class PoseFeed {
       row.y = static_cast<float>(pose.y);
       row.theta = static_cast<float>(pose.theta);
       row.program = 0;
-      rows_.add(frame.time, row);
+      rows_.add(now.time, row);
       analysis_.addTelemetry(pose.robot, law_, telemetry);
+      frame_.poses.push_back(pose);
     }
-    analysis_.addFrame(frame);
+    analysis_.addFrame(frame_);
     crowd_poses_.clear();
-    for (const FramePose& pose : frame.poses) {
+    for (const FramePose& pose : frame_.poses) {
       if (!pose.valid) continue;
       crowd_poses_.push_back(
           {pose.robot, pose.x, pose.y, poses_.headings ? pose.theta : kNan, -1, -1});
     }
-    crowd_.addFrame(frame.time, poses_.frame_period, crowd_poses_);
+    crowd_.addFrame(now.time, poses_.frame_period, crowd_poses_);
   }
 
-  const PoseFile& poses_;
+  PoseFile poses_;
   const Experiment& experiment_;
   analysis::ProgramLaw law_;
   bool speed_is_known_ = false;
   double run_share_ = 1;
   std::map<int, analysis::ReversalReporter> reporters_;
-  std::map<int, std::map<double, double>> corrected_;  ///< corrected headings by robot and time
-  std::map<int, double> heading_noise_;                ///< by robot [rad]
+  std::map<int, double> heading_noise_;  ///< by robot [rad]
   std::size_t next_step_ = 0;
   double epoch_start_ = 0;
   analysis::Analysis analysis_;
   collective::CrowdAnalysis crowd_;
+  Frame frame_;
   std::vector<collective::CrowdPose> crowd_poses_;
   TrackCollector rows_;
 };
@@ -287,12 +338,10 @@ class PoseFeed {
 /// Sets the size of an unknown arena to the range of the poses.
 void adoptExtent(const PoseFile& poses, Experiment& experiment) {
   experiment.arena_width = experiment.arena_height = 0;
-  for (const Frame& frame : poses.frames) {
-    for (const FramePose& pose : frame.poses) {
-      experiment.arena_width = std::max(experiment.arena_width, pose.x);
-      experiment.arena_height = std::max(experiment.arena_height, pose.y);
-    }
-  }
+  poses.poses.each([&](const Pose& pose) {
+    experiment.arena_width = std::max(experiment.arena_width, pose.x);
+    experiment.arena_height = std::max(experiment.arena_height, pose.y);
+  });
 }
 
 /// Replaces estimates that need telemetry of tumbles by those from poses.
@@ -320,19 +369,16 @@ void adoptRuns(analysis::ProgramResult& result) {
 
 /// Fills the list of robots: one program from the first frame to the last one.
 void fillRobots(RunRecord& record) {
-  for (std::size_t i = 0; i < record.tracks.frames.size(); ++i) {
-    const std::int64_t utime = record.tracks.frames[i].utime;
-    for (std::size_t r = record.tracks.frames[i].first_row; r < record.tracks.endOf(i); ++r) {
-      RobotRecord& robot = record.robots[record.tracks.rows[r].robot];
-      if (robot.programs.empty()) robot.programs.push_back({utime, utime, 0});
-      robot.programs.front().end_utime = utime;
-    }
-  }
+  record.tracks.eachRow([&](const TrackFrame& frame, const TrackRow& row) {
+    RobotRecord& robot = record.robots[row.robot];
+    if (robot.programs.empty()) robot.programs.push_back({frame.utime, frame.utime, 0});
+    robot.programs.front().end_utime = frame.utime;
+  });
 }
 
 }  // namespace
 
-RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProgram& program,
+RunRecord poseRun(PoseFile poses, const std::string& name, const PoseProgram& program,
                   const ReadOptions& options) {
   if (poses.frames.size() < 2) {
     throw ReportError(
@@ -374,7 +420,8 @@ RunRecord poseRun(const PoseFile& poses, const std::string& name, const PoseProg
   const bool speed_is_known =
       std::any_of(program.set.begin(), program.set.end(),
                   [](const std::string& set) { return set.starts_with("reversal.speed_cm_s="); });
-  PoseFeed(poses, experiment, law, speed_is_known).run(record, options.depth, options.stitch);
+  PoseFeed(std::move(poses), experiment, law, speed_is_known)
+      .run(record, options.depth, options.stitch);
   for (analysis::FeedResult& result : record.results) adoptRuns(result.result);
   fillRobots(record);
   return record;

@@ -30,7 +30,7 @@ struct PoseProgram {
 /// @param name of the run, for its title
 /// @throws ExperimentError if the program is invalid, ReportError if there are fewer than two
 /// frames.
-[[nodiscard]] RunRecord poseRun(const PoseFile& poses, const std::string& name,
-                                const PoseProgram& program, const ReadOptions& options = {});
+[[nodiscard]] RunRecord poseRun(PoseFile poses, const std::string& name, const PoseProgram& program,
+                                const ReadOptions& options = {});
 
 }  // namespace lab::report

@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <span>
 
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
@@ -40,7 +41,7 @@ struct HeadingSteps {
   double radians = 0;  ///< the same weighted with cos(2 angle between step and theta)
   double degrees = 0;  ///< and theta pi / 180
 
-  void take(const analysis::FramePose& from, const analysis::FramePose& to) {
+  void take(const Pose& from, const Pose& to) {
     ++steps;
     if (std::abs(to.theta - from.theta) > pi) ++beyond_half_turn;
     const double dx = to.x - from.x;
@@ -71,12 +72,12 @@ struct HeadingSteps {
 HeadingSteps headingSteps(const PoseFile& poses) {
   struct Last {
     double time;
-    analysis::FramePose pose;
+    Pose pose;
   };
   HeadingSteps all;
   std::map<int, Last> last;
-  for (const analysis::Frame& frame : poses.frames) {
-    for (const analysis::FramePose& pose : frame.poses) {
+  poses.eachFrame([&](const PoseFrame& frame, std::span<const Pose> robots) {
+    for (const Pose& pose : robots) {
       if (!pose.valid) continue;
       all.low = std::min(all.low, pose.theta);
       all.high = std::max(all.high, pose.theta);
@@ -87,7 +88,7 @@ HeadingSteps headingSteps(const PoseFile& poses) {
       }
       before->second = {frame.time, pose};
     }
-  }
+  });
   return all;
 }
 

@@ -73,24 +73,20 @@ class TrackRecord {
 /// Sets the program of every row to the one that its robot reported for that time.
 void fillPrograms(RunRecord& record) {
   std::map<std::int32_t, std::size_t> next;
-  for (std::size_t i = 0; i < record.tracks.frames.size(); ++i) {
-    const std::int64_t utime = record.tracks.frames[i].utime;
-    for (std::size_t r = record.tracks.frames[i].first_row; r < record.tracks.endOf(i); ++r) {
-      TrackRow& row = record.tracks.rows[r];
-      const auto robot = record.robots.find(row.robot);
-      if (robot == record.robots.end()) continue;
-      const std::vector<ProgramSpan>& spans = robot->second.programs;
-      std::size_t& at = next[row.robot];
-      while (at < spans.size() && spans[at].end_utime < utime) ++at;
-      if (at == spans.size()) {
-        at = spans.size() - 1;  // frames after the last report
-        continue;
-      }
-      if (spans[at].begin_utime <= utime) {
-        row.program = static_cast<std::int16_t>(spans[at].program);
-      }
+  record.tracks.eachRow([&](const TrackFrame& frame, TrackRow& row) {
+    const auto robot = record.robots.find(row.robot);
+    if (robot == record.robots.end()) return;
+    const std::vector<ProgramSpan>& spans = robot->second.programs;
+    std::size_t& at = next[row.robot];
+    while (at < spans.size() && spans[at].end_utime < frame.utime) ++at;
+    if (at == spans.size()) {
+      at = spans.size() - 1;  // frames after the last report
+      return;
     }
-  }
+    if (spans[at].begin_utime <= frame.utime) {
+      row.program = static_cast<std::int16_t>(spans[at].program);
+    }
+  });
 }
 
 /// Replayed robots were analyzed in the run that is replayed.
@@ -100,9 +96,9 @@ void excludeReplayed(RunRecord& record) {
     if (robot.body == Body::kReplay) replayed.insert(robot.id);
   }
   if (replayed.empty()) return;
-  for (TrackRow& row : record.tracks.rows) {
+  record.tracks.rows.each([&](TrackRow& row) {
     if (replayed.contains(row.robot)) row.state = analysis::FrameState::kOther;
-  }
+  });
 }
 
 /// Converts the times of pieces to the time of the record, and sums the corrections of headings.

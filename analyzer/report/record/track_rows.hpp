@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "analyzer/tracks/track_stitcher.hpp"
+#include "common/files/disk_vector.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::report {
@@ -39,11 +40,33 @@ struct TrackFrame {
 
 struct Tracks {
   std::vector<TrackFrame> frames;
-  std::vector<TrackRow> rows;
+  DiskVector<TrackRow> rows;
 
   /// Index behind the last row of frames[i].
   [[nodiscard]] std::size_t endOf(std::size_t i) const {
     return i + 1 < frames.size() ? frames[i + 1].first_row : rows.size();
+  }
+
+  /// Calls visit(frame, row) for all rows, in order.
+  template <class Visit>
+  void eachRow(Visit&& visit) {
+    eachRowOf(*this, visit);
+  }
+  template <class Visit>
+  void eachRow(Visit&& visit) const {
+    eachRowOf(*this, visit);
+  }
+
+ private:
+  template <class Self, class Visit>
+  static void eachRowOf(Self& self, Visit& visit) {
+    for (std::size_t i = 0; i < self.frames.size(); ++i) {
+      for (std::size_t r = self.frames[i].first_row; r < self.endOf(i); ++r) {
+        visit(self.frames[i], self.rows[r]);
+        self.rows.keepNear(r);
+      }
+    }
+    self.rows.releaseMemory();
   }
 };
 
@@ -71,7 +94,7 @@ class TrackCollector {
     row->light_front = frame.light_front;
     row->light_back = frame.light_back;
     if (frame.state == analysis::FrameState::kFree) {
-      places.free.push_back({frame.time, static_cast<std::size_t>(row - tracks_.rows.data())});
+      places.free.push_back({frame.time, static_cast<std::size_t>(row - &tracks_.rows.front())});
     }
   }
 

@@ -74,48 +74,47 @@ std::string csvField(const std::string& text) {
   return field + "\"";
 }
 
-std::string trajectoriesCsv(const RunRecord& record) {
-  constexpr std::size_t kRow_bytes = 104;
+void writeTrajectories(const RunRecord& record, std::ostream& out) {
+  constexpr std::size_t kPart_bytes = 1U << 20U;
   constexpr double kPerMetre = 1e6;   // cm with 4 decimals
   constexpr double kPerRadian = 1e6;  // rad with 6 decimals
   constexpr double kPerLight = 1e4;   // readings with 4 decimals
-  fmt::memory_buffer out;
-  out.reserve(record.tracks.rows.size() * kRow_bytes + 64);
-  out.append(
+  fmt::memory_buffer part;
+  const auto write = [&] {
+    out.write(part.data(), static_cast<std::streamsize>(part.size()));
+    part.clear();
+  };
+  part.append(
       std::string_view("frame,particle,x,y,t,theta,program,segment,state,contact,light_front,"
                        "light_back,x_stitched,y_stitched\n"));
 
   std::vector<std::string> names{"standing"};
   for (const RunProgram& program : record.programs) names.push_back(csvField(program.name));
-  for (std::size_t i = 0; i < record.tracks.frames.size(); ++i) {
-    const TrackFrame& frame = record.tracks.frames[i];
-    const std::int64_t since_start = frame.utime - record.start_utime;
-    for (std::size_t r = frame.first_row; r < record.tracks.endOf(i); ++r) {
-      const TrackRow& row = record.tracks.rows[r];
-      fmt::format_to(std::back_inserter(out), FMT_COMPILE("{},{},"), frame.frame, row.robot);
-      appendNumber(out, static_cast<double>(row.x), kPerMetre, 4);
-      out.push_back(',');
-      appendNumber(out, static_cast<double>(row.y), kPerMetre, 4);
-      out.push_back(',');
-      appendFixed(out, since_start, 6);
-      out.push_back(',');
-      appendNumber(out, static_cast<double>(row.theta), kPerRadian, 6);
-      out.push_back(',');
-      out.append(names[static_cast<std::size_t>(row.program + 1)]);
-      fmt::format_to(std::back_inserter(out), FMT_COMPILE(",{},"), row.segment);
-      out.append(stateText(row.state));
-      out.push_back(',');
-      out.append(contactText(row));
-      for (const auto& [value, scale, decimals] :
-           {std::tuple(row.light_front, kPerLight, 4), std::tuple(row.light_back, kPerLight, 4),
-            std::tuple(row.stitched_x, kPerMetre, 4), std::tuple(row.stitched_y, kPerMetre, 4)}) {
-        out.push_back(',');
-        appendNumber(out, static_cast<double>(value), scale, decimals);
-      }
-      out.push_back('\n');
+  record.tracks.eachRow([&](const TrackFrame& frame, const TrackRow& row) {
+    fmt::format_to(std::back_inserter(part), FMT_COMPILE("{},{},"), frame.frame, row.robot);
+    appendNumber(part, static_cast<double>(row.x), kPerMetre, 4);
+    part.push_back(',');
+    appendNumber(part, static_cast<double>(row.y), kPerMetre, 4);
+    part.push_back(',');
+    appendFixed(part, frame.utime - record.start_utime, 6);
+    part.push_back(',');
+    appendNumber(part, static_cast<double>(row.theta), kPerRadian, 6);
+    part.push_back(',');
+    part.append(names[static_cast<std::size_t>(row.program + 1)]);
+    fmt::format_to(std::back_inserter(part), FMT_COMPILE(",{},"), row.segment);
+    part.append(stateText(row.state));
+    part.push_back(',');
+    part.append(contactText(row));
+    for (const auto& [value, scale, decimals] :
+         {std::tuple(row.light_front, kPerLight, 4), std::tuple(row.light_back, kPerLight, 4),
+          std::tuple(row.stitched_x, kPerMetre, 4), std::tuple(row.stitched_y, kPerMetre, 4)}) {
+      part.push_back(',');
+      appendNumber(part, static_cast<double>(value), scale, decimals);
     }
-  }
-  return fmt::to_string(out);
+    part.push_back('\n');
+    if (part.size() >= kPart_bytes) write();
+  });
+  write();
 }
 
 }  // namespace lab::report

@@ -1,15 +1,16 @@
 /// trajectories.csv: its columns are documented in docs/report.md.
 #pragma once
 
+#include <ostream>
 #include <string>
 
 #include "analyzer/report/record/run_record.hpp"
 
 namespace lab::report {
 
-/// The whole file, one row per robot and frame, with x and y in cm, t in s since the start of the
-/// run and theta in rad. The columns that trackpy reads come first.
-[[nodiscard]] std::string trajectoriesCsv(const RunRecord& record);
+/// Writes the whole file, one row per robot and frame, with x and y in cm, t in s since the start
+/// of the run and theta in rad. The columns that trackpy reads come first.
+void writeTrajectories(const RunRecord& record, std::ostream& out);
 
 /// A field of a CSV file, quoted if necessary (RFC 4180).
 [[nodiscard]] std::string csvField(const std::string& text);

@@ -113,8 +113,14 @@ TrackRow rowOf(std::int32_t robot, float x, float y, float theta) {
   return row;
 }
 
+std::string trajectoriesOf(const RunRecord& record) {
+  std::ostringstream text;
+  writeTrajectories(record, text);
+  return text.str();
+}
+
 TEST(Trajectories, BeginsWithTheColumnsOfTrackpy) {
-  std::istringstream dut(trajectoriesCsv(smallRun()));
+  std::istringstream dut(trajectoriesOf(smallRun()));
   std::string header;
   std::string first;
   std::getline(dut, header);
@@ -130,7 +136,7 @@ TEST(Trajectories, BeginsWithTheColumnsOfTrackpy) {
 }
 
 TEST(Trajectories, SayForEveryRowWhyItIsNotFree) {
-  std::istringstream dut(trajectoriesCsv(smallRun()));
+  std::istringstream dut(trajectoriesOf(smallRun()));
   std::string line;
   std::getline(dut, line);
   std::map<std::string, int> states;
@@ -150,7 +156,7 @@ TEST(Trajectories, SayForEveryRowWhyItIsNotFree) {
 }
 
 TEST(Trajectories, HasARowForEachRobotInEachFrame) {
-  const std::string dut = trajectoriesCsv(smallRun());
+  const std::string dut = trajectoriesOf(smallRun());
 
   EXPECT_EQ(std::count(dut.begin(), dut.end(), '\n'), 1 + 2 * 1200);
 }
@@ -160,7 +166,7 @@ TEST(Trajectories, WritesPositionsInCentimetresToTheMicrometre) {
   record.tracks.frames.push_back({-250'000, 7, 0});
   record.tracks.rows.push_back(rowOf(3, 0.5F, -0.000004F, -3.0F));
 
-  EXPECT_EQ(trajectoriesCsv(record),
+  EXPECT_EQ(trajectoriesOf(record),
             "frame,particle,x,y,t,theta,program,segment,state,contact,light_front,light_back,"
             "x_stitched,y_stitched\n"
             "7,3,50.0000,-0.0004,-0.250000,-3.000000,standing,-1,lost,none,nan,nan,nan,nan\n");
@@ -172,20 +178,20 @@ TEST(Trajectories, WritesNanForInvalidNumbers) {
   record.tracks.rows.push_back(rowOf(1, std::numeric_limits<float>::quiet_NaN(),
                                      std::numeric_limits<float>::infinity(), 1e30F));
 
-  EXPECT_THAT(trajectoriesCsv(record), HasSubstr("\n1,1,nan,nan,0.000000,nan,standing,-1,"));
+  EXPECT_THAT(trajectoriesOf(record), HasSubstr("\n1,1,nan,nan,0.000000,nan,standing,-1,"));
 }
 
 TEST(Trajectories, QuotesProgramNamesThatNeedIt) {
   RunRecord record;
   record.programs.push_back({{}, "a,\"b\""});
   record.tracks.frames.push_back({0, 1, 0});
-  TrackRow& row = record.tracks.rows.emplace_back(rowOf(1, 0, 0, 0));
+  TrackRow& row = record.tracks.rows.push_back(rowOf(1, 0, 0, 0));
   row.program = 0;
   row.segment = 2;
   row.state = analysis::FrameState::kContact;
   row.contact_wall = row.contact_robot = true;
 
-  EXPECT_THAT(trajectoriesCsv(record), HasSubstr(",\"a,\"\"b\"\"\",2,contact,both,"));
+  EXPECT_THAT(trajectoriesOf(record), HasSubstr(",\"a,\"\"b\"\"\",2,contact,both,"));
 }
 
 TEST(Summary, HasTheResultsOfTheRun) {

@@ -169,7 +169,13 @@ TEST_F(Hdf5Import, SurvivesFilesThatCrashTheLibrary) {
     bytes.at(static_cast<std::size_t>(offset)) = static_cast<char>(value);
     support::writeFile(file, bytes);
 
-    EXPECT_THAT(outcomeOf(file), HasSubstr(file.string())) << offset;
+    const std::string outcome = outcomeOf(file);
+#ifdef __SANITIZE_ADDRESS__
+    // What the library reads behind its arrays is not what it reads without the sanitizer, and it
+    // may survive.
+    if (outcome == "log") continue;
+#endif
+    EXPECT_THAT(outcome, HasSubstr(file.string())) << offset;
   }
 }
 

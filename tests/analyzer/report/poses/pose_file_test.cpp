@@ -37,12 +37,12 @@ TEST(PoseFile, ReadsFilesOfLabTrack) {
       "1,1,11,20,1.6,641,360,0.97,0.033333\n");
 
   ASSERT_EQ(dut.frames.size(), 2U);
-  ASSERT_EQ(dut.frames[0].poses.size(), 2U);
-  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].x, 0.105);
-  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].y, 0.2);
-  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].theta, 1.5);
-  EXPECT_TRUE(dut.frames[0].poses[0].valid);
-  EXPECT_FALSE(dut.frames[0].poses[1].valid);
+  ASSERT_EQ(dut.posesOf(0).size(), 2U);
+  EXPECT_DOUBLE_EQ(dut.posesOf(0)[0].x, 0.105);
+  EXPECT_DOUBLE_EQ(dut.posesOf(0)[0].y, 0.2);
+  EXPECT_DOUBLE_EQ(dut.posesOf(0)[0].theta, 1.5);
+  EXPECT_TRUE(dut.posesOf(0)[0].valid);
+  EXPECT_FALSE(dut.posesOf(0)[1].valid);
   EXPECT_DOUBLE_EQ(dut.frames[1].time, 0.033333);
   EXPECT_DOUBLE_EQ(dut.frame_period, 0.033333);
   EXPECT_TRUE(dut.headings);
@@ -58,8 +58,8 @@ TEST(PoseFile, ReadsBlobsWithoutHeading) {
 
   EXPECT_FALSE(dut.headings);
   ASSERT_EQ(dut.frames.size(), 2U);
-  EXPECT_EQ(dut.frames[0].poses.size(), 2U);
-  EXPECT_EQ(dut.frames[0].poses[1].theta, 0);
+  EXPECT_EQ(dut.posesOf(0).size(), 2U);
+  EXPECT_EQ(dut.posesOf(0)[1].theta, 0);
 }
 
 TEST(PoseFile, LeavesOutTheFewRowsWithoutHeading) {
@@ -82,10 +82,10 @@ TEST(PoseFile, ReadsFilesOfIdtracker) {
       {.scale = 0.001, .fps = {}});
 
   ASSERT_EQ(dut.frames.size(), 2U);
-  ASSERT_EQ(dut.frames[0].poses.size(), 2U);
-  EXPECT_EQ(dut.frames[0].poses[1].robot, 2);
-  EXPECT_DOUBLE_EQ(dut.frames[0].poses[1].x, 0.3);
-  EXPECT_EQ(dut.frames[1].poses.size(), 1U);
+  ASSERT_EQ(dut.posesOf(0).size(), 2U);
+  EXPECT_EQ(dut.posesOf(0)[1].robot, 2);
+  EXPECT_DOUBLE_EQ(dut.posesOf(0)[1].x, 0.3);
+  EXPECT_EQ(dut.posesOf(1).size(), 1U);
   EXPECT_DOUBLE_EQ(dut.frames[1].time, 0.1);
   EXPECT_FALSE(dut.headings);
   EXPECT_EQ(dut.without_pose, 1);
@@ -107,9 +107,9 @@ TEST(PoseFile, ReadsFilesOfTrackpy) {
       {.scale = 0.001, .fps = 10});
 
   ASSERT_EQ(dut.frames.size(), 2U);
-  EXPECT_EQ(dut.frames[0].poses[0].robot, 7);
-  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].x, 0.1);
-  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].y, 0.2005);
+  EXPECT_EQ(dut.posesOf(0)[0].robot, 7);
+  EXPECT_DOUBLE_EQ(dut.posesOf(0)[0].x, 0.1);
+  EXPECT_DOUBLE_EQ(dut.posesOf(0)[0].y, 0.2005);
   EXPECT_DOUBLE_EQ(dut.frames[1].time, 0.2);
   EXPECT_FALSE(dut.headings);
   EXPECT_FALSE(dut.in_arena);
@@ -120,8 +120,8 @@ TEST(PoseFile, SortsRowsGroupedByRobot) {
       "frame\tid\tx_cm\ty_cm\tt\n0\t1\t1\t1\t0\n1\t1\t2\t1\t0.1\n0\t2\t5\t5\t0\n1\t2\t6\t5\t0.1\n");
 
   ASSERT_EQ(dut.frames.size(), 2U);
-  EXPECT_EQ(dut.frames[0].poses.size(), 2U);
-  EXPECT_EQ(dut.frames[1].poses.size(), 2U);
+  EXPECT_EQ(dut.posesOf(0).size(), 2U);
+  EXPECT_EQ(dut.posesOf(1).size(), 2U);
 }
 
 TEST(PoseFile, ReadsWindowsLineEndsAndMarks) {
@@ -130,7 +130,7 @@ TEST(PoseFile, ReadsWindowsLineEndsAndMarks) {
       "frame;id;x_cm;y_cm;t\r\n0;1;1;2;0\r\n\r\n1;1;1;3;0.5\r\n");
 
   EXPECT_EQ(dut.frames.size(), 2U);
-  EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].y, 0.03);
+  EXPECT_DOUBLE_EQ(dut.posesOf(1)[0].y, 0.03);
 }
 
 TEST(PoseFile, OmitsRowsWithoutAPose) {
@@ -196,9 +196,9 @@ TEST(PoseFile, ReadsFilesOfTrex) {
   const PoseFile dut = read(text);
 
   ASSERT_EQ(dut.frames.size(), 2U);
-  EXPECT_DOUBLE_EQ(dut.frames[0].poses[0].x, 0.105);
-  EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].y, 0.201);
-  EXPECT_DOUBLE_EQ(dut.frames[1].poses[0].theta, 0.6);
+  EXPECT_DOUBLE_EQ(dut.posesOf(0)[0].x, 0.105);
+  EXPECT_DOUBLE_EQ(dut.posesOf(1)[0].y, 0.201);
+  EXPECT_DOUBLE_EQ(dut.posesOf(1)[0].theta, 0.6);
   EXPECT_EQ(dut.without_pose, 2);
   EXPECT_TRUE(dut.headings);
   EXPECT_FALSE(dut.in_arena);
@@ -215,9 +215,9 @@ TEST(PoseFile, ReadsAFolderOfTrexFiles) {
   const PoseFile dut = readPoses(folder.path());
 
   ASSERT_EQ(dut.frames.size(), 2U);
-  ASSERT_EQ(dut.frames[0].poses.size(), 3U);
-  EXPECT_EQ(dut.frames[0].poses[2].robot, 10);
-  EXPECT_DOUBLE_EQ(dut.frames[1].poses[2].x, 0.1);
+  ASSERT_EQ(dut.posesOf(0).size(), 3U);
+  EXPECT_EQ(dut.posesOf(0)[2].robot, 10);
+  EXPECT_DOUBLE_EQ(dut.posesOf(1)[2].x, 0.1);
 }
 
 TEST(PoseFile, OpensNoPipeOrDeviceInAFolderOfTrexFiles) {
@@ -256,7 +256,7 @@ TEST(PoseFile, CountsARobotOncePerFrame) {
   EXPECT_EQ(dut.repeated, 49);
   EXPECT_EQ(dut.contradicted, 1);
   EXPECT_EQ(dut.frames.size(), 99U);
-  for (const analysis::Frame& frame : dut.frames) EXPECT_EQ(frame.poses.size(), 1U);
+  for (std::size_t i = 0; i < dut.frames.size(); ++i) EXPECT_EQ(dut.posesOf(i).size(), 1U);
 }
 
 TEST(PoseFile, RejectsRobotsAtTwoPositions) {

@@ -9,6 +9,7 @@
 #include <numbers>
 #include <random>
 #include <stdexcept>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -42,12 +43,12 @@ PoseFile recording(int robots, double duration, bool headings = true, double sig
   std::vector<Robot> all;
   for (int i = 0; i < robots; ++i) all.push_back({i * 50.0, 0, i * 1.0, turning(random), kEpsilon});
   for (std::int64_t k = 0; static_cast<double>(k) * kPeriod < duration; ++k) {
-    analysis::Frame frame{static_cast<double>(k) * kPeriod, k, {}};
+    std::vector<Pose> frame;
     for (std::size_t i = 0; i < all.size(); ++i) {
       Robot& robot = all[i];
-      frame.poses.push_back({static_cast<int>(i) + 1, robot.x + noise(random),
-                             robot.y + noise(random),
-                             headings ? std::remainder(robot.theta, 2 * std::numbers::pi) : 0});
+      frame.push_back({static_cast<int>(i) + 1, true, robot.x + noise(random),
+                       robot.y + noise(random),
+                       headings ? std::remainder(robot.theta, 2 * std::numbers::pi) : 0});
       for (double left = kPeriod; left > 1e-12;) {
         const double step = std::min(left, robot.left);
         const double turn = robot.omega * step;
@@ -65,7 +66,7 @@ PoseFile recording(int robots, double duration, bool headings = true, double sig
         }
       }
     }
-    poses.frames.push_back(frame);
+    poses.add(static_cast<double>(k) * kPeriod, k, frame);
   }
   poses.rows = static_cast<std::int64_t>(poses.frames.size()) * robots;
   return poses;
@@ -145,9 +146,7 @@ TEST(PoseRun, DistinguishesNoisyHeadingsFromJumps) {
   PoseFile noisy = recording(4, 300);
   std::mt19937_64 random(11);
   std::normal_distribution<double> noise(0, 0.2);
-  for (analysis::Frame& frame : noisy.frames) {
-    for (analysis::FramePose& pose : frame.poses) pose.theta += noise(random);
-  }
+  noisy.poses.each([&](Pose& pose) { pose.theta += noise(random); });
 
   const RunRecord dut = poseRun(noisy, "recording", abp());
 
@@ -160,12 +159,10 @@ TEST(PoseRun, DistinguishesNoisyHeadingsFromJumps) {
 
 TEST(PoseRun, ReportsThatMostOfARecordingIsNotJudged) {
   PoseFile wrong_unit = recording(2, 60);
-  for (analysis::Frame& frame : wrong_unit.frames) {
-    for (analysis::FramePose& pose : frame.poses) {
-      pose.x *= 30;
-      pose.y *= 30;
-    }
-  }
+  wrong_unit.poses.each([](Pose& pose) {
+    pose.x *= 30;
+    pose.y *= 30;
+  });
   const RunRecord jumps = poseRun(wrong_unit, "recording", abp());
   EXPECT_THAT(headlines(jumps), testing::Contains(HasSubstr("faster than wheels")));
   EXPECT_THAT(headlines(jumps).front(), testing::Not(HasSubstr("D_r")));
@@ -174,10 +171,10 @@ TEST(PoseRun, ReportsThatMostOfARecordingIsNotJudged) {
 
   PoseFile at_walls = recording(1, 60);
   at_walls.in_arena = true;
-  for (analysis::Frame& frame : at_walls.frames) {
-    frame.poses[0].x += 0.1;
-    frame.poses[0].y += 0.1;
-  }
+  at_walls.poses.each([](Pose& pose) {
+    pose.x += 0.1;
+    pose.y += 0.1;
+  });
   const RunRecord walls = poseRun(at_walls, "recording", abp());
   EXPECT_THAT(headlines(walls), testing::Contains(HasSubstr("wall of the 120 x 90 cm arena")));
 }
@@ -207,12 +204,11 @@ PoseFile tumblers(int robots, double duration) {
   std::vector<Robot> all;
   for (int i = 0; i < robots; ++i) all.push_back({i * 50.0, 0, i * 1.0, run(random), 0});
   for (std::int64_t k = 0; static_cast<double>(k) * kPeriod < duration; ++k) {
-    analysis::Frame frame{static_cast<double>(k) * kPeriod, k, {}};
+    std::vector<Pose> frame;
     for (std::size_t i = 0; i < all.size(); ++i) {
       Robot& robot = all[i];
-      frame.poses.push_back({static_cast<int>(i) + 1, robot.x + noise(random),
-                             robot.y + noise(random),
-                             std::remainder(robot.theta, 2 * std::numbers::pi)});
+      frame.push_back({static_cast<int>(i) + 1, true, robot.x + noise(random),
+                       robot.y + noise(random), std::remainder(robot.theta, 2 * std::numbers::pi)});
       for (double left = kPeriod; left > 1e-12;) {
         const double step = std::min(left, robot.left);
         if (robot.omega == 0) {
@@ -228,7 +224,7 @@ PoseFile tumblers(int robots, double duration) {
         }
       }
     }
-    poses.frames.push_back(frame);
+    poses.add(static_cast<double>(k) * kPeriod, k, frame);
   }
   poses.rows = static_cast<std::int64_t>(poses.frames.size()) * robots;
   return poses;
@@ -250,17 +246,22 @@ TEST(PoseRun, FindsTheTumblesInThePoses) {
   EXPECT_GT(runs.exponential.p, 1e-3);
 }
 
+/// Places in cm.
+void writeCsv(const PoseFile& poses, std::ostream& file) {
+  file << "frame,particle,x,y,theta,t\n";
+  poses.eachFrame([&](const PoseFrame& frame, std::span<const Pose> robots) {
+    for (const Pose& pose : robots) {
+      file << frame.frame << ',' << pose.robot << ',' << pose.x * 100 << ',' << pose.y * 100 << ','
+           << pose.theta << ',' << frame.time << '\n';
+    }
+  });
+}
+
 TEST(AnalyzePoses, ShowsRunsAndTumbles) {
   const TemporaryFolder folder;
   {
     std::ofstream file(folder.path() / "poses.csv");
-    file << "frame,particle,x,y,theta,t\n";
-    for (const analysis::Frame& frame : tumblers(2, 120).frames) {
-      for (const analysis::FramePose& pose : frame.poses) {
-        file << frame.frame << ',' << pose.robot << ',' << pose.x * 100 << ',' << pose.y * 100
-             << ',' << pose.theta << ',' << frame.time << '\n';
-      }
-    }
+    writeCsv(tumblers(2, 120), file);
   }
   const AnalyzedRun dut =
       analyzePoses(folder.path() / "poses.csv", folder.path() / "out", {.scale = 0.01, .fps = {}},
@@ -278,11 +279,11 @@ TEST(AnalyzePoses, ShowsRunsAndTumbles) {
 
 TEST(PoseRun, CutsAtContacts) {
   PoseFile poses = recording(2, 10);
-  for (analysis::Frame& frame : poses.frames) {
-    if (frame.time < 4 || frame.time > 5) continue;
-    frame.poses[1].x = frame.poses[0].x + 0.075;
-    frame.poses[1].y = frame.poses[0].y;
-  }
+  poses.eachFrame([](const PoseFrame& frame, std::span<Pose> robots) {
+    if (frame.time < 4 || frame.time > 5) return;
+    robots[1].x = robots[0].x + 0.075;
+    robots[1].y = robots[0].y;
+  });
 
   const RunRecord dut = poseRun(poses, "recording", abp());
 
@@ -293,9 +294,9 @@ TEST(PoseRun, CutsAtContacts) {
 
 TEST(PoseRun, CutsAtAnImpossibleJump) {
   PoseFile poses = recording(1, 20);
-  for (analysis::Frame& frame : poses.frames) {
-    if (frame.time > 10) frame.poses[0].x += 0.5;
-  }
+  poses.eachFrame([](const PoseFrame& frame, std::span<Pose> robots) {
+    if (frame.time > 10) robots[0].x += 0.5;
+  });
 
   const RunRecord dut = poseRun(poses, "recording", abp());
 
@@ -303,8 +304,13 @@ TEST(PoseRun, CutsAtAnImpossibleJump) {
 }
 
 TEST(PoseRun, BridgesMissingFrames) {
-  PoseFile poses = recording(1, 20);
-  std::erase_if(poses.frames, [](const analysis::Frame& frame) { return frame.frame % 10 == 5; });
+  const PoseFile whole = recording(1, 20);
+  PoseFile poses;
+  poses.headings = whole.headings;
+  poses.frame_period = whole.frame_period;
+  whole.eachFrame([&](const PoseFrame& frame, std::span<const Pose> robots) {
+    if (frame.frame % 10 != 5) poses.add(frame.time, frame.frame, robots);
+  });
 
   const RunRecord dut = poseRun(poses, "recording", abp());
 
@@ -333,13 +339,7 @@ TEST(AnalyzePoses, WritesSummaryFiguresAndReport) {
   const TemporaryFolder folder;
   {
     std::ofstream file(folder.path() / "poses.csv");
-    file << "frame,particle,x,y,theta,t\n";
-    for (const analysis::Frame& frame : recording(2, 60).frames) {
-      for (const analysis::FramePose& pose : frame.poses) {
-        file << frame.frame << ',' << pose.robot << ',' << pose.x * 100 << ',' << pose.y * 100
-             << ',' << pose.theta << ',' << frame.time << '\n';
-      }
-    }
+    writeCsv(recording(2, 60), file);
   }
 
   const AnalyzedRun dut = analyzePoses(folder.path() / "poses.csv", folder.path() / "out",

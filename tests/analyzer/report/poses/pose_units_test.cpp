@@ -9,6 +9,7 @@
 #include <functional>
 #include <numbers>
 #include <random>
+#include <span>
 #include <sstream>
 
 #include "analyzer/report/poses/pose_run.hpp"
@@ -42,7 +43,8 @@ PoseFile recording(const std::function<double()>& turn, double speed = kSpeed) {
   double theta = 2;
   for (std::int64_t k = 0; k < 1200; ++k) {
     const double time = static_cast<double>(k) * kPeriod;
-    poses.frames.push_back({time, k, {{1, x + noise(random), y + noise(random), theta}}});
+    const Pose pose{1, true, x + noise(random), y + noise(random), theta};
+    poses.add(time, k, {&pose, 1});
     x += speed * kPeriod * std::cos(theta);
     y += speed * kPeriod * std::sin(theta);
     theta += turn();
@@ -65,14 +67,12 @@ PoseFile slowRecording() {
 }
 
 PoseFile with(PoseFile poses, const std::function<double(double)>& written) {
-  for (analysis::Frame& frame : poses.frames) {
-    for (analysis::FramePose& pose : frame.poses) pose.theta = written(pose.theta);
-  }
+  poses.poses.each([&](Pose& pose) { pose.theta = written(pose.theta); });
   return poses;
 }
 
 PoseFile slowed(PoseFile poses, double factor) {
-  for (analysis::Frame& frame : poses.frames) frame.time *= factor;
+  for (PoseFrame& frame : poses.frames) frame.time *= factor;
   poses.frame_period *= factor;
   return poses;
 }
@@ -132,11 +132,12 @@ TEST(PoseUnits, DoubtImplausibleFrameRates) {
 
 TEST(PoseUnits, DoubtsAreTheFirstHeadlines) {
   std::string text = "frame,id,x_cm,y_cm,theta_rad,t_s\n";
-  for (const analysis::Frame& frame : slowRecording().frames) {
-    const analysis::FramePose& pose = frame.poses.front();
+  const PoseFile poses = slowRecording();
+  poses.eachFrame([&](const PoseFrame& frame, std::span<const Pose> robots) {
+    const Pose& pose = robots.front();
     text += fmt::format("{},1,{},{},{},{}\n", frame.frame, pose.x * 100, pose.y * 100,
                         pose.theta * kDegrees, frame.time * 1000);
-  }
+  });
   std::istringstream file(text);
 
   const std::vector<std::string> dut =
