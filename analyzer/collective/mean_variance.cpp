@@ -47,19 +47,42 @@ std::vector<Spectrum> family() {
   return all;
 }
 
+/// The cosines of 1/2, 1, 3/2 ... periods in a series of n values, one after the other.
+std::vector<double> cosinesOf(std::size_t n, std::size_t count) {
+  // cos(pi k / (2 n)) for all k of a period.
+  std::vector<double> period(4 * n);
+  for (std::size_t k = 0; k < period.size(); ++k) {
+    period[k] = std::cos(std::numbers::pi * static_cast<double>(k) / (2 * static_cast<double>(n)));
+  }
+  std::vector<double> cosines;
+  cosines.reserve(count * n);
+  for (std::size_t j = 1; j <= count; ++j) {
+    for (std::size_t i = 0; i < n; ++i) cosines.push_back(period[j * (2 * i + 1) % (4 * n)]);
+  }
+  return cosines;
+}
+
+/// The cosines for the lengths that time averages have. They are computed once, because the results
+/// of a running lab need them hundreds of times a second.
+std::vector<std::vector<double>> tabledCosines() {
+  constexpr std::size_t kLongestTabled = 64;
+  std::vector<std::vector<double>> all(kLongestTabled + 1);
+  for (std::size_t n = kFewestBlocks; n <= kLongestTabled; ++n) all[n] = cosinesOf(n, kMostFitted);
+  return all;
+}
+
 /// Squares of the coefficients of the first orthonormal cosines (DCT-II).
 std::vector<double> powersOf(std::span<const double> series, std::size_t count) {
+  static const std::vector<std::vector<double>> kTabled = tabledCosines();
   const std::size_t n = series.size();
-  // cos(pi k / (2 n)) for all k of a period.
-  std::vector<double> cosines(4 * n);
-  for (std::size_t k = 0; k < cosines.size(); ++k) {
-    cosines[k] = std::cos(std::numbers::pi * static_cast<double>(k) / (2 * static_cast<double>(n)));
-  }
+  const std::vector<double> longer =
+      n < kTabled.size() ? std::vector<double>() : cosinesOf(n, count);
+  const std::vector<double>& cosines = n < kTabled.size() ? kTabled[n] : longer;
   std::vector<double> powers(count);
-  for (std::size_t j = 1; j <= count; ++j) {
+  for (std::size_t j = 0; j < count; ++j) {
     double sum = 0;
-    for (std::size_t i = 0; i < n; ++i) sum += series[i] * cosines[j * (2 * i + 1) % (4 * n)];
-    powers[j - 1] = sum * sum * 2 / static_cast<double>(n);
+    for (std::size_t i = 0; i < n; ++i) sum += series[i] * cosines[j * n + i];
+    powers[j] = sum * sum * 2 / static_cast<double>(n);
   }
   return powers;
 }
