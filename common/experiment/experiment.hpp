@@ -193,6 +193,7 @@ enum class SenseKind : std::int8_t {
   kPlaceBearing,     ///< [rad] of a place, relative to the heading
   kGradient,         ///< of the light at the robot [1/cm]
   kGradientBearing,  ///< direction in which the light grows, relative to the heading [rad]
+  kExpression,       ///< an expression of the others
 };
 
 /// One number that the host writes for programs.
@@ -202,6 +203,7 @@ struct SenseSpec {
   double radius = 0.15;  ///< [m]
   double x = 0;          ///< [m] of a place
   double y = 0;          ///< [m]
+  std::string value;     ///< the expression
 
   bool operator==(const SenseSpec&) const = default;
 };

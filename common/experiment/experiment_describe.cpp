@@ -249,6 +249,8 @@ std::string senseText(const SenseSpec& sense) {
       return "gradient of the light (1/cm)";
     case SenseKind::kGradientBearing:
       return "bearing of the light's gradient (rad)";
+    case SenseKind::kExpression:
+      return sense.value;
   }
   return {};
 }

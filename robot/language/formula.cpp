@@ -4,6 +4,10 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
+#include <utility>
+
+#include "robot/dynamics/byte_code.hpp"
 
 namespace lab::language {
 
@@ -12,6 +16,7 @@ struct Formula::Node {
   enum Operation {
     kConstant,
     kLag,
+    kSense,
     kNegate,
     kNot,
     kAdd,
@@ -42,7 +47,7 @@ struct Formula::Node {
   };
 
   Operation operation = kConstant;
-  double value = 0;  ///< Of a constant.
+  double value = 0;  ///< Of a constant; the number of a sense.
   std::vector<Node> operands;
 
   bool truth = false;          ///< A condition, not a number.
@@ -104,8 +109,8 @@ std::string describe(const Node& node) {
 class Checker {
  public:
   Checker(std::string_view text, const std::vector<Parameter>& parameters, bool curve,
-          Suggest suggest)
-      : text_(text), parameters_(parameters), curve_(curve), suggest_(suggest) {}
+          std::optional<unsigned> senses, Suggest suggest)
+      : text_(text), parameters_(parameters), curve_(curve), senses_(senses), suggest_(suggest) {}
 
   Node check(const Expression& expression) const {
     switch (expression.kind) {
@@ -156,7 +161,7 @@ class Checker {
       throw SyntaxError(expression.offset, "unknown name '" + name + "': write " +
                                                std::string(instead) + " for this unit");
     }
-    std::string known = curve_ ? "tau (the lag)" : "";
+    std::string known = curve_ ? "tau (the lag)" : senses_ ? "sense(0) to sense(7)" : "";
     std::vector<std::string> names{"pi"};
     if (curve_) names.emplace_back("tau");
     for (const Parameter& parameter : parameters_) {
@@ -208,7 +213,29 @@ class Checker {
     return node;
   }
 
+  /// sense(i), where it is known.
+  [[nodiscard]] Node checkSense(const Expression& expression) const {
+    const bool whole = expression.operands.size() == 1 &&
+                       expression.operands[0].kind == Expression::kNumber &&
+                       expression.operands[0].value == std::floor(expression.operands[0].value) &&
+                       expression.operands[0].value < dynamics::kSenses;
+    if (!whole) {
+      throw SyntaxError(expression.offset,
+                        "found " + quoted(expression) + ", expected sense(0) to sense(7)");
+    }
+    const double index = expression.operands[0].value;
+    if ((*senses_ >> static_cast<unsigned>(index) & 1U) == 0) {
+      throw SyntaxError(expression.offset, quoted(expression) +
+                                               " is defined by no other entry, or by an "
+                                               "expression; expected one that is neither");
+    }
+    Node node = constant(index, kPure);
+    node.operation = Node::kSense;
+    return node;
+  }
+
   Node checkCall(const Expression& expression) const {
+    if (senses_ && expression.name == "sense") return checkSense(expression);
     const Function* function =
         std::ranges::find(kFunctions, std::string_view(expression.name), &Function::name);
     if (function == kFunctions.end()) {
@@ -218,10 +245,10 @@ class Checker {
         list += (list.empty() ? "" : ", ") + std::string(one.name);
         names.emplace_back(one.name);
       }
-      throw SyntaxError(expression.offset, "unknown function '" + expression.name +
-                                               "'; a formula has " + list +
-                                               ", and no draws or sensors" +
-                                               suggestion(suggest_, expression.name, names));
+      throw SyntaxError(expression.offset,
+                        "unknown function '" + expression.name + "'; a formula has " + list +
+                            (senses_ ? ", and sense(0) to sense(7)" : ", and no draws or sensors") +
+                            suggestion(suggest_, expression.name, names));
     }
     if (expression.operands.size() != function->operands) {
       throw SyntaxError(expression.offset,
@@ -310,16 +337,24 @@ class Checker {
   std::string_view text_;
   const std::vector<Parameter>& parameters_;
   bool curve_;
+  std::optional<unsigned> senses_;  ///< Bit i: sense(i) is known. Empty: the formula of a law.
   Suggest suggest_;
 };
 
-double evaluate(const Node& node, double tau) {
-  const auto at = [&](std::size_t i) { return evaluate(node.operands[i], tau); };
+struct Inputs {
+  double tau = 0;
+  std::span<const double> senses;
+};
+
+double evaluate(const Node& node, const Inputs& inputs) {
+  const auto at = [&](std::size_t i) { return evaluate(node.operands[i], inputs); };
   switch (node.operation) {
     case Node::kConstant:
       return node.value;
     case Node::kLag:
-      return tau;
+      return inputs.tau;
+    case Node::kSense:
+      return inputs.senses[static_cast<std::size_t>(node.value)];
     case Node::kNegate:
       return -at(0);
     case Node::kNot:
@@ -385,7 +420,8 @@ double evaluate(const Node& node, double tau) {
 Formula::Formula(std::string_view text, const std::vector<Parameter>& parameters,
                  const Dimension& dimension, bool curve, Suggest suggest) {
   const Expression expression = parseExpression(text);
-  auto root = std::make_shared<Node>(Checker(text, parameters, curve, suggest).check(expression));
+  auto root =
+      std::make_shared<Node>(Checker(text, parameters, curve, {}, suggest).check(expression));
   if (root->truth || !(root->any_dimension || root->dimension == dimension)) {
     throw SyntaxError(
         0, "the formula is " + describe(*root) + ", expected a number " +
@@ -394,7 +430,21 @@ Formula::Formula(std::string_view text, const std::vector<Parameter>& parameters
   root_ = std::move(root);
 }
 
-double Formula::operator()(double tau) const { return evaluate(*root_, tau); }
+double Formula::operator()(double tau, std::span<const double> senses) const {
+  return evaluate(*root_, {tau, senses});
+}
+
+Formula Formula::ofSenses(std::string_view text, unsigned known, Suggest suggest) {
+  const Expression expression = parseExpression(text);
+  auto root = std::make_shared<Node>(Checker(text, {}, false, known, suggest).check(expression));
+  if (root->truth || !(root->any_dimension || root->dimension == kPure)) {
+    throw SyntaxError(0, "the expression is " + describe(*root) +
+                             ", expected a number without unit (senses have none)");
+  }
+  Formula formula;
+  formula.root_ = std::move(root);
+  return formula;
+}
 
 Dimension formulaDimension(const std::string& law_key) {
   if (law_key == "msd") return product(kLength, kLength);

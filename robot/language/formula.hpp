@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,10 +14,18 @@
 namespace lab::language {
 
 /// A formula of a law: an expression of a program's parameters and, if it is a curve, the lag
-/// `tau`. It is evaluated on the host in double precision and may use exp, log and pow besides the
-/// functions of programs, but nothing that the robot draws or measures (docs/theory.md).
+/// `tau`. Or one of a virtual sense: an expression of other senses. It is evaluated on the host in
+/// double precision and may use exp, log and pow besides the functions of programs, but nothing
+/// that the robot draws or measures (docs/theory.md, docs/programs.md).
 class Formula {
  public:
+  /// @param text an expression of sense(0) to sense(7) without unit
+  /// @param known bit i: sense(i) may be used
+  /// @param suggest for messages
+  /// @throws SyntaxError where it is wrong
+  [[nodiscard]] static Formula ofSenses(std::string_view text, unsigned known,
+                                        Suggest suggest = nullptr);
+
   /// @param text the expression
   /// @param parameters of the program
   /// @param dimension that the value must have
@@ -27,11 +36,14 @@ class Formula {
           const Dimension& dimension, bool curve, Suggest suggest = nullptr);
 
   /// The value in the units of programs (cm, s, rad).
-  [[nodiscard]] double operator()(double tau = 0) const;
+  /// @param senses those that the formula uses, by their numbers
+  [[nodiscard]] double operator()(double tau = 0, std::span<const double> senses = {}) const;
 
   struct Node;
 
  private:
+  Formula() = default;
+
   std::shared_ptr<const Node> root_;
 };
 

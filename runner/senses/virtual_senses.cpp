@@ -4,10 +4,12 @@
 #include <numbers>
 
 #include "common/math/units.hpp"
+#include "robot/language/formula.hpp"
 
 namespace lab::runner {
 namespace {
 
+constexpr unsigned kAllSenses = (1U << dynamics::kSenses) - 1;
 constexpr double kGradientStep = 0.01;  // [m] between the places whose light is compared
 
 /// An angle in (-pi, pi].
@@ -82,6 +84,8 @@ double valueOf(const SenseSpec& sense, const std::vector<SensedPose>& poses, con
       const auto [gx, gy] = gradientAt(light, self);
       return gx == 0 && gy == 0 ? 0 : wrapped(std::atan2(gy, gx) - self.theta);
     }
+    case SenseKind::kExpression:
+      break;
   }
   return 0;
 }
@@ -93,8 +97,17 @@ std::vector<SenseValues> virtualSenses(const std::vector<SenseSpec>& senses,
   std::vector<SenseValues> all(poses.size(), SenseValues{});
   for (std::size_t robot = 0; robot < poses.size(); ++robot) {
     for (const SenseSpec& sense : senses) {
+      if (sense.kind == SenseKind::kExpression) continue;
       all[robot][static_cast<std::size_t>(sense.index)] =
           valueOf(sense, poses, poses[robot], light);
+    }
+  }
+  for (const SenseSpec& sense : senses) {
+    if (sense.kind != SenseKind::kExpression) continue;
+    const language::Formula formula = language::Formula::ofSenses(sense.value, kAllSenses);
+    for (SenseValues& values : all) {
+      const double value = formula(0, values);
+      values[static_cast<std::size_t>(sense.index)] = std::isfinite(value) ? value : 0;
     }
   }
   return all;

@@ -27,6 +27,7 @@ using SenseValues = std::array<double, dynamics::kSenses>;
 using LightAt = std::function<double(double x, double y)>;
 
 /// The senses of every robot, in the order of `poses`. Only robots in `poses` count as neighbours.
+/// An expression that is no finite number is 0.
 /// @param light empty: dark
 [[nodiscard]] std::vector<SenseValues> virtualSenses(const std::vector<SenseSpec>& senses,
                                                      const std::vector<SensedPose>& poses,

@@ -4,11 +4,14 @@
 #include <cmath>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/files/file_values.hpp"
 #include "common/text/nearest_word.hpp"
 #include "robot/dynamics/byte_code.hpp"
+#include "robot/language/expression.hpp"
+#include "robot/language/formula.hpp"
 
 namespace lab::keys {
 namespace {
@@ -47,6 +50,27 @@ void checkPlace(const ExperimentForm& form, std::size_t index, Problems& problem
   };
   check("x_cm", sense.x, form.common.arena_width);
   check("y_cm", sense.y, form.common.arena_height);
+}
+
+/// Expressions use senses that are measured.
+void checkExpressions(const std::vector<SenseSpec>& senses, Problems& problems) {
+  const auto suggest = [](std::string_view word, const std::vector<std::string>& words) {
+    return didYouMean(word, words);
+  };
+  unsigned measured = 0;
+  for (const SenseSpec& sense : senses) {
+    if (sense.kind != SenseKind::kExpression) measured |= 1U << static_cast<unsigned>(sense.index);
+  }
+  for (std::size_t i = 0; i < senses.size(); ++i) {
+    if (senses[i].kind != SenseKind::kExpression) continue;
+    try {
+      static_cast<void>(language::Formula::ofSenses(senses[i].value, measured, suggest));
+    } catch (const language::SyntaxError& error) {
+      problems.add("senses.values[" + std::to_string(i) + "].value",
+                   "found " + tomlString(senses[i].value) + ", at character " +
+                       std::to_string(error.offset() + 1) + ": " + error.what());
+    }
+  }
 }
 
 /// A tracker needs some time, so a delay that is shorter cannot be kept.
@@ -109,6 +133,7 @@ void checkPrograms(const ExperimentForm& form, Problems& problems) {
   if (problems.concern("senses")) return;
   checkSenses(form.common, problems);
   for (std::size_t i = 0; i < form.common.senses.values.size(); ++i) checkPlace(form, i, problems);
+  checkExpressions(form.common.senses.values, problems);
   checkDelay(form.common, problems);
 }
 

@@ -28,7 +28,7 @@ const std::array<Choice, 5> kBodies = {{choiceOf("sim", Body::kSim), choiceOf("w
 const std::array<Choice, 3> kSensors = {{choiceOf("mean", LightSensor::kMean),
                                          choiceOf("front", LightSensor::kFront),
                                          choiceOf("back", LightSensor::kBack)}};
-const std::array<Choice, 9> kSenseKinds = {
+const std::array<Choice, 10> kSenseKinds = {
     {choiceOf("neighbours", SenseKind::kNeighbours), choiceOf("density", SenseKind::kDensity),
      choiceOf("mean_heading", SenseKind::kMeanHeading),
      choiceOf("nearest_distance", SenseKind::kNearestDistance),
@@ -36,7 +36,8 @@ const std::array<Choice, 9> kSenseKinds = {
      choiceOf("place_distance", SenseKind::kPlaceDistance),
      choiceOf("place_bearing", SenseKind::kPlaceBearing),
      choiceOf("gradient", SenseKind::kGradient),
-     choiceOf("gradient_bearing", SenseKind::kGradientBearing)}};
+     choiceOf("gradient_bearing", SenseKind::kGradientBearing),
+     choiceOf("expression", SenseKind::kExpression)}};
 const std::array<Choice, 3> kReverseOn = {{choiceOf("never", ReverseOn::kNever),
                                            choiceOf("walls", ReverseOn::kWalls),
                                            choiceOf("any", ReverseOn::kAny)}};
@@ -188,6 +189,10 @@ void visitSense(KeyVisitor& v, SenseSpec& sense) {
   v.number(is.only({SenseKind::kPlaceDistance, SenseKind::kPlaceBearing},
                    {"y_cm", "see x_cm", Need::kRequired}),
            kPlace, sense.y);
+  v.text(is.only({SenseKind::kExpression},
+                 {"value", "an expression of the other senses, as sense(0)*cos(sense(1))",
+                  Need::kRequired}),
+         {.most = 200}, sense.value);
 }
 
 void visitSenses(KeyVisitor& v, Senses& senses) {

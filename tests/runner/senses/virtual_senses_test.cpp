@@ -77,5 +77,24 @@ TEST(VirtualSenses, WritesEachValueToItsIndex) {
   EXPECT_EQ(values[3][5], 0);
 }
 
+TEST(VirtualSenses, ComputesExpressionsOfTheOthers) {
+  SenseSpec distance = sense(SenseKind::kNearestDistance, 0.5);
+  distance.index = 2;
+  SenseSpec bearing = sense(SenseKind::kNearestBearing, 0.5);
+  bearing.index = 5;
+  SenseSpec sideways;
+  sideways.kind = SenseKind::kExpression;
+  sideways.index = 1;
+  sideways.value = "sense(2)*sin(sense(5))";
+  SenseSpec inverse = sideways;
+  inverse.index = 0;
+  inverse.value = "1/(sense(2) - sense(2))";
+
+  const SenseValues dut = virtualSenses({sideways, distance, inverse, bearing}, kPoses, {}).at(0);
+
+  EXPECT_NEAR(dut[1], -10, 1e-9) << "robot 2 is 10 cm to the right";
+  EXPECT_EQ(dut[0], 0) << "no finite number";
+}
+
 }  // namespace
 }  // namespace lab::runner::virtual_senses_test
