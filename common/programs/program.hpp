@@ -31,7 +31,7 @@ struct Program {
   std::uint32_t hash = 0;          ///< of the code; 0: the robot stands
   std::vector<ProgramParameter> parameters;
   std::vector<std::string> phases;    ///< names, by number
-  std::vector<std::string> warnings;  ///< "phases.run: ...": what is limited and counted
+  std::vector<std::string> warnings;  ///< "phases.run: ...": what is limited, or unused
   LawText law;
   double fastest_wheel = 0;         ///< [m/s] the largest wheel speed that it can ask for
   std::uint8_t senses = 0;          ///< bit i: it reads sense(i)

@@ -108,8 +108,10 @@ Program toProgram(const ProgramFile& file) {
                                           toSi(parameter.value, parameter.dimension));
     }
   }
-  for (const language::Problem& warning : compiled.warnings) {
-    program.warnings.push_back(warning.key + ": " + warning.message);
+  for (const auto* problems : {&compiled.warnings, &compiled.unused}) {
+    for (const language::Problem& warning : *problems) {
+      program.warnings.push_back(warning.key + ": " + warning.message);
+    }
   }
   findInputs(program);
   return program;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdio>
 #include <functional>
+#include <iterator>
 #include <map>
 #include <optional>
 #include <string_view>
@@ -16,6 +17,7 @@
 #include "robot/language/expression.hpp"
 #include "robot/language/formula.hpp"
 #include "robot/language/spelled_name.hpp"
+#include "robot/language/unused_parts.hpp"
 
 namespace lab::language {
 namespace {
@@ -529,7 +531,28 @@ class Compiler {
       wheelRanges(phases_[i], facts);
       checkWheels(key, facts);
       checkHold(key + ".hold", phases_[i].hold);
+      checkCondition(key + ".until", phases_[i].until);
       result_.phases.push_back(facts);
+    }
+    std::vector<unsigned> ways;
+    for (std::size_t i = 0; i < phases_.size(); ++i) ways.push_back(waysFrom(i));
+    std::ranges::copy(unusedParts(text_, ways), std::back_inserter(result_.unused));
+  }
+
+  /// Bit p: phase p can follow.
+  [[nodiscard]] unsigned waysFrom(std::size_t phase) const {
+    return phases_[phase].next.phases | (phases_[phase].until ? phases_[phase].then.phases : 0U);
+  }
+
+  void checkCondition(const std::string& key, const std::optional<CheckedExpression>& until) {
+    if (!until) {
+      return;
+    }
+    const Outcomes outcomes = outcomesOf(*until);
+    if (!outcomes.yes) {
+      result_.unused.push_back({key, 0, "is never true, so the hold never ends early"});
+    } else if (!outcomes.no) {
+      result_.unused.push_back({key, 0, "is always true, so the hold ends at the first scan"});
     }
   }
 
@@ -648,8 +671,7 @@ class Compiler {
     for (std::size_t i = 0; i < n; ++i) {
       const double most_ms = typicalHold(phases_[i].hold) * kMsPerSecond;
       missing.push_back(neededMs(result_.phases[i].cost) - most_ms);
-      const unsigned next =
-          phases_[i].next.phases | (phases_[i].until ? phases_[i].then.phases : 0U);
+      const unsigned next = waysFrom(i);
       for (std::size_t j = 0; j < n; ++j) {
         if ((next >> j & 1U) != 0) ways[i][j] = missing[i];
       }

@@ -50,6 +50,7 @@ struct CompiledProgram {
   std::vector<PhaseFacts> phases;
   std::vector<Problem> errors;
   std::vector<Problem> warnings;  ///< What saturates and is counted when it happens.
+  std::vector<Problem> unused;    ///< Parts that do nothing, which are probably mistakes.
 
   [[nodiscard]] bool ok() const { return errors.empty(); }
 };

@@ -600,5 +600,49 @@ TEST(Compiler, SuggestsNames) {
               }).ends_with("; did you mean tau"));
 }
 
+std::vector<std::string> unusedKeys(const ProgramText& text) {
+  const CompiledProgram compiled = compile(text);
+  EXPECT_TRUE(compiled.ok());
+  std::vector<std::string> keys;
+  for (const Problem& unused : compiled.unused) keys.push_back(unused.key);
+  return keys;
+}
+
+TEST(Compiler, WarnsOfPartsThatNothingUses) {
+  ProgramText text = runReverse();
+  EXPECT_TRUE(unusedKeys(text).empty());
+  text.parameters.insert(text.parameters.begin(), {"half", "1 rad"});
+  text.parameters.emplace_back("twice", "2*half");
+  EXPECT_EQ(unusedKeys(text), (std::vector<std::string>{"parameters.half", "parameters.twice"}));
+  text.law = {{"angular_msd", "twice*twice*0 + tau*0/epsilon"}};
+  EXPECT_TRUE(unusedKeys(text).empty()) << "a formula uses it, and it uses the other";
+
+  text = runAndTumble();
+  text.state = {{"count", "0"}};
+  text.phases[0].next = "run";
+  EXPECT_EQ(unusedKeys(text), (std::vector<std::string>{"state.count", "phases.tumble"}));
+}
+
+TEST(Compiler, WarnsOfConditionsThatAreAlwaysTheSame) {
+  const auto with = [](const char* condition) {
+    ProgramText text = activeBrownian();
+    text.phases[0].until = condition;
+    return unusedKeys(text);
+  };
+  const std::vector<std::string> one{"phases.run.until"};
+  for (const char* never : {"light > 1", "light < 0", "ir(0) >= 1.5", "light <= -0.1",
+                            "light_front > 0.5 and light > 1", "not (light >= 0)",
+                            "light > 1 or ir(2) < 0", "chance(0)"}) {
+    EXPECT_EQ(with(never), one) << never;
+  }
+  for (const char* always : {"light >= 0", "not light > 1", "ir(0) < 2"}) {
+    EXPECT_EQ(with(always), one) << always;
+  }
+  for (const char* sometimes : {"light > 0.999", "light >= 1", "light < 0.001", "chance(0.5)",
+                                "light > 0.5 and ir(0) < 0.5", "light == 1"}) {
+    EXPECT_TRUE(with(sometimes).empty()) << sometimes;
+  }
+}
+
 }  // namespace
 }  // namespace lab::language

@@ -8,8 +8,8 @@
 #include <fstream>
 #include <numbers>
 #include <random>
-#include <stdexcept>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
 
