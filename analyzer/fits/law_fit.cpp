@@ -391,8 +391,9 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
   }
   const double draws = curves.observed / law->drawTime();
   if (draws < kFewestDraws) {
-    return "only " + std::to_string(static_cast<int>(draws)) + " " + law->drawsName() +
-           " in the time observed; a fit needs 100: record for longer";
+    return "about " + std::to_string(std::lround(draws)) + " " + law->drawsName() +
+           " are expected in the free motion observed, by the program; a fit needs 100: record for "
+           "longer";
   }
   const std::vector<FitParameter> free = law->fitParameters(options.free_tumble_time);
   for (const FitParameter& parameter : free) {

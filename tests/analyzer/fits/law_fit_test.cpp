@@ -42,6 +42,15 @@ TEST(LawFit, ReachesTheLimitOfTheDrawsForTheAbp) {
   EXPECT_EQ(dut.paper_rejected, 200);  // eq. 4 is 8 % off at 1.4 s
 }
 
+TEST(LawFit, RefusesShortRecordingsByTheExpectedNumberOfTumbles) {
+  MeasuredCurves curves;
+  curves.observed = 90;  // s; a run takes 1 s on average, a tumble 0.5 s
+  EXPECT_EQ(
+      fitLaw(rtpLaw(1, 0.5), curves, {}).refusal,
+      "about 60 tumbles are expected in the free motion observed, by the program; a fit needs "
+      "100: record for longer");
+}
+
 TEST(LawFit, HoldsForTheBp) {
   WalkerRecording recording = fitRecording(noisyLaw(0, 0.07, 0.2), 300);
   recording.fps = 19.97;
