@@ -34,6 +34,18 @@ bool contains(const List& list, std::string_view word) {
   return std::ranges::find(list, word) != list.end();
 }
 
+/// "_cm2_s2" of "cm²/s²"; empty of "1".
+std::string unitSuffix(const std::string& unit) {
+  if (unit.empty() || unit == "1") return {};
+  std::string suffix = "_" + unit;
+  for (std::size_t at = 0; (at = suffix.find("²", at)) != std::string::npos;) {
+    suffix.replace(at, std::string_view("²").size(), "2");
+  }
+  std::ranges::replace(suffix, '/', '_');
+  if (suffix.starts_with("_1_")) suffix = "_per_" + suffix.substr(3);
+  return suffix;
+}
+
 /// Collects the leaves of a summary.
 class Collector {
  public:
@@ -42,6 +54,10 @@ class Collector {
       if (path.empty() && contains(kNotOfMotion, key)) continue;
       if (path.empty() && key == "programs") {
         programs(value);
+        continue;
+      }
+      if (path.empty() && key == "collective" && value.is_array()) {
+        for (const Json& group : value) crowd(group);
         continue;
       }
       const bool silent = contains(kSilent, key);
@@ -61,6 +77,32 @@ class Collector {
       for (const auto& [key, value] : program.items()) {
         // What later versions know of a program, beside the pool.
         if (key != "pool" && value.is_object()) object(value, name + "." + key);
+      }
+    }
+  }
+
+  /// What all robots, or those of a program, did together.
+  void crowd(const Json& group) {
+    if (!group.is_object()) return;
+    const std::string robots = group.value("robots", "");
+    const std::string path = robots == "all robots" ? "collective" : "collective." + robots;
+    averages(group.value("numbers", Json::object()), path);
+    for (const char* places : {"regions", "light_bands"}) {
+      for (const Json& place : group.value(places, Json::array())) {
+        if (!place.is_object()) continue;
+        averages(place, path + "." + places + "." + place.value("name", ""));
+      }
+    }
+  }
+
+  void averages(const Json& all, const std::string& path) {
+    for (const auto& [name, average] : all.items()) {
+      if (!average.is_object() || !average.contains("value")) continue;
+      const std::string column = path + "." + name + unitSuffix(average.value("unit", ""));
+      for (const auto& [key, value] : average.items()) {
+        // The same name as in the pooled estimates of a program.
+        const std::string part = key == "independent_blocks" ? "effective_samples" : key;
+        leaf(part, value, key == "value" ? column : column + "." + part);
       }
     }
   }

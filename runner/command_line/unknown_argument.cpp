@@ -69,10 +69,21 @@ std::string valueAfter(const std::string& word, const Words& typed) {
   return *(at + 1);
 }
 
+/// An option of which the beginning was typed; empty if there are none or several.
+std::string theOneThatBeginsWith(const std::string& begin, const Words& options) {
+  constexpr std::size_t kShortest = 4;  // "--" and two letters
+  if (begin.size() < kShortest) return {};
+  const auto begins = [&](const std::string& option) { return option.starts_with(begin); };
+  return std::ranges::count_if(options, begins) == 1 ? *std::ranges::find_if(options, begins)
+                                                     : std::string();
+}
+
 std::string unknownOption(const ChosenCommand& command, const std::string& word,
                           const Words& typed) {
   const std::string option = word.substr(0, word.find('='));
-  std::string meant = nearestWord(option, optionNames(*command.app));
+  const Words options = optionNames(*command.app);
+  std::string meant = nearestWord(option, options);
+  if (meant.empty()) meant = theOneThatBeginsWith(option, options);
   if (meant.empty() && takesKeys(*command.app)) {
     std::string name = option.substr(std::min(option.find_first_not_of('-'), option.size()));
     std::ranges::replace(name, '-', '_');

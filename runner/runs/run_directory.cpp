@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 
 #include <fstream>
+#include <functional>
+#include <string>
 #include <vector>
 
 #include "common/bus/log_file.hpp"
@@ -15,6 +17,7 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_log_size.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/files/experiment_error.hpp"
 #include "common/files/file_text.hpp"
 #include "dds_gateway/topic_mapping_file.hpp"
 #include "light/field/image.hpp"
@@ -133,6 +136,19 @@ void adoptRecordings(Experiment& experiment, const std::vector<fs::path>& record
   }
 }
 
+/// Checks a file that an experiment names. Messages begin with the key that names it.
+void checkNamedBy(const std::string& key, const std::function<void()>& check) {
+  try {
+    check();
+  } catch (const ExperimentError& error) {
+    std::vector<std::string> problems;
+    for (const std::string& problem : error.problems()) problems.push_back(key + ": " + problem);
+    throw ExperimentError(problems);
+  } catch (const UserError& error) {
+    throw UserError(key + ": " + error.what());
+  }
+}
+
 }  // namespace
 
 std::string cameraInForce(const Experiment& experiment, const fs::path& source) {
@@ -232,14 +248,20 @@ std::int64_t diskNeed_bytes(const Experiment& experiment) {
 void checkFiles(const Experiment& experiment, const fs::path& source) {
   static_cast<void>(findRecordings(experiment, source));
   const fs::path motors = experiment.hardware.motors;
-  if (!motors.empty()) static_cast<void>(readMotorFile(source / motors));
-  if (experiment.camera.tracker == Tracker::kCamera) {
-    static_cast<void>(cameraInForce(experiment, source));
+  if (!motors.empty()) {
+    checkNamedBy("robot.motors", [&] { static_cast<void>(readMotorFile(source / motors)); });
   }
-  checkProjectorFile(experiment, source);
+  if (experiment.camera.tracker == Tracker::kCamera) {
+    checkNamedBy("camera.calibration",
+                 [&] { static_cast<void>(cameraInForce(experiment, source)); });
+  }
+  checkNamedBy("projector.calibration", [&] { checkProjectorFile(experiment, source); });
   const fs::path frames = experiment.camera.frames;
-  if (!frames.empty()) static_cast<void>(readRecordedFrames(source / frames));
-  static_cast<void>(activeLightCalibration(experiment, source));
+  if (!frames.empty()) {
+    checkNamedBy("camera.frames", [&] { static_cast<void>(readRecordedFrames(source / frames)); });
+  }
+  checkNamedBy("projector.light_calibration",
+               [&] { static_cast<void>(activeLightCalibration(experiment, source)); });
   checkScenes(experiment, source);
   static_cast<void>(readNetworkFiles(experiment.gateway, source));
 }

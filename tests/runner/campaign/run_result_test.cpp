@@ -111,6 +111,32 @@ TEST(RunResult, TakesSectionsOfASummaryThatItDoesNotKnow) {
   EXPECT_TRUE(has("clusters.found", 1));
 }
 
+TEST(RunResult, HasTheCollectiveAverages) {
+  const Columns columns = columnsOf(R"({"programs": [], "collective": [
+    {"robots": "all robots", "frames": 453,
+     "numbers": {
+       "polar_order": {"unit": "1", "value": 0.2, "standard_error": 0.02, "low95": 0.15,
+                       "high95": 0.25, "independent_blocks": 17},
+       "square_speed": {"unit": "cm²/s²", "value": 9, "standard_error": null}},
+     "curves": {"cluster_sizes": {"size": [1, 2]}},
+     "light_bands": [{"name": "dark", "share_of_time": {"unit": "1", "value": 0.3},
+                      "changes_to": {"abp": {"unit": "1/s", "value": 0.1}}}]},
+    {"robots": "abp", "numbers": {"contact_time": {"unit": "s", "value": 4}}}]})");
+  const auto number = [&](std::string_view name) {
+    const auto found = std::ranges::find(columns, name, &Columns::value_type::first);
+    return found == columns.end() ? Cell(std::string("absent")) : found->second;
+  };
+
+  EXPECT_EQ(number("collective.polar_order"), Cell(0.2));
+  EXPECT_EQ(number("collective.polar_order.standard_error"), Cell(0.02));
+  EXPECT_EQ(number("collective.polar_order.low95"), Cell(0.15));
+  EXPECT_EQ(number("collective.polar_order.effective_samples"), Cell(17.0));
+  EXPECT_EQ(number("collective.square_speed_cm2_s2"), Cell(9.0));
+  EXPECT_EQ(number("collective.square_speed_cm2_s2.standard_error"), Cell());
+  EXPECT_EQ(number("collective.light_bands.dark.share_of_time"), Cell(0.3));
+  EXPECT_EQ(number("collective.abp.contact_time_s"), Cell(4.0));
+}
+
 TEST(RunResult, NeedsASummary) {
   EXPECT_THROW(static_cast<void>(columnsOf("{cut off")), std::runtime_error);
 }

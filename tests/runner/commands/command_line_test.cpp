@@ -68,6 +68,8 @@ std::string errorOf(const std::vector<std::string>& words) {
 TEST(CommandLine, NamesAnUnknownOptionAsTypedAndWhatIsMeant) {
   EXPECT_EQ(errorOf({"run", "abp", "--run", "there"}),
             "--run: no such option of `lab run`; did you mean --runs?");
+  EXPECT_EQ(errorOf({"run", "abp", "--virtual"}),
+            "--virtual: no such option of `lab run`; did you mean --virtual-time?");
   EXPECT_EQ(errorOf({"run", "--sed=2", "abp"}),
             "--sed: no such option of `lab run`; did you mean --seed?");
   // Its value is taken for FILE, and there is no such experiment: the option is the mistake.
