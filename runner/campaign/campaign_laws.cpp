@@ -162,6 +162,12 @@ QuantityLabel labelOf(const std::string& quantity) {
   const std::size_t first = quantity.find('.');
   label.symbol = quantity.substr(first == std::string::npos ? 0 : first + 1);
   if (first != std::string::npos) label.program = quantity.substr(0, first);
+  if (label.program == "collective") {
+    const std::size_t last = label.symbol.rfind('.');
+    const bool of_all = last == std::string::npos;
+    label.program = of_all ? "all robots" : label.symbol.substr(0, last);
+    if (!of_all) label.symbol.erase(0, last + 1);
+  }
   for (const auto& [key, text] : kUnitKeys) {
     if (!label.symbol.ends_with(key)) continue;
     label.symbol.erase(label.symbol.size() - key.size());

@@ -148,6 +148,8 @@ TEST(CampaignLaws, NameQuantitiesForPeople) {
   EXPECT_EQ(labelOf("rtp.gamma_per_s").text(), "γ of rtp (1/s)");
   EXPECT_EQ(labelOf("abp.v_cm_s").text(), "v of abp (cm/s)");
   EXPECT_EQ(labelOf("duration_s").text(), "duration (s)");
+  EXPECT_EQ(labelOf("collective.speed_cm_s").text(), "speed of all robots (cm/s)");
+  EXPECT_EQ(labelOf("collective.abp.polar_order").text(), "polar_order of abp");
   EXPECT_EQ(labelOf("swarm.collective.polarisation").text(), "collective.polarisation of swarm");
 }
 
