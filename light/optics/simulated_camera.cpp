@@ -54,4 +54,13 @@ CameraParameters simulatedCamera(int columns, int rows, double width, double hei
   return p;
 }
 
+CameraParameters simulatedCameraAbove(int columns, int rows, double x, double y, double width,
+                                      double height) {
+  CameraParameters p = simulatedCamera(columns, rows, width, height);
+  for (std::size_t i = 0; i < 3; ++i) {
+    p.translation[i] -= p.rotation[3 * i] * x + p.rotation[3 * i + 1] * y;
+  }
+  return p;
+}
+
 }  // namespace lab::optics
