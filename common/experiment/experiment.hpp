@@ -365,8 +365,8 @@ struct FilmSpec {
 struct CameraView {
   double x = 0;       ///< [m] lower left corner
   double y = 0;       ///< [m]
-  double width = 0;   ///< [m] 0: the whole arena
-  double height = 0;  ///< [m] 0: the whole arena
+  double width = 0;   ///< [m] 0: up to the border of the arena
+  double height = 0;  ///< [m] 0: up to the border of the arena
 
   bool operator==(const CameraView&) const = default;
 };
@@ -412,7 +412,7 @@ struct CameraSpec {
   std::string calibration;  ///< path as in the file, empty: that of the simulated camera
   int width = 0;            ///< [px] 0: Camera::width
   int height = 0;           ///< [px] 0: Camera::height
-  CameraView view;          ///< of the simulated camera
+  CameraView view;          ///< also whose corners its calibration needs
   double clock_error = 0;   ///< [s] the simulated camera's time stamps are too late by this
 
   bool operator==(const CameraSpec&) const = default;

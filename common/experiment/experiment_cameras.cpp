@@ -13,6 +13,8 @@ std::vector<Camera> camerasOf(const Experiment& experiment) {
     if (spec.width > 0) camera.width = spec.width;
     if (spec.height > 0) camera.height = spec.height;
     camera.view = spec.view;
+    if (spec.view.width <= 0) camera.view.width = experiment.arena_width - spec.view.x;
+    if (spec.view.height <= 0) camera.view.height = experiment.arena_height - spec.view.y;
     camera.clock_error = spec.clock_error;
   }
   return cameras;

@@ -56,11 +56,14 @@ CameraParameters simulatedCamera(int columns, int rows, double width, double hei
 
 CameraParameters simulatedCameraAbove(int columns, int rows, double x, double y, double width,
                                       double height) {
-  CameraParameters p = simulatedCamera(columns, rows, width, height);
+  return movedCamera(simulatedCamera(columns, rows, width, height), x, y);
+}
+
+CameraParameters movedCamera(CameraParameters camera, double x, double y) {
   for (std::size_t i = 0; i < 3; ++i) {
-    p.translation[i] -= p.rotation[3 * i] * x + p.rotation[3 * i + 1] * y;
+    camera.translation[i] -= camera.rotation[3 * i] * x + camera.rotation[3 * i + 1] * y;
   }
-  return p;
+  return camera;
 }
 
 }  // namespace lab::optics

@@ -14,4 +14,7 @@ namespace lab::optics {
 [[nodiscard]] CameraParameters simulatedCameraAbove(int columns, int rows, double x, double y,
                                                     double width, double height);
 
+/// The camera moved by (x, y) [m] along the floor.
+[[nodiscard]] CameraParameters movedCamera(CameraParameters camera, double x, double y);
+
 }  // namespace lab::optics

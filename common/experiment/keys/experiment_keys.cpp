@@ -362,13 +362,14 @@ void visitCameraSpec(KeyVisitor& v, CameraSpec& camera) {
   v.integer({"height_px", "height of its pictures; 0: that of [camera]"}, 0, 8192, height);
   camera.width = static_cast<int>(width);
   camera.height = static_cast<int>(height);
-  v.number({"view_x_cm", "left border of what the simulated camera sees"}, {0, kLargestArena},
-           camera.view.x);
-  v.number({"view_y_cm", "lower border of what the simulated camera sees"}, {0, kLargestArena},
-           camera.view.y);
-  v.number({"view_width_cm", "width of what the simulated camera sees; 0: the whole arena"},
+  v.number({"view_x_cm",
+            "left border of its view: what the simulated camera sees, and whose corners lab "
+            "calibrate camera needs"},
+           {0, kLargestArena}, camera.view.x);
+  v.number({"view_y_cm", "lower border of its view"}, {0, kLargestArena}, camera.view.y);
+  v.number({"view_width_cm", "width of its view; 0: up to the border of the arena"},
            {0, kLargestArena}, camera.view.width);
-  v.number({"view_height_cm", "height of what the simulated camera sees; 0: the whole arena"},
+  v.number({"view_height_cm", "height of its view; 0: up to the border of the arena"},
            {0, kLargestArena}, camera.view.height);
   v.number({"clock_error_ms", "the simulated camera's time stamps are too late by this"},
            {-1000, 1000}, camera.clock_error);
