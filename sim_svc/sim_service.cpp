@@ -42,6 +42,24 @@ void SimService::ShownLight::atPlaces(const double* x, const double* y, std::siz
   }
 }
 
+namespace {
+
+std::vector<std::unique_ptr<PaintedCamera>> paintedCameras(const ServiceContext& context,
+                                                           const optics::ProjectorWarp& warp) {
+  std::vector<std::unique_ptr<PaintedCamera>> cameras;
+  if (!isPainted(context.experiment.camera)) return cameras;
+  const optics::ProjectorTones tones = projectorTonesOf(context.experiment, context.directory);
+  for (const Camera& camera : camerasOf(context.experiment)) {
+    Experiment experiment = context.experiment;
+    experiment.camera = camera;
+    cameras.push_back(
+        std::make_unique<PaintedCamera>(experiment, context.cameras, context.loop, warp, tones));
+  }
+  return cameras;
+}
+
+}  // namespace
+
 SimService::SimService(const ServiceContext& context)
     : node_(context.node),
       loop_(context.loop),
@@ -55,10 +73,7 @@ SimService::SimService(const ServiceContext& context)
       bus_robots_(world_, robotsWithBody(context.experiment, Body::kSim),
                   context.experiment.hardware.sensor_period),
       external_robots_(world_, context.ports, [this] { follow(loop_.now()); }),
-      camera_(isPainted(experiment_.camera) ? std::make_unique<PaintedCamera>(
-                                                  experiment_, context.cameras, loop_, warp_,
-                                                  projectorTonesOf(experiment_, context.directory))
-                                            : nullptr),
+      cameras_(paintedCameras(context, warp_)),
       start_utime_(context.loop.now()),
       // The robots boot before the start, each at its own time.
       origin_utime_(start_utime_ - units::microseconds(world_.settings().boot_spread)),
@@ -161,7 +176,7 @@ void SimService::show(const light_status_t& status) {
 
 void SimService::show(light::Field field) {
   light_.show(light::CompiledField(field));
-  if (camera_) camera_->show(std::move(field));
+  for (const auto& camera : cameras_) camera->show(field);
 }
 
 /// Advances the world and exposes all camera frames on the way at their exact times. Otherwise a
@@ -214,7 +229,7 @@ void SimService::sampleFrames(std::int64_t until_utime) {
     }
     advance(exposure);
     if (!seen) continue;
-    if (camera_) {
+    if (!cameras_.empty()) {
       paintFrame(exposure);
     } else {
       trackFrame(exposure);
@@ -240,7 +255,7 @@ void SimService::paintFrame(std::int64_t exposure) {
                       velocity.turn, world_.id(i)});
   }
   kinematic_robots_.addPainted(exposure, experiment_.camera.exposure, robots);
-  camera_->take(tracker_.frame().frame, exposure, std::move(robots));
+  for (const auto& camera : cameras_) camera->take(tracker_.frame().frame, exposure, robots);
 }
 
 void SimService::sampleRobots() {

@@ -90,9 +90,9 @@ class SimService final : public Service {
   FrameTimes frame_times_;
   BusRobots bus_robots_;
   ExternalRobots external_robots_;
-  std::unique_ptr<PaintedCamera> camera_;  ///< null: poses are published instead of pictures
-  std::int64_t start_utime_;               ///< declared after camera_, whose construction is slow
-  std::int64_t origin_utime_;              ///< utime of world time 0
+  std::vector<std::unique_ptr<PaintedCamera>> cameras_;  ///< none: poses instead of pictures
+  std::int64_t start_utime_;   ///< declared after cameras_, whose construction is slow
+  std::int64_t origin_utime_;  ///< utime of world time 0
   KinematicRobots kinematic_robots_;
   std::int64_t status_number_ = 0;
   std::int64_t truth_number_ = 0;

@@ -24,6 +24,7 @@ CameraFormat wantedFormat(const Camera& camera) {
   // device.
   const bool set = camera.source == kSimulatedCamera || camera.gain != Camera{}.gain;
   format.gain = set ? camera.gain : 0;
+  format.name = camera.name;
   return format;
 }
 

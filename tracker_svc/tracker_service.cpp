@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <lab/cap_detail_t.hpp>
 #include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_state_t.hpp>
@@ -15,11 +14,12 @@
 #include "common/bus/channels.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
-#include "light/optics/simulated_camera.hpp"
 #include "tracker_svc/camera_devices.hpp"
 #include "tracker_svc/cap_spacings.hpp"
 #include "tracker_svc/detector/scale_map.hpp"
 #include "tracker_svc/marker_tracking.hpp"
+#include "tracker_svc/several_cameras_service.hpp"
+#include "tracker_svc/tracker_setup.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -28,90 +28,6 @@ constexpr std::int64_t kReportEvery_us = 1'000'000;
 constexpr std::int64_t kSearchEvery_us = 1'000'000;
 constexpr std::int64_t kOtherTracker_us = 2'000'000;
 constexpr std::int64_t kListen_us = 300'000;
-constexpr double kWhite = 255;  // [DN]
-
-CameraCalibration calibrationInForce(const ServiceContext& context) {
-  const Experiment& experiment = context.experiment;
-  const Camera& camera = experiment.camera;
-  if (!camera.calibration.empty()) return readCameraFile(context.directory / camera.calibration);
-  CameraCalibration calibration;
-  calibration.camera = optics::simulatedCamera(camera.width, camera.height, experiment.arena_width,
-                                               experiment.arena_height);
-  calibration.arena_width = experiment.arena_width;
-  calibration.arena_height = experiment.arena_height;
-  calibration.id = "simulated";
-  calibration.imaging = optics::Imaging{.gamma = 1};
-  return calibration;
-}
-
-optics::Imaging imagingOf(const CameraCalibration& calibration) {
-  return calibration.imaging.value_or(optics::Imaging{});
-}
-
-/// The robots under the camera: a real camera sees only real robots.
-std::vector<std::int32_t> robotsInView(const Experiment& experiment) {
-  const bool painted = isPainted(experiment.camera);
-  std::vector<std::int32_t> ids;
-  for (const RobotSpec& robot : experiment.robots) {
-    if ((robot.body == Body::kSerial) != painted) ids.push_back(robot.id);
-  }
-  return ids;
-}
-
-detector::MarkerSettings markersOf(const Experiment& experiment) {
-  const Camera& camera = experiment.camera;
-  detector::MarkerSettings markers;
-  markers.blobs = {.bright = camera.blob == BlobTone::kBright,
-                   .smallest = camera.blob_smallest,
-                   .largest = camera.blob_largest,
-                   .height = camera.marker_height,
-                   .arena_width = experiment.arena_width,
-                   .arena_height = experiment.arena_height};
-  markers.tags = {.family = entryOf(camera.tag_family).name,
-                  .size = camera.tag_size,
-                  .height = camera.marker_height};
-  if (camera.marker == Marker::kBlobs) markers.kind = detector::MarkerKind::kBlobs;
-  if (camera.marker == Marker::kTags) markers.kind = detector::MarkerKind::kTags;
-  return markers;
-}
-
-TrackerSettings trackerSettings(const Experiment& experiment) {
-  TrackerSettings settings;
-  settings.wheel_base = experiment.hardware.diameter;
-  settings.max_wheel_speed = experiment.hardware.max_wheel_speed;
-  settings.arena_width = experiment.arena_width;
-  settings.arena_height = experiment.arena_height;
-  settings.robot_radius = experiment.hardware.diameter / 2;
-  return settings;
-}
-
-tracked_pose_t toPose(const Track& track) {
-  tracked_pose_t pose{};
-  pose.robot_id = track.robot_id;
-  pose.x = track.pose.x;
-  pose.y = track.pose.y;
-  pose.theta = track.pose.theta;
-  std::copy(track.pose.covariance.begin(), track.pose.covariance.end(), pose.covariance);
-  pose.confidence = track.pose.quality;
-  return pose;
-}
-
-cap_detail_t toDetail(const Track& track) {
-  cap_detail_t detail{};
-  detail.robot_id = track.robot_id;
-  detail.track = track.number;
-  detail.used = static_cast<std::int8_t>(track.pose.used);
-  detail.spacing = track.pose.spacing;
-  detail.white = track.pose.white / static_cast<float>(kWhite);
-  detail.u = static_cast<float>(track.pose.middle.x);
-  detail.v = static_cast<float>(track.pose.middle.y);
-  return detail;
-}
-
-std::int8_t originOf(const Camera& camera) {
-  if (isPainted(camera)) return robot_state_t::SIM;
-  return isFilm(camera.source) ? robot_state_t::REPLAY : robot_state_t::REAL;
-}
 
 std::string sizeText(int width, int height) {
   return std::to_string(width) + " x " + std::to_string(height);
@@ -123,7 +39,7 @@ TrackerService::TrackerService(const ServiceContext& context)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
-      calibration_(calibrationInForce(context)),
+      calibration_(calibrationInForce(context, context.experiment.camera)),
       markers_(markersOf(experiment_)),
       detector_(makeMarkerDetector(markers_, optics::CameraModel(calibration_.camera),
                                    calibration_.cap, imagingOf(calibration_))),
@@ -297,16 +213,6 @@ const std::vector<Track>& TrackerService::track(const CameraFrame& frame, double
 
 void TrackerService::publish(const CameraFrame& frame, std::int64_t utime,
                              const std::vector<Track>& tracks) {
-  std::vector<const Track*> detected;
-  for (const Track& track : tracks) {
-    if (track.detected) detected.push_back(&track);
-  }
-  std::ranges::stable_sort(detected, [](const Track* a, const Track* b) {
-    const bool bound_a = a->robot_id >= 0;
-    const bool bound_b = b->robot_id >= 0;
-    if (bound_a != bound_b) return bound_a;
-    return bound_a ? a->robot_id < b->robot_id : a->number < b->number;
-  });
   tracked_frame_t message{};
   tracked_details_t details{};
   message.utime = utime;
@@ -314,16 +220,10 @@ void TrackerService::publish(const CameraFrame& frame, std::int64_t utime,
   message.frame = frame.number;
   const double fps = source_ ? source_->format().fps : 0;
   message.frame_period = 1 / (fps > 0 ? fps : experiment_.camera.fps);
-  for (const Track* track : detected) {
-    (track->robot_id >= 0 ? message.robots : message.unidentified).push_back(toPose(*track));
-    details.caps.push_back(toDetail(*track));
-  }
-  message.num_robots = static_cast<std::int32_t>(message.robots.size());
-  message.num_unidentified = static_cast<std::int32_t>(message.unidentified.size());
+  addTracks(tracks, message, details);
   node_.publish(channels::kTrackedFrame, message);
   details.utime = utime;
   details.frame = frame.number;
-  details.num_caps = static_cast<std::int32_t>(details.caps.size());
   node_.publish(channels::kTrackedDetails, details);
   status_.caps = details.num_caps;
   status_.unbound = message.num_unidentified;
@@ -406,6 +306,9 @@ ServiceDescription serviceDescription() {
           .summary = "A camera's pictures to poses of all robots",
           .origin = robot_state_t::UNKNOWN,
           .make = [](const ServiceContext& context) -> std::unique_ptr<Service> {
+            if (!context.experiment.cameras.empty()) {
+              return std::make_unique<SeveralCamerasService>(context);
+            }
             return std::make_unique<TrackerService>(context);
           },
           .uses_ports = usesPorts("tracker_svc")};

@@ -31,6 +31,7 @@ struct CameraFormat {
   std::string pixels;       ///< as the source names it: "GREY", "YUYV", "gray8 (png)"
   bool locked = false;      ///< exposure, gain and rate are fixed
   bool compressed = false;  ///< by a lossy codec: JPEG, H.264
+  std::string name;         ///< of one of several simulated cameras, empty: the only one
 };
 
 /// One picture. The view is valid only during the handler's call.

@@ -128,7 +128,7 @@ RingReader::RingReader(const FileDescriptor& memory, std::size_t reader) : reade
     throw CameraError("sim: found a camera of another version; build all programs anew");
   }
   format_ = {header_->width, header_->height,  header_->fps, header_->exposure,
-             header_->gain,  "GREY (painted)", true};
+             header_->gain,  "GREY (painted)", true, false, ""};
   pixels_ = Mapping(memory.get(), ringBytes(frame) - kPixelsAt, kPixelsAt, false);
 }
 

@@ -134,9 +134,15 @@ class MemoryCameras::Sink final : public FrameSink {
   std::shared_ptr<Shared> shared_;
 };
 
-MemoryCameras::MemoryCameras(Loop& loop) : shared_(std::make_shared<Shared>(loop)) {}
+MemoryCameras::MemoryCameras(Loop& loop) : loop_(loop) {}
 
 MemoryCameras::~MemoryCameras() = default;
+
+const std::shared_ptr<MemoryCameras::Shared>& MemoryCameras::shared(const std::string& name) {
+  std::shared_ptr<Shared>& place = shared_[name];
+  if (!place) place = std::make_shared<Shared>(loop_);
+  return place;
+}
 
 std::unique_ptr<FrameSource> MemoryCameras::open(const std::string& source,
                                                  const CameraFormat& requested,
@@ -146,13 +152,14 @@ std::unique_ptr<FrameSource> MemoryCameras::open(const std::string& source,
                       ": in virtual time there is only the simulated camera, \"sim\"; "
                       "run without --virtual-time, or read a recording with lab track");
   }
-  return std::make_unique<Source>(shared_, requested, std::move(handlers));
+  return std::make_unique<Source>(shared(requested.name), requested, std::move(handlers));
 }
 
 std::unique_ptr<FrameSink> MemoryCameras::offer(const CameraFormat& format) {
-  if (shared_->offered) throw CameraError(cameras::kSimTaken);
+  const std::shared_ptr<Shared>& camera = shared(format.name);
+  if (camera->offered) throw CameraError(cameras::kSimTaken);
   cameras::checkPaintable(format);
-  return std::make_unique<Sink>(shared_, format);
+  return std::make_unique<Sink>(camera, format);
 }
 
 }  // namespace lab

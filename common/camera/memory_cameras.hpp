@@ -1,6 +1,7 @@
 /// The simulated camera inside one process, for virtual time and for tests.
 #pragma once
 
+#include <map>
 #include <memory>
 #include <string>
 
@@ -31,7 +32,10 @@ class MemoryCameras final : public Cameras {
   class Source;
   class Sink;
 
-  std::shared_ptr<Shared> shared_;
+  [[nodiscard]] const std::shared_ptr<Shared>& shared(const std::string& name);
+
+  Loop& loop_;
+  std::map<std::string, std::shared_ptr<Shared>> shared_;  ///< by CameraFormat::name
 };
 
 }  // namespace lab

@@ -314,19 +314,24 @@ class SharedSource final : public FrameSource {
   std::shared_ptr<Link> link_;
 };
 
+/// Each of several cameras has an address of its own.
+std::filesystem::path folderOf(const std::filesystem::path& folder, const CameraFormat& format) {
+  return format.name.empty() ? folder : folder / format.name;
+}
+
 }  // namespace
 
 std::unique_ptr<FrameSink> offerSharedCamera(AsioLoop& loop, const std::filesystem::path& folder,
                                              const CameraFormat& format) {
   checkPaintable(format);
-  return std::make_unique<SharedSink>(loop, folder, format);
+  return std::make_unique<SharedSink>(loop, folderOf(folder, format), format);
 }
 
 std::unique_ptr<FrameSource> openSharedCamera(AsioLoop& loop, const std::filesystem::path& folder,
                                               const CameraFormat& requested,
                                               CameraHandlers handlers) {
   return std::make_unique<SharedSource>(
-      std::make_shared<Link>(loop, folder, requested, std::move(handlers)));
+      std::make_shared<Link>(loop, folderOf(folder, requested), requested, std::move(handlers)));
 }
 
 }  // namespace lab::cameras

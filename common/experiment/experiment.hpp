@@ -363,6 +363,16 @@ struct FilmSpec {
   bool operator==(const FilmSpec&) const = default;
 };
 
+/// What a camera sees of the arena.
+struct CameraView {
+  double x = 0;       ///< [m] lower left corner
+  double y = 0;       ///< [m]
+  double width = 0;   ///< [m] 0: up to the border of the arena
+  double height = 0;  ///< [m] 0: up to the border of the arena
+
+  bool operator==(const CameraView&) const = default;
+};
+
 struct Camera {
   Tracker tracker = Tracker::kSimPoses;
   std::string source = kSimulatedCamera;  ///< which camera (docs/cameras.md)
@@ -389,8 +399,25 @@ struct Camera {
   double frame_loss = 0;      ///< [1] probability that a whole frame is missing
   std::string frames;         ///< times of recorded frames: path as in the file, empty: by fps
   FilmSpec film;
+  // Only of one of several cameras (CameraSpec):
+  std::string name;
+  CameraView view;
+  double clock_error = 0;  ///< [s] the simulated camera's time stamps are too late by this
 
   bool operator==(const Camera&) const = default;
+};
+
+/// One of several cameras with overlapping views. What it does not set is that of Camera.
+struct CameraSpec {
+  std::string name;
+  std::string source;       ///< empty: Camera::source
+  std::string calibration;  ///< path as in the file, empty: that of the simulated camera
+  int width = 0;            ///< [px] 0: Camera::width
+  int height = 0;           ///< [px] 0: Camera::height
+  CameraView view;          ///< also whose corners its calibration needs
+  double clock_error = 0;   ///< [s] the simulated camera's time stamps are too late by this
+
+  bool operator==(const CameraSpec&) const = default;
 };
 
 /// Name and number of tags of a family.
@@ -555,10 +582,14 @@ struct Experiment {
   StopOn stop_on = StopOn::kAll;
   Projector projector;
   Camera camera;
+  std::vector<CameraSpec> cameras;  ///< empty: only `camera`
   AnalysisOptions analysis;
   Faults faults;
 
   bool operator==(const Experiment&) const = default;
 };
+
+/// All cameras of an experiment: those of [[cameras]] with what they inherit, or the only one.
+[[nodiscard]] std::vector<Camera> camerasOf(const Experiment& experiment);
 
 }  // namespace lab

@@ -54,4 +54,16 @@ CameraParameters simulatedCamera(int columns, int rows, double width, double hei
   return p;
 }
 
+CameraParameters simulatedCameraAbove(int columns, int rows, double x, double y, double width,
+                                      double height) {
+  return movedCamera(simulatedCamera(columns, rows, width, height), x, y);
+}
+
+CameraParameters movedCamera(CameraParameters camera, double x, double y) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    camera.translation[i] -= camera.rotation[3 * i] * x + camera.rotation[3 * i + 1] * y;
+  }
+  return camera;
+}
+
 }  // namespace lab::optics

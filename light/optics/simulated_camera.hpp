@@ -10,4 +10,11 @@ namespace lab::optics {
 /// whole arena, including caps at 5 cm height.
 [[nodiscard]] CameraParameters simulatedCamera(int columns, int rows, double width, double height);
 
+/// The same camera above a part of the arena with its lower left corner in (x, y) [m].
+[[nodiscard]] CameraParameters simulatedCameraAbove(int columns, int rows, double x, double y,
+                                                    double width, double height);
+
+/// The camera moved by (x, y) [m] along the floor.
+[[nodiscard]] CameraParameters movedCamera(CameraParameters camera, double x, double y);
+
 }  // namespace lab::optics

@@ -15,6 +15,7 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/math/units.hpp"
+#include "light/optics/simulated_camera.hpp"
 #include "runner/calibrate/board_finder.hpp"
 #include "runner/calibrate/calibrate_commands.hpp"
 #include "runner/calibrate/cap_collector.hpp"
@@ -114,6 +115,21 @@ CameraObservations observationsFor(const CalibrateCameraOptions& options) {
   if (options.camera_height_cm) observations.camera_height = kCenti * *options.camera_height_cm;
   observations.with_k3 = options.k3;
   return observations;
+}
+
+/// Moves the first corner from (0, 0) to its place in the arena.
+void moveOrigin(const CalibrateCameraOptions& options, CameraCalibration& calibration) {
+  const std::vector<double> origin = numbersIn(options.origin_cm, ",;");
+  const auto allowed = [](double cm) { return cm >= 0 && cm <= 3000; };
+  if (origin.size() != 2 || !std::ranges::all_of(origin, allowed)) {
+    throw UserError(fmt::format("--origin-cm: found \"{}\", expected x,y as 66,0, each 0 to 3000",
+                                options.origin_cm));
+  }
+  const double x = kCenti * origin[0];
+  const double y = kCenti * origin[1];
+  calibration.camera = optics::movedCamera(calibration.camera, x, y);
+  calibration.arena_width += x;
+  calibration.arena_height += y;
 }
 
 void checkSize(const std::string& source, const CameraObservations& observations,
@@ -325,12 +341,13 @@ ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
   CalibrateCameraOptions film = options;
   film.source = lab.pictures;
   film.arena_cm = lab.arena_cm;
+  film.origin_cm = lab.origin_cm;
   if (film.corners.empty()) film.corners = lab.corners;
   if (film.corners.empty()) {
     fmt::print(
         "refused   no --corners: read them off {}, then: lab calibrate camera '{}' "
-        "--arena-cm {} --corners \"...\"\n",
-        lab.first, lab.pictures, lab.arena_cm);
+        "--arena-cm {} --origin-cm {} --corners \"...\"\n",
+        lab.first, lab.pictures, lab.arena_cm, lab.origin_cm);
     return kFailed;
   }
   return calibrateCamera(film);
@@ -371,6 +388,7 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   calibration.arena_width = observations.arena_width;
   calibration.arena_height = observations.arena_height;
   calibration.residual = fit.map.rms;
+  moveOrigin(options, calibration);
   if (found.blur || found.gamma) {
     calibration.imaging =
         optics::Imaging{.blur = found.blur.value_or(optics::Imaging{}.blur), .gamma = found.gamma};

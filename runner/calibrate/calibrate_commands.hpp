@@ -34,6 +34,8 @@ struct CalibrateCameraOptions {
   std::filesystem::path print_board;  ///< only draws the board, empty: no
   std::filesystem::path out = "camera.json";
   std::string arena_cm = "120x90";
+  std::string origin_cm = "0,0";  ///< place of the first corner in the arena
+  std::string camera;             ///< name of one of several cameras of an experiment
   // The robots' caps, optics::CapGeometry:
   double robot_radius_cm = 3.75;
   double cap_radius_cm = 3.6;

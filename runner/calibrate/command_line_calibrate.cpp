@@ -29,6 +29,12 @@ void addCalibrateCamera(CLI::App& calibrate, Chosen& chosen, const fs::path& pro
                       "Only write a drawing of the board: NAME.svg");
   command->add_option("--out", options->out, "The calibration")->capture_default_str();
   command->add_option("--arena-cm", options->arena_cm, "Width x height")->capture_default_str();
+  command
+      ->add_option("--origin-cm", options->origin_cm,
+                   "x,y of the first corner, if the corners are those of a rectangle on the floor")
+      ->capture_default_str();
+  command->add_option("--camera", options->camera,
+                      "Name of the camera, if the experiment file has several");
   const auto addLength = [&](const char* name, double& value, const char* what, double low) {
     command->add_option(name, value, what)->check(between(low, 50))->capture_default_str();
   };

@@ -10,6 +10,7 @@
 
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_messages.hpp"
+#include "common/experiment/keys/experiment_keys.hpp"
 #include "common/math/units.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "runner/calibrate/calibration_lab.hpp"
@@ -43,16 +44,47 @@ Experiment loadForFilming(const CalibrateCameraOptions& options) {
   try {
     return loadExperiment(options.source, options.set);
   } catch (const UserError& error) {
-    if (std::string(error.what()).find("camera.calibration") == std::string::npos) throw;
+    const std::string problems = error.what();
+    std::vector<std::string> set = options.set;
+    std::vector<std::string> missing{"camera.calibration"};
+    for (std::size_t i = 0; i < keys::kMostCameras; ++i) {
+      missing.push_back(fmt::format("cameras[{}].calibration", i));
+    }
+    for (const std::string& key : missing) {
+      if (problems.find(": " + key + ":") == std::string::npos) continue;
+      set.push_back(fmt::format("{}=\"{}\"", key, options.out.string()));
+    }
+    if (set.size() == options.set.size()) throw;
+    return loadExperiment(options.source, set);
   }
-  std::vector<std::string> set = options.set;
-  set.push_back(fmt::format("camera.calibration=\"{}\"", options.out.string()));
-  return loadExperiment(options.source, set);
+}
+
+/// Makes one of several cameras the only one.
+void selectCamera(const CalibrateCameraOptions& options, Experiment& experiment) {
+  std::string names;
+  for (const Camera& camera : camerasOf(experiment)) {
+    if (camera.name == options.camera) {
+      experiment.camera = camera;
+      experiment.cameras.clear();
+      return;
+    }
+    names += (names.empty() ? "" : ", ") + camera.name;
+  }
+  throw UserError(fmt::format(
+      "--camera: found {}, expected {} of {}", options.camera.empty() ? "none" : options.camera,
+      names.empty() ? "none: there is only one camera" : "one of " + names, options.source));
+}
+
+/// The rectangle on the floor whose corners are marked.
+CameraView rectangleOf(const Experiment& experiment) {
+  if (experiment.camera.view.width > 0) return experiment.camera.view;
+  return {0, 0, experiment.arena_width, experiment.arena_height};
 }
 
 Experiment labFor(const CalibrateCameraOptions& options) {
   Experiment experiment = loadForFilming(options);
   adopt(options.sources, experiment);
+  selectCamera(options, experiment);
   Camera& camera = experiment.camera;
   if (camera.tracker != Tracker::kCamera) {
     throw UserError(options.source +
@@ -62,6 +94,10 @@ Experiment labFor(const CalibrateCameraOptions& options) {
   camera.handshake = false;
   camera.calibration.clear();
   if (isPainted(camera)) {
+    // One of several cameras is simulated above an arena of the size of its view.
+    camera.view = rectangleOf(experiment);
+    experiment.arena_width = camera.view.width;
+    experiment.arena_height = camera.view.height;
     camera.fps = kPerSecond;  // more pictures are not needed
   } else {
     camera.tracker = Tracker::kSimPoses;  // a camera allows only one reader
@@ -129,9 +165,13 @@ void LabFilm::take(const CameraFrame& frame) {
 }
 
 FilmedLab filmLab(const CalibrateCameraOptions& options) {
-  const Experiment lab = labFor(options);
+  Experiment lab = labFor(options);
+  const CameraView view = rectangleOf(lab);
+  lab.camera.view = {};  // the simulated arena is the view
+  lab.camera.name.clear();
   FilmedLab film;
-  film.arena_cm = fmt::format("{:.6g}x{:.6g}", kCm * lab.arena_width, kCm * lab.arena_height);
+  film.arena_cm = fmt::format("{:.6g}x{:.6g}", kCm * view.width, kCm * view.height);
+  film.origin_cm = fmt::format("{:.6g},{:.6g}", kCm * view.x, kCm * view.y);
   if (lab.camera.source == kSimulatedCamera) film.corners = cornersOf(lab);
   film.count = static_cast<std::int64_t>(options.film_s * kPerSecond);
   fmt::print("film     {} pictures, {:.0f} s\n", film.count, options.film_s);

@@ -47,6 +47,7 @@ struct FilmedLab {
   std::string first;       ///< file name of the first picture
   std::string corners;     ///< as for --corners; empty if unknown
   std::string arena_cm;    ///< as for --arena-cm
+  std::string origin_cm;   ///< as for --origin-cm
   std::int64_t count = 0;  ///< number of pictures
 };
 

@@ -66,11 +66,19 @@ void adoptMotors(Experiment& experiment, const fs::path& motors, const fs::path&
   experiment.hardware.motors = name.string();
 }
 
-void adoptCamera(Experiment& experiment, const std::string& calibration, const fs::path& run) {
-  const fs::path name = fs::path(files::kCalibration) / "camera_in_force.json";
-  fs::create_directories(run / files::kCalibration);
-  writeNewFile(run / name, calibration);
-  experiment.camera.calibration = name.string();
+/// @param calibrations in the order of camerasOf()
+void adoptCameras(Experiment& experiment, const std::vector<std::string>& calibrations,
+                  const fs::path& run) {
+  for (std::size_t i = 0; i < calibrations.size(); ++i) {
+    fs::create_directories(run / files::kCalibration);
+    const bool several = !experiment.cameras.empty();
+    const std::string of = several ? experiment.cameras[i].name + "_" : std::string();
+    const fs::path name = fs::path(files::kCalibration) / ("camera_" + of + "in_force.json");
+    writeNewFile(run / name, calibrations[i]);
+    std::string& calibration =
+        several ? experiment.cameras[i].calibration : experiment.camera.calibration;
+    calibration = name.string();
+  }
 }
 
 void adoptProjector(Experiment& experiment, const fs::path& calibration, const fs::path& run) {
@@ -155,8 +163,11 @@ std::string cameraInForce(const Experiment& experiment, const fs::path& source) 
   const Camera& camera = experiment.camera;
   if (camera.calibration.empty()) {
     CameraCalibration calibration;
-    calibration.camera = optics::simulatedCamera(camera.width, camera.height,
-                                                 experiment.arena_width, experiment.arena_height);
+    const CameraView& view = camera.view;
+    calibration.camera =
+        optics::simulatedCameraAbove(camera.width, camera.height, view.x, view.y,
+                                     view.width > 0 ? view.width : experiment.arena_width,
+                                     view.height > 0 ? view.height : experiment.arena_height);
     calibration.arena_width = experiment.arena_width;
     calibration.arena_height = experiment.arena_height;
     return cameraFileText(calibration);
@@ -171,6 +182,16 @@ std::string cameraInForce(const Experiment& experiment, const fs::path& source) 
         file.string(), calibrated.width, calibrated.height, camera.width, camera.height));
   }
   return readFileText(file, file_kinds::kCalibration);
+}
+
+std::vector<std::string> camerasInForce(const Experiment& experiment, const fs::path& source) {
+  std::vector<std::string> calibrations;
+  Experiment one = experiment;
+  for (const Camera& camera : camerasOf(experiment)) {
+    one.camera = camera;
+    calibrations.push_back(cameraInForce(one, source));
+  }
+  return calibrations;
 }
 
 std::string utcText(std::int64_t utime) {
@@ -245,6 +266,20 @@ std::int64_t diskNeed_bytes(const Experiment& experiment) {
                                    rows * kTrajectoryRow);
 }
 
+namespace {
+
+void checkCalibrations(const Experiment& experiment, const fs::path& source) {
+  Experiment one = experiment;
+  const std::vector<Camera> cameras = camerasOf(experiment);
+  for (std::size_t i = 0; i < cameras.size(); ++i) {
+    one.camera = cameras[i];
+    const std::string table = experiment.cameras.empty() ? "camera" : fmt::format("cameras[{}]", i);
+    checkNamedBy(table + ".calibration", [&] { static_cast<void>(cameraInForce(one, source)); });
+  }
+}
+
+}  // namespace
+
 void checkFiles(const Experiment& experiment, const fs::path& source) {
   static_cast<void>(findRecordings(experiment, source));
   const fs::path motors = experiment.hardware.motors;
@@ -252,8 +287,7 @@ void checkFiles(const Experiment& experiment, const fs::path& source) {
     checkNamedBy("robot.motors", [&] { static_cast<void>(readMotorFile(source / motors)); });
   }
   if (experiment.camera.tracker == Tracker::kCamera) {
-    checkNamedBy("camera.calibration",
-                 [&] { static_cast<void>(cameraInForce(experiment, source)); });
+    checkCalibrations(experiment, source);
   }
   checkNamedBy("projector.calibration", [&] { checkProjectorFile(experiment, source); });
   const fs::path frames = experiment.camera.frames;
@@ -273,14 +307,15 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   const std::vector<fs::path> recordings = findRecordings(experiment, source);
   const fs::path motors = experiment.hardware.motors;
   const bool by_camera = experiment.camera.tracker == Tracker::kCamera;
-  const std::string camera = by_camera ? cameraInForce(experiment, source) : std::string();
+  const std::vector<std::string> cameras =
+      by_camera ? camerasInForce(experiment, source) : std::vector<std::string>();
   const fs::path projector = experiment.projector.calibration;
   const fs::path light = experiment.projector.light_calibration;
   const fs::path frames = experiment.camera.frames;
   const NetworkFiles network = readNetworkFiles(experiment.gateway, source);
   run.directory = makeRunDirectory(parent, experiment.name, utime);
   if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);
-  if (by_camera) adoptCamera(experiment, camera, run.directory);
+  adoptCameras(experiment, cameras, run.directory);
   if (!projector.empty()) adoptProjector(experiment, source / projector, run.directory);
   if (!light.empty()) adoptLight(experiment, source / light, run.directory);
   if (!frames.empty()) adoptFrames(experiment, source / frames, run.directory);

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "common/experiment/experiment.hpp"
 #include "runner/user_program/user_program.hpp"
@@ -56,6 +57,10 @@ void writeNewFile(const std::filesystem::path& path, const std::string& text);
 /// @throws ExperimentError, UserError when it cannot be read or is for another picture size
 [[nodiscard]] std::string cameraInForce(const Experiment& experiment,
                                         const std::filesystem::path& source);
+
+/// The same of all cameras, in the order of camerasOf().
+[[nodiscard]] std::vector<std::string> camerasInForce(const Experiment& experiment,
+                                                      const std::filesystem::path& source);
 
 /// Disk space that a run of this experiment needs, with a margin: log, trajectories, figures, and a
 /// reserve that stays free [bytes].

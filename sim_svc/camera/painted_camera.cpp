@@ -19,6 +19,7 @@ CameraFormat formatOf(const Camera& camera) {
   format.fps = camera.fps;
   format.exposure = camera.exposure;
   format.gain = camera.gain;
+  format.name = camera.name;
   return format;
 }
 
@@ -27,10 +28,13 @@ CameraFormat formatOf(const Camera& camera) {
 PainterSettings painterSettings(const Experiment& experiment, const optics::ProjectorWarp& warp,
                                 const optics::ProjectorTones& tones) {
   PainterSettings settings;
-  settings.camera = optics::simulatedCamera(experiment.camera.width, experiment.camera.height,
-                                            experiment.arena_width, experiment.arena_height);
-  settings.cap.robot_radius = experiment.hardware.diameter / 2;
   const Camera& camera = experiment.camera;
+  const CameraView& view = camera.view;
+  settings.camera =
+      optics::simulatedCameraAbove(camera.width, camera.height, view.x, view.y,
+                                   view.width > 0 ? view.width : experiment.arena_width,
+                                   view.height > 0 ? view.height : experiment.arena_height);
+  settings.cap.robot_radius = experiment.hardware.diameter / 2;
   if (camera.marker != Marker::kCaps) {
     constexpr double kLowest = 0.001;  // [m] of a robot
     settings.cap.height = std::max(camera.marker_height, kLowest);
@@ -58,6 +62,7 @@ PaintedCamera::PaintedCamera(const Experiment& experiment, Cameras& cameras, Loo
                              const optics::ProjectorWarp& warp, const optics::ProjectorTones& tones)
     : loop_(loop),
       delay_us_(units::microseconds(experiment.camera.delay)),
+      clock_error_us_(units::microseconds(experiment.camera.clock_error)),
       sink_(cameras.offer(formatOf(experiment.camera))),
       painter_(painterSettings(experiment, warp, tones)) {}
 
@@ -79,7 +84,7 @@ void PaintedCamera::develop(const Scene& scene) {
   if (scene.light != painted_light_) painter_.setLight(*scene.light);
   painted_light_ = scene.light;
   painter_.paint(scene.robots, scene.number, sink_->canvas());
-  sink_->show(scene.number, scene.exposure_utime);
+  sink_->show(scene.number, scene.exposure_utime + clock_error_us_);
 }
 
 }  // namespace lab::sim

@@ -46,6 +46,7 @@ class PaintedCamera {
 
   Loop& loop_;
   std::int64_t delay_us_;
+  std::int64_t clock_error_us_;
   std::unique_ptr<FrameSink> sink_;
   CameraPainter painter_;
   std::shared_ptr<const light::Field> light_ = std::make_shared<light::Field>();

@@ -181,6 +181,7 @@ LayerEntry toEntry(const LayerSpec& layer) {
 Experiment toExperiment(const ExperimentForm& form) {
   Experiment experiment = form.common;
   experiment.robots = toRobots(form.robots, form.common);
+  if (!experiment.cameras.empty()) experiment.camera.source = camerasOf(experiment)[0].source;
   LightScript& script = experiment.light;
   script = scriptOf(form);
   const bool planned = script.isPlanned();

@@ -350,6 +350,36 @@ void visitAnalysis(KeyVisitor& v, AnalysisOptions& analysis) {
   analysis.twins = static_cast<int>(twins);
 }
 
+void visitCameraSpec(KeyVisitor& v, CameraSpec& camera) {
+  v.text({"name", "name of this camera, in reports", Need::kRequired}, {.most = 32, .bare = true},
+         camera.name);
+  v.text({.name = "camera",
+          .meaning = "source of its pictures; if empty, that of [camera]",
+          .default_text = "empty"},
+         {.most = 400}, camera.source);
+  v.text({.name = "calibration",
+          .meaning = "its camera.json; if empty, that of the simulated camera",
+          .default_text = "empty"},
+         {.most = 400}, camera.calibration);
+  std::int64_t width = camera.width;
+  std::int64_t height = camera.height;
+  v.integer({"width_px", "width of its pictures; 0: that of [camera]"}, 0, 8192, width);
+  v.integer({"height_px", "height of its pictures; 0: that of [camera]"}, 0, 8192, height);
+  camera.width = static_cast<int>(width);
+  camera.height = static_cast<int>(height);
+  v.number({"view_x_cm",
+            "left border of its view: what the simulated camera sees, and whose corners lab "
+            "calibrate camera needs"},
+           {0, kLargestArena}, camera.view.x);
+  v.number({"view_y_cm", "lower border of its view"}, {0, kLargestArena}, camera.view.y);
+  v.number({"view_width_cm", "width of its view; 0: up to the border of the arena"},
+           {0, kLargestArena}, camera.view.width);
+  v.number({"view_height_cm", "height of its view; 0: up to the border of the arena"},
+           {0, kLargestArena}, camera.view.height);
+  v.number({"clock_error_ms", "the simulated camera's time stamps are too late by this"},
+           {-1000, 1000}, camera.clock_error);
+}
+
 void visitTop(KeyVisitor& v, ExperimentForm& form) {
   Experiment& e = form.common;
   std::int64_t version = e.fileversion;
@@ -418,6 +448,12 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
             [&](StopRule& rule) { visitStopRule(v, rule); });
   v.table({"projector", "The projector"}, [&] { visitProjector(v, e.projector); });
   v.table({"camera", "Camera and tracker"}, [&] { visitCamera(v, e.camera); });
+  visitList(v,
+            {"cameras",
+             "Several cameras with overlapping views, in place of one (docs/track.md); what an "
+             "entry does not set is that of [camera]"},
+            {.fewest = 0, .most = kMostCameras}, e.cameras,
+            [&](CameraSpec& camera) { visitCameraSpec(v, camera); });
   v.table({"analysis", "The analyzer"}, [&] { visitAnalysis(v, e.analysis); });
   v.table({"faults", "Simulated faults of a network"}, [&] {
     v.number(

@@ -14,6 +14,7 @@ namespace lab::keys {
 inline constexpr std::int64_t kFileVersion = 1;
 inline constexpr std::int64_t kLargestId = light::kLargestRobot;
 inline constexpr std::int64_t kMostRobots = kLargestId;
+inline constexpr std::size_t kMostCameras = 8;
 inline constexpr double kLongestRun = 864000;  ///< [s] ten days
 
 /// Passes every key of the file to the visitor, in the order in which they are written.

@@ -20,6 +20,7 @@ namespace lab::system_test {
 struct TruthComparison {
   double worst = 0;       ///< [m] largest distance of a pose from its robot, without swaps
   double worst_turn = 0;  ///< [rad] largest heading error, without flips
+  double settled = 0;     ///< [m] worst of those that are late enough
   std::int64_t compared = 0;
   std::int64_t swapped = 0;       ///< poses at the place of another robot
   std::int64_t flipped = 0;       ///< poses with a heading error above 90 degrees
@@ -29,7 +30,9 @@ struct TruthComparison {
 };
 
 /// Compares TRACKED_FRAME with SIM_TRUTH (10 Hz) where both have the same time.
-inline TruthComparison compareWithTruth(const std::filesystem::path& run_folder) {
+/// @param settled_us `settled` counts poses later than this after the first frame
+inline TruthComparison compareWithTruth(const std::filesystem::path& run_folder,
+                                        std::int64_t settled_us = 0) {
   constexpr double kOtherRobot = 0.03;  // [m] two robots cannot be nearer than 7.5 cm
   TruthComparison result;
   std::map<std::int64_t, std::map<std::int32_t, true_pose_t>> truth;
@@ -64,6 +67,8 @@ inline TruthComparison compareWithTruth(const std::filesystem::path& run_folder)
         ++result.flipped;
       } else {
         result.worst = std::max(result.worst, off);
+        if (utime - seen.begin()->first > settled_us)
+          result.settled = std::max(result.settled, off);
         result.worst_turn = std::max(result.worst_turn, turn);
       }
     }
