@@ -63,8 +63,8 @@ class SeveralCamerasService final : public Service {
   Latency latency_;
   std::optional<SyncReader> sync_;  ///< if a camera sees the projector's sync patch
   const Eye* sync_eye_ = nullptr;   ///< that camera
-  std::int8_t origin_;         ///< as in robot_state_t
-  std::int64_t origin_utime_;  ///< utime of the tracker's time 0
+  std::int8_t origin_;              ///< as in robot_state_t
+  std::int64_t origin_utime_;       ///< utime of the tracker's time 0
   tracker_status_t status_{};
   std::vector<WheelReport> wheels_;
 };
