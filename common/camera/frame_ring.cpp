@@ -127,8 +127,15 @@ RingReader::RingReader(const FileDescriptor& memory, std::size_t reader) : reade
       static_cast<std::size_t>(state.st_size) != ringBytes(frame)) {
     throw CameraError("sim: found a camera of another version; build all programs anew");
   }
-  format_ = {header_->width, header_->height,  header_->fps, header_->exposure,
-             header_->gain,  "GREY (painted)", true, false, ""};
+  format_ = {header_->width,
+             header_->height,
+             header_->fps,
+             header_->exposure,
+             header_->gain,
+             "GREY (painted)",
+             true,
+             false,
+             ""};
   pixels_ = Mapping(memory.get(), ringBytes(frame) - kPixelsAt, kPixelsAt, false);
 }
 

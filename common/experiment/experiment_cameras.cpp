@@ -1,3 +1,5 @@
+#include <vector>
+
 #include "common/experiment/experiment.hpp"
 
 namespace lab {

@@ -35,6 +35,11 @@ Experiment labUnderSteadyLight(Experiment experiment, const std::string& suffix,
 
 Experiment filmedLab(Experiment experiment, const std::string& suffix, std::size_t lights,
                      std::int64_t frames) {
+  if (!experiment.cameras.empty()) {
+    throw UserError(
+        "cameras: found several cameras, allowed one that sees the whole projector's picture; use "
+        "a file without [[cameras]]");
+  }
   Camera& camera = experiment.camera;
   camera.handshake = false;
   camera.calibration.clear();

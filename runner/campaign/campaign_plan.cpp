@@ -74,6 +74,9 @@ class FileCollector {
 void adoptFiles(Experiment& experiment, FileCollector& files) {
   files.adopt(experiment.hardware.motors, file_kinds::kCalibration);
   files.adopt(experiment.camera.calibration, file_kinds::kCalibration);
+  for (CameraSpec& camera : experiment.cameras) {
+    files.adopt(camera.calibration, file_kinds::kCalibration);
+  }
   files.adopt(experiment.camera.frames, file_kinds::kFrameTable);
   files.adopt(experiment.projector.calibration, file_kinds::kCalibration);
   files.adopt(experiment.projector.light_calibration, file_kinds::kCalibration);

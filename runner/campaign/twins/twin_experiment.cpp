@@ -104,6 +104,7 @@ TwinExperiment twinExperimentOf(const report::TwinFacts& facts) {
   experiment.camera.dropout = 0;  // as recorded, by camera.frames
   experiment.camera.frame_loss = 0;
   experiment.camera.film = {};
+  experiment.cameras.clear();
   experiment.faults.message_loss = 0;
   // The errors of a simulated tracker are known.
   if (recorded.tracker == Tracker::kCamera) {
