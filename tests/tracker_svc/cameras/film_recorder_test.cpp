@@ -247,7 +247,7 @@ TEST(FilmFactsFile, ComesBackAsItWasWritten) {
   FilmFacts facts;
   facts.codec = "h264";
   facts.crf = 23;
-  facts.format = {1920, 1080, 60, 0.005, 2, "GREY", true, false};
+  facts.format = {1920, 1080, 60, 0.005, 2, "GREY", true, false, ""};
   facts.start_utime = kBegin;
   facts.first_utime = kBegin + 1;
   facts.last_utime = kBegin + 2'000'001;
