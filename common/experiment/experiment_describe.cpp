@@ -291,16 +291,28 @@ std::string describeFilm(const Camera& camera) {
   return line("film", codec + ", at most " + describeSize(film.most_GB * 1e9));
 }
 
+std::string pictureText(const Camera& camera) {
+  return std::to_string(camera.width) + " x " + std::to_string(camera.height) + " pixels, " +
+         (isPainted(camera) ? "simulated" : camera.source) +
+         (camera.calibration.empty() ? "" : ", " + camera.calibration);
+}
+
 std::string describeCamera(const Experiment& e) {
   const Camera& camera = e.camera;
   const std::string frames = numberText(camera.fps) + " frames/s, " +
                              numberText(std::floor(camera.fps * e.duration)) + " frames, ";
+  if (!e.cameras.empty()) {
+    std::string text = line("cameras", frames + std::to_string(e.cameras.size()) + " cameras");
+    for (const Camera& one : camerasOf(e)) {
+      text += line("", "  " + one.name + ": " + pictureText(one) + ", sees " +
+                           centimetreText(one.view.width) + " cm x " +
+                           centimetreText(one.view.height) + " cm from (" +
+                           centimetreText(one.view.x) + ", " + centimetreText(one.view.y) + ") cm");
+    }
+    return text;
+  }
   if (camera.tracker == Tracker::kCamera) {
-    const std::string name = isPainted(camera) ? "simulated" : camera.source;
-    return line("camera", frames + std::to_string(camera.width) + " x " +
-                              std::to_string(camera.height) + " pixels, " + name +
-                              (camera.calibration.empty() ? "" : ", " + camera.calibration)) +
-           describeFilm(camera);
+    return line("camera", frames + pictureText(camera)) + describeFilm(camera);
   }
   return line("camera", frames + "noise " + centimetreText(camera.position_noise) + " cm and " +
                             fileText(camera.heading_noise, unitOf("_deg")) + " degrees");

@@ -43,10 +43,17 @@ double count(const Experiment& experiment, Body body) {
   return static_cast<double>(std::ranges::count(experiment.robots, body, &RobotSpec::body));
 }
 
-/// Of a process that works on every pixel of every picture.
-double pictureCores(Cost cost, double robots, const Camera& camera) {
-  cost.frame *= camera.width * camera.height / kPicture;
-  return cost.cores(robots, camera.fps);
+/// Of a process that works on every pixel of every picture. Each of several cameras sees its share
+/// of the robots.
+double pictureCores(const Cost& cost, double robots, const Experiment& experiment) {
+  const std::vector<Camera> cameras = camerasOf(experiment);
+  double cores = cost.cores(robots, 0);
+  for (const Camera& camera : cameras) {
+    const double share = robots / static_cast<double>(cameras.size());
+    cores +=
+        camera.fps * (cost.frame * camera.width * camera.height / kPicture + share * cost.both);
+  }
+  return cores;
 }
 
 double simulatorCores(const Experiment& experiment) {
@@ -54,7 +61,9 @@ double simulatorCores(const Experiment& experiment) {
       experiment.robots, [](const RobotSpec& robot) { return isSimulated(robot.body); }));
   const Camera& camera = experiment.camera;
   double cores = kSimulator.cores(robots, camera.tracker == Tracker::kSimPoses ? camera.fps : 0);
-  if (isPainted(camera)) cores = pictureCores(kPaintingSimulator, robots, camera);
+  if (isPainted(camerasOf(experiment).front())) {
+    cores = pictureCores(kPaintingSimulator, robots, experiment);
+  }
   return cores + kNativeDevice * count(experiment, Body::kWire);
 }
 
@@ -77,7 +86,7 @@ std::vector<ProcessLoad> expectedLoad(const Experiment& experiment) {
   add("robot_bridge", kBridge.cores(on_wire, 0));
   add("sim_svc", simulatorCores(experiment));
   add("dds_gateway", experiment.gateway.ros ? kGateway.cores(robots, camera.fps) : kGateway.fixed);
-  add("tracker_svc", pictureCores(kTracker, robots, camera));
+  add("tracker_svc", pictureCores(kTracker, robots, experiment));
   if (chips > 0 && hostOf(experiment, "sim_svc").empty()) {
     all.push_back({"robot_emulator", kChips.cores(chips, 0)});
   }

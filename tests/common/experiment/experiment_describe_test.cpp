@@ -125,6 +125,24 @@ TEST(Description, TellsWhoCanOpenThePage) {
   EXPECT_THAT(describeExperiment(experiment), HasSubstr("may drive robots and light"));
 }
 
+TEST(Description, ListsSeveralCameras) {
+  Experiment experiment = small();
+  experiment.camera.tracker = Tracker::kCamera;
+  experiment.camera.width = 800;
+  experiment.camera.height = 640;
+  experiment.cameras.resize(2);
+  experiment.cameras[0].name = "left";
+  experiment.cameras[0].view.width = 0.7;
+  experiment.cameras[1].name = "right";
+  experiment.cameras[1].view.x = 0.5;
+  const std::string text = describeExperiment(experiment);
+  EXPECT_THAT(text, HasSubstr("2 cameras\n"));
+  EXPECT_THAT(text,
+              HasSubstr("left: 800 x 640 pixels, simulated, sees 70 cm x 90 cm from (0, 0) cm"));
+  EXPECT_THAT(text,
+              HasSubstr("right: 800 x 640 pixels, simulated, sees 70 cm x 90 cm from (50, 0) cm"));
+}
+
 TEST(Description, ListsRangesOfIds) {
   EXPECT_THAT(describeExperiment(small("[[robots]]\nid = 5\ncount = 3\n[[robots]]\nid = 9\n")),
               HasSubstr("5 simulated (1, 5 to 7, 9)"));

@@ -54,6 +54,16 @@ TEST(ExperimentLoad, GrowsWithThePixelsOfTheCamera) {
   EXPECT_GT(loadOf(experiment, "tracker_svc"), 2 * once);
 }
 
+TEST(ExperimentLoad, CountsThePicturesOfAllCameras) {
+  Experiment one = painted(1, 30);
+  one.robots.clear();
+  Experiment four = one;
+  four.cameras.resize(4);
+  // Without its fixed part, 0.0047 cores.
+  EXPECT_NEAR(loadOf(four, "tracker_svc") - 0.0047, 4 * (loadOf(one, "tracker_svc") - 0.0047),
+              1e-6);
+}
+
 TEST(ExperimentLoad, SaysWhichProcessesNeedMoreThanThisMachineHas) {
   EXPECT_THAT(loadProblem(small(), 2), IsEmpty());
   EXPECT_THAT(loadProblem(painted(40, 30), 2), IsEmpty());
