@@ -22,12 +22,13 @@ constexpr int kSlots = 125;
 
 }  // namespace
 
-AnalyzerService::AnalyzerService(const ServiceContext& context)
+AnalyzerService::AnalyzerService(const ServiceContext& context, ResultReaders readers)
     : node_(context.node),
       loop_(context.loop),
       experiment_(context.experiment),
       feed_(context.experiment),
-      crowd_(context.experiment) {
+      crowd_(context.experiment),
+      schedule_(context.experiment.analysis.results_every, readers) {
   node_.subscribe<tracked_frame_t>(channels::kTrackedFrame,
                                    [this](const tracked_frame_t& frame) { take(frame); });
   node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
@@ -78,9 +79,11 @@ void AnalyzerService::noteOverload() {
 void AnalyzerService::beginRound() {
   begin_utime_ = loop_.now();
   alive_utime_ = begin_utime_;
+  intended_us_ = schedule_.interval();
+  schedule_.computed(begin_utime_);
   feed_.simulateReferences();
   round_ = feed_.results(Depth::kLive, [this] { keepAlive(); });
-  if (shedding_.computed(begin_utime_, loop_.now())) noteOverload();
+  if (shedding_.computed(begin_utime_, loop_.now(), intended_us_)) noteOverload();
   round_utime_ = feed_.lastFrameUtime();
   crowd_round_ = collectiveMessages(crowd_);
   published_ = 0;
@@ -91,13 +94,14 @@ void AnalyzerService::keepAlive() {
   const std::int64_t now = loop_.now();
   if (now - alive_utime_ < units::kSecond_us) return;
   alive_utime_ = now;
-  if (shedding_.computed(begin_utime_, now)) noteOverload();
+  if (shedding_.computed(begin_utime_, now, intended_us_)) noteOverload();
   node_.ready();
 }
 
 void AnalyzerService::publishDue() {
   if (slot_ == 0) {
-    if (!shedding_.isDue(loop_.now(), node_.backlog())) return;
+    const std::int64_t now = loop_.now();
+    if (!schedule_.isDue(now) || !shedding_.isDue(now, node_.backlog())) return;
     beginRound();
   }
   ++slot_;
@@ -118,13 +122,13 @@ void AnalyzerService::publishDue() {
   slot_ %= kSlots;
 }
 
-ServiceDescription serviceDescription() {
+ServiceDescription serviceDescription(ResultReaders readers) {
   ServiceDescription description;
   description.name = "analyzer";
   description.summary = "Measures while the lab runs whether the motion is the programmed one";
   description.needs_experiment = false;
-  description.make = [](const ServiceContext& context) {
-    return std::make_unique<AnalyzerService>(context);
+  description.make = [readers](const ServiceContext& context) {
+    return std::make_unique<AnalyzerService>(context, readers);
   };
   return description;
 }

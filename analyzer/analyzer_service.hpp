@@ -8,18 +8,20 @@
 #include "analyzer/analysis_feed.hpp"
 #include "analyzer/service/collective_feed.hpp"
 #include "analyzer/service/load_shedding.hpp"
+#include "analyzer/service/result_schedule.hpp"
 #include "common/service/service_main.hpp"
 
 namespace lab::analysis {
 
 /// Listens to frames, robots and light, and publishes the results so far: one ANALYSIS message per
 /// program for the pool of its robots and one for each robot, and one COLLECTIVE message for all
-/// robots and one per program. Each is sent once a second, evenly spread over the second. Under
-/// overload it first computes results less often, then skips camera frames (LoadShedding); the
-/// heartbeat says so and counts the frames.
+/// robots and one per program. Each is sent once a second, or as ResultSchedule says, evenly spread
+/// over the second. Under overload it first computes results less often, then skips camera frames
+/// (LoadShedding); the heartbeat says so and counts the frames.
 class AnalyzerService final : public Service {
  public:
-  explicit AnalyzerService(const ServiceContext& context);
+  explicit AnalyzerService(const ServiceContext& context,
+                           ResultReaders readers = ResultReaders::kLive);
 
  private:
   void take(const tracked_frame_t& frame);
@@ -39,14 +41,16 @@ class AnalyzerService final : public Service {
   std::vector<FeedResult> round_;          ///< The same of single robots and programs.
   std::size_t published_ = 0;              ///< Number of both already published.
   std::int64_t round_utime_ = 0;           ///< Last frame in them [us since 1970].
+  ResultSchedule schedule_;
   LoadShedding shedding_;
   /// Start of the computation of the current results [us since 1970].
   std::int64_t begin_utime_ = 0;
   std::int64_t alive_utime_ = 0;  ///< Last heartbeat while results are computed.
+  std::int64_t intended_us_ = 0;  ///< From the results before to the current ones.
   int slot_ = 0;                  ///< Slot within the second.
 };
 
 /// For serviceMain() and for the lab in one process.
-[[nodiscard]] ServiceDescription serviceDescription();
+[[nodiscard]] ServiceDescription serviceDescription(ResultReaders readers = ResultReaders::kLive);
 
 }  // namespace lab::analysis

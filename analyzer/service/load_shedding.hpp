@@ -25,16 +25,18 @@ class LoadShedding {
   }
 
   /// Results were computed, or are being computed since `begin`.
+  /// @param intended time between results without overload
   /// @return whether the time between them is twice as long as longest() was
-  [[nodiscard]] bool computed(std::int64_t begin, std::int64_t end) {
+  [[nodiscard]] bool computed(std::int64_t begin, std::int64_t end,
+                              std::int64_t intended = kSecond_us) {
     duration_us_ = end - begin;
     // The machine may be free again after a long while.
     const std::int64_t planned_us = duration_us_ + std::min(kRest * duration_us_, kLongestRest_us);
-    const std::int64_t since_us = last_utime_ == 0 ? 0 : begin - last_utime_;
+    const std::int64_t late_us = last_utime_ == 0 ? 0 : begin - last_utime_ - intended;
     next_utime_ = begin + planned_us;
     last_utime_ = begin;
     const std::int64_t seconds =
-        std::max((planned_us + kSecond_us - 1) / kSecond_us, since_us / kSecond_us);
+        std::max((planned_us + kSecond_us - 1) / kSecond_us, late_us / kSecond_us + 1);
     if (seconds < 2 * longest_s_) return false;
     longest_s_ = seconds;
     return true;

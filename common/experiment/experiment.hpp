@@ -471,6 +471,7 @@ struct RegionSpec {
 
 struct AnalysisOptions {
   double max_lag = 100;             ///< [s]
+  double results_every = 0;         ///< [s] between online results; 0: by who reads them
   double cluster_distance = 0;      ///< [m] between centres; 0: 1.1 diameters
   std::vector<RegionSpec> regions;  ///< a robot is in the first one that holds its centre
   int twins = 0;                    ///< simulated twins at the end of the run; 0: none

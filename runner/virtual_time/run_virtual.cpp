@@ -31,12 +31,19 @@ namespace {
 // Messages under way at the end are delivered and logged within this time.
 constexpr std::int64_t kSettle_us = 500'000;
 
+/// Who reads the results of the analyzer while the experiment runs.
+analysis::ResultReaders resultReaders(const PreparedRun& run) {
+  const bool waited_for = waitsForEstimates(run.experiment) || needsCrowd(run.experiment);
+  return waited_for || run.user_program ? analysis::ResultReaders::kLive
+                                        : analysis::ResultReaders::kLogOnly;
+}
+
 /// The services that the experiment needs, except those that run in real time only.
 std::vector<ServiceDescription> virtualServices(const PreparedRun& run) {
   const Experiment& experiment = run.experiment;
   std::vector<ServiceDescription> services = {
-      analysis::serviceDescription(), projector::serviceDescription(), bridge::serviceDescription(),
-      tracker::serviceDescription(), sim::serviceDescription()};
+      analysis::serviceDescription(resultReaders(run)), projector::serviceDescription(),
+      bridge::serviceDescription(), tracker::serviceDescription(), sim::serviceDescription()};
   std::erase_if(services, [&](const ServiceDescription& service) {
     const bool unread = !run.live_analysis && service.name == std::string("analyzer");
     return unread || !isNeeded(experiment, service.name);

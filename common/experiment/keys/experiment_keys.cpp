@@ -333,6 +333,11 @@ void visitRegion(KeyVisitor& v, RegionSpec& region) {
 
 void visitAnalysis(KeyVisitor& v, AnalysisOptions& analysis) {
   v.number({"max_lag_s", "longest lag of the curves"}, {0.1, 3600}, analysis.max_lag);
+  v.number({"results_every_s",
+            "time between results while the experiment runs; 0: every second, in virtual time a "
+            "tenth of the time so far "
+            "from 1 to 10 s if neither script nor user program waits for them"},
+           {0, 3600}, analysis.results_every);
   v.number({"cluster_distance_cm",
             "robots whose centres are closer belong to a cluster; 0: 1.1 diameters"},
            {0, 1000}, analysis.cluster_distance);

@@ -20,6 +20,15 @@ TEST(LoadShedding, ResultsThatCostLittleAreComputedWheneverAsked) {
   EXPECT_TRUE(dut.isDue(3'000'000, 0));
 }
 
+TEST(LoadShedding, ResultsThatAreWantedRarelyAreNoOverload) {
+  LoadShedding dut;
+  EXPECT_FALSE(dut.computed(1'000'000, 1'000'000, 10'000'000));
+  EXPECT_FALSE(dut.computed(11'000'000, 11'000'000, 10'000'000));
+  EXPECT_EQ(dut.longest(), 1);
+  EXPECT_TRUE(dut.computed(26'000'000, 26'000'000, 10'000'000));
+  EXPECT_EQ(dut.longest(), 6);
+}
+
 TEST(LoadShedding, ExpensiveResultsTakeAQuarterOfTheTime) {
   LoadShedding dut;
   EXPECT_TRUE(dut.computed(1'000'000, 3'000'000));

@@ -2,11 +2,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <lab/analysis_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -57,6 +60,34 @@ TEST_F(VirtualRun, OfMoreRobotsThanALiveLabHasIsBitIdenticalWithAnyNumberOfThrea
   for (const char* threads : {"2", "8"}) {
     EXPECT_TRUE(readFile(labRun("abp", many + threads) / "log.lcmlog") == one) << threads;
   }
+}
+
+/// The number of different times of the results of all robots in the log.
+std::size_t resultTimes(const fs::path& directory) {
+  std::set<std::int64_t> times;
+  readLog({directory / "log.lcmlog"}, [&times](const Packet& packet) {
+    analysis_t analysis{};
+    if (packet.channel != channels::kAnalysis || !decode(packet.data, analysis)) return;
+    if (analysis.robot_id == analysis_t::POOL) times.insert(analysis.utime);
+  });
+  return times.size();
+}
+
+TEST_F(VirtualRun, ComputesResultsAsOftenAsTheyAreRead) {
+  const std::string run = "--no-report --set duration_s=120 ";
+  // Each second for 10 s, then at each tenth of the time so far: 10 + 10 ln(100 / 10), then each 10
+  // s.
+  const std::size_t unread = resultTimes(labRun("abp", run));
+  EXPECT_GE(unread, 25U);
+  EXPECT_LE(unread, 40U);
+  const std::string rule =
+      R"('stop_when=[{estimate="v", program="abp", relative_error_percent=50, at_least_s=80}]')";
+  const std::size_t waited = resultTimes(labRun("abp", run + "--set " + rule));
+  EXPECT_GE(waited, 75U);
+  EXPECT_LE(waited, 85U);
+  const std::size_t asked = resultTimes(labRun("abp", run + "--set analysis.results_every_s=30"));
+  EXPECT_GE(asked, 4U);
+  EXPECT_LE(asked, 5U);
 }
 
 TEST_F(VirtualRun, IsTheOnlyRunOfMoreRobotsThanALiveLabHas) {
