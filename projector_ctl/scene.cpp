@@ -4,9 +4,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <numbers>
 #include <utility>
 
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::projector {
@@ -60,7 +60,7 @@ Layer placed(Layer layer, const RobotPose& robot) {
   const double sine = std::sin(robot.theta);
   layer.x = robot.x + cosine * x - sine * y;
   layer.y = robot.y + sine * x + cosine * y;
-  layer.angle = std::remainder(layer.angle + robot.theta, 2 * std::numbers::pi);
+  layer.angle = wrapAngle(layer.angle + robot.theta);
   return layer;
 }
 

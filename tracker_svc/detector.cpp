@@ -4,11 +4,11 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <numbers>
 #include <optional>
 #include <string_view>
 #include <tuple>
 
+#include "common/math/angle.hpp"
 #include "light/photometry/camera_response.hpp"
 #include "tracker_svc/circle_search/circle_search.hpp"
 #include "tracker_svc/detector/degraded_poses.hpp"
@@ -27,14 +27,12 @@ constexpr double kOneOnly = 0.8;
 constexpr std::size_t kAhead = 2;  // number of caps whose pixels are prefetched
 constexpr std::size_t kLine = 64;  // [bytes] of a cache line
 
-double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
-
 bool isThere(const Detection& cap, const Expected& expected, double& square) {
   const double dx = cap.x - expected.x;
   const double dy = cap.y - expected.y;
   square = dx * dx + dy * dy;
   return square <= expected.reach * expected.reach &&
-         std::abs(wrapped(cap.theta - expected.theta)) <= expected.turn;
+         std::abs(wrapAngle(cap.theta - expected.theta)) <= expected.turn;
 }
 
 }  // namespace

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <span>
+
+#include "common/math/angle.hpp"
 
 namespace lab::collective {
 namespace {
@@ -79,7 +80,7 @@ void CrowdAnalysis::takePoses(double time, const std::vector<CrowdPose>& poses) 
     if (!known)
       heading = headings_.emplace(pose.robot, Heading{time, pose.theta, pose.theta}).first;
     Heading& last = heading->second;
-    const double turn = std::remainder(pose.theta - last.wrapped, 2 * std::numbers::pi);
+    const double turn = wrapAngle(pose.theta - last.wrapped);
     last.continuous = std::isfinite(turn) ? last.continuous + turn : pose.theta;
     last.wrapped = pose.theta;
     last.time = time;

@@ -1,6 +1,7 @@
 #include "analyzer/curves/hold_period.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -154,18 +155,37 @@ void HoldPeriodFinder::endBlock() {
     }
     mean /= all;
     const std::size_t group = next_group_++ % HoldSpectra::kGroups;
-    for (std::size_t i = 0; mean > 0 && i < HoldSpectra::kFrequencies; ++i) {
-      const double omega = 2 * std::numbers::pi * frequencyOf(i) / spectra_.hold;
-      std::complex<double> sum = 0;
+    if (mean > 0) {
       for (std::size_t k = 0; k < changes_.size(); ++k) {
-        sum += weights[k] * (changes_[k].square / mean - 1) *
-               std::polar(1.0, omega * (changes_[k].time - begin_));
+        weights[k] *= (changes_[k].square / mean - 1) / all;
       }
-      spectra_.power[group][i] += std::norm(sum) / (all * all);
+      addPower(weights, spectra_.power[group]);
+      spectra_.blocks[group] += 1;
     }
-    if (mean > 0) spectra_.blocks[group] += 1;
   }
   changes_.clear();
+}
+
+void HoldPeriodFinder::addPower(const std::vector<double>& amplitudes,
+                                HoldSpectra::Spectrum& power) const {
+  std::array<std::complex<double>, HoldSpectra::kFrequencies> sums{};
+  const double first = 2 * std::numbers::pi * frequencyOf(0) / spectra_.hold;
+  const double step = 2 * std::numbers::pi * frequencyOf(1) / spectra_.hold - first;
+  for (std::size_t k = 0; k < amplitudes.size(); ++k) {
+    const double time = changes_[k].time - begin_;
+    // The frequencies are equidistant, so one rotation leads from each to the next.
+    double re = amplitudes[k] * std::cos(first * time);
+    double im = amplitudes[k] * std::sin(first * time);
+    const double cos = std::cos(step * time);
+    const double sin = std::sin(step * time);
+    for (std::complex<double>& sum : sums) {
+      sum += std::complex<double>(re, im);
+      const double next = re * cos - im * sin;
+      im = re * sin + im * cos;
+      re = next;
+    }
+  }
+  for (std::size_t i = 0; i < sums.size(); ++i) power[i] += std::norm(sums[i]);
 }
 
 std::optional<HoldPeriod> holdPeriod(const HoldSpectra& spectra) {

@@ -61,6 +61,8 @@ class HoldPeriodFinder {
   };
 
   void endBlock();
+  /// Adds the power of the changes of the block, each with its amplitude.
+  void addPower(const std::vector<double>& amplitudes, HoldSpectra::Spectrum& power) const;
 
   HoldSpectra spectra_;
   double period_;

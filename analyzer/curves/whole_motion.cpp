@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "analyzer/laws/numerics.hpp"
+#include "common/math/angle.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -60,7 +60,7 @@ void WholeAccumulator::add(const FrameReport& frame) {
     sample.theta = frame.theta;
   } else {
     if (!(gap <= kLongestStep)) ++sample.angular_segment;
-    sample.theta = last_.theta + wrapped(frame.theta - last_.theta);
+    sample.theta = last_.theta + wrapAngle(frame.theta - last_.theta);
     addStep(sample, frame.state);
   }
   epoch_ = frame.epoch;

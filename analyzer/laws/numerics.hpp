@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cmath>
-#include <numbers>
 
 namespace lab::analysis {
 
@@ -14,8 +13,5 @@ inline double normalised(double ratio) { return 3 * (std::cbrt(ratio) - 1); }
 
 /// sin(x) / x.
 inline double sinc(double x) { return std::abs(x) < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x; }
-
-/// The angle, wrapped to [-pi, pi].
-inline double wrapped(double angle) { return std::remainder(angle, 2 * std::numbers::pi); }
 
 }  // namespace lab::analysis

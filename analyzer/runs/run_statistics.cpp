@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "analyzer/curves/statistics.hpp"
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {
@@ -142,7 +143,7 @@ std::vector<DensityBar> turnBars(const std::vector<double>& turns) {
   std::vector<DensityBar> bars(static_cast<std::size_t>(std::max(0.0, count)));
   const double width = 2 * std::numbers::pi / count;
   for (const double turn : turns) {
-    const double wrapped = std::remainder(turn, 2 * std::numbers::pi) + std::numbers::pi;
+    const double wrapped = wrapAngle(turn) + std::numbers::pi;
     const auto i = static_cast<std::size_t>(wrapped / width);
     if (!bars.empty()) {
       bars[std::min(i, bars.size() - 1)].count += 1;

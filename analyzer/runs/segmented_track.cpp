@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 #include "light/median.hpp"
 
@@ -295,9 +295,8 @@ double SegmentedTrack::turn(std::size_t i) const {
   const auto direction = [](const Place& a, const Place& b) {
     return std::atan2(b.y - a.y, b.x - a.x);
   };
-  return std::remainder(direction(stops_[i].departure, stops_[i + 1].arrival) -
-                            direction(stops_[i - 1].departure, stops_[i].arrival),
-                        2 * std::numbers::pi);
+  return wrapAngle(direction(stops_[i].departure, stops_[i + 1].arrival) -
+                   direction(stops_[i - 1].departure, stops_[i].arrival));
 }
 
 }  // namespace lab::analysis::segmentation

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "analyzer/laws/numerics.hpp"
 #include "analyzer/tracks/track_stitcher.hpp"
+#include "common/math/angle.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -35,9 +35,10 @@ double FlipFilter::reach(const Reference& from, const Reference& to) const {
 
 FlipFilter::Relation FlipFilter::relate(const Reference& from, const Reference& to) const {
   const double most = reach(from, to);
-  const double turn = wrapped(to.theta - from.theta);
+  const double turn = wrapAngle(to.theta - from.theta);
   if (std::abs(turn) <= most) return Relation::kSame;
-  return std::abs(wrapped(turn - std::numbers::pi)) <= most ? Relation::kFlipped : Relation::kNone;
+  return std::abs(wrapAngle(turn - std::numbers::pi)) <= most ? Relation::kFlipped
+                                                              : Relation::kNone;
 }
 
 void FlipFilter::accept(const Reference& reference) {
@@ -48,7 +49,7 @@ void FlipFilter::accept(const Reference& reference) {
 
 bool FlipFilter::correct(TrackPoint& point) {
   Reference now{point.time, point.theta, point.sigma_theta};
-  if (turned_) now.theta = wrapped(now.theta + std::numbers::pi);
+  if (turned_) now.theta = wrapAngle(now.theta + std::numbers::pi);
   Relation relation = last_ ? relate(*last_, now) : Relation::kSame;
   if (relation != Relation::kSame && older_) {
     const Relation other = relate(*older_, now);
@@ -57,7 +58,7 @@ bool FlipFilter::correct(TrackPoint& point) {
   if (relation == Relation::kFlipped) {
     ++jumps_;
     turned_ = !turned_;
-    now.theta = turned_ ? wrapped(point.theta + std::numbers::pi) : point.theta;
+    now.theta = turned_ ? wrapAngle(point.theta + std::numbers::pi) : point.theta;
   }
   if (relation != Relation::kNone) {
     // After so long a gap the wheels could have made either jump.
@@ -86,7 +87,7 @@ bool FlipFilter::addMotion(double forward, double sense_distance) {
   forward_drive_ = 0;
   ++chain_;
   for (std::optional<Reference>* one : {&last_, &older_, &suspect_}) {
-    if (*one) (*one)->theta = wrapped((*one)->theta + std::numbers::pi);
+    if (*one) (*one)->theta = wrapAngle((*one)->theta + std::numbers::pi);
   }
   return true;
 }

@@ -6,9 +6,9 @@
 #include <numbers>
 #include <optional>
 
-#include "analyzer/laws/numerics.hpp"
 #include "analyzer/tracks/flip_filter.hpp"
 #include "analyzer/tracks/uniform_motion.hpp"
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 #include "light/median.hpp"
 
@@ -88,7 +88,7 @@ class Finder {
       const TrackPoint& a = track_[i - 1];
       const TrackPoint& b = track_[i];
       if (search_.headings) {
-        const double theta = a.theta + 0.5 * wrapped(b.theta - a.theta);
+        const double theta = a.theta + 0.5 * wrapAngle(b.theta - a.theta);
         sideways.push_back(std::abs((b.y - a.y) * std::cos(theta) - (b.x - a.x) * std::sin(theta)) /
                            std::numbers::sqrt2);
       } else if (i > 1) {
@@ -198,7 +198,7 @@ class Finder {
       if (inside || chain_[i] != chain_[i - 1]) continue;
       const TrackPoint& a = track_[i - 1];
       const TrackPoint& b = track_[i];
-      const double theta = a.theta + 0.5 * wrapped(b.theta - a.theta);
+      const double theta = a.theta + 0.5 * wrapAngle(b.theta - a.theta);
       driven[static_cast<std::size_t>(chain_[i])] +=
           std::copysign(1.0, search_.sense_distance) *
           ((b.x - a.x) * std::cos(theta) + (b.y - a.y) * std::sin(theta));
@@ -211,7 +211,7 @@ class Finder {
     }
     for (std::size_t i = 0; i < track_.size(); ++i) {
       if (!is_flipped(i)) continue;
-      track_[i].theta = wrapped(track_[i].theta + std::numbers::pi);
+      track_[i].theta = wrapAngle(track_[i].theta + std::numbers::pi);
     }
     found_.sense_turns = std::count_if(driven.begin(), driven.end(), [this](double distance) {
       return distance < -std::abs(search_.sense_distance);
@@ -348,7 +348,7 @@ double headingNoise(const std::vector<TrackPoint>& track) {
     const double after = track[i].time - track[i - 1].time;
     if (std::abs(after - before) > kEven * before) continue;
     scatter.push_back(
-        std::abs(wrapped(track[i].theta - 2 * track[i - 1].theta + track[i - 2].theta)));
+        std::abs(wrapAngle(track[i].theta - 2 * track[i - 1].theta + track[i - 2].theta)));
   }
   return kMadToSigma * medianOrZero(std::move(scatter)) / std::sqrt(6);  // 1 + 4 + 1 variances
 }

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numbers>
 
-#include "analyzer/laws/numerics.hpp"
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {
@@ -305,7 +305,7 @@ bool TrackStitcher::reachable(const TrackPoint& from, const TrackPoint& to) cons
   const double dt = to.time - from.time;
   const double distance = std::hypot(to.x - from.x, to.y - from.y);
   const double noise = kSigmas * std::hypot(from.sigma, to.sigma);
-  const double turn = std::abs(wrapped(to.theta - from.theta));
+  const double turn = std::abs(wrapAngle(to.theta - from.theta));
   const double turn_noise = kSigmas * std::hypot(from.sigma_theta, to.sigma_theta);
   const bool turns =
       !config_.headings ||
@@ -408,7 +408,7 @@ void TrackStitcher::join(const TrackPoint& point, const RobotTelemetry& reversal
     piece_.reversal_end = reversal.reversal_end;
     piece_.dx = offset_x - offset_x_;
     piece_.dy = offset_y - offset_y_;
-    piece_.rotation = wrapped(point.theta - last_->theta);
+    piece_.rotation = wrapAngle(point.theta - last_->theta);
     closePiece(PieceEnd::kJoined);
     removed_ += removed;
     ++sample_.piece;
@@ -447,13 +447,13 @@ void TrackStitcher::join(const TrackPoint& point, const RobotTelemetry& reversal
 /// Lets programs that drive forward show which end of the robot is its head.
 void TrackStitcher::watchSense(TrackPoint& point, double sense_distance) {
   // Robots turn little between frames, and the sum over many frames decides.
-  const double middle = last_->theta + 0.5 * wrapped(point.theta - last_->theta);
+  const double middle = last_->theta + 0.5 * wrapAngle(point.theta - last_->theta);
   const double forward =
       (point.x - last_->x) * std::cos(middle) + (point.y - last_->y) * std::sin(middle);
   if (flips_.addMotion(forward, sense_distance)) {
     ++counters_.sense_turns;
     ++sample_.angular_segment;
-    point.theta = wrapped(point.theta + std::numbers::pi);
+    point.theta = wrapAngle(point.theta + std::numbers::pi);
   }
 }
 
@@ -474,7 +474,7 @@ void TrackStitcher::append(TrackPoint point, const Context& context, double gap,
     if (gap > config_.max_angular_gap) {
       ++sample_.angular_segment;
     }
-    sample_.theta += wrapped(point.theta - last_->theta);
+    sample_.theta += wrapAngle(point.theta - last_->theta);
   }
   if (!config_.headings) {
     sample_.theta = units::kNan;

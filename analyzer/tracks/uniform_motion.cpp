@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "analyzer/laws/numerics.hpp"
+#include "common/math/angle.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -44,7 +44,7 @@ UniformMotion uniformMotion(const std::vector<TrackPoint>& track, std::size_t be
     const double t = track[i].time - motion.time;
     squares += std::pow(track[i].x - motion.x - motion.vx * t, 2) +
                std::pow(track[i].y - motion.y - motion.vy * t, 2);
-    turns += std::pow(wrapped(track[i].theta - motion.heading), 2);
+    turns += std::pow(wrapAngle(track[i].theta - motion.heading), 2);
   }
   motion.rms = scatterPerAxis(squares, n);
   motion.heading_rms = std::sqrt(turns / n);
@@ -55,8 +55,9 @@ std::vector<double> continuousHeadings(const std::vector<TrackPoint>& track) {
   std::vector<double> headings;
   headings.reserve(track.size());
   for (const TrackPoint& point : track) {
-    headings.push_back(headings.empty() ? point.theta
-                                        : headings.back() + wrapped(point.theta - headings.back()));
+    headings.push_back(headings.empty()
+                           ? point.theta
+                           : headings.back() + wrapAngle(point.theta - headings.back()));
   }
   return headings;
 }

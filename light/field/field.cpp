@@ -7,6 +7,7 @@
 #include <numbers>
 #include <type_traits>
 
+#include "common/math/angle.hpp"
 #include "light/field/image.hpp"
 #include "light/field/target_clones.hpp"
 
@@ -128,7 +129,7 @@ CompiledLayers::Entry CompiledLayers::compile(const Layer& layer) {
       break;
     case LayerKind::kWave:
       // Removing full turns keeps the precision of the phase after any time.
-      entry.phase = std::remainder(layer.phase, kTurn);
+      entry.phase = wrapAngle(layer.phase);
       break;
     case LayerKind::kNoise:
       entry.noise = Noise(layer.seed, layer.phase);

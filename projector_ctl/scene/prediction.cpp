@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::projector {
@@ -42,8 +42,7 @@ bool Track::reaches(const Pose& from, const Pose& to) {
   const double noise = kSigmas * std::sqrt(1 / from.weight + 1 / to.weight);
   const double turn_noise = kSigmas * std::sqrt(1 / from.turn_weight + 1 / to.turn_weight);
   const double way = std::hypot(to.place.x - from.place.x, to.place.y - from.place.y);
-  const double turn =
-      std::abs(std::remainder(to.place.theta - from.place.theta, 2 * std::numbers::pi));
+  const double turn = std::abs(wrapAngle(to.place.theta - from.place.theta));
   return way <= kFastest * time + noise && turn <= kFastestTurn * time + turn_noise;
 }
 
@@ -78,7 +77,7 @@ void Track::add(const ObservedRobot& robot, std::int64_t utime) {
 void Track::append(Pose pose) {
   if (hasPose()) {
     const double before = poses_.back().place.theta;
-    pose.place.theta = before + std::remainder(pose.place.theta - before, 2 * std::numbers::pi);
+    pose.place.theta = before + wrapAngle(pose.place.theta - before);
   }
   poses_.push_back(pose);
   const auto old = [&](const Pose& one) { return seconds(pose.utime - one.utime) > kWindow; };

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/math/angle.hpp"
 #include "robot/dynamics/kinematics.hpp"
 #include "robot/dynamics/motor.hpp"
 
@@ -54,8 +55,7 @@ int directionNumber(int i) { return (i + 1) / 2 * (i % 2 == 0 ? -1 : 1); }
 
 /// The present heading, rotated by a number of steps of 2 pi / kDirections.
 double turned(double present, int directions) {
-  return std::remainder(present + directions * 2 * std::numbers::pi / kDirections,
-                        2 * std::numbers::pi);
+  return wrapAngle(present + directions * 2 * std::numbers::pi / kDirections);
 }
 
 /// Distance between a robot at (x, y) and the nearest obstacle.

@@ -3,7 +3,8 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 #include <complex>
-#include <numbers>
+
+#include "common/math/angle.hpp"
 
 namespace lab::calibration {
 namespace {
@@ -38,7 +39,7 @@ std::vector<TrackPoint> centred(std::vector<TrackPoint> track) {
   double previous = track.front().theta;
   for (TrackPoint& point : track) {
     point.time -= middle;
-    point.theta = previous + std::remainder(point.theta - previous, 2 * std::numbers::pi);
+    point.theta = previous + wrapAngle(point.theta - previous);
     previous = point.theta;
   }
   return track;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::runner {
@@ -140,7 +141,7 @@ void PatternDriver::plan() {
     return;
   }
   const auto heading = calibration::clearHeading(pattern_, seen->place, surroundings());
-  if (heading && std::fabs(std::remainder(*heading - seen->place.theta, kFullTurn)) < 1e-6) {
+  if (heading && std::fabs(wrapAngle(*heading - seen->place.theta)) < 1e-6) {
     return beginStep();
   }
   const auto escape =
@@ -159,7 +160,7 @@ void PatternDriver::drive(double left_share, double right_share) {
 void PatternDriver::turnTo(double heading) {
   from_ = recentPose()->place;
   target_ = heading;
-  turn_sign_ = std::remainder(target_ - from_.theta, kFullTurn) < 0 ? -1 : 1;
+  turn_sign_ = wrapAngle(target_ - from_.theta) < 0 ? -1 : 1;
   share_ = kShare;
   drive(-turn_sign_ * share_, turn_sign_ * share_);
   enter(Phase::kTurn);
@@ -178,13 +179,13 @@ void PatternDriver::turn() {
   }
   const SeenRobot* seen = recentPose();
   if (seen == nullptr) return fail(name() + " is no longer seen by the tracker");
-  const double to_turn = std::remainder(target_ - seen->place.theta, kFullTurn);
+  const double to_turn = wrapAngle(target_ - seen->place.theta);
   const bool beyond = to_turn * turn_sign_ < 0 && std::fabs(to_turn) < kFullTurn / 4;
   if (std::fabs(to_turn) < kTurnTolerance || beyond) {
     actions_.stand();
     return enter(Phase::kRest);
   }
-  const double turned = std::fabs(std::remainder(seen->place.theta - from_.theta, kFullTurn));
+  const double turned = std::fabs(wrapAngle(seen->place.theta - from_.theta));
   const double share = shareFor(turned > kTurned);
   if (share == share_) return;
   share_ = share;

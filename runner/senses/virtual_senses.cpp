@@ -1,8 +1,8 @@
 #include "runner/senses/virtual_senses.hpp"
 
 #include <cmath>
-#include <numbers>
 
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 #include "robot/language/formula.hpp"
 
@@ -11,12 +11,6 @@ namespace {
 
 constexpr unsigned kAllSenses = (1U << dynamics::kSenses) - 1;
 constexpr double kGradientStep = 0.01;  // [m] between the places whose light is compared
-
-/// An angle in (-pi, pi].
-double wrapped(double angle) {
-  const double within = std::remainder(angle, 2 * std::numbers::pi);
-  return within <= -std::numbers::pi ? std::numbers::pi : within;
-}
 
 /// What the robots within a radius are, seen from one of them.
 struct Neighbourhood {
@@ -43,7 +37,7 @@ Neighbourhood neighbourhood(const std::vector<SensedPose>& poses, const SensedPo
     result.heading_y += std::sin(other.theta - self.theta);
     if (distance <= result.nearest) {
       result.nearest = distance;
-      result.bearing = wrapped(std::atan2(dy, dx) - self.theta);
+      result.bearing = wrapAngle(std::atan2(dy, dx) - self.theta);
     }
   }
   return result;
@@ -75,14 +69,14 @@ double valueOf(const SenseSpec& sense, const std::vector<SensedPose>& poses, con
     case SenseKind::kPlaceDistance:
       return std::hypot(sense.x - self.x, sense.y - self.y) / units::kCentimetre;
     case SenseKind::kPlaceBearing:
-      return wrapped(std::atan2(sense.y - self.y, sense.x - self.x) - self.theta);
+      return wrapAngle(std::atan2(sense.y - self.y, sense.x - self.x) - self.theta);
     case SenseKind::kGradient: {
       const auto [gx, gy] = gradientAt(light, self);
       return std::hypot(gx, gy) * units::kCentimetre;
     }
     case SenseKind::kGradientBearing: {
       const auto [gx, gy] = gradientAt(light, self);
-      return gx == 0 && gy == 0 ? 0 : wrapped(std::atan2(gy, gx) - self.theta);
+      return gx == 0 && gy == 0 ? 0 : wrapAngle(std::atan2(gy, gx) - self.theta);
     }
     case SenseKind::kExpression:
       break;

@@ -4,9 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <stdexcept>
 
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::sim {
@@ -83,7 +83,7 @@ void KinematicRobots::addPainted(std::int64_t exposure_utime, double exposure,
       const double time = units::seconds(2 * half);
       robot.vx = (after->x - before->x) / time;
       robot.vy = (after->y - before->y) / time;
-      robot.omega = std::remainder(after->theta - before->theta, 2 * std::numbers::pi) / time;
+      robot.omega = wrapAngle(after->theta - before->theta) / time;
     }
     robots.push_back(robot);
   }

@@ -3,11 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <lab/experiment_event_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
-#include <numbers>
 #include <set>
 #include <stdexcept>
 
@@ -16,6 +14,7 @@
 #include "common/bus/codec.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/message_values.hpp"
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::sim {
@@ -162,12 +161,11 @@ std::optional<tracked_pose_t> ReplayRobot::trackedPose(std::int64_t utime) const
   const double gap = units::seconds(next.utime - last->utime);
   if (gap > kDropOut * recording_.frame_period) return std::nullopt;
   const double share = units::seconds(recorded - last->utime) / gap;
-  constexpr double kTurn = 2 * std::numbers::pi;
   tracked_pose_t pose = last->pose;
   pose.x += share * (next.pose.x - pose.x);
   pose.y += share * (next.pose.y - pose.y);
-  const double turned = std::remainder(next.pose.theta - pose.theta, kTurn);
-  pose.theta = std::remainder(pose.theta + share * turned, kTurn);
+  const double turned = wrapAngle(next.pose.theta - pose.theta);
+  pose.theta = wrapAngle(pose.theta + share * turned);
   return named(pose);
 }
 

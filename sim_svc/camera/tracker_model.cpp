@@ -1,9 +1,9 @@
 #include "sim_svc/camera/tracker_model.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <lab/robot_state_t.hpp>
-#include <numbers>
+
+#include "common/math/angle.hpp"
 
 namespace lab::sim {
 
@@ -38,7 +38,7 @@ void TrackerModel::observe(std::int32_t robot_id, const dynamics::Pose& truth) {
   pose.robot_id = robot_id;
   pose.x = truth.x + camera_.position_noise * dx;
   pose.y = truth.y + camera_.position_noise * dy;
-  pose.theta = std::remainder(truth.theta + camera_.heading_noise * dtheta, 2 * std::numbers::pi);
+  pose.theta = wrapAngle(truth.theta + camera_.heading_noise * dtheta);
   pose.covariance[0] = camera_.position_noise * camera_.position_noise;
   pose.covariance[3] = pose.covariance[0];
   pose.covariance[5] = camera_.heading_noise * camera_.heading_noise;

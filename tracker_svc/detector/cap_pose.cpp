@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/math/angle.hpp"
+
 namespace lab::detector {
 namespace {
 
@@ -86,7 +88,7 @@ CapPose poseFromRim(const MeasuredPoint& circle, double offset, const MeasuredPo
   out.y = middle.place.y - my * share;
   const double turn = -of_cross * share / std::abs(offset);
   const double sign = offset < 0 ? -1 : 1;
-  out.theta = std::remainder(std::atan2(sign * sy, sign * sx) + turn, 2 * 3.14159265358979323846);
+  out.theta = wrapAngle(std::atan2(sign * sy, sign * sx) + turn);
   // Conditional on the longitudinal component.
   const double per = 1 / std::abs(offset);
   const double mcx = -(m[0] * -uy + m[1] * ux);

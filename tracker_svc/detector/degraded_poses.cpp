@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "common/math/angle.hpp"
 #include "tracker_svc/detector/cap_check.hpp"
 #include "tracker_svc/detector/cap_pose.hpp"
 #include "tracker_svc/detector/rim_fit.hpp"
@@ -132,7 +133,7 @@ const std::vector<DegradedPose>& DegradedPoses::find(std::span<const Expected> e
     }
     const Detection pose = poseFromOne(cap);
     if (pose.quality <= 0 || !at(pose, cap.reach)) continue;
-    const double turned = std::remainder(pose.theta - cap.theta, 2 * std::numbers::pi);
+    const double turned = wrapAngle(pose.theta - cap.theta);
     if (std::abs(turned) > cap.turn) continue;
     const auto overlaps = [&](const Detection& other) {
       return distance(pose.x, pose.y, other.x, other.y) < kApart * setup_.cap.cap_radius;

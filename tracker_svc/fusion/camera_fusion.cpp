@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
+
+#include "common/math/angle.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -84,7 +85,7 @@ std::optional<FusedRound> CameraFusion::finish() {
     if (mover == nullptr || !mover->moves) continue;
     pose.x += mover->vx * step;
     pose.y += mover->vy * step;
-    pose.theta = std::remainder(pose.theta + mover->omega * step, 2 * std::numbers::pi);
+    pose.theta = wrapAngle(pose.theta + mover->omega * step);
     const double error = kAcceleration * step * step / 2;
     pose.covariance[0] += error * error;
     pose.covariance[3] += error * error;
@@ -100,7 +101,7 @@ std::optional<FusedRound> CameraFusion::finish() {
     if (before != nullptr) {
       mover.vx = (pose.x - before->x) / elapsed;
       mover.vy = (pose.y - before->y) / elapsed;
-      mover.omega = std::remainder(pose.theta - before->theta, 2 * std::numbers::pi) / elapsed;
+      mover.omega = wrapAngle(pose.theta - before->theta) / elapsed;
       mover.moves = true;
       mover.steady =
           before->moves && std::hypot(mover.vx - before->vx, mover.vy - before->vy) < kSteady;

@@ -4,12 +4,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
+
+#include "common/math/angle.hpp"
 
 namespace lab::tracker {
 namespace {
-
-constexpr double kTurn = 2 * std::numbers::pi;
 
 Eigen::Matrix3d matrixOf(const std::array<double, 6>& c) {
   Eigen::Matrix3d matrix;
@@ -18,7 +17,7 @@ Eigen::Matrix3d matrixOf(const std::array<double, 6>& c) {
 }
 
 Eigen::Vector3d difference(const detector::Detection& from, const detector::Detection& to) {
-  return {to.x - from.x, to.y - from.y, std::remainder(to.theta - from.theta, kTurn)};
+  return {to.x - from.x, to.y - from.y, wrapAngle(to.theta - from.theta)};
 }
 
 bool isDegraded(const detector::Detection& pose) { return (pose.used & detector::kUsedRim) != 0; }
@@ -64,7 +63,7 @@ detector::Detection fusePoses(std::span<const detector::Detection> poses) {
   const Eigen::Vector3d shift = c * weighted;
   fused.x += shift(0);
   fused.y += shift(1);
-  fused.theta = std::remainder(fused.theta + shift(2), kTurn);
+  fused.theta = wrapAngle(fused.theta + shift(2));
   fused.covariance = {c(0, 0), c(0, 1), c(0, 2), c(1, 1), c(1, 2), c(2, 2)};
   return fused;
 }

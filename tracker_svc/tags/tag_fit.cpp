@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "common/math/angle.hpp"
 #include "tracker_svc/plane_pose.hpp"
 
 namespace lab::detector {
@@ -254,7 +255,7 @@ class TagFit {
     const double floor = kFloor * pixel_ * kFloor * pixel_;
     pose.x = start_.x + x[kX];
     pose.y = start_.y + x[kY];
-    pose.theta = std::remainder(x[kTheta], 2 * std::numbers::pi);
+    pose.theta = wrapAngle(x[kTheta]);
     pose.size = start_.size * std::exp(x[kSize]);
     pose.covariance = {covariance(kX, kX) + floor, covariance(kX, kY),
                        covariance(kX, kTheta),     covariance(kY, kY) + floor,

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/math/angle.hpp"
 #include "light/median.hpp"
 #include "tracker_svc/tracking/reappearance_density.hpp"
 
@@ -128,7 +129,7 @@ const std::vector<detector::Expected>& CapTracker::expect(double time) {
     const double moved = std::hypot(pose.x - track.pose.x, pose.y - track.pose.y);
     const double turned = std::abs(pose.theta - track.pose.theta);
     const double largest = elapsed > kLost ? kLostReach : settings_.robot_radius;
-    expected_.push_back({pose.x, pose.y, wrapped(pose.theta),
+    expected_.push_back({pose.x, pose.y, wrapAngle(pose.theta),
                          std::min(reachOf(elapsed) + moved, largest),
                          std::min(turnOf(elapsed) + turned, kPi)});
   }
@@ -303,7 +304,7 @@ void CapTracker::correctFlip(TrackState& track, double time, detector::Detection
     if (reckoning.known < 0.9 * elapsed || limit > 0.4 * kPi) return;
   }
   limit += 4 * std::sqrt(detection.covariance[5] + track.covariance[5]);
-  const double turned = std::abs(wrapped(detection.theta - from));
+  const double turned = std::abs(wrapAngle(detection.theta - from));
   if (turned <= limit || kPi - turned > limit) {
     if (turned <= limit) track.votes = std::min(track.votes + 1, kVotes);
     return;
@@ -312,12 +313,12 @@ void CapTracker::correctFlip(TrackState& track, double time, detector::Detection
     // The heading was wrong from the beginning; accept the opposite one.
     track.votes = 1;
     track.speeds = {-track.speeds.right, -track.speeds.left};
-    track.pose.theta = wrapped(track.pose.theta + kPi);
+    track.pose.theta = wrapAngle(track.pose.theta + kPi);
     track.evidence.begun = false;
     return;
   }
   ++counts_.flips;
-  detection.theta = wrapped(detection.theta + kPi);
+  detection.theta = wrapAngle(detection.theta + kPi);
   std::swap(detection.big, detection.small);
   detection.quality = std::min(detection.quality, kFlippedQuality);
 }
@@ -327,7 +328,7 @@ void CapTracker::noteUndetected(TrackState& track, double time, bool lit) {
   detector::Detection& detection = track.detection;
   detection.x = reckoning.pose.x;
   detection.y = reckoning.pose.y;
-  detection.theta = wrapped(reckoning.pose.theta);
+  detection.theta = wrapAngle(reckoning.pose.theta);
   detection.covariance = reckoning.covariance;
   detection.quality = 0;
   detection.used = 0;

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "common/math/angle.hpp"
 
 namespace lab::tracker {
 namespace {
@@ -84,13 +85,8 @@ class Chain {
 
 }  // namespace
 
-double wrapped(double angle) {
-  const double result = std::remainder(angle, 2 * std::numbers::pi);
-  return result <= -std::numbers::pi ? std::numbers::pi : result;
-}
-
 Wheels wheelsBetween(const dynamics::Pose& from, const dynamics::Pose& to, double wheel_base) {
-  const double turn = wrapped(to.theta - from.theta);
+  const double turn = wrapAngle(to.theta - from.theta);
   const double middle = from.theta + turn / 2;
   const double chord = (to.x - from.x) * std::cos(middle) + (to.y - from.y) * std::sin(middle);
   // Ratio of arc to chord: half / sin(half), by its series where that is exact to 1e-6.

@@ -25,9 +25,6 @@ struct Wheels {
 [[nodiscard]] Wheels wheelsBetween(const dynamics::Pose& from, const dynamics::Pose& to,
                                    double wheel_base);
 
-/// @return the angle in (-pi, pi]
-[[nodiscard]] double wrapped(double angle);
-
 /// Expected pose of a robot that moved freely.
 struct Reckoning {
   dynamics::Pose pose;

@@ -6,6 +6,8 @@
 #include <map>
 #include <numbers>
 
+#include "common/math/angle.hpp"
+
 namespace lab::tracker {
 namespace {
 
@@ -38,8 +40,6 @@ StepDensity densityOf(double square, double variance) {
 double scaledSquare(double square, double narrow) {
   return square * (narrow + (1 - narrow) / kWide);
 }
-
-double wrappedAngle(double angle) { return std::remainder(angle, 2 * kPi); }
 
 }  // namespace
 
@@ -313,14 +313,14 @@ void MotionTracker::direct(TrackState& track, detector::Detection& pose, double 
   constexpr double kLengths = 3;  // of the blob that are remembered
   const auto length = std::max(static_cast<double>(pose.length), 1e-6);
   if (track.pose.heading != detector::HeadingKind::kUnknown &&
-      std::abs(wrappedAngle(pose.theta - track.pose.theta)) > kPi / 2) {
-    pose.theta = wrappedAngle(pose.theta + kPi);
+      std::abs(wrapAngle(pose.theta - track.pose.theta)) > kPi / 2) {
+    pose.theta = wrapAngle(pose.theta + kPi);
   }
   const double way = dx * std::cos(pose.theta) + dy * std::sin(pose.theta);
   track.forward = std::clamp(track.forward + way, -kLengths * length, kLengths * length);
   if (track.forward < -length / 2) {
     track.forward = -track.forward;
-    pose.theta = wrappedAngle(pose.theta + kPi);
+    pose.theta = wrapAngle(pose.theta + kPi);
   }
 }
 

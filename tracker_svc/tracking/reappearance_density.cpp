@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/math/angle.hpp"
+
 namespace lab::tracker {
 namespace {
 
@@ -62,7 +64,7 @@ double ReappearanceDensity::logDensity(const detector::Detection& detection) con
   c[5] += square(kTurnNoise);
   const double dx = detection.x - free_.pose.x;
   const double dy = detection.y - free_.pose.y;
-  const double turned = wrapped(detection.theta - free_.pose.theta);
+  const double turned = wrapAngle(detection.theta - free_.pose.theta);
   double density = kept_ * kFree * normalDensity({dx, dy, turned}, c);
   // Held up: anywhere within the distance it could not drive; contacts may or may not prevent
   // turning.

@@ -6,6 +6,7 @@
 
 #include "analyzer/report/figures/figure_crowd.hpp"
 #include "analyzer/report/figures/figure_files.hpp"
+#include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 
@@ -53,7 +54,7 @@ FigureScript crowdArenaFigure(const RunRecord& record) {
     const double y = robot.y * kCm;
     const int cluster = picture.observation.clusters[i];
     const double density = picture.observation.densities[i];
-    const double theta = std::remainder(robot.theta, 2 * std::numbers::pi);
+    const double theta = wrapAngle(robot.theta);
     csv.row(robot.id, x, y, theta, cluster, picture.observation.cluster_sizes[i], density,
             picture.observation.hexatics[i]);
     const Rgb colour =

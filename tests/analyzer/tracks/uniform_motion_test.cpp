@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "analyzer/laws/numerics.hpp"
+#include "common/math/angle.hpp"
 
 namespace lab::analysis::uniform_motion_test {
 namespace {
@@ -37,7 +37,7 @@ std::vector<TrackPoint> endOfALongTrack() {
     y += 3e-4 * std::sin(theta);
     if (lost(random)) continue;
     track.push_back(pointAt(86'400 + 0.01 * i, x + 1e-5 * noise(random), y + 1e-5 * noise(random),
-                            wrapped(theta + 0.01 * noise(random))));
+                            wrapAngle(theta + 0.01 * noise(random))));
   }
   return track;
 }
@@ -66,7 +66,7 @@ TEST(SlidingMotion, IsThatOfAFitToEveryWindow) {
     // The two means differ by a sixth of the third moment of the headings.
     const double most =
         std::sqrt(static_cast<double>(end - begin)) * std::pow(fitted.heading_rms, 3);
-    ASSERT_NEAR(wrapped(moved.heading - fitted.heading), 0, 1e-9 + most / 5);
+    ASSERT_NEAR(wrapAngle(moved.heading - fitted.heading), 0, 1e-9 + most / 5);
     ASSERT_NEAR(moved.heading_rms, fitted.heading_rms, 1e-6);
   }
   EXPECT_GT(straight, 5000);

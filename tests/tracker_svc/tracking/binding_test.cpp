@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/math/angle.hpp"
 #include "tests/tracker_svc/tracking/crowd.hpp"
 
 namespace lab::tracker {
@@ -246,7 +247,7 @@ std::int32_t onlyTwo(const std::vector<dynamics::Arc>& cap, const std::vector<Wh
     detector::Detection detection;
     detection.x = pose.x;
     detection.y = pose.y;
-    detection.theta = wrapped(pose.theta);
+    detection.theta = wrapAngle(pose.theta);
     detection.covariance = {1e-10, 0, 0, 1e-10, 0, 1e-7};
     detection.quality = 1;
     id = dut.update(time, {{detection}})[0].robot_id;
@@ -356,7 +357,7 @@ TEST(Binding, ABoundRobotPushedByHandStaysBound) {
     detector::Detection detection;
     detection.x = pose.x;
     detection.y = pose.y;
-    detection.theta = wrapped(pose.theta);
+    detection.theta = wrapAngle(pose.theta);
     detection.covariance = {1e-10, 0, 0, 1e-10, 0, 1e-7};
     detection.quality = 1;
     dut.update(time, {{detection}});
