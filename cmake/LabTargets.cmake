@@ -12,6 +12,8 @@ if(LAB_SANITIZE)
   target_compile_definitions(lab_options INTERFACE _GLIBCXX_ASSERTIONS)
   target_compile_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE} -fno-omit-frame-pointer
     -fno-sanitize-recover=all
+    # The check of a type opens a pipe. Behind the other options, which would switch it on again.
+    $<$<BOOL:$<TARGET_PROPERTY:LAB_OPENS_NOTHING>>:-fno-sanitize=vptr>
     # With sanitizers, g++ gives false warnings of uninitialised variables (GCC manual).
     $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan;-Wno-maybe-uninitialized>)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})

@@ -5,7 +5,6 @@
 #include <cstdio>
 #include <numbers>
 
-#include "common/math/angle.hpp"
 #include "robot/dynamics/rng.hpp"
 
 namespace lab::light {
@@ -186,7 +185,7 @@ Layer driven(const DrivenLayer& layer, double time) {
   shown.x += drive.vx * time;
   shown.y += drive.vy * time;
   // Full turns are removed, so that validate() accepts the angle.
-  if (drive.spin != 0) shown.angle = wrapAngle(shown.angle + drive.spin * time);
+  if (drive.spin != 0) shown.angle = std::remainder(shown.angle + drive.spin * time, kTurn);
   shown.phase += drive.phase_rate * time;
   shown.intensity = drive.low + modulation(drive, time) * (shown.intensity - drive.low);
   if (!drive.images.empty()) {

@@ -7,7 +7,6 @@
 #include <numbers>
 #include <type_traits>
 
-#include "common/math/angle.hpp"
 #include "light/field/image.hpp"
 #include "light/field/target_clones.hpp"
 
@@ -129,7 +128,7 @@ CompiledLayers::Entry CompiledLayers::compile(const Layer& layer) {
       break;
     case LayerKind::kWave:
       // Removing full turns keeps the precision of the phase after any time.
-      entry.phase = wrapAngle(layer.phase);
+      entry.phase = std::remainder(layer.phase, kTurn);
       break;
     case LayerKind::kNoise:
       entry.noise = Noise(layer.seed, layer.phase);
