@@ -29,9 +29,9 @@ class Replay : public testing::Test {
  protected:
   Replay() {
     setenv("XDG_RUNTIME_DIR", folder.path().c_str(), 1);
-    const Finished lab =
-        run("lab run " + experiment("light_switching").string() +
-            " --virtual-time --no-report --out " + (folder.path() / "runs").string());
+    const Finished lab = run("lab run " + experiment("light_switching").string() +
+                             " --virtual-time --no-report --set analysis.results_every_s=1 --out " +
+                             (folder.path() / "runs").string());
     if (lab.exit_code != 0) throw std::runtime_error(lab.output);
     log = onlyRun(folder.path() / "runs") / "log.lcmlog";
   }
