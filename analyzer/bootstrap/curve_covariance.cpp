@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "analyzer/curves/window_choice.hpp"
 #include "common/math/units.hpp"
@@ -23,6 +24,27 @@ double columnError(const SimulatedCurves& curves, std::size_t column) {
   return std::sqrt((sum2 - sum * sum / n) / (n - 1));
 }
 
+constexpr double kRamp = 1.0 / 3;  // of a recording, at both ends
+
+/// Tukey's taper (1967): 0 at the ends of a recording, 1 in its middle.
+/// @param place in the recording, 0 to 1
+double taper(double place) {
+  const double ramp = std::min(1.0, std::min(place, 1 - place) / kRamp);
+  const double root = std::sin(0.5 * std::numbers::pi * ramp);
+  return root * root;
+}
+
+struct TaperedSum {
+  double weight = 0;
+  double sum = 0;
+
+  void add(double of, double value) {
+    weight += of;
+    sum += of * value;
+  }
+  [[nodiscard]] double mean() const { return weight > 0 ? sum / weight : kNan; }
+};
+
 bool joined(const std::vector<int>& stretches, std::size_t start, std::size_t end) {
   return stretches.empty() || (stretches[start] >= 0 && stretches[start] == stretches[end]);
 }
@@ -30,33 +52,47 @@ bool joined(const std::vector<int>& stretches, std::size_t start, std::size_t en
 }  // namespace
 
 std::vector<double> recordingCurves(const RecordingPoses& poses, const std::vector<int>& lags) {
-  return recordingCurves(poses, lags, lags, 1, {});
+  return recordingCurves(poses, lags, lags, 1, {}, nullptr);
 }
 
 std::vector<double> recordingCurves(const RecordingPoses& poses, const std::vector<int>& lags,
                                     const std::vector<int>& measured, double every,
-                                    const RecordingStretches& stretches) {
+                                    const RecordingStretches& stretches,
+                                    std::vector<double>* tapered) {
   const std::size_t n = lags.size();
   const std::size_t frames = poses.x.size();
   const int coarser = static_cast<int>(std::lround(std::log2(every)));
   std::vector<double> curves(2 * n, kNan);
+  std::vector<double> weights;  // of windows whose middle lies at half a frame
+  if (tapered != nullptr) {
+    tapered->assign(2 * n, kNan);
+    weights.resize(2 * frames);
+    for (std::size_t k = 0; k < weights.size(); ++k) {
+      weights[k] = taper(0.5 * static_cast<double>(k) / static_cast<double>(frames - 1));
+    }
+  }
   for (std::size_t i = 0; i < n; ++i) {
     const auto lag = static_cast<std::size_t>(lags[i]);
     double r2 = 0;
     double a2 = 0;
     std::size_t windows = 0;
     std::size_t angular_windows = 0;
+    TaperedSum places;
+    TaperedSum headings;
     const auto add = [&](std::size_t start) {
       const std::size_t end = start + lag;
       if (!joined(stretches.of_places, start, end)) return;
       const double dx = poses.x[end] - poses.x[start];
       const double dy = poses.y[end] - poses.y[start];
-      r2 += dx * dx + dy * dy;
+      const double square = dx * dx + dy * dy;
+      r2 += square;
       ++windows;
+      if (tapered != nullptr) places.add(weights[start + end], square);
       if (!joined(stretches.of_headings, start, end)) return;
       const double turn = poses.theta[end] - poses.theta[start];
       a2 += turn * turn;
       ++angular_windows;
+      if (tapered != nullptr) headings.add(weights[start + end], turn * turn);
     };
     if (measured[i] < kDenseLags) {
       const int step = std::max(0, static_cast<int>(stepOf(measured[i])) - coarser);
@@ -72,6 +108,10 @@ std::vector<double> recordingCurves(const RecordingPoses& poses, const std::vect
     }
     if (windows > 0) curves[i] = r2 / static_cast<double>(windows);
     if (angular_windows > 0) curves[n + i] = a2 / static_cast<double>(angular_windows);
+    if (tapered != nullptr) {
+      (*tapered)[i] = places.mean();
+      (*tapered)[n + i] = headings.mean();
+    }
   }
   return curves;
 }
@@ -101,23 +141,27 @@ SimulatedCurves simulateCurves(const BootstrapPlan& plan) {
                                 plan.sigma, plan.sigma_theta, 0};
   RecordingPoses poses;
   RecordingStretches stretches;
+  std::vector<double> tapered;
   for (int i = 0; i < plan.recordings; ++i) {
     const std::uint64_t seed = plan.seed + static_cast<std::uint64_t>(i);
     simulateRecording(recording, seed, poses);
     if (plan.gaps.lost > 0 || plan.gaps.cut) {
       stretches = drawStretches(plan.gaps, plan.frame_period, plan.period, poses.x.size(), ~seed);
     }
-    const std::vector<double> curves = recordingCurves(poses, frames, measured, every, stretches);
+    const std::vector<double> curves =
+        recordingCurves(poses, frames, measured, every, stretches, plan.taper ? &tapered : nullptr);
     // A recording without windows of some lag does not contribute to the covariance.
     bool whole = true;
     for (std::size_t column = 0; column < curves.size(); ++column) {
       const std::size_t lag = column % frames.size();
       const bool needed = column < frames.size() || plan.angular.empty() || plan.angular[lag];
-      whole = whole && (!needed || std::isfinite(curves[column]));
+      whole = whole && (!needed || (std::isfinite(curves[column]) &&
+                                    (!plan.taper || std::isfinite(tapered[column]))));
     }
     if (!whole) continue;
     ++result.recordings;
     result.values.insert(result.values.end(), curves.begin(), curves.end());
+    result.tapered.insert(result.tapered.end(), tapered.begin(), tapered.end());
   }
   return result;
 }
@@ -128,6 +172,15 @@ double errorScale(const SimulatedCurves& recordings, double observed, double seg
   const double least = (segments > 1 ? 0.1 : 0.5) * observed;
   const double covered = recordings.cut ? observed : std::max(observed - segments * tau, least);
   return std::sqrt(std::max(recordings.duration - tau, 0.5 * recordings.duration) / covered);
+}
+
+double taperedScale(const SimulatedCurves& recordings, double observed, double segments,
+                    double tau) {
+  const double ends = std::max(recordings.duration - tau, 0.5 * recordings.duration);
+  // (sum of the weights)^2 over the sum of their squares.
+  constexpr double kLength = (1 - kRamp) * (1 - kRamp) / (1 - 1.25 * kRamp);
+  return errorScale(recordings, observed, segments, tau) *
+         std::sqrt(kLength * recordings.duration / ends);
 }
 
 double relativeError(const SimulatedCurves& curves, bool angular, double tau, double observed,

@@ -18,10 +18,12 @@ namespace lab::analysis {
 /// @param measured the lags in frames of that recording
 /// @param every number of its frames per frame of `poses`
 /// @param stretches of the frames of `poses`; empty: no gaps
+/// @param tapered if not nullptr, gets the same curves with the windows weighted by a taper
 [[nodiscard]] std::vector<double> recordingCurves(const RecordingPoses& poses,
                                                   const std::vector<int>& lags,
                                                   const std::vector<int>& measured, double every,
-                                                  const RecordingStretches& stretches);
+                                                  const RecordingStretches& stretches,
+                                                  std::vector<double>* tapered = nullptr);
 
 /// Curves of many simulated recordings of one program (parametric bootstrap). Their scatter is the
 /// error of a measured curve, their covariance that of its lags.
@@ -32,11 +34,18 @@ struct SimulatedCurves {
   bool cut = false;  ///< They have cuts like the measured recording.
   /// One row [MSD(lags), angular MSD(lags)] per recording, SI units; nan: not needed, no windows.
   std::vector<double> values;
+  /// The same from windows that are weighted by a taper; empty: not needed. In curves without it,
+  /// the windows at the ends differ between lags, which adds a variance proportional to 1/T^2. It
+  /// dominates where fluctuations of several lags nearly cancel.
+  std::vector<double> tapered;
   std::vector<double>
       law;  ///< The exact law at the lags with the offsets of the noise, same order.
 
   [[nodiscard]] double value(int recording, std::size_t column) const {
     return values[static_cast<std::size_t>(recording) * 2 * lags.size() + column];
+  }
+  [[nodiscard]] double taperedValue(int recording, std::size_t column) const {
+    return tapered[static_cast<std::size_t>(recording) * 2 * lags.size() + column];
   }
 };
 
@@ -53,6 +62,7 @@ struct BootstrapPlan {
   /// By lag, whether the angular MSD is needed: gaps may leave no window for it. Empty: everywhere.
   std::vector<bool> angular;
   double duration = 0;  ///< Of each recording, s.
+  bool taper = false;   ///< Whether tapered curves are needed.
   int recordings = 500;
   std::uint64_t seed =
       1;  ///< Recording i has the seed `seed` + i, so all plans use the same random numbers.
@@ -68,6 +78,10 @@ struct BootstrapPlan {
 /// ones.
 [[nodiscard]] double errorScale(const SimulatedCurves& recordings, double observed, double segments,
                                 double tau);
+
+/// The same factor for tapered curves.
+[[nodiscard]] double taperedScale(const SimulatedCurves& recordings, double observed,
+                                  double segments, double tau);
 
 /// The standard error of one column relative to the law, interpolated in log lag between the
 /// simulated lags, for `observed` seconds in `segments` pieces; nan outside them.

@@ -18,7 +18,6 @@ using units::kNan;
 constexpr int kMostPhases = 16;     // with more, deviations are below the errors of draws
 constexpr double kMostFrames = 64;  // of a lag, likewise
 constexpr double kWithin = 3;       // standard deviations of the clocks
-constexpr double kUnlucky = 0.01;   // share of recordings whose clocks agree better
 
 }  // namespace
 
@@ -51,7 +50,10 @@ FramePhases::FramePhases(const ProgramLaw& law, double tau, double angular_msd, 
   const double least = kUnlucky * kClockError * std::sqrt(std::numbers::pi / 2) *
                        std::exp(0.5 * std::pow(apart / kClockError, 2));
   const double drift = phases_ * observed / tracks / hold_ * least;  // in distances of phases
-  left_ = std::min(1.0, 1 / (std::numbers::pi * drift)) / std::sqrt(tracks);
+  const double slow = 1 / (std::numbers::pi * drift);
+  left_ = std::min(1.0, slow) / std::sqrt(tracks);
+  // The mean of min(1, (a / drift)^2) over clocks, whose density near drift 0 is constant.
+  usual_ = std::min(1.0, 2 * kUnlucky * slow) / std::min(1.0, slow * slow);
   setTurning(tau, angular_msd);
 }
 

@@ -17,10 +17,11 @@ class Estimator;
 /// camera and robot have drifted apart. Curves at lags of a few frames then deviate from the law by
 /// what these phases are, which no number of draws averages out: with holds of two frames by -10 to
 /// 20 % at one frame. The deviations here are those of recordings in which the clocks agree better
-/// than in all but one of a hundred.
+/// than in all but kUnlucky of them.
 class FramePhases {
  public:
   static constexpr int kPhases = 8;
+  static constexpr double kUnlucky = 0.01;  ///< Share of recordings whose clocks agree better.
   using Deviations = std::array<double, kPhases>;
 
   /// @param observed time of all tracks, s
@@ -38,6 +39,9 @@ class FramePhases {
   /// @param frames the lag, a whole number
   [[nodiscard]] Deviations of(bool angular, double frames) const;
 
+  /// The mean variance by all clocks over that of the deviations here, at most 1.
+  [[nodiscard]] double usual() const { return usual_; }
+
  private:
   void setTurning(double tau, double angular_msd);
 
@@ -47,6 +51,7 @@ class FramePhases {
   int phases_ = 1;             ///< Frames that lie at different phases, after which they repeat.
   double period_ = 0;          ///< Of the frames, if they do exactly, s.
   double left_ = 0;            ///< Share of the deviations that drift leaves.
+  double usual_ = 1;
 };
 
 /// The standard errors, by this, of the angular MSD less the noise of the heading [rad^2].

@@ -11,24 +11,29 @@ namespace lab::analysis {
 ///
 /// With nothing added, s has Hotelling's distribution. Added terms make s smaller: then s is nearly
 /// distributed as a multiple of it with fewer dimensions, with the same mean and variance
-/// (Satterthwaite 1946). p-values by it are uniform if the law is right.
+/// (Satterthwaite 1946). p-values by it are uniform if the law is right. In a share `rare` of
+/// recordings, d has the added terms too: then a p-value below this share is the one by Hotelling's
+/// distribution, but at most `rare`.
 class DistanceDistribution {
  public:
   /// @param weights W, symmetric
   /// @param nuisance one direction per column; none: no columns
   DistanceDistribution(const Eigen::MatrixXd& scatter, const Eigen::MatrixXd& weights,
-                       const Eigen::MatrixXd& nuisance, int recordings);
+                       const Eigen::MatrixXd& nuisance, int recordings, double rare);
+
+  /// s of a deviation d.
+  [[nodiscard]] double distance2(const Eigen::VectorXd& deviation) const;
 
   /// The probability of at least this distance.
   [[nodiscard]] double tail(double distance2) const;
 
-  /// Effective number of dimensions.
-  [[nodiscard]] double freedom() const { return freedom_; }
-
  private:
+  Eigen::MatrixXd form_;  ///< W after the removal.
+  int dimensions_;        ///< After the removal.
+  int recordings_;
+  double rare_;
   double scale_ = 1;
   double freedom_ = 0;
-  int recordings_ = 0;
 };
 
 }  // namespace lab::analysis

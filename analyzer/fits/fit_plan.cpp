@@ -53,6 +53,7 @@ SimulatedCurves simulateForFit(const ProgramLaw& law, double offset, double angu
   recordings.frame_period = curves.frame_period;
   recordings.gaps = curves.gaps;
   recordings.duration = plan.duration;
+  recordings.taper = true;
   recordings.recordings = options.recordings;
   recordings.seed = options.seed;
   for (const std::size_t lag : plan.lags) {

@@ -7,6 +7,7 @@
 
 #include "analyzer/curves/frame_phases.hpp"
 #include "analyzer/curves/statistics.hpp"
+#include "analyzer/fits/distance_distribution.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::analysis {
@@ -81,20 +82,34 @@ class Fit {
   /// bias the weights.
   void setCovariance(const SimulatedCurves& recordings) {
     const Eigen::Index n = index(columns());
-    Matrix& deviations = deviations_;
-    deviations.resize(recordings.recordings, n);
+    // The measured tracks have ends too, but fewer.
+    const double ends =
+        std::min(1.0, recordings.duration * curves_.tracks / std::max(curves_.observed, 1e-9));
+    const auto count = static_cast<Eigen::Index>(recordings.recordings);
+    Matrix tapered(count, n);
+    Matrix plain(count, n);
     for (Eigen::Index j = 0; j < n; ++j) {
       const Column& c = columns_[static_cast<std::size_t>(j)];
-      const double scale = errorScale(recordings, curves_.observed, curves_.segments, c.tau) /
-                           recordings.law[c.in_recordings];
+      const double law = recordings.law[c.in_recordings];
+      const double scale = errorScale(recordings, curves_.observed, curves_.segments, c.tau) / law;
+      const double tapered_scale =
+          taperedScale(recordings, curves_.observed, curves_.segments, c.tau) / law;
       for (int recording = 0; recording < recordings.recordings; ++recording) {
-        deviations(recording, j) = scale * recordings.value(recording, c.in_recordings);
+        plain(recording, j) = scale * recordings.value(recording, c.in_recordings);
+        tapered(recording, j) = tapered_scale * recordings.taperedValue(recording, c.in_recordings);
       }
     }
-    deviations.rowwise() -= deviations.colwise().mean().eval();
+    plain.rowwise() -= plain.colwise().mean().eval();
+    tapered.rowwise() -= tapered.colwise().mean().eval();
+    deviations_.resize(2 * count, n);
+    for (Eigen::Index recording = 0; recording < count; ++recording) {
+      deviations_.row(2 * recording) = std::sqrt(1 - ends) * tapered.row(recording);
+      deviations_.row(2 * recording + 1) = std::sqrt(ends) * plain.row(recording);
+    }
     for (Eigen::Index j = 0; j < n; ++j) {
       reference_(j) = recordings.law[columns_[static_cast<std::size_t>(j)].in_recordings];
     }
+    scatter_ = deviations_.transpose() * deviations_ / (recordings.recordings - 1);
     systematic_ = Matrix::Zero(n, n);
     for (Eigen::Index j = 0; j < n; ++j) {
       const Column& c = columns_[static_cast<std::size_t>(j)];
@@ -102,8 +117,8 @@ class Fit {
       const double motion = 1 - offset() * c.joined / reference_(j);
       systematic_(j, j) = std::pow(options_.systematic_floor * motion, 2);
     }
+    covariance_ = scatter_ + systematic_;
     addPhases();
-    covariance_ = deviations.transpose() * deviations / (recordings.recordings - 1) + systematic_;
     regularise();
   }
 
@@ -201,7 +216,11 @@ class Fit {
       deviations.col(index(j)) =
           Eigen::Map<const Vector>(of.data(), FramePhases::kPhases) / reference_(index(j));
     }
-    systematic_ += deviations.transpose() * deviations / FramePhases::kPhases;
+    const Matrix covariance = deviations.transpose() * deviations / FramePhases::kPhases;
+    scatter_ += phases.usual() * covariance;
+    rare_ = FramePhases::kUnlucky;
+    systematic_ += covariance;
+    covariance_ += covariance;
   }
 
   /// Increases the diagonal of a covariance that is numerically singular.
@@ -216,11 +235,8 @@ class Fit {
     if (regularised_) covariance_.diagonal() += kLeastPivot * covariance_.diagonal();
   }
 
-  /// The squared distance of the curves from the law, with the rate of the robots' clocks free
-  /// within its error. Otherwise an error of 1 % would be a misfit in an hour, because the times of
-  /// the program are given.
-  [[nodiscard]] double distance2(const Eigen::LLT<Matrix>& factor, const Vector& left) const {
-    const Vector white = factor.matrixL().solve(left);
+  /// The change of the curves by the standard error of the robots' clocks.
+  [[nodiscard]] Vector clockError() const {
     const ExactLaw slow(law().slowed(1 + kClockError));
     const ExactLaw exact(law());
     Vector clock(index(columns()));
@@ -229,11 +245,23 @@ class Fit {
       clock(index(j)) = c.angular ? slow.angularMsd(c.tau) - exact.angularMsd(c.tau)
                                   : slow.msd(c.tau) - exact.msd(c.tau);
     }
-    clock = clock.cwiseQuotient(reference_) / std::sqrt(curves_.tracks);
-    Vector off = factor.matrixL().solve(clock);
-    const Matrix sensitivity = factor.matrixL().solve(jacobian_);
-    off -= sensitivity * leastSquares(sensitivity, sensitivity.colwise().norm(), off);
-    return white.squaredNorm() - std::pow(white.dot(off), 2) / (1 + off.squaredNorm());
+    return clock.cwiseQuotient(reference_) / std::sqrt(curves_.tracks);
+  }
+
+  /// The distance of the curves from the law with its p-value. The rate of the robots' clocks is
+  /// free within its error. Otherwise an error of 1 % would be a misfit in an hour, because the
+  /// times of the program are given.
+  void setGoodness(LawFit& fit, int recordings) const {
+    Matrix whole = covariance_;
+    const Vector clock = clockError();
+    whole += clock * clock.transpose();
+    const Eigen::LLT<Matrix> factor(whole);
+    const Matrix weights = factor.solve(Matrix::Identity(whole.rows(), whole.cols()));
+    const Vector left = residuals();
+    const Matrix scatter = scatter_ + clock * clock.transpose();
+    const DistanceDistribution distribution(scatter, weights, jacobian_, recordings, rare_);
+    fit.chi2 = distribution.distance2(left);
+    fit.p_value = distribution.tail(fit.chi2);
   }
 
   /// The matrix that maps relative deviations to changes of the parameters, for a covariance.
@@ -250,14 +278,14 @@ class Fit {
   /// (J^T S^-1 J)^-1 does not.
   [[nodiscard]] Matrix parameterErrors() const {
     constexpr Eigen::Index kFolds = 5;
-    const Eigen::Index recordings = deviations_.rows();
+    const Eigen::Index recordings = deviations_.rows() / 2;
     const auto n = static_cast<double>(recordings);
     const Matrix sum = deviations_.transpose() * deviations_;
     Matrix errors = Matrix::Zero(index(parameters_), index(parameters_));
     for (Eigen::Index fold = 0; fold < kFolds; ++fold) {
       const Eigen::Index first = fold * recordings / kFolds;
       const Eigen::Index count = (fold + 1) * recordings / kFolds - first;
-      const Matrix left_out = deviations_.middleRows(first, count);
+      const Matrix left_out = deviations_.middleRows(2 * first, 2 * count);
       Matrix rest = (sum - left_out.transpose() * left_out) / (n - 1 - static_cast<double>(count));
       rest += systematic_;
       if (regularised_) rest = covariance_;
@@ -279,8 +307,11 @@ class Fit {
   bool regularised_ = false;
   Vector theta_;  ///< ln(parameter / programmed), then the offsets.
   Vector reference_;
-  Matrix deviations_;  ///< Relative deviations of the recordings, scaled to the measured time; one
-                       ///< row each.
+  /// Relative deviations of the recordings, scaled to the measured time. Two rows each, tapered and
+  /// not, scaled so that the sum of both covariances is that of the measured time.
+  Matrix deviations_;
+  Matrix scatter_;     ///< Covariance of the recordings, and of the usual phases of the frames.
+  double rare_ = 0;    ///< Share of recordings whose frames keep step with the holds.
   Matrix systematic_;  ///< Covariance that recordings do not show.
   Matrix covariance_;
   Matrix jacobian_;
@@ -322,7 +353,6 @@ Estimate positiveEstimate(const std::string& name, const std::string& unit, doub
 }
 
 void Fit::report(LawFit& fit, int recordings) const {
-  const Eigen::LLT<Matrix> factor(covariance_);
   const Vector left = residuals();
   const double n = recordings - 1;
   const Matrix errors = parameterErrors();
@@ -333,8 +363,7 @@ void Fit::report(LawFit& fit, int recordings) const {
   fit.recordings = recordings;
   fit.regularised = regularised_;
   fit.freedom = static_cast<int>(columns() - parameters_);
-  fit.chi2 = distance2(factor, left);
-  fit.p_value = hotellingTail(fit.chi2, fit.freedom, n);
+  setGoodness(fit, recordings);
   const std::string note = angular_ ? "GLS fit of the exact law to MSD and angular MSD"
                                     : "GLS fit of the exact law to the MSD alone: no headings";
   for (std::size_t p = 0; p < free_.size(); ++p) {

@@ -33,10 +33,10 @@ struct LawFit {
   ProgramLaw law;                    ///< The program with the fitted parameters.
   std::vector<double> lags;          ///< s.
   bool angular = false;              ///< The angular MSD was used.
-  double chi2 = 0;
-  int freedom = 0;                ///< Degrees of freedom of chi2.
-  double p_value = 0;             ///< Of chi2, by Hotelling's distribution.
-  int recordings = 0;             ///< Simulated recordings of the covariance.
+  double chi2 = 0;     ///< Squared distance, with the robots' clocks free in their error.
+  int freedom = 0;     ///< Number of lags of all curves less that of parameters.
+  double p_value = 0;  ///< Of chi2, by DistanceDistribution.
+  int recordings = 0;  ///< Simulated recordings of the covariance.
   double recording_duration = 0;  ///< s.
   /// Largest difference of a parameter from its ordinary least-squares value, in standard errors of
   /// this difference if law and covariance are correct. Above 4 the fit is not reliable.

@@ -167,8 +167,8 @@ class Distance {
         n_(static_cast<Eigen::Index>(columns_.size())) {
     setScatter(simulated);
     scatter_ += offset_share_ * offset_share_.transpose();
-    addPhases();
     covariance_ = scatter_;
+    addPhases();
     covariance_.diagonal().array() += options_.systematic_floor * options_.systematic_floor;
     factor_.compute(covariance_);
   }
@@ -189,9 +189,9 @@ class Distance {
       }
     }
     result.freedom = static_cast<int>(n_ - nuisance.cols());
-    result.distance2 = without(whitened(nuisance), whitened(off)).squaredNorm();
     const Eigen::MatrixXd weights = factor_.solve(Eigen::MatrixXd::Identity(n_, n_));
-    const DistanceDistribution distribution(scatter_, weights, nuisance, recordings_);
+    const DistanceDistribution distribution(scatter_, weights, nuisance, recordings_, rare_);
+    result.distance2 = distribution.distance2(off);
     result.p_value = distribution.tail(result.distance2);
     result.deviate = deviateOf(result.p_value);
   }
@@ -270,7 +270,10 @@ class Distance {
       deviations.col(j) = Eigen::Map<const Eigen::VectorXd>(of.data(), FramePhases::kPhases) /
                           expected(tested_, law_, at(j).angular, lag(at(j)));
     }
-    scatter_ += deviations.transpose() * deviations / FramePhases::kPhases;
+    const Eigen::MatrixXd covariance = deviations.transpose() * deviations / FramePhases::kPhases;
+    scatter_ += phases.usual() * covariance;
+    rare_ = FramePhases::kUnlucky;
+    covariance_ += covariance;
   }
   /// From the law with `speed` times the programmed speed.
   [[nodiscard]] Eigen::VectorXd deviation(double speed) const {
@@ -317,8 +320,9 @@ class Distance {
   int recordings_ = 0;
   Eigen::VectorXd mean_;          ///< Of the simulated recordings.
   Eigen::VectorXd offset_share_;  ///< By the error of the noise of the positions.
-  Eigen::MatrixXd scatter_;       ///< Covariance of both, and of the frames' phases.
-  Eigen::MatrixXd covariance_;    ///< The same with the systematic floor.
+  Eigen::MatrixXd scatter_;       ///< Covariance of both, and of the usual phases of the frames.
+  double rare_ = 0;               ///< Share of recordings whose frames keep step with the holds.
+  Eigen::MatrixXd covariance_;    ///< The same with rare phases and the systematic floor.
   Eigen::LLT<Eigen::MatrixXd> factor_;
 };
 

@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <map>
+#include <random>
 #include <string>
+#include <vector>
 
 #include "analyzer/fits/law_fit.hpp"
 #include "tests/analyzer/recording_ensemble.hpp"
@@ -18,6 +20,8 @@ struct FitScatter {
   };
   std::map<std::string, Number> numbers;
   Scatter chi2;
+  std::vector<double> fit_p;    ///< of chi2
+  std::vector<double> exact_p;  ///< of the test of the exact law
   int recordings = 0;
   int refused = 0;
   int unlikely = 0;        ///< chi2 below p = 0.01
@@ -41,6 +45,8 @@ struct FitScatter {
       }
     }
     chi2.add(fit.chi2);
+    fit_p.push_back(fit.p_value);
+    if (fit.exact) exact_p.push_back(fit.exact->p_value);
     unlikely += fit.p_value < 0.01 ? 1 : 0;
     guarded += fit.guard_z > 4 ? 1 : 0;
     exact_rejected += fit.exact && fit.exact->p_value < 0.01 ? 1 : 0;
@@ -63,23 +69,33 @@ inline MeasuredCurves curvesOfRecording(const WalkerRecording& recording, double
 }
 
 /// Fits `recordings` recordings. Unless nested, the recordings of the covariance are simulated
-/// once, at the true parameters, and reused.
-inline FitScatter fitRecordings(WalkerRecording recording, int recordings, double max_lag,
-                                bool nested, bool tests) {
+/// at the true parameters, and reused for `reused` recordings. The clocks of the robots have
+/// relative errors with the standard deviation `clock_error`.
+inline FitScatter fitRecordings(const WalkerRecording& programmed, int recordings, double max_lag,
+                                bool nested, bool tests, double clock_error = 0,
+                                int reused = 1 << 30) {
   FitScatter result;
   SimulatedCurves truth;
   SimulatedCurves octaves;
-  const FitOptions options;
+  FitOptions options;
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  WalkerRecording recording = programmed;
   for (int i = 0; i < recordings; ++i) {
     recording.seed = 90000U + static_cast<unsigned>(i);
-    const MeasuredCurves curves = curvesOfRecording(recording, max_lag);
-    if (i == 0) {
+    WalkerRecording filmed = recording;
+    if (clock_error > 0) filmed.law = recording.law.slowed(1 + clock_error * normal(random));
+    ProgramAnalysis analysis(recording.law, 1 / recording.fps, max_lag);
+    for (const Sample& sample : stitch(filmed).samples) analysis.add(sample);
+    const MeasuredCurves curves = measuredCurves(recording.law, analysis.data());
+    if (i % reused == 0) {
+      options.seed = 1 + 1000 * static_cast<unsigned>(i);
       MeasuredCurves known = curves;
       known.offset = 4 * recording.sigma * recording.sigma;
       known.angular_offset = 2 * recording.sigma_theta * recording.sigma_theta;
       truth = simulateForFit(recording.law, known.offset, known.angular_offset, known,
                              planFit(recording.law, known, options), options);
-      if (tests) octaves = simulateForTest(recording.law, known, 400, 5);
+      if (tests) octaves = simulateForTest(recording.law, known, 400, options.seed + 4);
     }
     LawFit fit = fitLaw(recording.law, curves, options, nested ? nullptr : &truth);
     if (tests) {
