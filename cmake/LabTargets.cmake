@@ -14,8 +14,8 @@ if(LAB_SANITIZE)
     -fno-sanitize-recover=all
     # The check of a type opens a pipe. Behind the other options, which would switch it on again.
     $<$<BOOL:$<TARGET_PROPERTY:LAB_OPENS_NOTHING>>:-fno-sanitize=vptr>
-    # With sanitizers, g++ gives false warnings of uninitialised variables (GCC manual).
-    $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan;-Wno-maybe-uninitialized>)
+    # With sanitizers, g++ gives false warnings of uninitialised variables (GCC manual) and of bounds.
+    $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan;-Wno-maybe-uninitialized;-Wno-array-bounds>)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
 endif()
 

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <utility>
 
+#include "analyzer/curves/clock_error.hpp"
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/robot_scatter.hpp"
 #include "analyzer/curves/statistics.hpp"
@@ -231,10 +232,20 @@ class Report {
   std::vector<Estimate> all() {
     list();
     holdTime();
+    for (Estimate& one : list_) widenByClocks(one, robots(), clockPower(one.name));
     return std::move(list_);
   }
 
  private:
+  [[nodiscard]] double robots() const { return static_cast<double>(data_.tracks.size()); }
+
+  /// Wheels make the speed without a clock. V is measured at the programmed hold, and D_t of the
+  /// robot is proportional to V^2 times the hold.
+  [[nodiscard]] double clockPower(const std::string& name) const {
+    if (!law_.known() || name == law_->speedName()) return 0;
+    return name == "V" ? 0.5 : 1;
+  }
+
   void list() {
     if (!law_.known()) {
       direct(kSpeed, "v", "m/s", kNan, "forward displacement over time");
@@ -267,8 +278,7 @@ class Report {
     list_.push_back({std::isnan(law_->parameter("epsilon")) ? "hold" : "epsilon", "s", hold->value,
                      hold->sigma, hold->value - half, hold->value + half, hold->programmed,
                      hold->blocks,
-                     "when the turning rate changes (line in a spectrum of the headings); the "
-                     "robots' clocks may be wrong by 0.5 %"});
+                     "when the turning rate changes (line in a spectrum of the headings)"});
   }
 
   Replicates replicate(Quantity quantity) const {
@@ -328,7 +338,8 @@ class Report {
   /// The error of the mean forward speed. The noise of a frame enters the steps before and after it
   /// with opposite signs and mostly cancels, except if the two steps are in different blocks: the
   /// scatter of blocks is too large by a known amount. The remaining scatter counts only if it
-  /// exceeds the noise significantly (draws of the wheels, unevenness of real ones).
+  /// exceeds the noise significantly (draws of the wheels, unevenness of real ones). That by the
+  /// steps of the motors is known.
   SpeedError speedError(const Replicates& replicates, double block_sigma) const {
     const BlockSums& total = total_;
     const Quantities q = estimator_(total);
@@ -347,7 +358,9 @@ class Report {
     const double scatter = block_sigma * block_sigma * time * time;
     const double excess = scatter - 2 * sigma2 * (blocks - tracks) - noise;
     const double resolution = 2 * std::sqrt(2 / std::max(1.0, blocks - 1)) * scatter;
-    const double variance = (noise + (excess > resolution ? excess : 0)) / (time * time);
+    const double steps = law_.speedScatter() * time;
+    const double variance =
+        (noise + std::max(steps, excess > resolution ? excess : 0)) / (time * time);
     // The correction for chords and heading noise is only of lowest order.
     const double correction = q[kSpeed] - scale * total.forward / time;
     return {std::hypot(std::sqrt(variance), kCorrectionShare * correction), excess <= resolution};

@@ -293,7 +293,8 @@ class Fit {
       errors += shifts.transpose() * shifts / (n - 1);
     }
     const Matrix all = weights(covariance_);
-    return errors + all * systematic_ * all.transpose();
+    const Vector clock = all * clockError();
+    return errors + all * systematic_ * all.transpose() + clock * clock.transpose();
   }
 
   ProgramLaw law_;

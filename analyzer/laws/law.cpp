@@ -52,6 +52,7 @@ ProgramLaw ProgramLaw::with(std::string_view parameter, double value) const {
   }
   ProgramLaw changed = closedForm(law_->name(), values, law_->wheelBase());
   changed.program_ = program_;
+  changed.speed_scatter_ = speed_scatter_;
   return changed;
 }
 
@@ -62,6 +63,12 @@ ProgramLaw ProgramLaw::slowed(double factor) const {
     if (one.unit == "1/s") slow = slow.with(one.name, one.value / factor);
   }
   return slow;
+}
+
+ProgramLaw ProgramLaw::withSpeedScatter(double scatter) const {
+  ProgramLaw changed = *this;
+  changed.speed_scatter_ = scatter;
+  return changed;
 }
 
 ProgramLaw ProgramLaw::withSpeed(double speed) const {

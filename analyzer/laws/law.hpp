@@ -225,6 +225,10 @@ class ProgramLaw {
   [[nodiscard]] ProgramLaw with(std::string_view parameter, double value) const;
   /// The same closed form on a robot whose clock takes `factor` times as long.
   [[nodiscard]] ProgramLaw slowed(double factor) const;
+  /// The variance of the mean speed over a time T, by the steps of the motors, is this over T,
+  /// m^2/s.
+  [[nodiscard]] double speedScatter() const { return speed_scatter_; }
+  [[nodiscard]] ProgramLaw withSpeedScatter(double scatter) const;
   /// The same with another mean speed, if it has one.
   [[nodiscard]] ProgramLaw withSpeed(double speed) const;
 
@@ -235,6 +239,7 @@ class ProgramLaw {
  private:
   std::shared_ptr<const Law> law_;
   std::uint32_t program_ = 0;
+  double speed_scatter_ = 0;
 };
 
 }  // namespace lab::analysis

@@ -33,6 +33,19 @@ std::string dependence(const Program& program) {
   return {};
 }
 
+/// The law with the speed that the motors can do. One that is always the same lies between their
+/// steps; those of draws nearly average out.
+ProgramLaw atSteps(const ProgramLaw& law, const Program& program, const RobotBody& body) {
+  constexpr double kSignificance = 4;
+  if (!body.pwm_steps || program.code.empty() || law->speedParameter().empty()) return law;
+  if (!(law->meanSpeed() > 0)) return law;
+  const SpeedSteps steps =
+      speedSteps(std::make_shared<const std::vector<std::uint8_t>>(program.code), body);
+  const bool shifted = std::abs(steps.relative) > kSignificance * steps.sigma;
+  const double speed = law->meanSpeed() * (shifted ? 1 + steps.relative : 1);
+  return law.withSpeed(speed).withSpeedScatter(steps.scatter);
+}
+
 }  // namespace
 
 ProgramLaw lawOf(const Program& program, double wheel_base) {
@@ -51,7 +64,8 @@ ProgramLaw lawOf(const Program& program, const RobotBody& body) {
   }
   try {
     if (!text.name.empty()) {
-      return ProgramLaw(closedForm(text.name, text.parameters, body.wheel_base), program.hash);
+      const ProgramLaw law(closedForm(text.name, text.parameters, body.wheel_base), program.hash);
+      return atSteps(law, program, body);
     }
     if (!text.msd.empty() || !text.angular_msd.empty()) {
       return ProgramLaw(makeFormulaLaw(program, body), program.hash);

@@ -14,6 +14,7 @@ namespace lab::analysis {
 /// one without curves and with the reason (Law::whyNoVerdict), whatever law its file gives. Another
 /// one has the closed form that it names, else its own formulas, else one whose reference must be
 /// simulated (Law::isSimulated). None for standing; without curves for a law that is not known.
+/// Where the steps of the motors shift the speed, the law has the shifted one.
 [[nodiscard]] ProgramLaw lawOf(const Program& program, const RobotBody& body);
 
 /// The same for ideal wheels and clocks.

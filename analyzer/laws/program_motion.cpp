@@ -173,4 +173,49 @@ HoldFacts holdFacts(const ByteCode& code, const RobotBody& body) {
   return facts;
 }
 
+SpeedSteps speedSteps(const ByteCode& code, const RobotBody& body) {
+  constexpr int kArcs = 4000;
+  RobotBody robot = body;
+  robot.clock_error = 0;
+  robot.pwm_steps = true;
+  RobotBody ideal = robot;
+  ideal.pwm_steps = false;
+  // Both draw the same numbers.
+  Random random(1);
+  Random same_random(1);
+  ProgramMotion stepped(code, robot);
+  ProgramMotion ordered(code, ideal);
+  struct Piece {
+    double time = 0;
+    double ordered = 0;  // m
+    double change = 0;   // m
+  };
+  std::vector<Piece> pieces;
+  double time = 0;
+  double path = 0;
+  double change = 0;
+  Arc with = stepped.first(random);
+  Arc without = ordered.first(same_random);
+  for (int i = 0; i < kArcs; ++i) {
+    const double duration = std::min(without.duration, kForever);
+    pieces.push_back({duration, duration * without.speed, duration * (with.speed - without.speed)});
+    time += duration;
+    path += pieces.back().ordered;
+    change += pieces.back().change;
+    if (duration >= kForever) break;
+    with = stepped.next(random);
+    without = ordered.next(same_random);
+  }
+  SpeedSteps steps;
+  if (path == 0) return steps;
+  steps.relative = change / path;
+  double squares = 0;
+  for (const Piece& piece : pieces) {
+    squares += std::pow(piece.change - steps.relative * piece.ordered, 2);
+  }
+  steps.sigma = std::sqrt(squares) / std::abs(path);
+  steps.scatter = squares / time;
+  return steps;
+}
+
 }  // namespace lab::analysis

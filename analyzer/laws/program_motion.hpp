@@ -41,4 +41,13 @@ struct HoldFacts {
 };
 [[nodiscard]] HoldFacts holdFacts(const ByteCode& code, const RobotBody& body);
 
+/// What the steps of the motors change in the speed, by the first thousands of holds of a program.
+struct SpeedSteps {
+  double relative = 0;  ///< Change of the mean speed, of this speed.
+  double sigma = 0;     ///< Standard error of `relative`.
+  /// The variance of the mean speed over a time T by the draws of holds is this over T, m^2/s.
+  double scatter = 0;
+};
+[[nodiscard]] SpeedSteps speedSteps(const ByteCode& code, const RobotBody& body);
+
 }  // namespace lab::analysis

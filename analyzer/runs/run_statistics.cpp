@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "analyzer/curves/clock_error.hpp"
 #include "analyzer/curves/statistics.hpp"
 #include "common/math/angle.hpp"
 #include "common/math/units.hpp"
@@ -324,6 +325,10 @@ RunStatistics runStatistics(const ProgramLaw& law, const std::vector<const Found
     run_time += one.count * one.shortest / 2;
   }
   addDerived(law, speed, tumble, rate, gamma.sigma, run_time, out);
+  for (Estimate& one : out.estimates) {
+    const bool timed = !one.unit.empty() && one.name != "v";
+    if (timed) widenByClocks(one, static_cast<double>(robots.size()));
+  }
 
   // Robots with a better resolution than others also have runs below the common first bar.
   double below = pool.hidden_count;

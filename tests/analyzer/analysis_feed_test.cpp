@@ -228,7 +228,7 @@ TEST(AnalysisFeed, TakesDefinitionsFromCommands) {
   robot.run(500);
 
   const ProgramResult result = poolOf(dut);
-  EXPECT_EQ(result.law, lawOf(other, 0.075));
+  EXPECT_EQ(result.law, lawOf(other, bodyOf(RobotHardware{})));
   EXPECT_TRUE(result.law->runs());
 }
 

@@ -395,7 +395,9 @@ RunRecord poseRun(PoseFile poses, const std::string& name, const PoseProgram& pr
   robots_run.colour = hexText(kProgramColours.front());
   if (!experiment.programs.empty()) {
     const auto& [name_in_file, first] = *experiment.programs.begin();
-    law = analysis::lawOf(first, analysis::bodyOf(experiment.hardware));
+    analysis::RobotBody body = analysis::bodyOf(experiment.hardware);
+    body.pwm_steps = false;  // the motors that moved the robots are not known
+    law = analysis::lawOf(first, body);
     robots_run.program = toId(first);
     robots_run.name = name_in_file;
     robots_run.colour = hexText(programColour(experiment, name_in_file));

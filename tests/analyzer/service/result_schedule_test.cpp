@@ -10,14 +10,14 @@
 namespace lab::analysis {
 namespace {
 
-constexpr std::int64_t kStart = 1'600'000'000'000'000;
+constexpr std::int64_t kFirst = 1'600'000'000'000'000;
 
 /// The times of results [ms since the first] in `seconds`, asked 125 times a second.
 std::vector<std::int64_t> timesIn(ResultSchedule dut, std::int64_t seconds) {
   std::vector<std::int64_t> times;
   for (std::int64_t now = 0; now < seconds * 1'000'000; now += 8000) {
-    if (!dut.isDue(kStart + now)) continue;
-    dut.computed(kStart + now);
+    if (!dut.isDue(kFirst + now)) continue;
+    dut.computed(kFirst + now);
     times.push_back(now / 1000);
   }
   return times;
