@@ -48,6 +48,8 @@ struct BlockCounts {
   double forward_time = 0;  ///< Time of these steps, s.
   double sideways2 = 0;     ///< Sum of squares of one-frame displacements across the heading, m^2.
   double steps = 0;         ///< Number of these displacements.
+  double turn = 0;          ///< Rotation between consecutive frames, rad.
+  double turn_time = 0;     ///< Time of these rotations, s.
   double joins = 0;         ///< Number of removed reversals.
   double lost = 0;          ///< Frames missing in gaps of up to 2 s.
   double lost2 = 0;         ///< Sum over the gaps of the squared numbers of missing frames.

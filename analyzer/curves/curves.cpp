@@ -47,6 +47,8 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
   const BlockSums& total = estimator.total();
   const double observed = total.time;
   result.hold = holdPeriod(data.holds);
+  result.turning = turningRate(law, total);
+  result.draws = drawShape(estimator, data);
   const std::size_t n = data.lags.size();
   const ExactLaw exact(law);
   const double calibrated = calibration(law, estimator(total)[kSpeed], options.speed_tolerance);
@@ -133,6 +135,28 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
   return result;
 }
 
+namespace {
+
+/// Numbers that the curves hardly depend on.
+void judgeNumbers(const Curves& curves, Verdict& verdict) {
+  const auto exceeds = [&verdict](double z) {
+    if (!(std::abs(z) > verdict.max_z)) return false;
+    verdict.max_z = std::abs(z);
+    verdict.tau = 0;
+    verdict.angular = true;
+    verdict.hold = verdict.turning = verdict.draws = false;
+    return true;
+  };
+  if (curves.hold && exceeds(curves.hold->z)) {
+    verdict.tau = curves.hold->value;
+    verdict.hold = true;
+  }
+  if (curves.turning && exceeds(curves.turning->z)) verdict.turning = true;
+  if (curves.draws && exceeds(curves.draws->z)) verdict.draws = true;
+}
+
+}  // namespace
+
 Verdict judge(const Curves& curves) {
   Verdict verdict;
   for (const bool angular : {false, true}) {
@@ -148,12 +172,7 @@ Verdict judge(const Curves& curves) {
       }
     }
   }
-  if (curves.hold && verdict.judged >= kMinJudged && std::abs(curves.hold->z) > verdict.max_z) {
-    verdict.max_z = std::abs(curves.hold->z);
-    verdict.tau = curves.hold->value;
-    verdict.angular = true;
-    verdict.hold = true;
-  }
+  if (verdict.judged >= kMinJudged) judgeNumbers(curves, verdict);
   if (verdict.judged >= kMinJudged) {
     verdict.kind = verdict.max_z < kLimitZ ? VerdictKind::kAgrees : VerdictKind::kDisagrees;
   }

@@ -4,9 +4,11 @@
 #include <vector>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
+#include "analyzer/curves/draw_shape.hpp"
 #include "analyzer/curves/estimates.hpp"
 #include "analyzer/curves/hold_period.hpp"
 #include "analyzer/curves/msd_accumulator.hpp"
+#include "analyzer/curves/turning_rate.hpp"
 #include "analyzer/laws.hpp"
 #include "common/math/units.hpp"
 
@@ -32,6 +34,8 @@ struct Curves {
   std::vector<CurvePoint> msd;
   std::vector<CurvePoint> angular_msd;
   std::optional<HoldPeriod> hold;  ///< Of programs that draw a turning rate at equal intervals.
+  std::optional<TurningRate> turning;
+  std::optional<DrawShape> draws;
 };
 
 struct CurveOptions {
@@ -74,6 +78,8 @@ struct Verdict {
   double tau = 0;        ///< The lag of max_z, s.
   bool angular = false;  ///< max_z is in the angular MSD.
   bool hold = false;     ///< max_z is that of the hold time, and tau the measured hold time.
+  bool turning = false;  ///< max_z is that of the mean turning rate, and there is no tau.
+  bool draws = false;    ///< max_z is that of the shape of the draws, and there is no tau.
   int judged = 0;        ///< Number of judged lags.
   /// By ProgramResult::fit, if there is one: whether no parameters describe the curves, and whether
   /// the programmed ones do not. Either makes it kDisagrees.
@@ -82,9 +88,10 @@ struct Verdict {
 };
 
 /// Judges by the largest |z|, because the lags are strongly correlated and the sum of z^2 has no
-/// known distribution. The measured hold time counts as one more lag: the curves hardly depend on
-/// it if the diffusivities are right. The largest |z| exceeds 3.2 in 1 % of recordings of the true
-/// law; below 4 the motion agrees. Undecided with fewer than five judged lags.
+/// known distribution. The measured hold time, the mean turning rate and the kurtosis of the draws
+/// count as one more lag each: the curves hardly depend on them if the diffusivities are right. The
+/// largest |z| exceeds 3.2 in 1 % of recordings of the true law; below 4 the motion agrees.
+/// Undecided with fewer than five judged lags.
 [[nodiscard]] Verdict judge(const Curves& curves);
 
 }  // namespace lab::analysis

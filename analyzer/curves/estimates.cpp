@@ -10,6 +10,7 @@
 #include "analyzer/curves/lags.hpp"
 #include "analyzer/curves/robot_scatter.hpp"
 #include "analyzer/curves/statistics.hpp"
+#include "analyzer/curves/turning_rate.hpp"
 #include "analyzer/laws/numerics.hpp"
 #include "common/math/units.hpp"
 
@@ -231,6 +232,7 @@ class Report {
 
   std::vector<Estimate> all() {
     list();
+    meanTurning();
     holdTime();
     for (Estimate& one : list_) widenByClocks(one, robots(), clockPower(one.name));
     return std::move(list_);
@@ -242,7 +244,7 @@ class Report {
   /// Wheels make the speed without a clock. V is measured at the programmed hold, and D_t of the
   /// robot is proportional to V^2 times the hold.
   [[nodiscard]] double clockPower(const std::string& name) const {
-    if (!law_.known() || name == law_->speedName()) return 0;
+    if (!law_.known() || name == law_->speedName() || name == "omega") return 0;
     return name == "V" ? 0.5 : 1;
   }
 
@@ -279,6 +281,16 @@ class Report {
                      hold->sigma, hold->value - half, hold->value + half, hold->programmed,
                      hold->blocks,
                      "when the turning rate changes (line in a spectrum of the headings)"});
+  }
+
+  /// Whether it circles.
+  void meanTurning() {
+    const std::optional<TurningRate> rate = turningRate(law_, total_);
+    if (!rate) return;
+    const double half = studentQuantile(kManyBlocks) * rate->sigma;
+    list_.push_back({"omega", "rad/s", rate->value, rate->sigma, rate->value - half,
+                     rate->value + half, 0, observed_ / law_->drawTime(),
+                     "net rotation over time, positive to the left; the error is that of the law"});
   }
 
   Replicates replicate(Quantity quantity) const {

@@ -194,6 +194,10 @@ void MsdAccumulator::addStep(const Fix& to, double frames, bool join) {
   block.forward += c * dx + s * dy;
   block.forward_time += dt;
   block.joins += join ? 1 : 0;
+  if (!join) {
+    block.turn += to.theta - previous_.theta;
+    block.turn_time += dt;
+  }
   if (frames == 1 && !join) {
     const double sideways = c * dy - s * dx;
     block.sideways2 += sideways * sideways;
@@ -247,6 +251,8 @@ void MsdAccumulator::addSteps() {
     sums.forward_time += time[at] - time[at - 1];
     sums.sideways2 += sideways * sideways;
     sums.steps += 1;
+    sums.turn += theta[at] - theta[at - 1];
+    sums.turn_time += time[at] - time[at - 1];
   }
   blocks_.openBlock() += sums;
   period_time_ += time[first + steps - 1] - time[first - 1];

@@ -9,8 +9,8 @@
 
 #define LAB_INLINE __attribute__((always_inline)) inline
 // One clone with AVX2 and FMA, one without. Clang does not pass vectors between functions for
-// different processors.
-#if defined(__clang__)
+// different processors, and sanitizers do not support the dispatcher (ifunc).
+#if defined(__clang__) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define LAB_FIT_CLONES
 #else
 #define LAB_FIT_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))

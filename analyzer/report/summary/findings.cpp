@@ -206,14 +206,19 @@ std::string verdictReason(const ProgramResult& result) {
         "wheel speeds (or a hundred tumbles).",
         countText(verdict.judged, "lag"));
   }
+  const std::string where = verdict.draws ? "shape of the draws: kurtosis of the turning rate"
+                            : verdict.turning
+                                ? "mean turning rate: it circles"
+                                : fmt::format("{} {} s",
+                                              verdict.hold      ? "time between draws, measured"
+                                              : verdict.angular ? "angular MSD at"
+                                                                : "MSD at",
+                                              shortText(verdict.tau));
   std::string reason = fmt::format(
-      "The largest deviation from {} at {} is {:.1f} standard errors ({} {} s). By "
+      "The largest deviation from {} at {} is {:.1f} standard errors ({}). By "
       "chance alone one run in a hundred exceeds 3.2. From 4 on, the motion deviates.",
       result.law->reference(), countText(verdict.judged, "judged lag"), std::abs(verdict.max_z),
-      verdict.hold      ? "time between draws, measured"
-      : verdict.angular ? "angular MSD at"
-                        : "MSD at",
-      shortText(verdict.tau));
+      where);
   if (verdict.misfit) {
     reason += fmt::format(
         " No parameters of the law describe the curves (goodness of fit p = {:.0e}; from 0.001 on "

@@ -96,7 +96,9 @@ Json result(const analysis::ProgramResult& result, bool whole) {
   json["verdict"] = judged ? kVerdicts.at(static_cast<std::size_t>(result.verdict.kind)) : "no law";
   json["max_z"] = number(result.verdict.max_z);
   json["max_z_lag_s"] = number(result.verdict.tau);
-  json["max_z_curve"] = result.verdict.hold      ? "hold"
+  json["max_z_curve"] = result.verdict.draws     ? "draws"
+                        : result.verdict.turning ? "turning"
+                        : result.verdict.hold    ? "hold"
                         : result.verdict.angular ? "angular_msd"
                                                  : "msd";
   json["judged_lags"] = result.verdict.judged;

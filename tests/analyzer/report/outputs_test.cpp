@@ -42,7 +42,7 @@ analysis::ProgramResult resultOf(const Program& program, analysis::VerdictKind v
   analysis::ProgramResult result;
   result.law = analysis::lawOf(program, analysis::kPaperWheelBase);
   result.no_verdict = result.law->whyNoVerdict();
-  result.verdict = {verdict, 2.5, 0.5, false, false, 40};
+  result.verdict = {verdict, 2.5, 0.5, false, false, false, false, 40};
   return result;
 }
 
