@@ -63,6 +63,7 @@ Curves curves(const Estimator& estimator, const BlockData& data, const CurveOpti
   const auto tracks = static_cast<double>(data.tracks.size());
   const double segments = std::max(tracks, total.segments);
   const FramePhases phases(law, data.frame_period, observed, tracks);
+  result.frames_in_step = phases.matter() ? phases.repeat() : 0;
   const std::vector<double> angular_phases = phaseErrors(phases, estimator, data.lags);
   const std::vector<double> msd_phases = phaseErrors(phases, data.lags);
   const ExactLaw slow(law->held() ? law.slowed(1 + kClockError) : law);

@@ -36,6 +36,9 @@ struct Curves {
   std::optional<HoldPeriod> hold;  ///< Of programs that draw a turning rate at equal intervals.
   std::optional<TurningRate> turning;
   std::optional<DrawShape> draws;
+  /// Frames after which they lie at the same phases of the hold again (FramePhases); 0: they do
+  /// not.
+  int frames_in_step = 0;
 };
 
 struct CurveOptions {

@@ -34,6 +34,9 @@ class FramePhases {
   /// False: all deviations are 0.
   [[nodiscard]] bool matter() const { return noise_ != nullptr; }
 
+  /// The number of frames after which they lie at the same phases again.
+  [[nodiscard]] int repeat() const { return phases_; }
+
   /// The deviations from the law at a lag, m^2 or rad^2, if the first frame lies at one of equally
   /// spaced phases; their mean square is the variance.
   /// @param frames the lag, a whole number

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <memory>
 #include <stdexcept>
+#include <vector>
 
 #include "analyzer/laws.hpp"
 #include "analyzer/laws/closed_forms.hpp"

@@ -267,6 +267,15 @@ std::vector<std::string> caveats(const ProgramResult& result) {
         "farther than wheels can drive.",
         countText(result.lost, "frame")));
   }
+  constexpr int kFewPhases = 4;
+  const int in_step = result.curves.frames_in_step;
+  if (in_step > 0 && in_step <= kFewPhases) {
+    remarks.push_back(fmt::format(
+        "The frames keep step with the holds: after {} they lie at the same phases of a hold. "
+        "Curves at short lags then depend on these phases, which more recording does not average "
+        "out; their errors and those of the fit contain it. Another frame rate avoids it.",
+        countText(in_step, "frame")));
+  }
   const double noise = result.curves.msd.empty() ? 0 : result.curves.msd.front().noise;
   if (std::isfinite(noise) && noise > 0) {
     remarks.push_back(

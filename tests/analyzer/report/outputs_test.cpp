@@ -73,6 +73,17 @@ analysis::ProgramResult jam(double contact) {
   return result;
 }
 
+TEST(Verdict, NamesFramesThatKeepStepWithTheHolds) {
+  auto result = resultOf(shippedProgram("abp"), analysis::VerdictKind::kAgrees);
+  const auto named = testing::Contains(testing::HasSubstr("The frames keep step with the holds"));
+  EXPECT_THAT(caveats(result), testing::Not(named));
+  result.curves.frames_in_step = 12;  // their phases are many
+  EXPECT_THAT(caveats(result), testing::Not(named));
+  result.curves.frames_in_step = 2;
+  EXPECT_THAT(caveats(result), named);
+  EXPECT_THAT(caveats(result), testing::Contains(testing::HasSubstr("after 2 frames")));
+}
+
 TEST(Verdict, IsNotGreenAmongContacts) {
   EXPECT_STREQ(html::verdictClass(jam(0.05)), "agrees");
   EXPECT_STREQ(html::verdictClass(jam(0.3)), "partly");

@@ -68,7 +68,9 @@ TEST_F(Replay, AnAnalyzerFedByLcmLogplayerGivesTheSameResults) {
   const std::string url = "'udpm://239.255.76.67:24681?ttl=0&recv_buf_size=4194304'";
   const fs::path again = folder.path() / "again.lcmlog";
   Background logger("exec lcm-logger -q --lcm-url=" + url + " " + again.string());
-  Background analyzer("exec analyzer --lcm-url " + url);
+  // The programmed speeds depend on the motors, which the experiment describes.
+  Background analyzer("exec analyzer --lcm-url " + url + " --experiment " +
+                      (log.parent_path() / "experiment.toml").string());
   ASSERT_TRUE(
       waitUntil([&] { return fs::exists(again) && fs::file_size(again) > 0; }, seconds(60)));
   const Finished player = run("lcm-logplayer -s 15 -l " + url + " " + log.string());
