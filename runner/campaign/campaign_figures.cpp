@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <limits>
 #include <map>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -16,6 +17,7 @@
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
 #include "runner/campaign/campaign_laws.hpp"
+#include "runner/campaign/law_curve.hpp"
 
 namespace lab::runner::campaign {
 namespace {
@@ -184,6 +186,13 @@ std::string dataBlock(const std::string& name, std::vector<Drawn> points) {
   return text + "EOD\n";
 }
 
+std::string curveBlock(const std::string& name,
+                       const std::vector<std::pair<double, double>>& curve) {
+  std::string text = fmt::format("${} << EOD\n", name);
+  for (const auto& [x, y] : curve) text += fmt::format("{} {}\n", numberText(x), numberText(y));
+  return text + "EOD\n";
+}
+
 bool hasTheory(const std::vector<Drawn>& points) {
   return std::ranges::any_of(points, [](const Drawn& p) { return std::isfinite(p.theory); });
 }
@@ -192,11 +201,18 @@ bool hasTheory(const std::vector<Drawn>& points) {
 struct Series {
   std::string title;
   std::vector<Drawn> points;
+  std::vector<std::pair<double, double>> law;  ///< a smooth curve; empty: only its values at points
+};
+
+/// How a panel shows the law.
+struct LawStyle {
+  bool as_points = false;
+  bool exact = true;  ///< otherwise fitted
 };
 
 /// The data blocks and the plot command of one panel.
 std::string panelScript(const std::string& prefix, const std::vector<Series>& series,
-                        bool scattered, bool with_key) {
+                        const LawStyle& style, bool with_key) {
   std::string blocks;
   std::vector<std::string> parts;
   bool law_titled = false;
@@ -204,14 +220,24 @@ std::string panelScript(const std::string& prefix, const std::vector<Series>& se
     const std::string name = fmt::format("{}s{}", prefix, i);
     blocks += dataBlock(name, series[i].points);
     const std::string colour = series.size() == 1 ? "#000000" : viridis(i, series.size());
-    if (hasTheory(series[i].points)) {
-      const std::string title = law_titled || !with_key ? "notitle" : "title 'exact law'";
+    if (!series[i].law.empty() || hasTheory(series[i].points)) {
+      const std::string title = law_titled || !with_key ? "notitle"
+                                : style.exact           ? "title 'exact law'"
+                                                        : "title 'power law'";
       law_titled = true;
-      parts.insert(parts.begin(),
-                   scattered ? fmt::format("${} using 1:5 with points pt 6 ps 0.7 lc rgb '{}' {}",
-                                           name, kLaw, title)
-                             : fmt::format("${} using 1:5 with lines lw 1.2 lc rgb '{}' {}", name,
-                                           series.size() == 1 ? kLaw : colour, title));
+      const std::string line =
+          fmt::format("with lines lw 1.2{} lc rgb '{}' {}", style.exact ? "" : " dt 2",
+                      series.size() == 1 ? kLaw : colour, title);
+      if (style.as_points) {
+        parts.insert(
+            parts.begin(),
+            fmt::format("${} using 1:5 with points pt 6 ps 0.7 lc rgb '{}' {}", name, kLaw, title));
+      } else if (!series[i].law.empty()) {
+        blocks += curveBlock(name + "law", series[i].law);
+        parts.insert(parts.begin(), fmt::format("${}law using 1:2 {}", name, line));
+      } else {
+        parts.insert(parts.begin(), fmt::format("${} using 1:5 {}", name, line));
+      }
     }
     const std::string title =
         !with_key || series.size() == 1 ? "notitle" : "title " + quotedForGnuplot(series[i].title);
@@ -268,8 +294,26 @@ std::vector<std::string> thinned(std::vector<std::string> values, std::size_t mo
   return few;
 }
 
+/// The law of one series, over the range of its points.
+/// @return empty if other keys of the law vary along the series (--zip)
+std::vector<std::pair<double, double>> curveOf(const DrawnLaw& law, const CampaignData& data,
+                                               std::size_t x, const Fixed& fixed,
+                                               const std::vector<Drawn>& points) {
+  PointValues values(data.axes.size());
+  for (const auto& [axis, value] : fixed) values[axis] = value;
+  const bool constant = std::ranges::all_of(
+      law.axes, [&](std::size_t axis) { return axis == x || !values[axis].empty(); });
+  if (!constant) return {};
+  Extent drawn;
+  for (const Drawn& point : points) drawn.add(point.x);
+  Extent axis;
+  for (const std::string& value : valuesOf(data, x)) axis.add(numberIn(value).value_or(0));
+  return lawCurve(law, x, values, drawn.low, drawn.high, axis.isLogarithmic());
+}
+
 std::vector<Series> seriesOf(const CampaignData& data, const PooledTable& pooled,
-                             std::size_t quantity, const Layout& layout, const Fixed& fixed) {
+                             std::size_t quantity, const Layout& layout, const Fixed& fixed,
+                             const std::optional<DrawnLaw>& law) {
   const std::vector<std::string> xs = valuesOf(data, layout.x);
   std::vector<Fixed> each{fixed};
   if (!layout.series.empty()) {
@@ -292,16 +336,32 @@ std::vector<Series> seriesOf(const CampaignData& data, const PooledTable& pooled
       curve.points.push_back({placeOf(data, layout.x, data.points[i].values[layout.x], xs), &number,
                               pooled.points[i].theory[quantity]});
     }
-    if (!curve.points.empty()) series.push_back(std::move(curve));
+    if (curve.points.empty()) continue;
+    if (law) curve.law = curveOf(*law, data, layout.x, one, curve.points);
+    series.push_back(std::move(curve));
   }
   return series;
 }
 
-std::string intervalsSentence(const CampaignData& data, bool law) {
+/// What the lines of a figure are.
+std::string lawSentence(const std::vector<Series>& series, bool exact) {
+  const auto smooth = [](const Series& one) { return !one.law.empty(); };
+  const auto known = [](const Series& one) { return hasTheory(one.points); };
+  if (!exact) {
+    return std::ranges::any_of(series, smooth) ? " Dashed: the power law that fits the points."
+                                               : "";
+  }
+  if (std::ranges::none_of(series, known)) return "";
+  return std::ranges::any_of(series, smooth)
+             ? " Lines: the exact law of the programmed parameters."
+             : " Lines: the exact law of the programmed parameters at the points, joined by "
+               "straight lines.";
+}
+
+std::string intervalsSentence(const CampaignData& data) {
   std::string text = data.request.seeds > 1
                          ? "Points: means of the runs of a point; bars: 95 % intervals of the mean."
                          : "Points: one run each; bars: its 95 % interval.";
-  if (law) text += " Lines: the exact law of the programmed parameters.";
   if (data.request.common_seeds) {
     text +=
         " All points share their random numbers, so that their errors are correlated: "
@@ -329,15 +389,16 @@ ScriptedFigure scatteredFigure(const CampaignData& data, const PooledTable& pool
   std::string script = head(name, panels) + yAxis(pooled, quantity);
   bool law = false;
   for (std::size_t axis = 0; axis < panels; ++axis) {
-    const std::vector<Series> series = seriesOf(data, pooled, quantity, {axis, {}, {}, true}, {});
+    const std::vector<Series> series =
+        seriesOf(data, pooled, quantity, {axis, {}, {}, true}, {}, {});
     for (const Series& one : series) law = law || hasTheory(one.points);
     script += xAxis(data, axis, valuesOf(data, axis)) +
-              panelScript(fmt::format("p{}", axis), series, true, axis == 0);
+              panelScript(fmt::format("p{}", axis), series, {true, true}, axis == 0);
   }
   if (panels > 1) script += "unset multiplot\n";
   return {name, labelOf(pooled.quantities[quantity].name).text(),
           fmt::format("Each panel has all {} drawn points, over one of the swept keys. {}{}",
-                      data.points.size(), intervalsSentence(data, false),
+                      data.points.size(), intervalsSentence(data),
                       law ? " Circles: the exact law." : ""),
           script};
 }
@@ -446,19 +507,21 @@ ScriptedFigure curveFigure(const CampaignData& data, const PooledTable& pooled,
       head(name, panels.size()) +
       (panels.size() > 1 ? "set key top left\n" : "set key outside right top Left reverse\n") +
       yAxis(pooled, quantity);
-  bool law = false;
+  const std::optional<DrawnLaw> law = drawnLaw(data, pooled, quantity);
+  const bool exact = !law || law->is_exact;
+  std::string lines;
   for (std::size_t p = 0; p < panels.size(); ++p) {
-    const std::vector<Series> series = seriesOf(data, pooled, quantity, layout, panels[p]);
-    for (const Series& one : series) law = law || hasTheory(one.points);
+    const std::vector<Series> series = seriesOf(data, pooled, quantity, layout, panels[p], law);
+    if (lines.empty()) lines = lawSentence(series, exact);
     if (!panels[p].empty()) {
       script += "set title " + quotedForGnuplot(fixedText(data, panels[p])) + "\n";
     }
     if (p > 0) script += "unset key\n";
     script += xAxis(data, layout.x, valuesOf(data, layout.x)) +
-              panelScript(fmt::format("p{}", p), series, false, p == 0);
+              panelScript(fmt::format("p{}", p), series, {false, exact}, p == 0);
   }
   if (panels.size() > 1) script += "unset multiplot\n";
-  std::string caption = intervalsSentence(data, law);
+  std::string caption = intervalsSentence(data) + lines;
   if (all > panels.size()) {
     caption +=
         fmt::format(" The first {} of {} combinations; points.csv has all.", panels.size(), all);
