@@ -30,6 +30,17 @@ TEST(Estimates, CoverTheTruthOfTheRtpAtTheStatedRate) {
   }
 }
 
+// Steps across lost frames are chords of longer arcs.
+TEST(Estimates, LostFramesDoNotBiasTheSpeed) {
+  WalkerRecording recording = shortRecording(abpLaw(3, 0.5));
+  recording.fps = 9.97;
+  recording.missing = 0.1;
+  const Coverage dut = cover(recording, 200, 10);
+  EXPECT_LT(std::abs(dut.value.at("v").z(0.03)), 4);
+  EXPECT_LT(std::abs(dut.value.at("v").mean() / 0.03 - 1), 2e-4);
+  expectCoverage(dut, "v");
+}
+
 TEST(CurveErrors, EqualTheTrueScatterUpToA180thOfTheRecording) {
   WalkerRecording recording;
   recording.law = abpLaw(3, 0.5);
