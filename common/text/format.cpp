@@ -160,6 +160,7 @@ std::string symbolHtml(const std::string& name) {
   if (letter == "tau") letter = "τ";
   if (letter == "epsilon") letter = "ε";
   if (letter == "eta") letter = "η";
+  if (letter == "omega") letter = "ω";
   const std::string index = bar == std::string::npos ? "" : name.substr(bar + 1);
   return fmt::format("<i>{}</i>{}", escapeHtml(letter),
                      index.empty() ? "" : fmt::format("<sub>{}</sub>", escapeHtml(index)));

@@ -31,7 +31,7 @@ table { border-collapse: collapse; font-size: .92rem; font-variant-numeric: tabu
   margin: .5rem 0; }
 th { text-align: left; font-weight: 600; vertical-align: bottom; }
 th, td { padding: .28rem 1.1rem .28rem 0; border-bottom: 1px solid var(--line); }
-td { vertical-align: top; } .r { text-align: right; white-space: nowrap; }
+td { vertical-align: top; } .r { text-align: right; } td.r { white-space: nowrap; }
 .figures { display: grid; grid-template-columns: repeat(auto-fit, minmax(27rem, 1fr)); gap: 1.6rem; }
 .opening { display: grid; grid-template-columns: 3fr 2fr; gap: 1.4rem 1.6rem; margin: 1.5rem 0; }
 .opening figure:nth-child(n+3) { grid-column: 1 / -1; }

@@ -64,6 +64,7 @@ TEST(Format, EscapesHtml) {
   EXPECT_EQ(escapeHtml("<b a=\"1\" c='2'>&\x01"), "&lt;b a=&quot;1&quot; c=&#39;2&#39;&gt;&amp;");
   EXPECT_EQ(symbolHtml("D_r"), "<i>D</i><sub>r</sub>");
   EXPECT_EQ(symbolHtml("gamma"), "<i>γ</i>");
+  EXPECT_EQ(symbolHtml("omega"), "<i>ω</i>");
   EXPECT_EQ(symbolHtml("<x>_<y>"), "<i>&lt;x&gt;</i><sub>&lt;y&gt;</sub>");
 }
 
