@@ -84,6 +84,7 @@ class AnalysisFeed {
 
   /// As Analysis::stitch().
   void stitch(bool join, bool compare) { analysis_.stitch(join, compare); }
+  void freeTimes(const std::vector<std::string>& names) { analysis_.freeTimes(names); }
 
   /// Per program: the pool of its robots first, then each robot.
   /// @param meanwhile as of Analysis::results()

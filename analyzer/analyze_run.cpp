@@ -1,10 +1,12 @@
 #include "analyzer/analyze_run.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <fstream>
 #include <functional>
 #include <ostream>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -81,6 +83,26 @@ std::vector<FilmFacts> filmsOf(const fs::path& run) {
   return films;
 }
 
+/// @throws ReportError if a duration that fits shall free belongs to no program of the run
+void requireTimes(const RunRecord& record, const AnalyzeOptions& options, const fs::path& input) {
+  std::set<std::string> known;
+  for (const analysis::FeedResult& result : record.results) {
+    for (const analysis::FitParameter& time : result.result.law->fitTimes())
+      known.insert(time.name);
+  }
+  for (const std::string& name : options.free_times) {
+    if (known.contains(name)) continue;
+    throw ReportError(
+        known.empty()
+            ? fmt::format("{}: found --free {}, but no program of it has a law with such a time; "
+                          "leave --free out",
+                          input.string(), name)
+            : fmt::format("{}: found --free {}, expected {}: the laws of its programs have no "
+                          "other time",
+                          input.string(), name, fmt::join(known, " or ")));
+  }
+}
+
 /// Writes all files of a record, each completely or not at all.
 AnalyzedRun writeResults(const RunRecord& record, const fs::path& out, bool with_figures) {
   const ScratchFolder scratch(makeFolderIn(out, ".report"));
@@ -134,7 +156,8 @@ fs::path makeFolderIn(const fs::path& out, std::string_view name) {
 AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory,
                        const AnalyzeOptions& options) {
   const std::vector<fs::path> files = logFiles(run_or_log);
-  RunRecord record = readRun(files, {options.depth, options.stitch});
+  RunRecord record = readRun(files, {options.depth, options.stitch, options.free_times});
+  requireTimes(record, options, run_or_log);
   if (fs::is_directory(run_or_log)) record.films = filmsOf(run_or_log);
   if (!options.film.empty()) record.films = filmsOf(options.film);
   record.film_note = options.film_note;
@@ -150,9 +173,10 @@ AnalyzedRun analyzeRun(const fs::path& run_or_log, const fs::path& out_directory
 AnalyzedRun analyzePoses(const fs::path& file, const fs::path& out_directory,
                          const PoseFileOptions& poses, const PoseProgram& program,
                          const AnalyzeOptions& options) {
-  return writeResults(poseRun(readPoses(file, poses), file.stem().string(), program,
-                              {options.depth, options.stitch}),
-                      out_directory, options.figures);
+  const RunRecord record = poseRun(readPoses(file, poses), file.stem().string(), program,
+                                   {options.depth, options.stitch, options.free_times});
+  requireTimes(record, options, file);
+  return writeResults(record, out_directory, options.figures);
 }
 
 }  // namespace lab::report

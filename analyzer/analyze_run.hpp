@@ -22,6 +22,8 @@ struct AnalyzeOptions {
   std::string film_note = {};  ///< how its poses were tracked again, for the report
   bool stitch =
       true;  ///< False: reversals are removed, and the track is cut there instead of joined.
+  /// Durations of the programs (epsilon, tau_t) that the fits free.
+  std::vector<std::string> free_times = {};
 };
 
 /// The files and texts of a finished analysis.

@@ -6,7 +6,8 @@
 namespace lab::report {
 
 std::string summaryOfRun(const std::filesystem::path& run_or_log, const AnalyzeOptions& options) {
-  return summaryJson(readRun(logFiles(run_or_log), {options.depth, options.stitch}));
+  return summaryJson(
+      readRun(logFiles(run_or_log), {options.depth, options.stitch, options.free_times}));
 }
 
 }  // namespace lab::report

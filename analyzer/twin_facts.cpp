@@ -61,7 +61,8 @@ void readFrames(const RunRecord& record, TwinFacts& facts) {
 }  // namespace
 
 TwinFacts readTwinFacts(const std::filesystem::path& run_or_log, const AnalyzeOptions& options) {
-  const RunRecord record = readRun(logFiles(run_or_log), {options.depth, options.stitch});
+  const RunRecord record =
+      readRun(logFiles(run_or_log), {options.depth, options.stitch, options.free_times});
   if (!record.experiment) {
     throw ReportError(fmt::format("{}: {}; twins need the experiment", run_or_log.string(),
                                   record.experiment_problem));

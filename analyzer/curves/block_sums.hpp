@@ -48,6 +48,9 @@ struct BlockCounts {
   double forward_time = 0;  ///< Time of these steps, s.
   double sideways2 = 0;     ///< Sum of squares of one-frame displacements across the heading, m^2.
   double steps = 0;         ///< Number of these displacements.
+  double long_steps = 0;    ///< Number of displacements across lost frames.
+  double long_frames2 = 0;  ///< Sum of their squared lengths, frames^2.
+  double breaks = 0;        ///< Number of gaps across which no displacement is taken.
   double turn = 0;          ///< Rotation between consecutive frames, rad.
   double turn_time = 0;     ///< Time of these rotations, s.
   double joins = 0;         ///< Number of removed reversals.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
@@ -56,6 +57,7 @@ struct CurveOptions {
   /// no headings, which else determine it; nan: unknown, and then nothing is judged.
   double offset = units::kNan;
   double offset_sigma = 0;
+  std::vector<std::string> free_times;  ///< As FitOptions::free_times.
 };
 
 /// MSD and angular MSD with errors from blocks that are at least five lags long. If there are fewer

@@ -365,8 +365,14 @@ class Report {
                              : 0;
     const auto tracks = static_cast<double>(data_.tracks.size());
     const auto blocks = static_cast<double>(replicates.shares.size());
-    const double cancelling = turn2 + 0.5 * heading2;
-    const double noise = sigma2 * (total.steps * cancelling + 2 * (total.joins + tracks));
+    // The directions of two successive steps differ by the turn between their middles. Its mean
+    // square is proportional to the square of the time between them.
+    const double steps_seen = total.steps + total.long_steps;
+    const double mean_frames = time / (data_.frame_period * std::max(1.0, steps_seen));
+    const double frames2 = total.steps + total.long_frames2;
+    const double turning = 0.5 * turn2 * (frames2 + steps_seen * mean_frames * mean_frames);
+    const double open_ends = 2 * (total.joins + total.breaks + tracks);
+    const double noise = sigma2 * (turning + 0.5 * heading2 * steps_seen + open_ends);
     const double scatter = block_sigma * block_sigma * time * time;
     const double excess = scatter - 2 * sigma2 * (blocks - tracks) - noise;
     const double resolution = 2 * std::sqrt(2 / std::max(1.0, blocks - 1)) * scatter;

@@ -54,8 +54,9 @@ double sum(Pair pair) { return pair[0] + pair[1]; }
 
 }  // namespace
 
-MsdAccumulator::MsdAccumulator(std::vector<int> lags, double frame_period)
+MsdAccumulator::MsdAccumulator(std::vector<int> lags, double frame_period, bool turns_on_the_spot)
     : lags_(std::move(lags)),
+      turns_on_the_spot_(turns_on_the_spot),
       frame_period_(frame_period),
       lag_times_(lags_.size()),
       blocks_(lags_.size(), std::max(kFirstBlock, 2 * frame_period)),
@@ -168,6 +169,15 @@ bool MsdAccumulator::resume(const Sample& sample, double dt) {
   return true;
 }
 
+double MsdAccumulator::shortened(double turn, double frames) const {
+  // The estimate of the speed corrects what a step of one frame has (Estimator). A part of a run is
+  // projected on the mean heading: shorter by turn^2 / 8, which is proportional to dt^3 for a turn
+  // that begins or ends at a random time of the step. The chord of an arc is shorter by turn^2
+  // / 24.
+  return turns_on_the_spot_ ? turn * turn * (1 - 1 / (frames * frames * frames)) / 8
+                            : turn * turn * (1 - 1 / (frames * frames)) / 24;
+}
+
 /// Adds the step to a frame that does not directly follow the previous one.
 void MsdAccumulator::addStep(const Fix& to, double frames, bool join) {
   const double dt = to.time - previous_.time;
@@ -177,6 +187,7 @@ void MsdAccumulator::addStep(const Fix& to, double frames, bool join) {
     period_ = period_time_ / period_frames_;
   }
   if (dt > kLongestStep && frames > 1) {
+    blocks_.openBlock().breaks += 1;
     return;
   }
   // The step across a join counts too: robots meet walls while they move, so leaving it out would
@@ -191,16 +202,17 @@ void MsdAccumulator::addStep(const Fix& to, double frames, bool join) {
   const double dx = to.x - previous_.x;
   const double dy = to.y - previous_.y;
   const double turn = join ? 0 : to.theta - previous_.theta;
-  // The chord of an arc is shorter by turn^2 / 24. The estimate of the speed corrects the part that
-  // a step of one frame has (Estimator).
-  const double arc = 1 + turn * turn * (1 - 1 / (frames * frames)) / 24;
   BlockSums& block = blocks_.openBlock();
-  block.forward += arc * (c * dx + s * dy);
+  block.forward += (1 + shortened(turn, frames)) * (c * dx + s * dy);
   block.forward_time += dt;
   block.joins += join ? 1 : 0;
   if (!join) {
     block.turn += turn;
     block.turn_time += dt;
+  }
+  if (frames > 1) {
+    block.long_steps += 1;
+    block.long_frames2 += frames * frames;
   }
   if (frames == 1 && !join) {
     const double sideways = c * dy - s * dx;

@@ -29,7 +29,8 @@ namespace lab::analysis {
 class MsdAccumulator {
  public:
   /// Lags in frames, ascending and positive; the nominal frame period in s.
-  MsdAccumulator(std::vector<int> lags, double frame_period);
+  /// @param turns_on_the_spot turns lie between straight runs (Law::runs)
+  MsdAccumulator(std::vector<int> lags, double frame_period, bool turns_on_the_spot = false);
 
   /// Takes the samples of one robot and program in time order. A program that runs again has a new
   /// segment.
@@ -45,6 +46,10 @@ class MsdAccumulator {
   [[nodiscard]] std::size_t memoryBytes() const;
 
  private:
+  /// The share by which a step across lost frames is shorter than the way of the robot, beyond what
+  /// a step of one frame is.
+  [[nodiscard]] double shortened(double turn, double frames) const;
+
   static constexpr std::size_t kSteps = 3;   ///< All windows, every second, every fourth.
   static constexpr std::size_t kFixes = 18;  ///< Per level: 16 strides, and some for joins.
 
@@ -88,6 +93,7 @@ class MsdAccumulator {
   void addWindow(std::size_t i, const Fix& start, const Fix& end, double duration);
 
   std::vector<int> lags_;
+  bool turns_on_the_spot_ = false;
   double frame_period_;
   std::vector<double> lag_times_;
   BlockStore blocks_;

@@ -13,6 +13,16 @@ constexpr double kLagsPerTrack = 5;    // length of a track, in longest lags
 
 }  // namespace
 
+std::vector<FitParameter> freeParameters(const ProgramLaw& law, const FitOptions& options) {
+  std::vector<FitParameter> free = law->fitParameters();
+  for (const FitParameter& time : law->fitTimes()) {
+    if (std::ranges::find(options.free_times, time.name) != options.free_times.end()) {
+      free.push_back(time);
+    }
+  }
+  return free;
+}
+
 FitPlan planFit(const ProgramLaw& law, const MeasuredCurves& curves, const FitOptions& options) {
   FitPlan plan;
   if (!ExactLaw(law).exists() || curves.lags.empty() || !(curves.frame_period > 0)) return plan;

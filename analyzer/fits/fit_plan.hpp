@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "analyzer/bootstrap/curve_covariance.hpp"
@@ -19,11 +20,16 @@ struct FitOptions {
   double systematic_floor = 0.002;
   int recordings = 500;    ///< Number of recordings that are simulated for the covariance.
   std::uint64_t seed = 1;  ///< Seed of the first of them.
-  /// Also fit the duration of turns between runs. Only the bend of the angular MSD at tau_t
-  /// determines it, so the programmed value, kept by a clock, is more accurate.
-  bool free_tumble_time = false;
+  /// Names of durations (Law::fitTimes) that are fitted too. Only the bend of the angular MSD
+  /// determines them, so the programmed value, kept by a clock, is more accurate. Names that a law
+  /// does not have are ignored.
+  std::vector<std::string> free_times;
   double longest_lag = 0;  ///< Longer lags are selected by their outcome, s; 0: none.
 };
+
+/// The parameters of the law that a fit frees.
+[[nodiscard]] std::vector<FitParameter> freeParameters(const ProgramLaw& law,
+                                                       const FitOptions& options);
 
 /// The lags of `curves` that a fit uses (indices), and the parameters of the simulated recordings.
 struct FitPlan {

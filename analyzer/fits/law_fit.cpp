@@ -38,10 +38,7 @@ class Fit {
  public:
   Fit(const ProgramLaw& law, const MeasuredCurves& curves, const FitPlan& plan,
       const FitOptions& options)
-      : law_(law),
-        curves_(curves),
-        options_(options),
-        free_(law->fitParameters(options.free_tumble_time)) {
+      : law_(law), curves_(curves), options_(options), free_(freeParameters(law, options)) {
     const std::size_t n = plan.lags.size();
     for (const bool angular : {false, true}) {
       for (std::size_t i = 0; i < n; ++i) {
@@ -416,7 +413,7 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
                      const FitOptions& options) {
   if (!ExactLaw(law).exists()) return "the program has no law";
   if (!(curves.observed > 0)) return "no free motion was seen";
-  if (law->fitParameters(options.free_tumble_time).empty()) {
+  if (freeParameters(law, options).empty()) {
     return "the law has no parameters that a fit could free";
   }
   const double draws = curves.observed / law->drawTime();
@@ -425,7 +422,7 @@ std::string obstacle(const ProgramLaw& law, const MeasuredCurves& curves, const 
            " are expected in the free motion observed, by the program; a fit needs 100: record for "
            "longer";
   }
-  const std::vector<FitParameter> free = law->fitParameters(options.free_tumble_time);
+  const std::vector<FitParameter> free = freeParameters(law, options);
   for (const FitParameter& parameter : free) {
     if (!(law->parameter(parameter.name) > 0)) {
       return "the programmed " + parameter.label + " is not positive";

@@ -15,8 +15,8 @@ namespace lab::analysis {
 /// The iterated generalised least squares fit of the exact law to MSD and angular MSD together.
 ///
 /// Free parameters are the logarithms of the speed and of the noise (Law::fitParameters), and the
-/// tracker offsets 4 sigma^2 and 2 sigma_theta^2. Fixed at the programmed values are epsilon, the
-/// wheel base and, by default, tau_t; errors of the robot's clock are not in the intervals. About
+/// tracker offsets 4 sigma^2 and 2 sigma_theta^2. Fixed at the programmed values are the wheel base
+/// and, unless FitOptions::free_times names them, epsilon and tau_t. About
 /// ten lags are used, from max(one frame, epsilon/5) to 8 epsilon (runs and turns: by the shorter
 /// and the longer one of their times). The covariance is that of recordings simulated at the fitted
 /// parameters: of the ordinary least-squares fit, then of the first generalised one. The systematic

@@ -43,6 +43,9 @@ class HeldNoiseLaw : public Law {
   [[nodiscard]] double longestChange() const override { return 8 * hold_; }
   [[nodiscard]] double kinkSpacing() const override { return hold_; }
   [[nodiscard]] double steadyHold() const override { return hold_; }
+  [[nodiscard]] std::vector<FitParameter> fitTimes() const override {
+    return {{"epsilon", "epsilon", "s"}};
+  }
 
  protected:
   [[nodiscard]] double hold() const { return hold_; }

@@ -190,10 +190,10 @@ class Law {
   [[nodiscard]] virtual std::string characteristicEstimate() const { return "D_r"; }
   /// The law with the parameters that follow from measured quantities; nullopt: they do not.
   [[nodiscard]] virtual std::optional<ProgramLaw> measured(const MeasuredMotion& motion) const;
-  /// @param turn_time also the duration of turns
-  [[nodiscard]] virtual std::vector<FitParameter> fitParameters(bool /*turn_time*/) const {
-    return {};
-  }
+  [[nodiscard]] virtual std::vector<FitParameter> fitParameters() const { return {}; }
+  /// Durations that the robot's clock keeps. A fit takes them as programmed, unless it is asked to
+  /// free them.
+  [[nodiscard]] virtual std::vector<FitParameter> fitTimes() const { return {}; }
   /// The relative error of the MSD and the angular MSD over one recording of `observed` seconds.
   [[nodiscard]] virtual double relativeMsdError(double tau, double msd, double observed) const;
   [[nodiscard]] virtual double relativeAngularError(double tau, double observed) const;

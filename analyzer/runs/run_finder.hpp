@@ -37,6 +37,7 @@ struct FoundRuns {
   std::int64_t segments = 0;  ///< Tracks without gaps; each is cut off at both ends.
   Measured speed;             ///< Speed of runs, m/s.
   Measured tumble;            ///< Duration of single tumbles, s.
+  Measured turning_rate;      ///< Of runs, rad/s: 0 for straight ones, positive to the left.
   double sigma = 0;           ///< Tracker noise per axis, m.
   double frames_per_tumble = 0;
   bool resolved = false;  ///< The frame rate is sufficient; else there are no runs.
@@ -51,6 +52,8 @@ struct FoundRuns {
 /// accurate than a frame, and runs between two frames show as a step.
 /// - Steps below 7 standard errors are not counted as runs (`shortest`). The number of tumbles in a
 /// stop follows from its duration, so that undetectable runs are counted.
+/// - Runs of a robot that circles (its wheels differ) are arcs of one turning rate. It is measured,
+///   and the search is for straight lines in a frame that turns at this rate.
 /// - Removed reversals are bridged by the stitching; runs are cut off by gaps and ends of segments.
 class RunFinder {
  public:

@@ -320,6 +320,11 @@ RunStatistics runStatistics(const ProgramLaw& law, const std::vector<const Found
                                  "mean time between the ends of the runs around single tumbles"));
   out.estimates.push_back(normal("v", "m/s", speed.value, speed.sigma, programmed.speed,
                                  speed.count, "slope of the way along runs"));
+  const Measured turning = weighted(robots, &FoundRuns::turning_rate);
+  if (turning.count > 0) {
+    out.estimates.push_back(normal("omega", "rad/s", turning.value, turning.sigma, 0, turning.count,
+                                   "angle between the halves of runs over time"));
+  }
   double run_time = pool.run_time;
   for (const Pool::Hidden& one : pool.hidden) {
     run_time += one.count * one.shortest / 2;

@@ -34,7 +34,7 @@ struct RunStatistics {
   double needed_wheel_speed = 0;  ///< Wheel speed for half a turn in the programmed tau_t, m/s.
   double beyond_half_turn = 0;    ///< Share of tumbles that turned by more than 198 degrees.
 
-  /// gamma, tau_r, tau_t, v, D, L_s, and the share of time in tumbles.
+  /// gamma, tau_r, tau_t, v, omega (of runs), D, L_s, and the share of time in tumbles.
   std::vector<Estimate> estimates;
   std::vector<DensityBar> run_times;  ///< Distribution of run times, from `shortest` on.
   std::vector<DensityBar> turns;      ///< On [-pi, pi).

@@ -15,9 +15,10 @@ using units::kNan;
 constexpr double kStepErrors = 7;  // smallest step, in standard errors
 constexpr double kStraddle =
     0.05;  // residual of averaging over an edge, relative to the motion in a bin
-constexpr std::size_t kEnoughBins = 7;  // to omit two of them
-constexpr double kLeastNoise = 0.01;    // relative to the motion in a frame
-constexpr double kCountSlack = 0.25;    // of a tumble
+constexpr std::size_t kEnoughBins = 7;    // to omit two of them
+constexpr double kLeastNoise = 0.01;      // relative to the motion in a frame
+constexpr std::size_t kFewestInHalf = 3;  // bins, for the direction of half a run
+constexpr double kCountSlack = 0.25;      // of a tumble
 constexpr double kTumbleScatter =
     0.3;  // relative scatter about the median; double tumbles are beyond
 
@@ -88,6 +89,12 @@ Measured ScaleSums::speed(double sigma) const {
                    : Measured{kNan, kNan, kNan, 0};
 }
 
+Measured ScaleSums::turningRate(double sigma, double speed) const {
+  return bend_weight > 0 ? Measured{bend / bend_weight, sigma / (speed * std::sqrt(bend_weight)),
+                                    kNan, bent_runs}
+                         : Measured{kNan, kNan, kNan, 0};
+}
+
 Measured ScaleSums::tumble() const {
   if (tumbles.empty()) {
     return {kNan, kNan, kNan, 0};
@@ -149,6 +156,7 @@ void SegmentedTrack::measure(ScaleSums& sums) const {
       sums.drift += std::sqrt(std::max(0.0, drift2 - noise));
       sums.time2 += own.time2();
       sums.runs += 1;
+      measureBend(core, sums);
     }
   }
   for (std::size_t i = 0; i < stops_.size(); ++i) {
@@ -158,6 +166,25 @@ void SegmentedTrack::measure(ScaleSums& sums) const {
       sums.tumbles.push_back(*departure - *arrival);
     }
   }
+}
+
+void SegmentedTrack::measureBend(const Stretch& core, ScaleSums& sums) const {
+  if (core.size() < 2 * kFewestInHalf) return;
+  const std::size_t middle = core.begin + core.size() / 2;
+  StretchSums first;
+  StretchSums second;
+  for (std::size_t i = core.begin; i < core.end; ++i) {
+    (i < middle ? first : second).add(bins_[i], bins_[core.begin]);
+  }
+  const double angle =
+      std::atan2(first.driftX() * second.driftY() - first.driftY() * second.driftX(),
+                 first.driftX() * second.driftX() + first.driftY() * second.driftY());
+  const double between = second.u / second.w - first.u / first.w;
+  // The variance of a direction is sigma^2 / (v^2 time2).
+  const double weight = between * between / (1 / first.time2() + 1 / second.time2());
+  sums.bend += weight * angle / between;
+  sums.bend_weight += weight;
+  sums.bent_runs += 1;
 }
 
 void SegmentedTrack::collect(FoundRuns& found) const {
@@ -284,10 +311,11 @@ double SegmentedTrack::turn(std::size_t i) const {
   if (before.size() < least || behind.size() < least) {
     return kNan;
   }
+  const double unseen = scales_.rate * scales_.tumble;  // taken out of the bins, but no run
   const double from = meanOf(&TrackBin::theta, bins_, inner(before, scales_.averaged, 1));
   const double to = meanOf(&TrackBin::theta, bins_, inner(behind, scales_.averaged, 1));
   if (std::isfinite(from) && std::isfinite(to)) {
-    return to - from;
+    return to - from + unseen;
   }
   if (i == 0 || i + 1 >= stops_.size()) {
     return kNan;
@@ -296,7 +324,7 @@ double SegmentedTrack::turn(std::size_t i) const {
     return std::atan2(b.y - a.y, b.x - a.x);
   };
   return wrapAngle(direction(stops_[i].departure, stops_[i + 1].arrival) -
-                   direction(stops_[i - 1].departure, stops_[i].arrival));
+                   direction(stops_[i - 1].departure, stops_[i].arrival) + unseen);
 }
 
 }  // namespace lab::analysis::segmentation

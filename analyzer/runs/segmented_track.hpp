@@ -36,6 +36,7 @@ struct Scales {
   double sigma = 0;       ///< Per frame, m.
   double period = 0;      ///< Of bins, s.
   double shortest = 0;    ///< Duration of the shortest detectable run, s.
+  double rate = 0;        ///< Turning rate of runs that the bins are freed of, rad/s.
   bool averaged = false;  ///< Bins are means of several frames, so bins at edges are mixtures.
 
   /// Sets `shortest` from the noise of the mean position in a stop of one tumble, without the bins
@@ -51,9 +52,17 @@ struct ScaleSums {
   double noise2 = 0;  ///< Sum of squares within stops, m^2.
   double freedom = 0;
   std::vector<double> tumbles;  ///< s.
+  double bend = 0;              ///< Sum of the turning rates of runs by weight, rad s^3.
+  double bend_weight = 0;       ///< s^4.
+  double bent_runs = 0;
 
   /// @param sigma per frame, m
   [[nodiscard]] Measured speed(double sigma) const;
+
+  /// The mean turning rate in runs, rad/s.
+  /// @param sigma per frame, m
+  /// @param speed m/s
+  [[nodiscard]] Measured turningRate(double sigma, double speed) const;
 
   /// The duration of single tumbles, without double ones and parts of one.
   [[nodiscard]] Measured tumble() const;
@@ -74,6 +83,10 @@ class SegmentedTrack {
   void collect(FoundRuns& found) const;
 
  private:
+  /// Adds the turning rate of a run: the angle between the directions of its halves over the time
+  /// between their middles.
+  void measureBend(const Stretch& core, ScaleSums& sums) const;
+
   /// The length of the run that ends at stop i, corrected for noise, m.
   [[nodiscard]] double runLength(std::size_t i) const;
 

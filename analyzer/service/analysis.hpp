@@ -5,6 +5,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "analyzer/bootstrap/film_reference.hpp"
@@ -118,6 +119,9 @@ class Analysis {
     config_.stitcher.join = join;
     config_.compare_joins = compare;
   }
+
+  /// Durations that fits free (FitOptions::free_times).
+  void freeTimes(const std::vector<std::string>& names) { config_.curves.free_times = names; }
 
   /// Sets AnalysisConfig::find_runs. Call it before the first frame.
   void findRuns() { config_.find_runs = true; }

@@ -43,6 +43,7 @@ void complete(ProgramResult& result, const BlockData& data, CurveOptions options
   fit_options.systematic_floor = options.systematic_floor;
   fit_options.longest_lag = options.unbiased_lag;
   fit_options.seed = kFitSeed;
+  fit_options.free_times = options.free_times;
   if (first) {
     result.fit = fitLaw(result.law, curves_now, fit_options, nullptr, &recordings.fit);
   } else if (recordings.fit.recordings > 0) {

@@ -5,7 +5,8 @@
 namespace lab::analysis {
 
 ProgramAnalysis::ProgramAnalysis(const ProgramLaw& law, double frame_period, double max_lag)
-    : law_(law), accumulator_(makeLagGrid(frame_period, max_lag, law), frame_period) {
+    : law_(law),
+      accumulator_(makeLagGrid(frame_period, max_lag, law), frame_period, law->runs().has_value()) {
   const double hold = law->steadyHold();
   if (HoldPeriodFinder::resolves(hold, frame_period)) holds_.emplace(hold, frame_period);
 }

@@ -166,7 +166,8 @@ ExitCode analyze(const AnalyzeOptions& options) {
   const report::AnalyzeOptions how{
       .figures = options.figures,
       .depth = options.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive,
-      .stitch = options.stitch};
+      .stitch = options.stitch,
+      .free_times = options.free_times};
   if (options.retrack) return analyzeFilm(options, how);
   if (poses) {
     printHeadline(

@@ -19,8 +19,9 @@ struct AnalyzeOptions {
   bool figures = true;
   bool stitch = true;     ///< join the motion around reversals
   bool bootstrap = true;  ///< fit the exact law; its intervals need simulated recordings
-  bool retrack = false;   ///< a run with a film: track it again
-  std::filesystem::path calibration;  ///< of the camera, for that; empty: that of the run
+  std::vector<std::string> free_times = {};  ///< durations of the programs that the fit frees
+  bool retrack = false;                      ///< a run with a film: track it again
+  std::filesystem::path calibration;         ///< of the camera, for that; empty: that of the run
   /// For a file of poses only, and `set` also to track again, of the experiment:
   std::string program;             ///< model that all robots ran; empty: not known
   std::vector<std::string> set;    ///< key=value: its parameters

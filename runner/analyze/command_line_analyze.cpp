@@ -21,6 +21,12 @@ void addAnalyze(CLI::App& app, Chosen& chosen) {
                     "Fit the exact laws, with intervals from simulated recordings (default: yes)");
   command->add_flag("--stitch,!--no-stitch", options->stitch,
                     "Join the motion before and after reversals (default: yes)");
+  command
+      ->add_option("--free", options->free_times,
+                   "Durations that the fit frees, separated by commas: epsilon, tau_t (default: "
+                   "as programmed)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"epsilon", "tau_t"}));
   CLI::Option* retrack =
       command->add_flag("--retrack", options->retrack,
                         "A run with a film: track it again, and analyze the new poses with the "

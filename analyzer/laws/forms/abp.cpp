@@ -72,7 +72,7 @@ class Abp : public HeldNoiseLaw {
                        {"eta", std::sqrt(6 * motion.rotational_diffusivity / hold())}},
                       wheelBase());
   }
-  [[nodiscard]] std::vector<FitParameter> fitParameters(bool) const override {
+  [[nodiscard]] std::vector<FitParameter> fitParameters() const override {
     return {{"v", "v", "m/s"}, {"eta", "eta", "rad/s"}};
   }
   [[nodiscard]] double relativeMsdError(double tau, double, double observed) const override {

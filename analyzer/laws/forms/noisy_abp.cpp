@@ -102,7 +102,7 @@ class DrawnWheelsLaw : public HeldNoiseLaw {
     return closedForm(name(), {{"va", motion.speed}, {"V", motion.amplitude}, {"epsilon", hold()}},
                       wheelBase());
   }
-  [[nodiscard]] std::vector<FitParameter> fitParameters(bool) const override {
+  [[nodiscard]] std::vector<FitParameter> fitParameters() const override {
     if (brownian_) return {{"V", "V", "m/s"}};
     return {{"va", "v_a", "m/s"}, {"V", "V", "m/s"}};
   }

@@ -105,10 +105,11 @@ class Rtp : public Law {
                       {{"v", motion.speed}, {"gamma", motion.run_end_rate}, {"tau_t", turn_time}},
                       wheelBase());
   }
-  [[nodiscard]] std::vector<FitParameter> fitParameters(bool turn_time) const override {
-    std::vector<FitParameter> free{{"v", "v", "m/s"}, {"gamma", "gamma", "1/s"}};
-    if (turn_time) free.push_back({"tau_t", "tau_t", "s"});
-    return free;
+  [[nodiscard]] std::vector<FitParameter> fitParameters() const override {
+    return {{"v", "v", "m/s"}, {"gamma", "gamma", "1/s"}};
+  }
+  [[nodiscard]] std::vector<FitParameter> fitTimes() const override {
+    return {{"tau_t", "tau_t", "s"}};
   }
   /// The share of run time in the recording also scatters.
   [[nodiscard]] double relativeMsdError(double tau, double, double observed) const override {

@@ -154,8 +154,9 @@ class PoseFeed {
     analysis_.wholeMotion();
   }
 
-  void run(RunRecord& record, analysis::Depth depth, bool stitch) {
-    analysis_.stitch(stitch, depth == analysis::Depth::kFull);
+  void run(RunRecord& record, const ReadOptions& options) {
+    analysis_.stitch(options.stitch, options.depth == analysis::Depth::kFull);
+    analysis_.freeTimes(options.free_times);
     analysis_.onPiece([&record](int robot, const analysis::ProgramLaw&, analysis::Piece piece) {
       const double start = units::seconds(record.start_utime);
       for (double analysis::Piece::*time :
@@ -176,7 +177,7 @@ class PoseFeed {
     fillCrowds(
         crowd_, units::seconds(record.start_utime), [](int) { return -1; }, record);
     record.tracks = rows_.takeTracks();
-    for (analysis::ProgramResult& result : analysis_.results(depth)) {
+    for (analysis::ProgramResult& result : analysis_.results(options.depth)) {
       const bool given = !experiment_.programs.empty();
       record.results.push_back({record.programs.front().program,
                                 given ? experiment_.programs.begin()->second : Program(),
@@ -422,8 +423,7 @@ RunRecord poseRun(PoseFile poses, const std::string& name, const PoseProgram& pr
   const bool speed_is_known =
       std::any_of(program.set.begin(), program.set.end(),
                   [](const std::string& set) { return set.starts_with("reversal.speed_cm_s="); });
-  PoseFeed(std::move(poses), experiment, law, speed_is_known)
-      .run(record, options.depth, options.stitch);
+  PoseFeed(std::move(poses), experiment, law, speed_is_known).run(record, options);
   for (analysis::FeedResult& result : record.results) adoptRuns(result.result);
   fillRobots(record);
   return record;

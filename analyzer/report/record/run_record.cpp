@@ -158,6 +158,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   if (depth == analysis::Depth::kFull) feed.findRuns();
   feed.wholeMotion();
   feed.stitch(options.stitch, depth == analysis::Depth::kFull);
+  feed.freeTimes(options.free_times);
   analysis::ProgramKeys keys;
   record.stitched = options.stitch;
   feed.onPiece([&](int robot, const program_id_t& program, const analysis::Piece& piece) {

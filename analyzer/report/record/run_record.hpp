@@ -165,7 +165,8 @@ struct RunRecord {
 /// Options of the analysis.
 struct ReadOptions {
   analysis::Depth depth = analysis::Depth::kFull;
-  bool stitch = true;  ///< false: cut at reversals
+  bool stitch = true;                        ///< false: cut at reversals
+  std::vector<std::string> free_times = {};  ///< durations that fits free
 };
 
 /// Reads the log once and analyzes it.

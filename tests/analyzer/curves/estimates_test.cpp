@@ -30,15 +30,18 @@ TEST(Estimates, CoverTheTruthOfTheRtpAtTheStatedRate) {
   }
 }
 
-// Steps across lost frames are chords of longer arcs.
+// Steps across lost frames are chords of longer arcs, or part of a run and part of a turn.
 TEST(Estimates, LostFramesDoNotBiasTheSpeed) {
-  WalkerRecording recording = shortRecording(abpLaw(3, 0.5));
-  recording.fps = 9.97;
-  recording.missing = 0.1;
-  const Coverage dut = cover(recording, 200, 10);
-  EXPECT_LT(std::abs(dut.value.at("v").z(0.03)), 4);
-  EXPECT_LT(std::abs(dut.value.at("v").mean() / 0.03 - 1), 2e-4);
-  expectCoverage(dut, "v");
+  for (const ProgramLaw& law : {abpLaw(3, 0.5), rtpLaw(1, 0.5)}) {
+    SCOPED_TRACE(law->name());
+    WalkerRecording recording = shortRecording(law);
+    recording.fps = 9.97;
+    recording.missing = 0.1;
+    const Coverage dut = cover(recording, 200, 10);
+    EXPECT_LT(std::abs(dut.value.at("v").z(law->meanSpeed())), 4);
+    EXPECT_LT(std::abs(dut.value.at("v").mean() / law->meanSpeed() - 1), 2e-4);
+    expectCoverage(dut, "v");
+  }
 }
 
 TEST(CurveErrors, EqualTheTrueScatterUpToA180thOfTheRecording) {

@@ -180,6 +180,51 @@ TEST(LawFit, RejectsAProgramThatWasNotRun) {
   EXPECT_NEAR(fit.derived.front().value, 0.75, 4 * fit.derived.front().sigma);
 }
 
+/// How often the interval of an estimate holds the true value, in recordings of a robot that runs
+/// `truth` instead of the programmed law.
+int covered(const ProgramLaw& programmed, const ProgramLaw& truth, const std::string& name,
+            double value, const std::vector<std::string>& free_times, int recordings) {
+  FitOptions options;
+  options.free_times = free_times;
+  SimulatedCurves simulated;
+  int covered = 0;
+  for (int i = 0; i < recordings; ++i) {
+    WalkerRecording recording = fitRecording(truth, 600);
+    recording.fps = 19.97;
+    recording.seed = 70000U + static_cast<unsigned>(i);
+    ProgramAnalysis analysis(programmed, 1 / recording.fps, 10);
+    for (const Sample& sample : stitch(recording).samples) analysis.add(sample);
+    const MeasuredCurves curves = measuredCurves(programmed, analysis.data());
+    if (i == 0) {
+      simulated = simulateForFit(truth, curves.offset, curves.angular_offset, curves,
+                                 planFit(programmed, curves, options), options);
+    }
+    const LawFit fit = fitLaw(programmed, curves, options, &simulated);
+    EXPECT_TRUE(fit.fitted()) << fit.refusal;
+    for (const auto* estimates : {&fit.parameters, &fit.derived}) {
+      for (const Estimate& one : *estimates) {
+        if (one.name == name) covered += one.low95 <= value && value <= one.high95 ? 1 : 0;
+      }
+    }
+  }
+  return covered;
+}
+
+TEST(LawFit, FreesTheTimesThatItIsAskedFor) {
+  constexpr int kRecordings = 60;  // 57 are expected; below 50 once in 3000
+  const ProgramLaw abp = abpLaw(3, 0.5);
+  const ProgramLaw held_longer = abp.with("epsilon", 0.54);
+  const double d_r = held_longer->rotationalDiffusivity();
+  EXPECT_GE(covered(abp, held_longer, "epsilon", 0.54, {"epsilon"}, kRecordings), 50);
+  EXPECT_GE(covered(abp, held_longer, "D_r", d_r, {"epsilon", "tau_t"}, kRecordings), 50);
+  EXPECT_LT(covered(abp, held_longer, "D_r", d_r, {}, kRecordings), 40);
+
+  const ProgramLaw rtp = rtpLaw(1, 0.5);
+  const ProgramLaw turns_longer = rtp.with("tau_t", 0.6);
+  EXPECT_GE(covered(rtp, turns_longer, "tau_t", 0.6, {"tau_t"}, kRecordings), 50);
+  EXPECT_GE(covered(rtp, turns_longer, "gamma", 1, {"tau_t"}, kRecordings), 50);
+}
+
 TEST(RecordingFit, SimulatedRecordingsOfThePoolServeItsRobots) {
   WalkerRecording recording = fitRecording(abpLaw(3, 0.5), 300);
   std::vector<BlockData> blocks;

@@ -127,6 +127,25 @@ TEST(RunFinder, MeasuresScalesThatDifferFromTheProgram) {
   EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 3);
 }
 
+TEST(RunFinder, FindsTheRunsOfARobotThatCircles) {
+  for (const double circling : {0.03, 0.1, -0.3}) {
+    for (const double fps : {9.94, 49.7}) {
+      RunRecording plan = recording(1, fps, 1800, 7);
+      plan.circling = circling;
+      TrueRuns truth;
+      const FoundRuns dut = findRuns(plan, recordRuns(plan, &truth));
+
+      SCOPED_TRACE(testing::Message() << circling << " rad/s, " << fps << " frames/s");
+      EXPECT_NEAR(dut.turning_rate.value, circling, 4 * dut.turning_rate.sigma);
+      EXPECT_NEAR(dut.speed.value, plan.law->meanSpeed(),
+                  4 * dut.speed.sigma + 0.0003 * plan.law->meanSpeed());
+      EXPECT_NEAR(dut.tumble.value, plan.law->runs()->turn_time, 4 * dut.tumble.sigma);
+      EXPECT_NEAR(static_cast<double>(dut.tumbles), static_cast<double>(truth.turns.size()), 2);
+      EXPECT_NEAR(totalOf(dut) / truth.run_time, 1, 0.003);
+    }
+  }
+}
+
 TEST(RunFinder, ToleratesLostFrames) {
   RunRecording plan = recording(3, 24.9, 900, 7);
   plan.missing = 0.05;

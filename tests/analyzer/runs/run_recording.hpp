@@ -28,6 +28,7 @@ struct RunRecording {
   Draw turn{};              ///< rad; none: uniform on (-pi, pi].
   double speed_factor = 1;  ///< Speed of the robot over the programmed one.
   double tumble_factor = 1;
+  double circling = 0;  ///< Turning rate in runs, rad/s.
 };
 
 struct TrueRuns {
@@ -65,8 +66,12 @@ inline std::vector<Sample> recordRuns(const RunRecording& recording, TrueRuns* t
     const bool is_frame = next < time + left;
     const double dt = is_frame ? next - time : left;
     if (run) {
-      x += v * dt * std::cos(theta);
-      y += v * dt * std::sin(theta);
+      // The chord of an arc.
+      const double half = recording.circling * dt / 2;
+      const double chord = half == 0 ? v * dt : v * dt * std::sin(half) / half;
+      x += chord * std::cos(theta + half);
+      y += chord * std::sin(theta + half);
+      theta += recording.circling * dt;
       if (truth != nullptr) truth->run_time += std::max(0.0, std::min(dt, time + dt));
     } else {
       theta += turning * dt;

@@ -113,6 +113,20 @@ TEST_F(VirtualRun, AnalyzeRebuildsTheSameBytesFromTheLogAlone) {
   }
 }
 
+TEST_F(VirtualRun, AnalyzeFreesTimesOfTheProgramsThatRan) {
+  const fs::path directory = labRun("abp", "--no-report --set duration_s=300 ");
+  const std::string analyze = "lab analyze " + directory.string() + " --no-figures --free ";
+  const Finished freed = run(analyze + "epsilon");
+  ASSERT_EQ(freed.exit_code, 0) << freed.output;
+  const auto summary = readJson(directory / "summary.json");
+  const auto& fit = summary.at("programs").at(0).at("pool").at("fit");
+  EXPECT_NEAR(fit.at("parameters").at("epsilon_s").at("value").get<double>(), 0.5, 0.05);
+
+  const Finished other = run(analyze + "tau_t");
+  EXPECT_EQ(other.exit_code, 2);
+  EXPECT_THAT(other.output, HasSubstr("found --free tau_t, expected epsilon"));
+}
+
 TEST_F(VirtualRun, TheDefaultExperimentEndsWithAVerdictForEveryProgram) {
   const auto summary = readJson(labRun("light_switching", "") / "summary.json");
 
