@@ -69,11 +69,11 @@ void RobotCore::driveWheels(uint32_t now_ms, int32_t left_um_s, int32_t right_um
     advanceTo(now_ms);
     driven_wheels_.left = left_um_s;
     driven_wheels_.right = right_um_s;
-    if (mode_ == kDrive) {
+    if (mode_ == kCommanded) {
       restart(now_ms);
     }
   }
-  setMode(now_ms, kDrive);
+  setMode(now_ms, kCommanded);
 }
 
 void RobotCore::setMode(uint32_t now_ms, Mode mode) {
@@ -203,7 +203,7 @@ uint16_t RobotCore::flags() const {
   addIf(!leased_, kLeaseExpired, flags);
   addIf(saturated_, kSaturated, flags);
   addIf(report_.phase != 0, kTumbling, flags);
-  addIf(mode_ == kDrive, kDriven, flags);
+  addIf(mode_ == kCommanded, kDriven, flags);
   addIf(light_.slot() == kNoSlot, kNoLightBand, flags);
   addIf(!configured_, kUnconfigured, flags);
   addIf(missing_, kNoProgram, flags);
@@ -303,7 +303,7 @@ void RobotCore::beginHold(uint32_t now_ms) {
   if (report_.program != 0) {
     updateInputs();
     hold = machine_.next(inputs_, rng_);
-  } else if (mayMove() && mode_ == kDrive) {
+  } else if (mayMove() && mode_ == kCommanded) {
     hold.left_um_s = driven_wheels_.left;
     hold.right_um_s = driven_wheels_.right;
   }

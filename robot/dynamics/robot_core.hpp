@@ -175,7 +175,7 @@ class RobotCore {
   const Rng& rng() const { return rng_; }
 
  private:
-  enum Mode : uint8_t { kTable, kDrive, kStand };
+  enum Mode : uint8_t { kTable, kCommanded, kStand };
   enum Event : uint8_t { kNothing, kLeaseEnd, kReversalEnd, kHoldEnd };
 
   Event nextEvent(uint32_t now_ms, uint32_t& at_ms) const;
