@@ -125,7 +125,7 @@ function(lab_test name)
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}")
   endif()
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 120)
+    set(ARG_TIMEOUT 600)
   endif()
   if(LAB_SANITIZE)  # up to ten times slower than an optimised build
     math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")

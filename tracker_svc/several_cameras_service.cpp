@@ -24,6 +24,7 @@ namespace {
 
 constexpr std::int64_t kStatusEvery_us = 1'000'000;
 constexpr double kMillisecond = 1e-3;
+constexpr double kMillimetre = 1e-3;
 
 }  // namespace
 
@@ -265,8 +266,11 @@ void SeveralCamerasService::report() {
     const ClockOffset& clock = fusion_.offsets()[i];
     status_.camera += (i > 0 ? ", " : "") + input.camera.name;
     if (i > 0 && std::isfinite(clock.sigma)) {
-      status_.camera += fmt::format(" (clock {:+.3f} +- {:.3f} ms)", clock.offset / kMillisecond,
-                                    clock.sigma / kMillisecond);
+      const ViewError& wrong = fusion_.errors()[i];
+      status_.camera +=
+          fmt::format(" (clock {:+.3f} +- {:.3f} ms, calibration {:+.2f}, {:+.2f} mm)",
+                      clock.offset / kMillisecond, clock.sigma / kMillisecond,
+                      wrong.shift.x() / kMillimetre, wrong.shift.y() / kMillimetre);
     }
     status_.dropped += input.source ? input.source->dropped() : 0;
     status_.dark += input.pictures.dark();

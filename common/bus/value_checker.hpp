@@ -23,6 +23,9 @@ class ValueChecker {
   void number(const char* name, double value, double low, double high) {
     if (!(value >= low && value <= high)) fail(name, value, low, high);
   }
+  void number(const char* name, float value, double low, double high) {
+    number(name, static_cast<double>(value), low, high);
+  }
 
   void whole(const char* name, std::int64_t value, std::int64_t low, std::int64_t high) {
     if (value < low || value > high) fail(name, value, low, high);

@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "runner/calibrate/calibrate_commands.hpp"
+#include "runner/campaign/twins/calibrate_twin_command.hpp"
 #include "runner/command_line/command_line_parts.hpp"
 
 namespace lab::runner {
@@ -147,6 +148,7 @@ void addCalibrate(CLI::App& app, Chosen& chosen, const fs::path& programs) {
   addSources(*motors, options->sources);
   motors->callback(
       [&chosen, options] { chosen = [options] { return calibrateMotors(*options); }; });
+  campaign::addCalibrateTwin(*command, chosen);
 }
 
 }  // namespace lab::runner

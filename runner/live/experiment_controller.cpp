@@ -438,6 +438,8 @@ void ExperimentController::conclude(const std::string& why) {
 Progress ExperimentController::progress() const {
   Progress progress;
   const std::int64_t now = loop_.now();
+  progress.begun =
+      phase_ == Phase::kScript || phase_ == Phase::kLeaving || phase_ == Phase::kConcluded;
   if (phase_ == Phase::kScript) progress.elapsed = light_.script().elapsed(now);
   if (phase_ == Phase::kConcluded || phase_ == Phase::kLeaving) progress.elapsed = ended_;
   progress.left = std::max(0.0, experiment_.duration - progress.elapsed);

@@ -11,6 +11,7 @@ namespace lab::runner {
 
 /// The state of a run, for the progress line.
 struct Progress {
+  bool begun = false;                         ///< the script has begun
   double elapsed = 0;                         ///< [s] of the script, without pauses
   double left = 0;                            ///< [s] of the script
   bool at_most = false;                       ///< the run may end earlier than `left` says

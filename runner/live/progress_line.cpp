@@ -44,6 +44,12 @@ std::string progressText(const Progress& progress) {
       progress.lost, progress.lost == 1 ? "" : "s");
 }
 
+namespace {
+
+const char* labelOf(const Progress& progress) { return progress.begun ? "running  " : "starting "; }
+
+}  // namespace
+
 ProgressLine::ProgressLine(double duration)
     : duration_(duration), terminal_(isatty(STDOUT_FILENO) == 1) {}
 
@@ -57,9 +63,10 @@ void ProgressLine::show(const Progress& progress) {
 
 void ProgressLine::print(const Progress& progress) {
   if (!terminal_) {
-    if (progress.elapsed < next_print_) return;
-    next_print_ = progress.elapsed + duration_ / kPrints;
-    fmt::print("running  {}\n", printable(progressText(progress)));
+    if (progress.begun ? progress.elapsed < next_print_ : shown_) return;
+    if (progress.begun) next_print_ = progress.elapsed + duration_ / kPrints;
+    shown_ = true;
+    fmt::print("{}{}\n", labelOf(progress), printable(progressText(progress)));
     std::fflush(stdout);
     return;
   }
@@ -68,7 +75,7 @@ void ProgressLine::print(const Progress& progress) {
   if (shown_ && now - last_shown_us_ < kShortest_us) return;
   last_shown_us_ = now;
   shown_ = true;
-  fmt::print("\r\033[Krunning  {}", printable(progressText(progress)));
+  fmt::print("\r\033[K{}{}", labelOf(progress), printable(progressText(progress)));
   std::fflush(stdout);
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "common/math/angle.hpp"
@@ -21,8 +22,9 @@ CameraFusion::CameraFusion(std::size_t cameras, const FusionSettings& settings)
     : settings_(settings),
       pictures_(cameras),
       missed_(cameras, 0),
-      clock_(cameras),
-      offsets_(cameras) {
+      comparison_(cameras),
+      offsets_(cameras),
+      errors_(cameras) {
   offsets_[0] = {0, 0};
 }
 
@@ -74,12 +76,20 @@ std::optional<FusedRound> CameraFusion::finish() {
     if (round.cameras.empty()) round.time = time;
     if (std::abs(time - round.time) > kLargestOffset) continue;
     round.cameras.push_back(i);
-    for (const detector::Detection& pose : picture->detections) raw.push_back({i, pose});
+    for (const detector::Detection& pose : picture->detections) {
+      raw.push_back({i, pose});
+      comparison_.addToView(i, {pose.x, pose.y});
+    }
   }
   if (round.time <= last_) return std::nullopt;
   std::vector<Sighting> moved = raw;
   for (Sighting& sighting : moved) {
     detector::Detection& pose = sighting.pose;
+    const ViewError& wrong = errors_[sighting.camera];
+    const Eigen::Vector2d by = wrong.at(pose.x, pose.y);
+    pose.x -= by.x();
+    pose.y -= by.y();
+    pose.theta = wrapAngle(pose.theta - wrong.rotation());
     const double step = round.time - (stamps[sighting.camera] - offsetOf(sighting.camera));
     const Mover* mover = step != 0 ? moverAt(pose.x, pose.y) : nullptr;
     if (mover == nullptr || !mover->moves) continue;
@@ -90,7 +100,9 @@ std::optional<FusedRound> CameraFusion::finish() {
     pose.covariance[0] += error * error;
     pose.covariance[3] += error * error;
   }
-  const std::vector<FusedPose> robots = fuseSightings(moved, settings_);
+  FusionSettings settings = settings_;
+  if (!compared_) settings.calibration_error = ViewComparison::kShiftError;
+  const std::vector<FusedPose> robots = fuseSightings(moved, settings);
   const double elapsed = round.time - last_;
   std::vector<Mover> movers;
   for (const FusedPose& robot : robots) {
@@ -114,7 +126,11 @@ std::optional<FusedRound> CameraFusion::finish() {
   movers_ = std::move(movers);
   last_ = round.time;
   if (round.time >= solved_ + kSolveEvery) {
-    offsets_ = clock_.solve();
+    offsets_ = comparison_.clocks();
+    errors_ = comparison_.errors(offsets_, kApplied);
+    compared_ = std::ranges::any_of(std::span(offsets_).subspan(1), [](const ClockOffset& clock) {
+      return clock.sigma < kApplied;
+    });
     solved_ = round.time;
   }
   return round;
@@ -136,7 +152,8 @@ void CameraFusion::learn(const std::vector<FusedPose>& robots, const std::vector
       const auto& q = other.pose.covariance;
       Eigen::Matrix2d covariance;
       covariance << p[0] + q[0], p[1] + q[1], p[1] + q[1], p[3] + q[3];
-      clock_.add(first.camera, other.camera, apart - velocity * between, velocity, covariance);
+      comparison_.add(first.camera, other.camera, {first.pose.x, first.pose.y},
+                      apart - velocity * between, velocity, covariance);
     }
   }
 }

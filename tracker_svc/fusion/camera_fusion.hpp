@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "tracker_svc/fusion/clock_offsets.hpp"
 #include "tracker_svc/fusion/pose_fusion.hpp"
+#include "tracker_svc/fusion/view_comparison.hpp"
 
 namespace lab::tracker {
 
@@ -26,8 +26,9 @@ struct FusionCounts {
 };
 
 /// A round has at most one picture of each camera. It ends when all living cameras have
-/// contributed, or when one of them sends its next picture. Poses are moved to the time of the
-/// round with the robots' velocities and the offsets of the clocks, and fused. A camera that has
+/// contributed, or when one of them sends its next picture. Poses are freed of the differences of
+/// the calibrations, moved to the time of the round with the robots' velocities and the offsets of
+/// the clocks, and fused. A camera that has
 /// missed kMissed rounds is not waited for until it sends a picture again.
 class CameraFusion {
  public:
@@ -44,10 +45,13 @@ class CameraFusion {
   [[nodiscard]] bool isAlive(std::size_t camera) const { return missed_[camera] < kMissed; }
 
   [[nodiscard]] const std::vector<ClockOffset>& offsets() const { return offsets_; }
+  /// By camera; all 0 until an offset is known.
+  [[nodiscard]] const std::vector<ViewError>& errors() const { return errors_; }
   [[nodiscard]] const FusionCounts& counts() const { return counts_; }
 
   static constexpr int kMissed = 5;
-  /// [s] An offset is applied when its standard error is below this.
+  /// [s] An offset is applied when its standard error is below this, and so are the errors of the
+  /// calibrations that follow from robots which cameras with such offsets see together.
   static constexpr double kApplied = 5e-4;
 
  private:
@@ -74,8 +78,10 @@ class CameraFusion {
   std::vector<std::optional<Picture>> pictures_;
   std::vector<int> missed_;
   std::vector<Mover> movers_;
-  ClockOffsets clock_;
+  ViewComparison comparison_;
   std::vector<ClockOffset> offsets_;
+  std::vector<ViewError> errors_;
+  bool compared_ = false;                                   ///< errors_ are known
   double last_ = -std::numeric_limits<double>::infinity();  ///< [s] time of the last round
   double solved_ = -std::numeric_limits<double>::infinity();
   FusionCounts counts_;

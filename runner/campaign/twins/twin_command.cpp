@@ -33,129 +33,16 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kTwins = "twins";  ///< the campaign, below the folder of the results
-constexpr const char* kFrames = "frames.csv";
 constexpr const char* kReport = "report.html";
 constexpr std::size_t kListedLooks = 8;
 
-/// How the run is analyzed, and its twins: without fits, which repeat the direct estimates.
-const report::AnalyzeOptions kHow{.needs_frames = false, .depth = analysis::Depth::kLive};
-
-/// What decides where things are.
-struct TwinPlaces {
-  fs::path log;     ///< folder of the log, to which paths in the experiment are relative
-  fs::path out;     ///< of the results
-  fs::path folder;  ///< of the campaign
-};
-
-TwinPlaces placesOf(const TwinOptions& options) {
-  std::error_code error;
-  const bool folder = fs::is_directory(options.run, error);
-  if (!folder && !fs::is_regular_file(options.run, error)) {
-    throw UserError(fmt::format("{}: found nothing, expected the folder of a run or a log",
-                                options.run.string()));
-  }
-  TwinPlaces places;
-  places.log = fs::absolute(folder ? options.run : options.run.parent_path()).lexically_normal();
-  places.out = places.log;
-  if (!folder) {
-    places.out = fs::absolute(options.run).lexically_normal();
-    places.out += "-twins";
-  }
-  if (options.out) places.out = fs::absolute(*options.out).lexically_normal();
-  places.folder = places.out / kTwins;
-  return places;
-}
-
-/// Refuses runs whose twins would say nothing.
-void requireComparable(const report::TwinFacts& facts, const fs::path& run) {
-  const auto& robots = facts.experiment.robots;
-  if (std::ranges::all_of(robots,
-                          [](const RobotSpec& robot) { return robot.body == Body::kReplay; })) {
-    throw UserError(fmt::format(
-        "{}: all robots of this run are replayed recordings, so that all twins would be the same; "
-        "give the run that was recorded",
-        run.string()));
-  }
-  if (programsOfSummary(facts.summary).empty()) {
-    throw UserError(fmt::format(
-        "{}: no robot ran a program while it was filmed, so there is nothing to compare",
-        run.string()));
-  }
-}
-
-/// Plans the twins and writes their campaign; results that are there stay.
-void prepareTwins(const TwinPlaces& places, const TwinExperiment& twins,
-                  const report::TwinFacts& facts, int count) {
-  fs::create_directories(places.folder);
-  const fs::path frames = places.folder / kFrames;
-  replaceFile(frames, framesText(facts.frames));
-  Experiment experiment = twins.experiment;
-  experiment.camera.frames = fs::relative(frames, places.log).string();
-  const std::string text = writeExperiment(experiment);
-  Request request;
-  request.name = experiment.name;
-  request.file = (places.log / files::kExperiment).string();
-  request.seeds = count;
-  request.seed = experiment.seed;  // the seeds of the rows are hashes of it
-  request.keep = Keep::kSummary;
-  Plan plan = planCampaign(request, text);
-  StoredCampaign campaign{request, runner::utcText(wallClock()), text, std::move(plan.points)};
-  try {
-    if (isCampaign(places.folder)) campaign.created = readCampaign(places.folder).created;
-  } catch (const std::exception&) {
-    // Damaged; it is written again.
-  }
-  writeCampaign(places.folder, campaign, plan.files);
-}
-
-/// The summaries of the twins, and why some are missing.
-struct TwinSummaries {
-  std::vector<std::string> summaries;
-  std::size_t failed = 0;
-  std::string reason;  ///< of the first failure
-  bool interrupted = false;
-};
-
-TwinSummaries simulate(const TwinPlaces& places, int jobs) {
-  CampaignData data = dataOf(readCampaign(places.folder));
-  const auto lock = FileLock::tryLock(places.folder / "lock");
-  if (!lock) {
-    throw UserError(fmt::format("{}: another lab twin simulates the twins of this run; wait",
-                                places.folder.string()));
-  }
-  data.survey = surveyRows(places.folder, data.rows);
-  std::vector<std::size_t> rows;
-  std::error_code error;
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    const bool done = data.survey.rows[i].kind == RowState::Kind::kDone;
-    if (!done || !fs::exists(places.folder / summaryFile(data.rows[i].identity), error)) {
-      if (done) fs::remove(places.folder / resultFile(data.rows[i].identity), error);
-      rows.push_back(i);
-    }
-  }
-  const std::size_t wanted =
-      jobs > 0 ? static_cast<std::size_t>(jobs) : std::max(1U, std::thread::hardware_concurrency());
-  TwinSummaries twins;
-  catchSignals();
-  if (!rows.empty()) {
-    SweepProgress progress(data, places.folder, rows, {});
-    const EngineEnd end =
-        runLocally(data, places.folder, rows,
-                   {.jobs = std::min(wanted, rows.size()), .watch = [&] { progress.update(); }});
-    twins.interrupted = end.interrupted;
-    twins.reason = end.note;
-  }
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    const RowState& state = data.survey.rows[i];
-    if (state.kind == RowState::Kind::kDone) {
-      twins.summaries.push_back(
-          readFileText(places.folder / summaryFile(data.rows[i].identity), file_kinds::kText));
-      continue;
-    }
-    ++twins.failed;
-    if (twins.reason.empty()) twins.reason = state.note;
-  }
-  return twins;
+/// The folder of the results.
+fs::path outOf(const TwinOptions& options, const TwinOrigin& origin) {
+  if (options.out) return fs::absolute(*options.out).lexically_normal();
+  if (fs::is_directory(options.run)) return origin.log;
+  fs::path out = fs::absolute(options.run).lexically_normal();
+  out += "-twins";
+  return out;
 }
 
 std::vector<report::DrawnFigure> drawCurves(const std::string& run,
@@ -194,22 +81,17 @@ void printLooks(const TwinReport& report) {
 }  // namespace
 
 ExitCode twin(const TwinOptions& options) {
-  const TwinPlaces places = placesOf(options);
   if (options.figures) requireProgram("gnuplot", "gnuplot-nox");
-  const report::TwinFacts facts = report::readTwinFacts(options.run, kHow);
-  requireComparable(facts, options.run);
-  TwinExperiment twins = twinExperimentOf(facts);
-  if (facts.version != kVersion) {
-    twins.remarks.push_back(fmt::format(
-        "The run is of version {}, the twins of {}: what changed between them may show.",
-        facts.version.empty() ? "unknown" : facts.version, kVersion));
-  }
-  prepareTwins(places, twins, facts, options.count);
+  const TwinOrigin origin = readTwinOrigin(options.run);
+  const report::TwinFacts& facts = origin.facts;
+  const fs::path out = outOf(options, origin);
+  const fs::path folder = out / kTwins;
   fmt::print("run      {}\n", printable(options.run.string()));
   fmt::print("twins    {} of {:.6g} s in {}\n", options.count, facts.duration,
-             printable(places.folder.string()));
+             printable(folder.string()));
   std::fflush(stdout);
-  const TwinSummaries simulated = simulate(places, options.jobs);
+  const TwinSummaries simulated =
+      simulateTwins(origin, {.folder = folder, .count = options.count}, options.jobs);
   if (simulated.interrupted) {
     fmt::print("stopped  by the user; what is done stays, and the same command continues\n");
     return kFailed;
@@ -222,19 +104,20 @@ ExitCode twin(const TwinOptions& options) {
     throw UserError(fmt::format("only {} twins have a result, expected at least {}: {}",
                                 simulated.summaries.size(), kFewestTwins, simulated.reason));
   }
-  const TwinReport report{places.log.filename().string(), thisCode().text,
+  const TwinReport report{origin.log.filename().string(), thisCode().text,
                           compareWithTwins(looksOf(facts.summary, simulated.summaries)),
-                          twins.remarks};
+                          origin.twins.remarks};
   std::vector<report::DrawnFigure> figures;
-  if (options.figures) figures = drawCurves(facts.summary, simulated.summaries, places.folder);
-  replaceFile(places.out / "twin.json", twinJson(report));
-  replaceFile(places.out / "twins.csv", twinCsv(report));
-  replaceFile(places.out / "twins.html", twinHtml(report, figures));
-  completeReport(places.out, report);
-  for (const std::string& remark : twins.remarks) fmt::print("note     {}\n", printable(remark));
+  if (options.figures) figures = drawCurves(facts.summary, simulated.summaries, folder);
+  replaceFile(out / "twin.json", twinJson(report));
+  replaceFile(out / "twins.csv", twinCsv(report));
+  replaceFile(out / "twins.html", twinHtml(report, figures));
+  completeReport(out, report);
+  for (const std::string& remark : origin.twins.remarks)
+    fmt::print("note     {}\n", printable(remark));
   printLooks(report);
   fmt::print("result   {} {}\n", printable(report.run), printable(verdictOf(report)));
-  fmt::print("page     {}\n", printable((places.out / "twins.html").string()));
+  fmt::print("page     {}\n", printable((out / "twins.html").string()));
   return simulated.failed > 0 ? kFailed : kDone;
 }
 

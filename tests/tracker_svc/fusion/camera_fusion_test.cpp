@@ -92,6 +92,34 @@ TEST(CameraFusion, FindsAndRemovesAClockOffset) {
   EXPECT_EQ(fusion.counts().shared, 500 * 6);
 }
 
+TEST(CameraFusion, MakesDifferentCalibrationsAgreeWhereViewsOverlap) {
+  Scene scene;
+  CameraFusion fusion(2);
+  const auto errorAt = [](double x, double y) {
+    return Eigen::Vector2d(8e-4 - 3e-4 * y, -6e-4 + 3e-4 * x);
+  };
+  for (int k = 1; k <= 1000; ++k) {
+    const double t = k * kPeriod;
+    fusion.add(0, t, scene.seen(0, t, 0));
+    std::vector<detector::Detection> wrong = scene.seen(1, t, 0);
+    for (detector::Detection& pose : wrong) {
+      const Eigen::Vector2d by = errorAt(pose.x, pose.y);
+      pose.x += by.x();
+      pose.y += by.y();
+      pose.theta += 3e-4;
+    }
+    EXPECT_EQ(fusion.add(1, t, wrong).at(0).detections.size(), 8U);
+  }
+  EXPECT_EQ(fusion.counts().rejected, 0);
+  for (int i = 1; i < 7; ++i) {
+    const detector::Detection robot = Scene::robot(i, 40);
+    const Eigen::Vector2d found =
+        fusion.errors()[1].at(robot.x, robot.y) - fusion.errors()[0].at(robot.x, robot.y);
+    EXPECT_GT(errorAt(robot.x, robot.y).norm(), 6e-4);
+    EXPECT_LT((found - errorAt(robot.x, robot.y)).norm(), 6e-5) << i;
+  }
+}
+
 TEST(CameraFusion, DoesNotWaitForADeadCamera) {
   Scene scene;
   CameraFusion fusion(2);
