@@ -16,6 +16,8 @@
 #include "common/process/installation.hpp"
 #include "common/text/format.hpp"
 #include "common/text/printable.hpp"
+#include "runner/campaign/adaptive/adaptive_engine.hpp"
+#include "runner/campaign/adaptive/adaptive_goal.hpp"
 #include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_data.hpp"
 #include "runner/campaign/campaign_folder.hpp"
@@ -104,6 +106,7 @@ fs::path prepare(const SweepOptions& options) {
   const std::string text = readFileText(options.input, file_kinds::kExperiment);
   const Request request = requestOf(options, text);
   Plan plan = planCampaign(request, text);
+  if (request.adaptive) static_cast<void>(goalOf(request, plan.points));
   const fs::path folder = folderFor(options, request);
   StoredCampaign campaign{request, runner::utcText(wallClock()), text, std::move(plan.points)};
   if (const auto before = storedBefore(folder)) {
@@ -122,7 +125,8 @@ void refuseRequestOptions(const SweepOptions& options) {
   const bool asked = !options.set.empty() || !options.over.empty() || options.zip ||
                      options.seeds || options.random || !options.sampling.empty() || options.seed ||
                      options.common_seeds || !options.keep.empty() || options.fits || options.out ||
-                     options.live || !options.clear.empty() || !options.known.empty();
+                     options.live || options.adaptive || !options.clear.empty() ||
+                     !options.known.empty();
   if (!asked) return;
   throw UserError(
       options.input.string() +
@@ -317,13 +321,8 @@ PageOptions pageOf(const SweepOptions& options) {
   return {.show = options.show, .figures = options.figures};
 }
 
-/// Plays the rows on the real lab.
-EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector<std::size_t>& rows,
-                   const SweepOptions& options) {
-  if (data.request.keep == Keep::kLogs || options.figures) {
-    requireProgram("gnuplot", "gnuplot-nox");
-  }
-  requireDisk(data, folder, rows, 1);
+/// The real lab, or its rehearsal.
+LiveMachine prepareLive(CampaignData& data, const fs::path& folder, const SweepOptions& options) {
   LiveMachine machine = labMachine(data.request.live->rehearsal);
   if (!options.until.empty())
     data.request.live->until_us = parseUntil(options.until, machine.now());
@@ -333,6 +332,17 @@ EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector
              plan.rehearsal ? "a rehearsal in virtual time" : "the real lab", plan.tries,
              plan.until_us == 0 ? "" : "; until " + utcText(plan.until_us));
   std::fflush(stdout);
+  return machine;
+}
+
+/// Plays the rows on the real lab.
+EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector<std::size_t>& rows,
+                   const SweepOptions& options) {
+  if (data.request.keep == Keep::kLogs || options.figures) {
+    requireProgram("gnuplot", "gnuplot-nox");
+  }
+  requireDisk(data, folder, rows, 1);
+  LiveMachine machine = prepareLive(data, folder, options);
   SweepProgress progress(data, folder, rows, pageOf(options), false);
   progress.update();
   machine.watch = [&] { progress.update(); };
@@ -341,8 +351,36 @@ EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector
   return end;
 }
 
+/// Runs what the plan of an adaptive campaign chooses.
+EngineEnd runChosen(CampaignData& data, const fs::path& folder,
+                    const std::vector<std::size_t>& rows, const SweepOptions& options) {
+  if (data.request.keep == Keep::kLogs || options.figures) {
+    requireProgram("gnuplot", "gnuplot-nox");
+  }
+  std::vector<std::size_t> first;
+  for (const std::size_t row : rows) {
+    const Kind kind = data.survey.rows[row].kind;
+    if (kind == Kind::kFailed || kind == Kind::kStale) first.push_back(row);
+  }
+  const std::size_t jobs = jobsOf(options, rows.size());
+  requireDisk(data, folder, affordableRows(data, rows), jobs);
+  if (data.request.keep == Keep::kLogs) fs::create_directories(folder / names::kRuns);
+  SweepProgress progress(data, folder, rows, pageOf(options), false);
+  if (data.request.live) {
+    LiveMachine machine = prepareLive(data, folder, options);
+    machine.watch = [&] { progress.update(); };
+    return runAdaptively(data, folder, first, [&](const std::vector<std::size_t>& chosen) {
+      return runLive(data, folder, chosen, machine);
+    });
+  }
+  return runAdaptively(data, folder, first, [&](const std::vector<std::size_t>& chosen) {
+    return runLocally(data, folder, chosen, {.jobs = jobs, .watch = [&] { progress.update(); }});
+  });
+}
+
 EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std::size_t> rows,
                     const SweepOptions& options) {
+  if (data.request.adaptive) return runChosen(data, folder, rows, options);
   if (data.request.live) return playLive(data, folder, rows, options);
   const bool local = options.engine == "local";
   const std::size_t jobs = jobsOf(options, rows.size());
@@ -380,6 +418,11 @@ EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std:
 
 /// Options that go together, or do not.
 void requireLiveOptions(const SweepOptions& options) {
+  if (options.adaptive && options.engine != "local") {
+    throw UserError(
+        "--adaptive chooses runs by the results of those before, on this machine: leave out "
+        "--engine");
+  }
   const bool is_file = !fs::is_directory(options.input);
   if (options.live && (options.engine != "local" || options.jobs > 0)) {
     throw UserError("--live plays one run after another on the lab: leave out --engine and --jobs");
