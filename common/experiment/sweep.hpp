@@ -19,8 +19,9 @@ enum class Sampling : std::int8_t {
 
 /// What an adaptive campaign shall know as well as possible.
 enum class AdaptiveGoal : std::int8_t {
-  kMean,  ///< a quantity at all points, without a law
-  kLaw,   ///< parameters of its power law in the swept keys
+  kMean,      ///< a quantity at all points, without a law
+  kLaw,       ///< parameters of its power law in the swept keys
+  kBoundary,  ///< where it crosses a level along the first swept key
 };
 
 /// The table [sweep.adaptive]: which runs `lab sweep --adaptive` makes, of those of the grid.
@@ -29,6 +30,7 @@ struct AdaptivePlan {
   std::string quantity{};   ///< column of campaign.csv, with or without the program's name
   std::string parameter{};  ///< of a law; empty: the default
   bool relative = false;    ///< of a mean: relative errors count, not absolute ones
+  double level = 0;         ///< of a boundary, in the unit of the quantity
   double robot_time_s = 0;  ///< [s] of all runs, at most; 0: no limit
   double error = 0;         ///< the campaign ends at this standard error; 0: no such rule
   std::int64_t runs_per_round = 4;

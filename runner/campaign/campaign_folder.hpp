@@ -32,6 +32,7 @@ inline constexpr const char* kProgress = "progress.json";
 inline constexpr const char* kJournal = "journal.jsonl";  ///< of a live campaign
 inline constexpr const char* kRounds = "adaptive.jsonl";  ///< of an adaptive campaign
 inline constexpr const char* kSurface = "surface.csv";    ///< what it knows
+inline constexpr const char* kBoundary = "boundary.csv";  ///< where a level is crossed
 inline constexpr const char* kTable = "campaign.csv";
 inline constexpr const char* kPooled = "points.csv";
 inline constexpr const char* kJson = "campaign.json";

@@ -29,6 +29,7 @@
 #include "runner/campaign/live/live_engine.hpp"
 #include "runner/campaign/live/live_journal.hpp"
 #include "runner/campaign/local_engine.hpp"
+#include "runner/campaign/sweep_description.hpp"
 #include "runner/campaign/sweep_progress.hpp"
 #include "runner/campaign/sweep_request.hpp"
 #include "runner/doctor/machine.hpp"
@@ -41,7 +42,6 @@ namespace {
 
 using Kind = RowState::Kind;
 
-constexpr std::size_t kListedLines = 10;
 constexpr const char* kLock = "lock";
 constexpr std::size_t kMostTasks = 1000;  // of a job array: the default of Slurm's MaxArraySize
 
@@ -133,68 +133,6 @@ void refuseRequestOptions(const SweepOptions& options) {
       " is a campaign, whose campaign.toml says what was asked; to ask for something else: lab "
       "sweep FILE --out " +
       options.input.string() + " ...");
-}
-
-/// What is there, before anything runs.
-void describe(const CampaignData& data, const fs::path& folder) {
-  fmt::print("campaign {}\n", printable(folder.string()));
-  double virtual_s = 0;
-  for (const Row& row : data.rows) virtual_s += data.points[row.point].duration;
-  fmt::print("points   {} x {} = {}, {} of {}\n",
-             countText(static_cast<std::int64_t>(data.points.size()), "point"),
-             countText(data.request.seeds, "seed"),
-             countText(static_cast<std::int64_t>(data.rows.size()), "run"), durationText(virtual_s),
-             data.request.live ? "robot time" : "virtual time");
-  const auto count = [&](Kind kind) { return data.survey.count(kind); };
-  if (count(Kind::kDone) > 0) {
-    fmt::print("there    {} of {} runs are done\n", count(Kind::kDone), data.rows.size());
-  }
-  if (data.request.common_seeds) {
-    fmt::print("seeds    all points share their random numbers; their errors are correlated\n");
-  }
-}
-
-/// Lists rows of a kind: the first ones, then their number.
-void list(const CampaignData& data, Kind kind, const char* word) {
-  std::size_t listed = 0;
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    if (data.survey.rows[i].kind != kind || ++listed > kListedLines) continue;
-    fmt::print("{:<8} row {}: {}\n", word, i, printable(data.survey.rows[i].note));
-  }
-  if (listed > kListedLines) fmt::print("{:<8} and {} more\n", word, listed - kListedLines);
-}
-
-/// Says which results are damaged, stale or failed, and what happens to them.
-void describeProblems(const CampaignData& data, const fs::path& folder,
-                      const SweepOptions& options) {
-  std::size_t listed = 0;
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    const RowState& state = data.survey.rows[i];
-    if (state.kind != Kind::kDamaged || ++listed > kListedLines) continue;
-    fmt::print("damaged  {} (row {}) {}; computed again\n",
-               (folder / resultFile(data.rows[i].identity)).string(), i, state.note);
-  }
-  if (listed > kListedLines) fmt::print("damaged  and {} more\n", listed - kListedLines);
-  if (const std::size_t stale = data.survey.count(Kind::kStale)) {
-    const auto first = std::ranges::find(data.survey.rows, Kind::kStale, &RowState::kind);
-    fmt::print("stale    {} of {} results are of version {}, this is {}; {}\n", stale,
-               data.rows.size(), printable(first->note), data.code.text,
-               options.redo_stale ? "computed again"
-                                  : "kept, and marked in the table (--redo-stale computes them "
-                                    "again)");
-  }
-  if (data.survey.of_other_points > 0) {
-    fmt::print(
-        "stale    {} results are of another experiment file or of points that are not in "
-        "this sweep; they stay in {}, not in the table\n",
-        data.survey.of_other_points, (folder / names::kResults).string());
-  }
-  if (const std::size_t failed = data.survey.count(Kind::kFailed)) {
-    list(data, Kind::kFailed, "failed");
-    if (!options.retry)
-      fmt::print("failed   {}: --retry tries them again\n",
-                 countText(static_cast<std::int64_t>(failed), "run"));
-  }
 }
 
 std::vector<std::size_t> rowsToRun(const CampaignData& data, const SweepOptions& options) {
@@ -444,7 +382,7 @@ ExitCode conclude(const CampaignData& data, const fs::path& folder, const Engine
   fmt::print("done     {} of {} runs{}\n", done + stale, all,
              seconds > 0 ? " in " + durationText(seconds) : "");
   if (data.survey.count(Kind::kFailed) > 0) {
-    list(data, Kind::kFailed, "failed");
+    listRows(data, Kind::kFailed, "failed");
     fmt::print("failed   {} of {} runs; --retry tries them again\n",
                data.survey.count(Kind::kFailed), all);
   }
@@ -487,7 +425,7 @@ ExitCode sweep(const SweepOptions& options) {
   CampaignData data = dataOf(readCampaign(folder));
   data.survey = surveyRows(folder, data.rows);
   describe(data, folder);
-  describeProblems(data, folder, options);
+  describeProblems(data, folder, options.retry, options.redo_stale);
   const std::vector<std::size_t> rows =
       options.no_run ? std::vector<std::size_t>() : rowsToRun(data, options);
   catchSignals();

@@ -19,8 +19,9 @@ namespace {
 const std::array<Choice, 2> kSamplings = {
     {choiceOf("latin", Sampling::kLatin), choiceOf("sobol", Sampling::kSobol)}};
 
-const std::array<Choice, 2> kGoals = {
-    {choiceOf("mean", AdaptiveGoal::kMean), choiceOf("law", AdaptiveGoal::kLaw)}};
+const std::array<Choice, 3> kGoals = {{choiceOf("mean", AdaptiveGoal::kMean),
+                                       choiceOf("law", AdaptiveGoal::kLaw),
+                                       choiceOf("boundary", AdaptiveGoal::kBoundary)}};
 
 /// A key that is read, and not part of the experiment of a run.
 Key ofCampaign(Key key) {
@@ -29,11 +30,12 @@ Key ofCampaign(Key key) {
 }
 
 void visitAdaptive(KeyVisitor& v, AdaptivePlan& plan) {
-  enumerate(v,
-            ofCampaign({"goal",
-                        "what shall be known; mean: the quantity at all points; law: its power law "
-                        "in the swept keys"}),
-            kGoals, plan.goal);
+  const Selector goal(v,
+                      ofCampaign({"goal",
+                                  "what shall be known; mean: the quantity at all points; law: its "
+                                  "power law in the swept keys; boundary: where it crosses a level "
+                                  "along the first swept key"}),
+                      kGoals, plan.goal);
   v.text({.name = "quantity",
           .meaning = "an estimate: a column of campaign.csv, as \"D_r_rad2_s\"",
           .need = Need::kRequired},
@@ -47,12 +49,14 @@ void visitAdaptive(KeyVisitor& v, AdaptivePlan& plan) {
                      "of a mean: relative errors count, for positive quantities of "
                      "different sizes; false: absolute ones"}),
          plan.relative);
+  v.number(goal.only({AdaptiveGoal::kBoundary},
+                     ofCampaign({"level", "the value that the quantity crosses, in its unit"})),
+           {-1e12, 1e12}, plan.level);
   v.number(ofCampaign({"robot_time_s", "time of all runs, at most; 0: no limit"}), {0, 1e9},
            plan.robot_time_s);
   v.number(ofCampaign({"error",
-                       "the campaign ends at this standard error of the goal: of "
-                       "exponents, relative of a prefactor, a curve and a relative mean, "
-                       "else in the unit of the quantity; 0: no such rule"}),
+                       "the campaign ends at this standard error of the goal, which campaigns.md "
+                       "defines; 0: no such rule"}),
            {0, 1e12}, plan.error);
   v.integer(ofCampaign({"runs_per_round", "runs that are chosen together, and run side by side"}),
             1, 1000, plan.runs_per_round);

@@ -34,6 +34,7 @@ std::string endText(const CampaignData& data, const AdaptiveRound& round) {
 void writeSurface(const CampaignData& data, const fs::path& folder) {
   const GoalState state = goalState(data);
   if (!state.surface.empty()) replaceFile(folder / names::kSurface, surfaceCsv(data, state));
+  if (!state.crossings.empty()) replaceFile(folder / names::kBoundary, boundaryCsv(data, state));
 }
 
 }  // namespace

@@ -79,16 +79,16 @@ bool isKey(const Axis& axis, const std::string& name) {
 void setParameter(CampaignGoal& goal, const Request& request, const std::vector<Axis>& axes,
                   const std::vector<std::size_t>& keys) {
   const std::string& name = goal.plan.parameter;
-  if (goal.plan.goal == AdaptiveGoal::kMean) {
-    if (name.empty()) return;
-    throw badPlan(request, fmt::format(".parameter: found \"{}\", expected none with goal = "
-                                       "\"mean\"; parameters are those of goal = \"law\"",
-                                       name));
-  }
-  if (goal.plan.relative) {
+  if (goal.plan.relative && goal.plan.goal != AdaptiveGoal::kMean) {
     throw badPlan(request,
-                  ".relative: found true, expected none with goal = \"law\", which is relative in "
-                  "any case");
+                  ".relative: found true, expected none: it is for goal = \"mean\" only (a law is "
+                  "relative in any case)");
+  }
+  if (goal.plan.goal != AdaptiveGoal::kLaw) {
+    if (name.empty()) return;
+    throw badPlan(request, fmt::format(".parameter: found \"{}\", expected none: parameters are "
+                                       "those of goal = \"law\"",
+                                       name));
   }
   if (name.empty() || name == "exponents") return;
   if (name == "prefactor" || name == "curve") {
@@ -145,6 +145,7 @@ CampaignGoal goalOf(const Request& request, const std::vector<Point>& points) {
   }
   const std::vector<Axis> axes = request.design().axes;
   const std::vector<std::size_t> keys = keyAxes(request, axes, points);
+  goal.axes = keys;
   setParameter(goal, request, axes, keys);
   // On a real lab the robots rest in that time.
   const double between =
@@ -166,8 +167,9 @@ CampaignGoal goalOf(const Request& request, const std::vector<Point>& points) {
 }
 
 GoalState CampaignGoal::state(const std::vector<RunValue>& runs) const {
-  return plan.goal == AdaptiveGoal::kMean ? surfaceState(plan, candidates, runs)
-                                          : lawState(parameter, key, candidates, runs);
+  if (plan.goal == AdaptiveGoal::kMean) return surfaceState(plan, candidates, runs);
+  if (plan.goal == AdaptiveGoal::kBoundary) return boundaryState(plan.level, candidates, runs);
+  return lawState(parameter, key, candidates, runs);
 }
 
 GaussianDesign CampaignGoal::spread(const std::vector<RunValue>& runs) const {

@@ -1,6 +1,7 @@
 /// The goal of an adaptive campaign in the numbers of its points. Pure functions.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "runner/campaign/adaptive/goal_state.hpp"
@@ -11,6 +12,7 @@ namespace lab::runner::campaign {
 /// A goal with its candidates: the points of the campaign.
 struct CampaignGoal {
   AdaptivePlan plan;
+  std::vector<std::size_t> axes;  ///< of the campaign, of each key
   std::vector<Candidate> candidates;
   std::vector<double> costs;  ///< [s] robot time of a run at each candidate
   LawParameter parameter = LawParameter::kExponents;

@@ -188,6 +188,9 @@ std::string roundText(const CampaignData& data, const AdaptiveRound& round) {
 
 std::string goalText(const AdaptivePlan& plan) {
   if (plan.goal == AdaptiveGoal::kMean) return plan.quantity + " at all points";
+  if (plan.goal == AdaptiveGoal::kBoundary) {
+    return fmt::format("boundary {} = {}", plan.quantity, plan.level);
+  }
   if (plan.parameter == "prefactor" || plan.parameter == "curve") {
     return fmt::format("{} of the power law of {}", plan.parameter, plan.quantity);
   }
@@ -200,9 +203,8 @@ std::string goalText(const AdaptivePlan& plan) {
 
 std::string errorText(const AdaptivePlan& plan, double error) {
   if (!std::isfinite(error)) return "unknown";
-  const bool relative = plan.goal == AdaptiveGoal::kMean
-                            ? plan.relative
-                            : plan.parameter == "prefactor" || plan.parameter == "curve";
+  const bool relative = plan.relative || plan.goal == AdaptiveGoal::kBoundary ||
+                        plan.parameter == "prefactor" || plan.parameter == "curve";
   return relative ? fmt::format("{:.3g} %", error * units::kPercents)
                   : fmt::format("{:.3g}", error);
 }
@@ -276,6 +278,21 @@ std::string surfaceCsv(const CampaignData& data, const GoalState& state) {
   for (const SurfacePoint& point : state.surface) {
     for (const std::string& value : data.points[point.candidate].values) text += value + ",";
     text += fmt::format("{:.6g},{:.6g}\n", point.value, point.sigma);
+  }
+  return text;
+}
+
+std::string boundaryCsv(const CampaignData& data, const GoalState& state) {
+  const CampaignGoal goal = goalOf(data.request, data.points);
+  const std::string& first = data.axes[goal.axes.front()].key;
+  std::string text;
+  for (std::size_t k = 1; k < goal.axes.size(); ++k) text += data.axes[goal.axes[k]].key + ",";
+  text += fmt::format("{},{}.standard_error\n", first, first);
+  for (const Crossing& crossing : state.crossings) {
+    for (std::size_t k = 1; k < goal.axes.size(); ++k) {
+      text += data.points[crossing.candidate].values[goal.axes[k]] + ",";
+    }
+    text += fmt::format("{:.6g},{:.6g}\n", crossing.position, crossing.sigma);
   }
   return text;
 }

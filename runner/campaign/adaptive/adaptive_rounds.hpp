@@ -63,4 +63,7 @@ struct AdaptiveRound {
 /// surface.csv: what is known at each place, by the process or the law.
 [[nodiscard]] std::string surfaceCsv(const CampaignData& data, const GoalState& state);
 
+/// boundary.csv: where the quantity crosses the level, for each combination of the other keys.
+[[nodiscard]] std::string boundaryCsv(const CampaignData& data, const GoalState& state);
+
 }  // namespace lab::runner::campaign

@@ -115,6 +115,17 @@ Eigen::MatrixXd GaussianProcess::posterior(const Inputs& one, const Inputs& othe
                      factor_.solve(covariance(kernel_, measured_.inputs, other));
 }
 
+Eigen::VectorXd GaussianProcess::variances(const Inputs& inputs) const {
+  Eigen::VectorXd variances(inputs.rows());
+  for (Eigen::Index i = 0; i < inputs.rows(); ++i) {
+    variances(i) = covariance(kernel_, inputs.row(i), inputs.row(i))(0, 0);
+  }
+  if (measured_.means.size() == 0) return variances;
+  const Eigen::MatrixXd half =
+      factor_.matrixL().solve(covariance(kernel_, measured_.inputs, inputs));
+  return (variances - half.colwise().squaredNorm().transpose()).cwiseMax(0);
+}
+
 double GaussianProcess::logLikelihood() const {
   const Eigen::Index count = measured_.means.size();
   if (count == 0) return 0;

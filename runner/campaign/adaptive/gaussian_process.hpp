@@ -47,6 +47,9 @@ class GaussianProcess {
   /// Posterior covariance between points.
   [[nodiscard]] Eigen::MatrixXd posterior(const Inputs& one, const Inputs& other) const;
 
+  /// The diagonal of the posterior covariance; not negative.
+  [[nodiscard]] Eigen::VectorXd variances(const Inputs& inputs) const;
+
   /// Logarithm of the marginal likelihood (Rasmussen and Williams 2006, eq. 5.8).
   [[nodiscard]] double logLikelihood() const;
 

@@ -36,8 +36,20 @@ struct MeasuredPoint {
   double variance = 0;  ///< of the mean
 };
 
+/// A key scaled to the range of the candidates: from 0 to 1. By logarithms if all values are
+/// positive and the largest is at least five times the smallest.
+struct KeyScale {
+  double low = 0;
+  double high = 1;
+  bool logarithmic = false;
+
+  [[nodiscard]] double scaled(double value) const;
+  [[nodiscard]] double value(double scaled) const;  ///< the inverse of scaled()
+};
+
 /// The campaign so far, as numbers for the models.
 struct Measurements {
+  std::vector<KeyScale> scales;       ///< of each key
   Eigen::MatrixXd inputs;             ///< candidates x keys, from 0 to 1
   Eigen::VectorXd noise;              ///< variance of one run at each candidate
   std::vector<MeasuredPoint> points;  ///< that have a run
@@ -46,8 +58,7 @@ struct Measurements {
 /// Errors as shares of the values (of the mean over all runs of a point), or absolute ones.
 enum class ErrorScale : bool { kAbsolute, kRelative };
 
-/// Keys are scaled to the range of the candidates: by logarithms if all values are positive and
-/// the largest is at least five times the smallest. The variance of a run is that of the noise
+/// The variance of a run is that of the noise
 /// model, fitted to the stated errors, times the scatter of runs about their point's mean in units
 /// of it, if that exceeds one. With kRelative, variances are those of the logarithm.
 [[nodiscard]] Measurements measurementsOf(const std::vector<Candidate>& candidates,
@@ -63,6 +74,13 @@ struct SurfacePoint {
   double sigma = 0;  ///< its standard error
 };
 
+/// Where the quantity crosses the level on a line along the first key.
+struct Crossing {
+  std::size_t candidate = 0;  ///< the first one that has the other keys of the line
+  double position = 0;        ///< of the first key
+  double sigma = 0;           ///< its standard error
+};
+
 struct GoalState {
   GaussianDesign design;
   /// The root of design.variance(): the standard error of what is asked. Infinite while there are
@@ -70,12 +88,21 @@ struct GoalState {
   double error = std::numeric_limits<double>::infinity();
   std::vector<SurfacePoint> surface;  ///< of all places; empty before the first run
   std::optional<PowerLaw> law;        ///< of kLaw, when it can be fitted
+  std::vector<Crossing> crossings;    ///< of kBoundary: of the lines that cross the level
 };
 
 /// A mean: a Gaussian process. The variance that is asked for is the mean over all places.
 [[nodiscard]] GoalState surfaceState(const AdaptivePlan& plan,
                                      const std::vector<Candidate>& candidates,
                                      const std::vector<RunValue>& runs);
+
+/// A boundary: the same process on lines along the first key, one for each combination of the other
+/// keys. The variance that is asked for is that of the crossings' positions, as shares of the range
+/// of the key: the variance of the process over its squared slope, where the process is at the
+/// level, averaged over the probability density of that (Picheny et al. 2010, J. Mech. Des. 132,
+/// 071008) and over the lines. While no line crosses the level, it is that of all places.
+[[nodiscard]] GoalState boundaryState(double level, const std::vector<Candidate>& candidates,
+                                      const std::vector<RunValue>& runs);
 
 /// What of a power law is asked.
 enum class LawParameter : std::int8_t {

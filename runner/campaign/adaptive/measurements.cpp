@@ -16,24 +16,29 @@ constexpr double kLogarithmicRatio = 5;
 constexpr double kTypicalError = 0.1;   // of a run, before anything is measured
 constexpr double kScatterFreedom = 10;  // of the prior that scatter and stated errors agree
 
-Eigen::MatrixXd scaledKeys(const std::vector<Candidate>& candidates) {
-  const auto rows = static_cast<Eigen::Index>(candidates.size());
-  const auto keys = static_cast<Eigen::Index>(candidates.front().keys.size());
-  Eigen::MatrixXd inputs(rows, keys);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    for (Eigen::Index k = 0; k < keys; ++k) {
-      inputs(i, k) = candidates[static_cast<std::size_t>(i)].keys[static_cast<std::size_t>(k)];
+std::vector<KeyScale> scalesOf(const std::vector<Candidate>& candidates) {
+  std::vector<KeyScale> scales;
+  for (std::size_t k = 0; k < candidates.front().keys.size(); ++k) {
+    KeyScale scale{candidates.front().keys[k], candidates.front().keys[k]};
+    for (const Candidate& candidate : candidates) {
+      scale.low = std::min(scale.low, candidate.keys[k]);
+      scale.high = std::max(scale.high, candidate.keys[k]);
     }
+    scale.logarithmic = scale.low > 0 && scale.high >= kLogarithmicRatio * scale.low;
+    scales.push_back(scale);
   }
-  for (Eigen::Index k = 0; k < keys; ++k) {
-    auto column = inputs.col(k);
-    if (column.minCoeff() > 0 && column.maxCoeff() >= kLogarithmicRatio * column.minCoeff()) {
-      column = column.array().log().matrix().eval();
+  return scales;
+}
+
+Eigen::MatrixXd scaledKeys(const std::vector<Candidate>& candidates,
+                           const std::vector<KeyScale>& scales) {
+  Eigen::MatrixXd inputs(static_cast<Eigen::Index>(candidates.size()),
+                         static_cast<Eigen::Index>(scales.size()));
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    for (std::size_t k = 0; k < scales.size(); ++k) {
+      inputs(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k)) =
+          scales[k].scaled(candidates[i].keys[k]);
     }
-    const double low = column.minCoeff();
-    const double range = column.maxCoeff() - low;
-    column = range > 0 ? ((column.array() - low) / range).matrix().eval()
-                       : Eigen::VectorXd::Constant(rows, 0.5);
   }
   return inputs;
 }
@@ -58,9 +63,20 @@ double excessScatter(const std::map<std::size_t, std::vector<double>>& values,
 
 }  // namespace
 
+double KeyScale::scaled(double value) const {
+  if (!(high > low)) return 0.5;
+  return logarithmic ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
+}
+
+double KeyScale::value(double scaled) const {
+  return logarithmic ? low * std::pow(high / low, scaled) : low + scaled * (high - low);
+}
+
 Measurements measurementsOf(const std::vector<Candidate>& candidates,
                             const std::vector<RunValue>& runs, ErrorScale scale) {
-  Measurements all{scaledKeys(candidates), {}, {}};
+  Measurements all;
+  all.scales = scalesOf(candidates);
+  all.inputs = scaledKeys(candidates, all.scales);
   std::vector<StatedError> stated;
   std::map<std::size_t, std::vector<double>> values;
   double typical = 0;

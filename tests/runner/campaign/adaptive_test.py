@@ -92,6 +92,7 @@ def check_refusals(folder, file):
     refused(whole + 'parameter = "eat"\n', [], '"eat"', 'eta, epsilon')
     refused(whole, ['--over', 'description=a,b'], 'description=a', 'positive numbers')
     refused(whole.replace('= 500', '= 19'), [], 'at least 20')
+    refused(whole + 'level = 1\n', [], 'level', 'boundary')
     write_experiment(folder, whole.replace('D_r_rad2_s', 'D_r_rad_s'))
     found = sweep([file, '--adaptive', '--out', os.path.join(folder, 'column'), '--no-figures'],
                   code=2)
@@ -128,6 +129,21 @@ def main():
         text = sweep([file, '--out', live, *same, '--live', '--rehearse', '--rest', '60', '--keep',
                       'nothing'])
         assert len(results_of(live)) == 7, text
+
+        # D_r = epsilon eta^2 / 6 is 0.2 at eta = 2.45 and 1.55.
+        write_experiment(folder, EXPERIMENT.replace('duration_s = 20', 'duration_s = 200') +
+                         PLAN.replace('"law"', '"boundary"\nlevel = 0.2').replace('500', '5000'))
+        boundary = os.path.join(folder, 'boundary')
+        text = sweep([file, '--out', boundary, *same])
+        assert 'known    boundary D_r_rad2_s = 0.2: error ' in text, text
+        with open(os.path.join(boundary, 'boundary.csv'), encoding='ascii') as lines:
+            heading, *positions = lines.read().splitlines()
+        assert heading == ('programs.abp.epsilon_s,programs.abp.eta_rad_s,'
+                           'programs.abp.eta_rad_s.standard_error'), heading
+        for line, expected in zip(positions, ((0.2, 2.449), (0.5, 1.549)), strict=True):
+            epsilon, eta, sigma = map(float, line.split(','))
+            assert epsilon == expected[0] and sigma < 0.2, line
+            assert abs(eta - expected[1]) < 0.05 + 4 * sigma, line
 
         check_refusals(folder, file)
 

@@ -59,11 +59,14 @@ TEST(CampaignRequest, ComesBackFromItsFile) {
                                    .quantity = "a \"quoted\" column",
                                    .parameter = "eta_rad_s",
                                    .relative = true,
+                                   .level = 0.1,
                                    .robot_time_s = 36000.5,
                                    .error = 1.25e-7,
                                    .runs_per_round = 7,
                                    .between_runs_s = 62.5};
-  for (const Request& request : {sampleRequest(), plain, live, adaptive}) {
+  Request boundary = adaptive;
+  boundary.adaptive->goal = AdaptiveGoal::kBoundary;
+  for (const Request& request : {sampleRequest(), plain, live, adaptive, boundary}) {
     EXPECT_EQ(readRequest(requestText(request, "2026-01-31T12:00:00Z"), "campaign.toml"), request);
   }
 }

@@ -43,6 +43,17 @@ double ofSurface(const CampaignData& data, const GoalState& state, bool relative
   return sum / static_cast<double>(state.surface.size());
 }
 
+/// Of the position on five lines, in units of the range of the key. A line that was not found to
+/// cross the level counts as wrong by the whole range.
+double ofBoundary(const CampaignData& data, const GoalState& state) {
+  double sum = 5.0 - static_cast<double>(state.crossings.size());
+  for (const Crossing& crossing : state.crossings) {
+    const double density = keysOf(data, crossing.candidate)[1];
+    sum += std::pow((crossing.position - transitionAt(density)) / 1.2, 2);
+  }
+  return sum / 5;
+}
+
 /// The square of the error, averaged over the campaigns.
 struct MeanSquares {
   double uniform = 0;
@@ -51,21 +62,25 @@ struct MeanSquares {
 
 /// Both are evaluated by the same fit, and have different random numbers.
 MeanSquares compare(AdaptivePlan plan, const Over& over, const SquaredError& error) {
-  plan.quantity = "D_r_rad2_s";
-  plan.robot_time_s = kShare * kUniformSeeds * 30 * kDuration_s;
+  const bool transition = plan.goal == AdaptiveGoal::kBoundary;
+  const auto measure = transition ? runTransition : run;
+  plan.quantity = transition ? "order" : "D_r_rad2_s";
+  plan.robot_time_s = 1e9;
+  const auto points = static_cast<double>(scan(plan, 1, over).points.size());
+  plan.robot_time_s = kShare * kUniformSeeds * points * kRunTime;
   const std::uint64_t trials = plan.goal == AdaptiveGoal::kLaw ? kTrialsOfLaw : kTrials;
   const auto count = static_cast<double>(trials);
   MeanSquares squares;
   for (std::uint64_t seed = 1; seed <= trials; ++seed) {
     CampaignData uniform = scan(plan, kUniformSeeds, over);
-    for (std::size_t row = 0; row < uniform.rows.size(); ++row) run(uniform, row, seed);
+    for (std::size_t row = 0; row < uniform.rows.size(); ++row) measure(uniform, row, seed);
     squares.uniform += error(uniform, goalState(uniform)) / count;
 
     CampaignData adaptive = scan(plan, kMostSeeds, over);
     for (std::int64_t number = 1;; ++number) {
       const AdaptiveRound round = nextRound(adaptive, number);
       if (round.runs.empty()) break;
-      for (const PlannedRun& planned : round.runs) run(adaptive, planned.row, seed + 1'000'000);
+      for (const PlannedRun& planned : round.runs) measure(adaptive, planned.row, seed + 1'000'000);
     }
     squares.adaptive += error(adaptive, goalState(adaptive)) / count;
   }
@@ -116,6 +131,13 @@ TEST(AdaptiveCampaign, KnowsThePrefactorAsWellAsAUniformGridIn60PercentOfTheRobo
 TEST(AdaptiveCampaign, KnowsASurfaceAsWellAsAUniformGridIn60PercentOfTheRobotTime) {
   const MeanSquares squares = compare(kMean, kUniform, ofMean);
   tell("mean", squares);
+  EXPECT_LE(squares.adaptive, squares.uniform);
+}
+
+TEST(AdaptiveCampaign, KnowsABoundaryAsWellAsAUniformGridIn60PercentOfTheRobotTime) {
+  const AdaptivePlan plan{.goal = AdaptiveGoal::kBoundary, .level = 0.5};
+  const MeanSquares squares = compare(plan, kTransition, ofBoundary);
+  tell("boundary", squares);
   EXPECT_LE(squares.adaptive, squares.uniform);
 }
 

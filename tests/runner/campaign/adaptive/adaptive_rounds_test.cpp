@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <set>
@@ -18,7 +19,7 @@
 namespace lab::runner::campaign::adaptive_rounds_test {
 namespace {
 
-using adaptive_samples::kDuration_s;
+using adaptive_samples::kRunTime;
 using adaptive_samples::run;
 using adaptive_samples::scan;
 using testing::AllOf;
@@ -28,7 +29,7 @@ using testing::Not;
 constexpr std::uint64_t kSeed = 7;
 
 AdaptivePlan lawPlan() {
-  return {.goal = AdaptiveGoal::kLaw, .quantity = "D_r_rad2_s", .robot_time_s = 30 * kDuration_s};
+  return {.goal = AdaptiveGoal::kLaw, .quantity = "D_r_rad2_s", .robot_time_s = 30 * kRunTime};
 }
 
 void runAll(CampaignData& data, const AdaptiveRound& round) {
@@ -149,7 +150,7 @@ TEST(AdaptiveRounds, GoOnAfterAnInterruptionAsWithoutOne) {
 
 TEST(AdaptiveRounds, EndWithTheRobotTime) {
   AdaptivePlan plan = lawPlan();
-  plan.robot_time_s = 10.5 * (kDuration_s + 60);
+  plan.robot_time_s = 10.5 * (kRunTime + 60);
   plan.between_runs_s = 60;
   CampaignData data = scan(plan, 5);
 
@@ -190,7 +191,7 @@ TEST(AdaptiveRounds, DoNotRepeatARunThatFailed) {
   const AdaptiveRound next = nextRound(data, 2);
 
   for (const std::size_t row : rowsIn(next)) EXPECT_THAT(first, Not(testing::Contains(row)));
-  EXPECT_DOUBLE_EQ(next.robot_time_s, 4 * kDuration_s);
+  EXPECT_DOUBLE_EQ(next.robot_time_s, 4 * kRunTime);
 }
 
 TEST(AdaptiveRounds, TakeLongRunsIfThereIsTimeBetweenRuns) {
@@ -233,8 +234,7 @@ TEST(AdaptiveRounds, AreToldInOneLine) {
 }
 
 TEST(AdaptiveSurface, HoldsTheTruthWithinItsErrors) {
-  AdaptivePlan plan{
-      .quantity = "abp.D_r_rad2_s", .relative = true, .robot_time_s = 60 * kDuration_s};
+  AdaptivePlan plan{.quantity = "abp.D_r_rad2_s", .relative = true, .robot_time_s = 60 * kRunTime};
   CampaignData data = scan(plan, 20);
   static_cast<void>(play(data));
 
@@ -252,6 +252,43 @@ TEST(AdaptiveSurface, HoldsTheTruthWithinItsErrors) {
   EXPECT_THAT(
       surfaceCsv(data, state),
       HasSubstr("eta_rad_s,epsilon_s,abp.D_r_rad2_s,abp.D_r_rad2_s.standard_error\n0.5,0.1,"));
+}
+
+TEST(AdaptiveBoundary, IsMeasuredWhereTheLevelIsCrossed) {
+  using adaptive_samples::transitionAt;
+  AdaptivePlan plan{.goal = AdaptiveGoal::kBoundary,
+                    .quantity = "order",
+                    .level = 0.5,
+                    .robot_time_s = 60 * kRunTime};
+  CampaignData data = scan(plan, 20, adaptive_samples::kTransition);
+  std::size_t near = 0;
+  std::size_t all = 0;
+  for (std::int64_t number = 1;; ++number) {
+    const AdaptiveRound round = nextRound(data, number);
+    if (round.runs.empty()) break;
+    for (const PlannedRun& planned : round.runs) {
+      adaptive_samples::runTransition(data, planned.row, kSeed);
+      if (number <= 5) continue;
+      const std::vector<double> keys = adaptive_samples::keysOf(data, data.rows[planned.row].point);
+      ++all;
+      // Three widths of the transition.
+      if (std::abs(keys[0] - transitionAt(keys[1])) < 0.21) ++near;
+    }
+  }
+
+  // Of the grid, a third of the points is that near.
+  EXPECT_GT(static_cast<double>(near), 0.8 * static_cast<double>(all));
+  const GoalState state = goalState(data);
+  ASSERT_EQ(state.crossings.size(), 5U);
+  for (const Crossing& crossing : state.crossings) {
+    const double density = adaptive_samples::keysOf(data, crossing.candidate)[1];
+    EXPECT_NEAR(crossing.position, transitionAt(density), std::max(0.02, 3 * crossing.sigma));
+    EXPECT_LT(crossing.sigma, 0.03);
+  }
+  EXPECT_LT(state.error, 0.03);
+  EXPECT_THAT(boundaryCsv(data, state), HasSubstr("density,noise,noise.standard_error\n0.2,0.3"));
+  EXPECT_THAT(roundText(data, nextRound(scan(plan, 1, adaptive_samples::kTransition), 1)),
+              HasSubstr("% expected after"));
 }
 
 /// The line with which a plan is refused.
@@ -282,7 +319,7 @@ TEST(AdaptivePlan, IsRefusedInOneLine) {
                 d.request.adaptive->goal = AdaptiveGoal::kMean;
                 d.request.adaptive->parameter = "curve";
               }),
-              HasSubstr("expected none with goal = \"mean\""));
+              HasSubstr("those of goal = \"law\""));
   EXPECT_THAT(with([](CampaignData& d) { d.request.adaptive->relative = true; }),
               HasSubstr("sweep.adaptive.relative"));
   EXPECT_THAT(with([](CampaignData& d) { d.request.common_seeds = true; }),

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/math/random.hpp"
@@ -13,7 +14,7 @@
 
 namespace lab::runner::campaign::adaptive_samples {
 
-inline constexpr double kDuration_s = 600;
+inline constexpr double kRunTime = 600;  // [s]
 
 using Over = std::vector<std::string>;
 
@@ -34,7 +35,7 @@ inline CampaignData scan(const AdaptivePlan& plan, std::int64_t seeds,
   data.axes = design.axes;
   for (const PointValues& values : pointsOf(design)) {
     data.points.push_back(
-        makePoint(values, "eta " + values[0] + " epsilon " + values[1], kDuration_s));
+        makePoint(values, "eta " + values[0] + " epsilon " + values[1], kRunTime));
   }
   data.rows = rowsOf(data.request, data.points, {"1", 5});
   data.survey.rows.resize(data.rows.size());
@@ -74,6 +75,25 @@ inline void run(CampaignData& data, std::size_t row, std::uint64_t seed) {
   result.columns = {{"abp.D_r_rad2_s", mean},
                     {"abp.D_r_rad2_s.standard_error", std::sqrt(variance)},
                     {"abp.D_r_rad2_s.effective_samples", static_cast<double>(draws)}};
+  data.survey.rows[row] = {RowState::Kind::kDone, std::move(result), {}};
+}
+
+/// 13 x 5 points of a transition: an order parameter over a noise and a density.
+inline const Over kTransition{"noise=0:1.2:13", "density=0.2:1:5"};
+
+/// Where the order parameter is one half.
+inline double transitionAt(double density) { return 0.2 + 0.7 * density; }
+
+/// Measures the order parameter of a point with an error of 0.05, which the run states as such.
+inline void runTransition(CampaignData& data, std::size_t row, std::uint64_t seed) {
+  const std::vector<double> keys = keysOf(data, data.rows[row].point);
+  Random random(seed, row);
+  constexpr double kError = 0.05;
+  constexpr double kWidth = 0.07;
+  const double order = 1 / (1 + std::exp((keys[0] - transitionAt(keys[1])) / kWidth));
+  RunResult result;
+  result.identity = data.rows[row].identity;
+  result.columns = {{"order", order + kError * random.normal()}, {"order.standard_error", kError}};
   data.survey.rows[row] = {RowState::Kind::kDone, std::move(result), {}};
 }
 

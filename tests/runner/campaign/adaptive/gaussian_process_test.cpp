@@ -60,6 +60,7 @@ TEST(GaussianProcess, HasTheExactPosteriorOfTwoNoisyPoints) {
 
   EXPECT_NEAR(process.mean(placesAt({0.4}))(0), 1.7321206398278008, 1e-7);
   EXPECT_NEAR(process.posterior(placesAt({0.4}), placesAt({0.4}))(0, 0), 0.4545608417876492, 1e-7);
+  EXPECT_NEAR(process.variances(placesAt({0.4}))(0), 0.4545608417876492, 1e-7);
   EXPECT_NEAR(process.logLikelihood(), -3.6050195133397493, 1e-7);
 }
 
