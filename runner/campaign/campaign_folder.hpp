@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/files/file_text.hpp"
 #include "common/process/file_descriptor.hpp"
 #include "runner/campaign/campaign.hpp"
 #include "runner/campaign/run_result.hpp"
@@ -38,6 +39,8 @@ inline constexpr const char* kPooled = "points.csv";
 inline constexpr const char* kJson = "campaign.json";
 inline constexpr const char* kPage = "index.html";
 }  // namespace names
+
+inline constexpr FileKind kRoundsFile{"the rounds of a campaign", 64 * file_kinds::kMega};
 
 /// A file that the experiments of a campaign need, under its name by content.
 struct CampaignFile {

@@ -17,8 +17,6 @@ namespace lab::runner::campaign {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr FileKind kRoundsFile{"the rounds of a campaign", file_kinds::kMega * 64};
-
 void sayLine(const std::string& line) {
   fmt::print("{}\n", printable(line));
   std::fflush(stdout);

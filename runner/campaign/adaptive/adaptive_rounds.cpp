@@ -157,8 +157,7 @@ GoalState goalState(const CampaignData& data) {
   return goalOf(data.request, data.points).state(valuesOf(data));
 }
 
-std::string roundText(const CampaignData& data, const AdaptiveRound& round) {
-  const AdaptivePlan& plan = data.request.adaptive.value();
+std::string placesText(const CampaignData& data, const AdaptiveRound& round) {
   std::vector<std::pair<std::vector<std::string>, int>> places;
   for (const PlannedRun& run : round.runs) {
     const auto known = std::ranges::find(places, run.values, [](const auto& p) { return p.first; });
@@ -176,10 +175,15 @@ std::string roundText(const CampaignData& data, const AdaptiveRound& round) {
   if (places.size() > kListedPlaces) {
     text += fmt::format("; {} more points", places.size() - kListedPlaces);
   }
+  return text;
+}
+
+std::string roundText(const CampaignData& data, const AdaptiveRound& round) {
+  const AdaptivePlan& plan = data.request.adaptive.value();
   const std::string error =
       std::isfinite(round.error) ? "error " + errorText(plan, round.error) + ", " : "";
   return fmt::format(
-      "round {:<3}{}: {}{} expected after {}", round.number, text, error,
+      "round {:<3}{}: {}{} expected after {}", round.number, placesText(data, round), error,
       errorText(plan, round.expected_error),
       durationText(std::accumulate(
           round.runs.begin(), round.runs.end(), round.robot_time_s,

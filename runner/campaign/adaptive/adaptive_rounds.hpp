@@ -40,6 +40,9 @@ struct AdaptiveRound {
 /// What is known now; the design is that of the next run.
 [[nodiscard]] GoalState goalState(const CampaignData& data);
 
+/// "eta_rad_s=3, epsilon_s=0.1 (2 runs); ...": the points of a round, the first ones by name.
+[[nodiscard]] std::string placesText(const CampaignData& data, const AdaptiveRound& round);
+
 /// "round    3: eta_rad_s=3, epsilon_s=0.1 (2 runs) ...; error 0.031, 0.027 expected; ..."
 [[nodiscard]] std::string roundText(const CampaignData& data, const AdaptiveRound& round);
 

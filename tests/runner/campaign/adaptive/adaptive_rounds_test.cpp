@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "runner/campaign/adaptive/adaptive_goal.hpp"
+#include "runner/campaign/adaptive/adaptive_page.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "tests/runner/campaign/adaptive/adaptive_samples.hpp"
 
@@ -231,6 +232,18 @@ TEST(AdaptiveRounds, AreToldInOneLine) {
 
   EXPECT_THAT(text, AllOf(HasSubstr("round 1"), HasSubstr("eta_rad_s="), HasSubstr("epsilon_s="),
                           HasSubstr("expected after 40 min 0 s"), Not(HasSubstr("\n"))));
+}
+
+TEST(AdaptiveRounds, AreOnThePage) {
+  CampaignData data = scan(lawPlan(), 5);
+  const AdaptiveRound round = nextRound(data, 1);
+  runAll(data, round);
+
+  EXPECT_EQ(chosenText(data),
+            "4 of at most 150 runs, chosen for the exponents of the power law of D_r_rad2_s");
+  EXPECT_THAT(roundsSection(data, {round}),
+              AllOf(HasSubstr("<td>1</td><td>0 s</td><td>unknown</td>"), HasSubstr("eta_rad_s=")));
+  EXPECT_EQ(roundsSection(data, {}), "");
 }
 
 TEST(AdaptiveSurface, HoldsTheTruthWithinItsErrors) {
