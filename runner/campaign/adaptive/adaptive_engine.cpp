@@ -53,7 +53,12 @@ EngineEnd runAdaptively(CampaignData& data, const fs::path& folder,
       EngineEnd end = run_rows(rows);
       writeSurface(data, folder);
       if (end.interrupted || end.disk_full || !end.note.empty()) return end;
-      rows = openRows(data, rounds);
+      const std::vector<std::size_t> open = openRows(data, rounds);
+      if (!open.empty() && open == rows) {
+        end.note = "the chosen runs leave no result that can be read";
+        return end;
+      }
+      rows = open;
       if (!rows.empty()) continue;
     }
     const AdaptiveRound round = nextRound(data, rounds.empty() ? 1 : rounds.back().number + 1);
