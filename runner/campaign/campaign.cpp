@@ -29,6 +29,11 @@ constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::int64_t>::max();
 constexpr std::array<std::pair<Keep, const char*>, 3> kKeeps{
     {{Keep::kLogs, "logs"}, {Keep::kSummary, "summary"}, {Keep::kNothing, "nothing"}}};
 
+const char* nameOf(AdaptiveGoal goal) {
+  if (goal == AdaptiveGoal::kLaw) return "law";
+  return goal == AdaptiveGoal::kBoundary ? "boundary" : "mean";
+}
+
 std::string listText(const std::vector<std::string>& texts) {
   std::string list = "[";
   for (const std::string& text : texts) {
@@ -101,6 +106,33 @@ LivePlan readLivePlan(const RequestReader& read) {
   return plan;
 }
 
+std::string adaptiveText(const AdaptivePlan& plan) {
+  return fmt::format(
+      "# Chooses where to measure next.\ngoal = {}\nquantity = {}\nparameter = {}\nrelative = "
+      "{}\nlevel = {:.16e}\nrobot_time_s = {:.6f}\nerror = {:.16e}\nruns_per_round = "
+      "{}\nbetween_runs_s = {:.6f}\n",
+      keys::tomlString(nameOf(plan.goal)), keys::tomlString(plan.quantity),
+      keys::tomlString(plan.parameter), plan.relative, plan.level, plan.robot_time_s, plan.error,
+      plan.runs_per_round, plan.between_runs_s);
+}
+
+AdaptivePlan readAdaptivePlan(const RequestReader& read) {
+  AdaptivePlan plan;
+  const auto goal = read.get<std::string>("goal");
+  for (const AdaptiveGoal known : {AdaptiveGoal::kLaw, AdaptiveGoal::kBoundary}) {
+    if (goal == nameOf(known)) plan.goal = known;
+  }
+  plan.quantity = read.get<std::string>("quantity");
+  plan.parameter = read.get<std::string>("parameter");
+  plan.relative = read.get<bool>("relative");
+  plan.level = read.get<double>("level");
+  plan.robot_time_s = read.get<double>("robot_time_s");
+  plan.error = read.get<double>("error");
+  plan.runs_per_round = std::max<std::int64_t>(1, read.get<std::int64_t>("runs_per_round"));
+  plan.between_runs_s = read.get<double>("between_runs_s");
+  return plan;
+}
+
 }  // namespace
 
 const char* nameOf(Keep keep) {
@@ -121,6 +153,7 @@ std::string requestText(const Request& request, const std::string& created) {
       request.sampling == Sampling::kSobol ? "\"sobol\"" : "\"latin\"", request.seed,
       request.common_seeds, keys::tomlString(nameOf(request.keep)), request.fits);
   if (request.live) text += liveText(*request.live);
+  if (request.adaptive) text += adaptiveText(*request.adaptive);
   return text;
 }
 
@@ -151,6 +184,7 @@ Request readRequest(std::string_view text, const std::string& name) {
   request.keep = known->first;
   request.fits = read.get<bool>("fits");
   if (document.root().contains("rest_s")) request.live = readLivePlan(read);
+  if (document.root().contains("runs_per_round")) request.adaptive = readAdaptivePlan(read);
   return request;
 }
 

@@ -37,8 +37,9 @@ struct Request {
   std::uint64_t seed = 1;     ///< the base of all seeds
   bool common_seeds = false;  ///< all points share their random numbers
   Keep keep = Keep::kSummary;
-  bool fits = false;               ///< also fits the exact laws, by simulated recordings
-  std::optional<LivePlan> live{};  ///< played on a real lab; empty: simulated
+  bool fits = false;                       ///< also fits the exact laws, by simulated recordings
+  std::optional<LivePlan> live{};          ///< played on a real lab; empty: simulated
+  std::optional<AdaptivePlan> adaptive{};  ///< which runs are made; empty: all
 
   bool operator==(const Request&) const = default;
 

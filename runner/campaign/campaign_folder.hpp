@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "common/files/file_text.hpp"
 #include "common/process/file_descriptor.hpp"
 #include "runner/campaign/campaign.hpp"
 #include "runner/campaign/run_result.hpp"
@@ -30,11 +31,16 @@ inline constexpr const char* kWork = "work";        ///< runs in flight
 inline constexpr const char* kEarlier = "earlier";  ///< requests that were replaced
 inline constexpr const char* kProgress = "progress.json";
 inline constexpr const char* kJournal = "journal.jsonl";  ///< of a live campaign
+inline constexpr const char* kRounds = "adaptive.jsonl";  ///< of an adaptive campaign
+inline constexpr const char* kSurface = "surface.csv";    ///< what it knows
+inline constexpr const char* kBoundary = "boundary.csv";  ///< where a level is crossed
 inline constexpr const char* kTable = "campaign.csv";
 inline constexpr const char* kPooled = "points.csv";
 inline constexpr const char* kJson = "campaign.json";
 inline constexpr const char* kPage = "index.html";
 }  // namespace names
+
+inline constexpr FileKind kRoundsFile{"the rounds of a campaign", 64 * file_kinds::kMega};
 
 /// A file that the experiments of a campaign need, under its name by content.
 struct CampaignFile {

@@ -15,8 +15,11 @@
 #include <utility>
 
 #include "analyzer/gnuplot_figures.hpp"
+#include "common/files/file_text.hpp"
 #include "common/process/installation.hpp"
 #include "common/text/format.hpp"
+#include "runner/campaign/adaptive/adaptive_page.hpp"
+#include "runner/campaign/adaptive/adaptive_rounds.hpp"
 #include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_figures.hpp"
 #include "runner/campaign/campaign_laws.hpp"
@@ -44,7 +47,8 @@ std::string requestSentence(const CampaignData& data) {
   for (const Axis& axis : data.axes) keys.push_back(axis.key);
   std::string text = countText(static_cast<std::int64_t>(data.points.size()), "point");
   if (!keys.empty()) text += fmt::format(" in {}", fmt::join(keys, ", "));
-  text += fmt::format(" · {} each", countText(data.request.seeds, "run"));
+  text += " · " + (data.request.adaptive ? chosenText(data)
+                                         : countText(data.request.seeds, "run") + " each");
   if (data.request.random > 0) {
     text += data.request.sampling == Sampling::kSobol ? " · drawn by Sobol's sequence"
                                                       : " · drawn by a Latin hypercube";
@@ -60,7 +64,7 @@ std::vector<std::string> warningsOf(const CampaignData& data, const PooledTable&
     return static_cast<std::int64_t>(data.survey.count(kind));
   };
   const auto all = static_cast<std::int64_t>(data.rows.size());
-  if (count(kMissing) + count(kDamaged) > 0) {
+  if (count(kMissing) + count(kDamaged) > 0 && !data.request.adaptive) {
     warnings.push_back(
         fmt::format("{} of {} runs have no result yet.", count(kMissing) + count(kDamaged), all));
   }
@@ -322,9 +326,13 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
   writeCsv(data, folder, pooled);
 
   std::vector<std::string> findings;
+  std::vector<std::string> shown = options.show;
+  if (shown.empty() && data.request.adaptive && !pooled.quantities.empty()) {
+    shown = {data.request.adaptive->quantity};
+  }
   const std::vector<std::size_t> leading = [&] {
     try {
-      return leadingQuantities(pooled, options.show, kMostFigures);
+      return leadingQuantities(pooled, shown, kMostFigures);
     } catch (const UserError& error) {  // a wrong name costs no result
       findings.push_back(fmt::format("{}; the page shows what varies most", error.what()));
       return leadingQuantities(pooled, {}, kMostFigures);
@@ -378,6 +386,10 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
     page += "</ul>\n";
   }
   if (data.request.live) page += liveSection(folder);
+  if (data.request.adaptive) {
+    page += roundsSection(
+        data, readRounds(readWholeFile(folder / names::kRounds, kRoundsFile).value_or("")));
+  }
   page += "<div class=\"figures\">\n";
   for (const report::DrawnFigure& figure : figures) page += figureHtml(figure);
   page += "</div>\n<h2>Points</h2>\n" + pointsTable(data, pooled, leading);

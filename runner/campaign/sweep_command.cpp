@@ -16,6 +16,8 @@
 #include "common/process/installation.hpp"
 #include "common/text/format.hpp"
 #include "common/text/printable.hpp"
+#include "runner/campaign/adaptive/adaptive_engine.hpp"
+#include "runner/campaign/adaptive/adaptive_goal.hpp"
 #include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_data.hpp"
 #include "runner/campaign/campaign_folder.hpp"
@@ -27,6 +29,7 @@
 #include "runner/campaign/live/live_engine.hpp"
 #include "runner/campaign/live/live_journal.hpp"
 #include "runner/campaign/local_engine.hpp"
+#include "runner/campaign/sweep_description.hpp"
 #include "runner/campaign/sweep_progress.hpp"
 #include "runner/campaign/sweep_request.hpp"
 #include "runner/doctor/machine.hpp"
@@ -39,7 +42,6 @@ namespace {
 
 using Kind = RowState::Kind;
 
-constexpr std::size_t kListedLines = 10;
 constexpr const char* kLock = "lock";
 constexpr std::size_t kMostTasks = 1000;  // of a job array: the default of Slurm's MaxArraySize
 
@@ -104,6 +106,7 @@ fs::path prepare(const SweepOptions& options) {
   const std::string text = readFileText(options.input, file_kinds::kExperiment);
   const Request request = requestOf(options, text);
   Plan plan = planCampaign(request, text);
+  if (request.adaptive) static_cast<void>(goalOf(request, plan.points));
   const fs::path folder = folderFor(options, request);
   StoredCampaign campaign{request, runner::utcText(wallClock()), text, std::move(plan.points)};
   if (const auto before = storedBefore(folder)) {
@@ -122,75 +125,14 @@ void refuseRequestOptions(const SweepOptions& options) {
   const bool asked = !options.set.empty() || !options.over.empty() || options.zip ||
                      options.seeds || options.random || !options.sampling.empty() || options.seed ||
                      options.common_seeds || !options.keep.empty() || options.fits || options.out ||
-                     options.live || !options.clear.empty() || !options.known.empty();
+                     options.live || options.adaptive || !options.clear.empty() ||
+                     !options.known.empty();
   if (!asked) return;
   throw UserError(
       options.input.string() +
       " is a campaign, whose campaign.toml says what was asked; to ask for something else: lab "
       "sweep FILE --out " +
       options.input.string() + " ...");
-}
-
-/// What is there, before anything runs.
-void describe(const CampaignData& data, const fs::path& folder) {
-  fmt::print("campaign {}\n", printable(folder.string()));
-  double virtual_s = 0;
-  for (const Row& row : data.rows) virtual_s += data.points[row.point].duration;
-  fmt::print("points   {} x {} = {}, {} of {}\n",
-             countText(static_cast<std::int64_t>(data.points.size()), "point"),
-             countText(data.request.seeds, "seed"),
-             countText(static_cast<std::int64_t>(data.rows.size()), "run"), durationText(virtual_s),
-             data.request.live ? "robot time" : "virtual time");
-  const auto count = [&](Kind kind) { return data.survey.count(kind); };
-  if (count(Kind::kDone) > 0) {
-    fmt::print("there    {} of {} runs are done\n", count(Kind::kDone), data.rows.size());
-  }
-  if (data.request.common_seeds) {
-    fmt::print("seeds    all points share their random numbers; their errors are correlated\n");
-  }
-}
-
-/// Lists rows of a kind: the first ones, then their number.
-void list(const CampaignData& data, Kind kind, const char* word) {
-  std::size_t listed = 0;
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    if (data.survey.rows[i].kind != kind || ++listed > kListedLines) continue;
-    fmt::print("{:<8} row {}: {}\n", word, i, printable(data.survey.rows[i].note));
-  }
-  if (listed > kListedLines) fmt::print("{:<8} and {} more\n", word, listed - kListedLines);
-}
-
-/// Says which results are damaged, stale or failed, and what happens to them.
-void describeProblems(const CampaignData& data, const fs::path& folder,
-                      const SweepOptions& options) {
-  std::size_t listed = 0;
-  for (std::size_t i = 0; i < data.rows.size(); ++i) {
-    const RowState& state = data.survey.rows[i];
-    if (state.kind != Kind::kDamaged || ++listed > kListedLines) continue;
-    fmt::print("damaged  {} (row {}) {}; computed again\n",
-               (folder / resultFile(data.rows[i].identity)).string(), i, state.note);
-  }
-  if (listed > kListedLines) fmt::print("damaged  and {} more\n", listed - kListedLines);
-  if (const std::size_t stale = data.survey.count(Kind::kStale)) {
-    const auto first = std::ranges::find(data.survey.rows, Kind::kStale, &RowState::kind);
-    fmt::print("stale    {} of {} results are of version {}, this is {}; {}\n", stale,
-               data.rows.size(), printable(first->note), data.code.text,
-               options.redo_stale ? "computed again"
-                                  : "kept, and marked in the table (--redo-stale computes them "
-                                    "again)");
-  }
-  if (data.survey.of_other_points > 0) {
-    fmt::print(
-        "stale    {} results are of another experiment file or of points that are not in "
-        "this sweep; they stay in {}, not in the table\n",
-        data.survey.of_other_points, (folder / names::kResults).string());
-  }
-  if (const std::size_t failed = data.survey.count(Kind::kFailed)) {
-    list(data, Kind::kFailed, "failed");
-    if (!options.retry)
-      fmt::print("failed   {}: --retry tries them again\n",
-                 countText(static_cast<std::int64_t>(failed), "run"));
-  }
 }
 
 std::vector<std::size_t> rowsToRun(const CampaignData& data, const SweepOptions& options) {
@@ -317,13 +259,8 @@ PageOptions pageOf(const SweepOptions& options) {
   return {.show = options.show, .figures = options.figures};
 }
 
-/// Plays the rows on the real lab.
-EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector<std::size_t>& rows,
-                   const SweepOptions& options) {
-  if (data.request.keep == Keep::kLogs || options.figures) {
-    requireProgram("gnuplot", "gnuplot-nox");
-  }
-  requireDisk(data, folder, rows, 1);
+/// The real lab, or its rehearsal.
+LiveMachine prepareLive(CampaignData& data, const fs::path& folder, const SweepOptions& options) {
   LiveMachine machine = labMachine(data.request.live->rehearsal);
   if (!options.until.empty())
     data.request.live->until_us = parseUntil(options.until, machine.now());
@@ -333,6 +270,17 @@ EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector
              plan.rehearsal ? "a rehearsal in virtual time" : "the real lab", plan.tries,
              plan.until_us == 0 ? "" : "; until " + utcText(plan.until_us));
   std::fflush(stdout);
+  return machine;
+}
+
+/// Plays the rows on the real lab.
+EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector<std::size_t>& rows,
+                   const SweepOptions& options) {
+  if (data.request.keep == Keep::kLogs || options.figures) {
+    requireProgram("gnuplot", "gnuplot-nox");
+  }
+  requireDisk(data, folder, rows, 1);
+  LiveMachine machine = prepareLive(data, folder, options);
   SweepProgress progress(data, folder, rows, pageOf(options), false);
   progress.update();
   machine.watch = [&] { progress.update(); };
@@ -341,8 +289,36 @@ EngineEnd playLive(CampaignData& data, const fs::path& folder, const std::vector
   return end;
 }
 
+/// Runs what the plan of an adaptive campaign chooses.
+EngineEnd runChosen(CampaignData& data, const fs::path& folder,
+                    const std::vector<std::size_t>& rows, const SweepOptions& options) {
+  if (data.request.keep == Keep::kLogs || options.figures) {
+    requireProgram("gnuplot", "gnuplot-nox");
+  }
+  std::vector<std::size_t> first;
+  for (const std::size_t row : rows) {
+    const Kind kind = data.survey.rows[row].kind;
+    if (kind == Kind::kFailed || kind == Kind::kStale) first.push_back(row);
+  }
+  const std::size_t jobs = jobsOf(options, rows.size());
+  requireDisk(data, folder, affordableRows(data, rows), jobs);
+  if (data.request.keep == Keep::kLogs) fs::create_directories(folder / names::kRuns);
+  SweepProgress progress(data, folder, rows, pageOf(options), false);
+  if (data.request.live) {
+    LiveMachine machine = prepareLive(data, folder, options);
+    machine.watch = [&] { progress.update(); };
+    return runAdaptively(data, folder, first, [&](const std::vector<std::size_t>& chosen) {
+      return runLive(data, folder, chosen, machine);
+    });
+  }
+  return runAdaptively(data, folder, first, [&](const std::vector<std::size_t>& chosen) {
+    return runLocally(data, folder, chosen, {.jobs = jobs, .watch = [&] { progress.update(); }});
+  });
+}
+
 EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std::size_t> rows,
                     const SweepOptions& options) {
+  if (data.request.adaptive) return runChosen(data, folder, rows, options);
   if (data.request.live) return playLive(data, folder, rows, options);
   const bool local = options.engine == "local";
   const std::size_t jobs = jobsOf(options, rows.size());
@@ -380,6 +356,11 @@ EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std:
 
 /// Options that go together, or do not.
 void requireLiveOptions(const SweepOptions& options) {
+  if (options.adaptive && options.engine != "local") {
+    throw UserError(
+        "--adaptive chooses runs by the results of those before, on this machine: leave out "
+        "--engine");
+  }
   const bool is_file = !fs::is_directory(options.input);
   if (options.live && (options.engine != "local" || options.jobs > 0)) {
     throw UserError("--live plays one run after another on the lab: leave out --engine and --jobs");
@@ -401,7 +382,7 @@ ExitCode conclude(const CampaignData& data, const fs::path& folder, const Engine
   fmt::print("done     {} of {} runs{}\n", done + stale, all,
              seconds > 0 ? " in " + durationText(seconds) : "");
   if (data.survey.count(Kind::kFailed) > 0) {
-    list(data, Kind::kFailed, "failed");
+    listRows(data, Kind::kFailed, "failed");
     fmt::print("failed   {} of {} runs; --retry tries them again\n",
                data.survey.count(Kind::kFailed), all);
   }
@@ -444,7 +425,7 @@ ExitCode sweep(const SweepOptions& options) {
   CampaignData data = dataOf(readCampaign(folder));
   data.survey = surveyRows(folder, data.rows);
   describe(data, folder);
-  describeProblems(data, folder, options);
+  describeProblems(data, folder, options.retry, options.redo_stale);
   const std::vector<std::size_t> rows =
       options.no_run ? std::vector<std::size_t>() : rowsToRun(data, options);
   catchSignals();

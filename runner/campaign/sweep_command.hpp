@@ -29,6 +29,7 @@ struct SweepOptions {
   bool common_seeds = false;
   std::string keep;  ///< empty: summary
   bool fits = false;
+  bool adaptive = false;  ///< of the grid, only the runs that the table [sweep.adaptive] asks for
   // How it is run.
   std::string engine = "local";
   int jobs = 0;                     ///< runs at a time; 0: one per core

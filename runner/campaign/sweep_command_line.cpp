@@ -81,6 +81,10 @@ void addSweep(CLI::App& app, Chosen& chosen) {
       ->check(CLI::IsMember({"logs", "summary", "nothing"}));
   command->add_flag("--fits", options->fits,
                     "Also fit the exact laws, by simulated recordings (slower)");
+  command->add_flag(
+      "--adaptive", options->adaptive,
+      "Choose where to measure next: of the points and seeds, only the runs that tell "
+      "most of what the table [sweep.adaptive] of the file asks (default: all runs)");
   command->add_option("--out", options->out, "Folder of the campaign (default: a new one)");
   command->add_option("--campaigns", options->campaigns, "Folder for the folders of campaigns")
       ->capture_default_str();

@@ -52,6 +52,15 @@ Request requestOf(const SweepOptions& options, const std::string& text) {
                  : options.keep == "nothing" ? Keep::kNothing
                                              : Keep::kSummary;
   request.fits = options.fits;
+  if (options.adaptive) {
+    if (!table.adaptive) {
+      throw UserError(fmt::format(
+          "{}: found no table [sweep.adaptive], expected one for --adaptive that says what shall "
+          "be known, as goal = \"law\", quantity = \"D_r_rad2_s\", robot_time_s = 36000",
+          options.input.string()));
+    }
+    request.adaptive = table.adaptive;
+  }
   if (options.live) {
     request.live = livePlanOf(options);
     if (options.keep.empty()) request.keep = Keep::kLogs;
@@ -82,6 +91,11 @@ bool isSameRequest(const Request& one, const Request& other) {
   same.name = one.name;
   same.seed = one.seed;
   if (one.live && other.live && one.live->rehearsal == other.live->rehearsal) same.live = one.live;
+  if (one.adaptive && same.adaptive) {
+    // More robot time, or a smaller error, continues a campaign.
+    same.adaptive->robot_time_s = one.adaptive->robot_time_s;
+    same.adaptive->error = one.adaptive->error;
+  }
   return one == same;
 }
 

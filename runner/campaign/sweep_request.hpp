@@ -14,7 +14,8 @@ namespace lab::runner::campaign {
 /// @param text of the file. @throws UserError, ExperimentError
 [[nodiscard]] Request requestOf(const SweepOptions& options, const std::string& text);
 
-/// Whether both ask for the same: the file may have changed, and how a live campaign is played.
+/// Whether both ask for the same: the file may have changed, and how a live campaign is played, and
+/// when an adaptive one ends.
 [[nodiscard]] bool isSameRequest(const Request& one, const Request& other);
 
 /// The newest campaign in `folder` that asks for the same.

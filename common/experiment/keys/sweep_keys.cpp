@@ -19,10 +19,49 @@ namespace {
 const std::array<Choice, 2> kSamplings = {
     {choiceOf("latin", Sampling::kLatin), choiceOf("sobol", Sampling::kSobol)}};
 
+const std::array<Choice, 3> kGoals = {{choiceOf("mean", AdaptiveGoal::kMean),
+                                       choiceOf("law", AdaptiveGoal::kLaw),
+                                       choiceOf("boundary", AdaptiveGoal::kBoundary)}};
+
 /// A key that is read, and not part of the experiment of a run.
 Key ofCampaign(Key key) {
   key.need = Need::kShorthand;
   return key;
+}
+
+void visitAdaptive(KeyVisitor& v, AdaptivePlan& plan) {
+  const Selector goal(v,
+                      ofCampaign({"goal",
+                                  "what shall be known; mean: the quantity at all points; law: its "
+                                  "power law in the swept keys; boundary: where it crosses a level "
+                                  "along the first swept key"}),
+                      kGoals, plan.goal);
+  v.text({.name = "quantity",
+          .meaning = "an estimate: a column of campaign.csv, as \"D_r_rad2_s\"",
+          .need = Need::kRequired},
+         {.most = 200}, plan.quantity);
+  v.text(ofCampaign({.name = "parameter",
+                     .meaning = "of a law: exponents, prefactor, curve (its values at all points), "
+                                "or a swept key, whose exponent is meant; if empty, exponents",
+                     .default_text = "empty"}),
+         {.most = 200}, plan.parameter);
+  v.flag(ofCampaign({"relative",
+                     "of a mean: relative errors count, for positive quantities of "
+                     "different sizes; false: absolute ones"}),
+         plan.relative);
+  v.number(goal.only({AdaptiveGoal::kBoundary},
+                     ofCampaign({"level", "the value that the quantity crosses, in its unit"})),
+           {-1e12, 1e12}, plan.level);
+  v.number(ofCampaign({"robot_time_s", "time of all runs, at most; 0: no limit"}), {0, 1e9},
+           plan.robot_time_s);
+  v.number(ofCampaign({"error",
+                       "the campaign ends at this standard error of the goal, which campaigns.md "
+                       "defines; 0: no such rule"}),
+           {0, 1e12}, plan.error);
+  v.integer(ofCampaign({"runs_per_round", "runs that are chosen together, and run side by side"}),
+            1, 1000, plan.runs_per_round);
+  v.number(ofCampaign({"between_runs_s", "robot time that a run takes beside its duration"}),
+           {0, 86400}, plan.between_runs_s);
 }
 
 }  // namespace
@@ -44,6 +83,10 @@ void visitSweep(KeyVisitor& v, SweepTable& sweep) {
             ofCampaign({"sampling",
                         "how points are drawn; latin: a Latin hypercube; sobol: Sobol's sequence"}),
             kSamplings, sweep.sampling);
+  v.table(ofCampaign({"adaptive", "Where lab sweep --adaptive measures next (campaigns.md)"}), [&] {
+    if (!sweep.adaptive) sweep.adaptive.emplace();
+    visitAdaptive(v, *sweep.adaptive);
+  });
 }
 
 }  // namespace keys

@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "common/text/duration_text.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::runner::campaign {
 namespace {

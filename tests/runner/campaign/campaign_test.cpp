@@ -54,7 +54,19 @@ TEST(CampaignRequest, ComesBackFromItsFile) {
                        .strikes = 3,
                        .until_us = 1'769'875'200'000'000,
                        .known = {{"D_r_rad2_s", 0.02}, {"abp.v_cm_s", 0.005}}};
-  for (const Request& request : {sampleRequest(), plain, live}) {
+  Request adaptive = sampleRequest();
+  adaptive.adaptive = AdaptivePlan{.goal = AdaptiveGoal::kLaw,
+                                   .quantity = "a \"quoted\" column",
+                                   .parameter = "eta_rad_s",
+                                   .relative = true,
+                                   .level = 0.1,
+                                   .robot_time_s = 36000.5,
+                                   .error = 1.25e-7,
+                                   .runs_per_round = 7,
+                                   .between_runs_s = 62.5};
+  Request boundary = adaptive;
+  boundary.adaptive->goal = AdaptiveGoal::kBoundary;
+  for (const Request& request : {sampleRequest(), plain, live, adaptive, boundary}) {
     EXPECT_EQ(readRequest(requestText(request, "2026-01-31T12:00:00Z"), "campaign.toml"), request);
   }
 }
