@@ -12,10 +12,13 @@
 
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/machine.hpp"
+#include "robot/language/builtins.hpp"
 #include "robot/language/checked_expression.hpp"
 #include "robot/language/code_generator.hpp"
 #include "robot/language/expression.hpp"
+#include "robot/language/expression_checker.hpp"
 #include "robot/language/formula.hpp"
+#include "robot/language/scope.hpp"
 #include "robot/language/spelled_name.hpp"
 #include "robot/language/unused_parts.hpp"
 

@@ -11,7 +11,7 @@
 
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/machine.hpp"
-#include "robot/language/checked_expression.hpp"
+#include "robot/language/builtins.hpp"
 
 namespace lab::language {
 namespace {
