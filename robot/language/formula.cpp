@@ -446,6 +446,10 @@ Formula Formula::ofSenses(std::string_view text, unsigned known, Suggest suggest
   return formula;
 }
 
+bool isFormula(const std::string& law_key) {
+  return law_key == "msd" || law_key == "angular_msd" || law_key == "D" || law_key == "D_r";
+}
+
 Dimension formulaDimension(const std::string& law_key) {
   if (law_key == "msd") return product(kLength, kLength);
   if (law_key == "D") return quotient(product(kLength, kLength), kTime);
