@@ -55,8 +55,9 @@ std::string numberIn(const Dimension& dimension) {
   return dimension == kPure ? "a number without unit" : "a number in " + unitText(dimension);
 }
 
-std::string valueText(const CheckedExpression& x) {
-  return numberText(x.range.high) + (x.dimension == kPure ? "" : " " + unitText(x.dimension));
+std::string valueText(const CheckedExpression& x, int digits) {
+  return numberText(x.range.high, digits) +
+         (x.dimension == kPure ? "" : " " + unitText(x.dimension));
 }
 
 void requireDimension(const CheckedExpression& number, const Dimension& dimension,

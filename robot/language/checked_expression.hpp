@@ -48,7 +48,7 @@ struct CheckedExpression {
 [[nodiscard]] std::string numberIn(const Dimension& dimension);
 
 /// "-1 1/s"; the largest value of a number that is not constant.
-[[nodiscard]] std::string valueText(const CheckedExpression& x);
+[[nodiscard]] std::string valueText(const CheckedExpression& x, int digits = 4);
 
 /// Throws SyntaxError unless the number has the dimension (or is the literal 0). `what` names it in
 /// the message.

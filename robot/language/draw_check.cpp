@@ -5,6 +5,8 @@
 #include <cmath>
 #include <string>
 
+#include "robot/language/number_text.hpp"
+
 namespace lab::language {
 namespace {
 
@@ -40,8 +42,10 @@ CheckedExpression chance(const ExpressionContext& context, const Expression& nod
   requireDimension(x, kPure, "the probability " + context.quoted(operand), operand.offset);
   const bool outside = x.range.low < 0 || x.range.high > 1;
   if (outside && (x.constant || x.range.high < 0 || x.range.low > 1)) {
-    throw SyntaxError(operand.offset, "the probability " + context.quoted(operand) + " is " +
-                                          std::to_string(x.range.low) + ", expected 0 to 1");
+    throw SyntaxError(operand.offset,
+                      "the probability " + context.quoted(operand) + " is " +
+                          numberText(x.range.low, digitsBeside({0, 1}, x.range.low)) +
+                          ", expected 0 to 1");
   }
   if (outside) {
     context.note(operand, "the probability " + context.quoted(operand) +
@@ -76,10 +80,12 @@ CheckedExpression checkDraw(const ExpressionContext& context, const Expression& 
   if (name == "uniform") {
     const Dimension common = context.commonDimension(node, 0, x[0], x[1]);
     if (x[0].range.low > x[1].range.high) {
+      const int digits = digitsBeside({x[1].range.high}, x[0].range.high);
       throw SyntaxError(node.offset,
                         "the draw begins above its end: " + context.quoted(node.operands[0]) +
-                            " is " + valueText(x[0]) + ", " + context.quoted(node.operands[1]) +
-                            " is " + valueText(x[1]) + ", expected uniform(low, high)");
+                            " is " + valueText(x[0], digits) + ", " +
+                            context.quoted(node.operands[1]) + " is " + valueText(x[1], digits) +
+                            ", expected uniform(low, high)");
     }
     result = combined(Type::kNumber, common, join(x[0].range, x[1].range), dynamics::kUniform,
                       {x[0], x[1]});

@@ -26,6 +26,11 @@ bool isWholeMs(double seconds) {
   return std::abs(ms - std::round(ms)) <= kWholeMs;
 }
 
+/// A hold beside the limits of holds.
+std::string secondsText(double seconds) {
+  return numberText(seconds, digitsBeside({0, 1 / kMsPerSecond, kLongestHold}, seconds));
+}
+
 class RangeCheck {
  public:
   RangeCheck(const dynamics::WheelLimits& limits, CompiledProgram& result)
@@ -77,15 +82,19 @@ class RangeCheck {
     }
     const double sure = std::max(
         {facts.left.sure_high, facts.right.sure_high, -facts.left.sure_low, -facts.right.sure_low});
-    const std::string reach = numberText(wheel_limit_) + " cm/s";
-    if (sure > wheel_limit_ * (1 + kRoundingSlack)) {
+    const bool is_sure = sure > wheel_limit_ * (1 + kRoundingSlack);
+    const double found = is_sure ? sure : fastest;
+    const int digits = digitsBeside({wheel_limit_}, found);
+    const std::string speed = numberText(found, digits);
+    const std::string reach = numberText(wheel_limit_, digits) + " cm/s";
+    if (is_sure) {
       error(key,
-            "found a wheel speed of " + numberText(sure) + " cm/s, expected at most " + reach +
+            "found a wheel speed of " + speed + " cm/s, expected at most " + reach +
                 ", which the wheels reach; reduce the speed or the turn (a turn of 1 rad/s takes " +
                 numberText(half_base_) + " cm/s of each wheel)");
     } else {
       result_.warnings.push_back({key, 0,
-                                  "can ask for a wheel speed of " + numberText(fastest) +
+                                  "can ask for a wheel speed of " + speed +
                                       " cm/s, the wheels reach " + reach +
                                       "; it is then limited and counted; bound it with clamp"});
     }
@@ -97,24 +106,25 @@ class RangeCheck {
     }
     const Interval& range = hold.range;
     if (hold.constant && (range.low < kShortestHold || range.high > kLongestHold)) {
-      error(key, "holds for " + numberText(range.low) + " s, expected 1 ms to 3600 s, or forever");
+      error(key, "holds for " + secondsText(range.low) + " s, expected 1 ms to 3600 s, or forever");
     } else if (hold.constant && !isWholeMs(range.low)) {
       const double ms = range.low * kMsPerSecond;
-      error(key, "holds for " + numberText(ms) + " ms, expected whole milliseconds such as " +
+      error(key, "holds for " + numberText(ms, digitsBeside({std::round(ms)}, ms)) +
+                     " ms, expected whole milliseconds such as " +
                      numberText(std::max(1.0, std::round(ms))) + " ms: robots count milliseconds");
     } else if (range.high < kShortestHold) {
       error(key, "is never longer than " + numberText(range.high * 1000) +
                      " ms, expected at least 1 ms");
     } else if (range.sure_high > kLongestHold) {
       error(key,
-            "can be " + numberText(range.sure_high) + " s, expected at most 3600 s, or forever");
+            "can be " + secondsText(range.sure_high) + " s, expected at most 3600 s, or forever");
     } else if (range.sure_low < 0) {
       error(key, "can be " + numberText(range.sure_low) +
                      " s, expected 0 or more; use max(0, ...) if "
                      "short holds may be cut");
     } else if (range.low < 0 || range.high > kLongestHold) {
       result_.warnings.push_back({key, 0,
-                                  "can be " + numberText(range.low < 0 ? range.low : range.high) +
+                                  "can be " + secondsText(range.low < 0 ? range.low : range.high) +
                                       " s; it is then limited to 0 s to 3600 s and "
                                       "counted; bound it with clamp"});
     }
