@@ -184,6 +184,9 @@ class Reading {
     if (packet.channel == channels::kLinkStatus) {
       return deliver<link_status_t>(packet, sinks_.link);
     }
+    if (packet.channel == channels::kRobotSenses && sinks_.senses) {
+      return deliver<robot_senses_t>(packet, sinks_.senses);
+    }
     if (packet.channel == channels::kClock) facts_.virtual_time = true;
     return true;
   }

@@ -8,6 +8,7 @@
 #include <lab/light_status_t.hpp>
 #include <lab/link_status_t.hpp>
 #include <lab/robot_command_t.hpp>
+#include <lab/robot_senses_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
@@ -29,6 +30,7 @@ struct MessageSinks {
   std::function<void(const experiment_event_t&)> event;
   std::function<void(const service_status_t&)> service;
   std::function<void(const link_status_t&)> link;
+  std::function<void(const robot_senses_t&)> senses;  ///< empty: not read
 };
 
 /// Messages of one channel that are not used, and robots and detections that were removed from

@@ -31,6 +31,12 @@ std::string dependence(const Program& program) {
   if (readsInput(program.code, dynamics::kId)) {
     return "The program reads the robot's number, so each robot moves in another way.";
   }
+  // phase_time and heading begin anew, so that the motion becomes stationary; these grow.
+  if (readsInput(program.code, dynamics::kTime) || readsInput(program.code, dynamics::kDistance)) {
+    return "The program reads the time or the distance since its start, so it moves differently "
+           "early and late, and contacts with walls and robots and each change of the program "
+           "select which part of its motion is seen.";
+  }
   return {};
 }
 

@@ -10,11 +10,12 @@
 
 namespace lab::analysis {
 
-/// The law of a program. A program that depends on its surroundings, its battery or its number has
-/// one without curves and with the reason (Law::whyNoVerdict), whatever law its file gives. Another
-/// one has the closed form that it names, else its own formulas, else one whose reference must be
-/// simulated (Law::isSimulated). None for standing; without curves for a law that is not known.
-/// Where the steps of the motors shift the speed, the law has the shifted one.
+/// The law of a program. A program that depends on its surroundings, its battery, its number, or on
+/// the time or distance since its start, has one without curves and with the reason
+/// (Law::whyNoVerdict), whatever law its file gives. Another one has the closed form that it names,
+/// else its own formulas, else one whose reference must be simulated (Law::isSimulated). None for
+/// standing; without curves for a law that is not known. Where the steps of the motors shift the
+/// speed, the law has the shifted one.
 [[nodiscard]] ProgramLaw lawOf(const Program& program, const RobotBody& body);
 
 /// The same for ideal wheels and clocks.

@@ -1,21 +1,14 @@
 #include "common/bus/value_checker.hpp"
 
-#include <array>
-#include <cstdio>
+#include "robot/language/number_text.hpp"
 
 namespace lab {
-namespace {
-
-std::string shortest(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", value);
-  return text.data();
-}
-
-}  // namespace
 
 void ValueChecker::fail(const char* name, double value, double low, double high) {
-  fail(name, "found " + shortest(value) + ", expected " + shortest(low) + " to " + shortest(high));
+  constexpr int kDigits = 6;
+  const int digits = language::digitsBeside({low, high}, value, kDigits);
+  const auto text = [&](double number) { return language::numberText(number, digits); };
+  fail(name, "found " + text(value) + ", expected " + text(low) + " to " + text(high));
 }
 
 void ValueChecker::fail(const char* name, std::int64_t value, std::int64_t low, std::int64_t high) {

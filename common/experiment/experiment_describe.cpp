@@ -226,36 +226,6 @@ std::string describeLight(const Experiment& e) {
   return text;
 }
 
-std::string senseText(const SenseSpec& sense) {
-  const std::string radius = centimetreText(sense.radius) + " cm";
-  const std::string place =
-      "the place (" + centimetreText(sense.x) + ", " + centimetreText(sense.y) + ") cm";
-  switch (sense.kind) {
-    case SenseKind::kNeighbours:
-      return "neighbours within " + radius;
-    case SenseKind::kDensity:
-      return "density within " + radius;
-    case SenseKind::kMeanHeading:
-      return "mean heading within " + radius + " (rad)";
-    case SenseKind::kNearestDistance:
-      return "distance of the nearest robot within " + radius + " (cm)";
-    case SenseKind::kNearestBearing:
-      return "bearing of the nearest robot within " + radius + " (rad)";
-    case SenseKind::kPlaceDistance:
-      return "distance of " + place + " (cm)";
-    case SenseKind::kPlaceBearing:
-      return "bearing of " + place + " (rad)";
-    case SenseKind::kGradient:
-      return "gradient of the light (1/cm)";
-    case SenseKind::kGradientBearing:
-      return "bearing of the light's gradient (rad)";
-    case SenseKind::kExpression:
-      return sense.value;
-  }
-  return {};
-}
-
-/// What the host writes for programs.
 std::string describeSenses(const Senses& senses) {
   if (senses.values.empty()) return {};
   std::string text = line(
@@ -380,6 +350,37 @@ std::string describeHosts(const Experiment& e) {
 }
 
 }  // namespace
+
+std::string senseText(const SenseSpec& sense) {
+  const std::string radius = centimetreText(sense.radius) + " cm";
+  const std::string place =
+      "the place (" + centimetreText(sense.x) + ", " + centimetreText(sense.y) + ") cm";
+  switch (sense.kind) {
+    case SenseKind::kNeighbours:
+      return "neighbours within " + radius;
+    case SenseKind::kDensity:
+      return "density within " + radius;
+    case SenseKind::kMeanHeading:
+      return "mean heading within " + radius + " (rad)";
+    case SenseKind::kNearestDistance:
+      return "distance of the nearest robot within " + radius + " (cm)";
+    case SenseKind::kNearestBearing:
+      return "bearing of the nearest robot within " + radius + " (rad)";
+    case SenseKind::kPlaceDistance:
+      return "distance of " + place + " (cm)";
+    case SenseKind::kPlaceBearing:
+      return "bearing of " + place + " (rad)";
+    case SenseKind::kGradient:
+      return "gradient of the light (1/cm)";
+    case SenseKind::kGradientBearing:
+      return "bearing of the light's gradient (rad)";
+    case SenseKind::kExpression:
+      return sense.value;
+  }
+  return {};
+}
+
+/// What the host writes for programs.
 
 std::string describeExperiment(const Experiment& e, const ProgramCoefficients& coefficients) {
   std::string text =

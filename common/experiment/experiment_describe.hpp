@@ -19,4 +19,8 @@ using ProgramCoefficients = std::function<std::string(const Program&)>;
 [[nodiscard]] std::string describeExperiment(const Experiment& experiment,
                                              const ProgramCoefficients& coefficients = {});
 
+/// What a virtual sense measures, with the unit in which programs read it: "distance of the nearest
+/// robot within 15 cm (cm)".
+[[nodiscard]] std::string senseText(const SenseSpec& sense);
+
 }  // namespace lab

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 #include "robot/dynamics/rng.hpp"
+#include "robot/language/number_text.hpp"
 
 namespace lab::light {
 
@@ -56,15 +56,13 @@ bool telegraph(std::uint64_t seed, double periods) {
   }
 }
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.6g", value);
-  return buffer;
-}
+constexpr int kDriveDigits = 6;
 
 /// Empty if low <= value <= high; NaN is outside every range.
 Problem outside(const char* field, double value, double low, double high, const char* unit = "") {
   if (value >= low && value <= high) return {};
+  const int digits = language::digitsBeside({low, high}, value, kDriveDigits);
+  const auto text = [&](double number) { return language::numberText(number, digits); };
   const std::string allowed = low < high ? text(low) + " to " + text(high) : "0";
   return std::string(field) + " = " + text(value) + unit + ", allowed: " + allowed + unit;
 }

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "light/field/image.hpp"
+#include "robot/language/number_text.hpp"
 
 namespace lab::light {
 
@@ -12,17 +12,17 @@ namespace {
 
 using Problem = std::optional<std::string>;
 
-std::string text(double value) {
-  char buffer[32];
-  std::snprintf(buffer, sizeof buffer, "%.6g", value);
-  return buffer;
-}
+constexpr int kLayerDigits = 6;
+
+std::string text(double value) { return language::numberText(value, kLayerDigits); }
 
 /// Empty if low <= value <= high; NaN is outside every range.
 Problem outside(const char* field, double value, double low, double high, const char* unit) {
   if (value >= low && value <= high) return {};
-  return std::string(field) + " = " + text(value) + unit + ", allowed: " + text(low) + " to " +
-         text(high) + unit;
+  const int digits = language::digitsBeside({low, high}, value, kLayerDigits);
+  const auto beside = [&](double number) { return language::numberText(number, digits); };
+  return std::string(field) + " = " + beside(value) + unit + ", allowed: " + beside(low) + " to " +
+         beside(high) + unit;
 }
 
 bool readsSize(LayerKind kind) {

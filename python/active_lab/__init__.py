@@ -27,10 +27,12 @@ is a corner, x along its width, y along its height, theta counter-clockwise from
 from . import messages
 from ._core import contract_version, version as __version__
 from .films import Film
-from .lab import Lab, Refused, running_labs
+from .lab import Lab
+from .light_control import Refused
 from .log import Log, LoggedMessage, label
 from .messages import decode
 from .run import Field, Light, Run, open
+from .running_labs import running_labs
 
 __all__ = ["Field", "Film", "Lab", "Light", "Log", "LoggedMessage", "Refused", "Run", "__version__",
            "contract_version", "decode", "label", "messages", "open", "running_labs"]

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include "robot/language/compiler.hpp"
+#include "robot/language/compiled_program.hpp"
 #include "robot/language/dimension.hpp"
 #include "robot/language/expression.hpp"
 #include "robot/language/suggestion.hpp"
@@ -46,6 +46,9 @@ class Formula {
 
   std::shared_ptr<const Node> root_;
 };
+
+/// Whether a key of ProgramText::law is a formula; the others belong to a closed form.
+[[nodiscard]] bool isFormula(const std::string& law_key);
 
 /// The dimension of a formula of a law: "msd", "angular_msd", "D", "D_r".
 [[nodiscard]] Dimension formulaDimension(const std::string& law_key);

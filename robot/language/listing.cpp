@@ -7,7 +7,7 @@
 
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/fixed_point.hpp"
-#include "robot/language/checked_expression.hpp"
+#include "robot/language/builtins.hpp"
 
 namespace lab::language {
 namespace {

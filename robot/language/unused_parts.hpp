@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "robot/language/checked_expression.hpp"
-#include "robot/language/compiler.hpp"
+#include "robot/language/compiled_program.hpp"
 #include "robot/language/program_text.hpp"
 
 namespace lab::language {

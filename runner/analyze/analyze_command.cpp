@@ -7,6 +7,7 @@
 #include <string>
 
 #include "analyzer/analyze_run.hpp"
+#include "analyzer/report_error.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/camera/run_film.hpp"
 #include "common/files/experiment_error.hpp"
@@ -51,6 +52,15 @@ report::PoseFileOptions columnsOf(const AnalyzeOptions& options) {
   return columns;
 }
 
+/// A message about a temporary file, with the name of the file that it was made from.
+std::string withName(std::string message, const fs::path& made, const fs::path& from) {
+  for (std::size_t at = message.find(made.string()); at != std::string::npos;
+       at = message.find(made.string(), at + from.string().size())) {
+    message.replace(at, made.string().size(), from.string());
+  }
+  return message;
+}
+
 /// Makes the log again from a file of `lab export`, or a file of poses from a table in HDF5, and
 /// analyzes that.
 ExitCode analyzeOpenFormat(const fs::path& input, const fs::path& out,
@@ -60,8 +70,12 @@ ExitCode analyzeOpenFormat(const fs::path& input, const fs::path& out,
   if (isHdf5(input)) {
     const fs::path csv = scratch.path() / (input.stem().string() + ".csv");
     if (importHdf5(input, log, csv) == Hdf5Content::kPoses) {
-      printHeadline(
-          report::analyzePoses(csv, out, columnsOf(options), {options.program, options.set}, how));
+      try {
+        printHeadline(report::analyzePoses(csv, out, columnsOf(options),
+                                           {options.program, options.set}, how));
+      } catch (const report::ReportError& error) {
+        throw report::ReportError(withName(error.what(), csv, input));
+      }
       return kDone;
     }
   } else if (writeLogOfMcap(input, log) == 0) {

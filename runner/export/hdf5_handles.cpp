@@ -1,6 +1,7 @@
 #include "runner/export/hdf5_handles.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 namespace lab::runner::hdf5 {
@@ -67,8 +68,15 @@ std::string readText(hid_t object, const std::string& name) {
   if (H5Aexists(object, name.c_str()) <= 0) return {};
   const Handle attribute(H5Aopen(object, name.c_str(), H5P_DEFAULT), &H5Aclose, name);
   const Handle type(H5Aget_type(attribute.get()), &H5Tclose, name);
-  if (H5Tget_class(type.get()) != H5T_STRING || H5Tis_variable_str(type.get()) > 0) return {};
+  if (H5Tget_class(type.get()) != H5T_STRING) return {};
   const Handle space(H5Aget_space(attribute.get()), &H5Sclose, name);
+  if (H5Tis_variable_str(type.get()) > 0) {  // as h5py writes them
+    if (H5Sget_simple_extent_npoints(space.get()) != 1) return {};
+    char* allocated = nullptr;
+    check(H5Aread(attribute.get(), type.get(), &allocated), name);
+    const std::unique_ptr<char, herr_t (*)(void*)> owned(allocated, &H5free_memory);
+    return allocated == nullptr ? std::string() : std::string(allocated);
+  }
   std::string text(H5Tget_size(type.get()), '\0');
   // A list of texts would not fit.
   if (H5Sget_simple_extent_npoints(space.get()) != 1 || text.empty()) return {};

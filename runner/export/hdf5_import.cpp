@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
-#include <cstring>
 #include <fstream>
-#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -27,6 +25,7 @@
 #include "common/schema/schema.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/export/hdf5_handles.hpp"
+#include "runner/export/hdf5_poses.hpp"
 #include "runner/export/hdf5_table.hpp"
 
 namespace lab::runner {
@@ -38,7 +37,6 @@ using hdf5::Handle;
 using hdf5::kindOf;
 using hdf5::ReadFile;
 using hdf5::TableReader;
-using schema::ColumnInfo;
 using schema::Field;
 using schema::Kind;
 using schema::Type;
@@ -47,9 +45,9 @@ constexpr FileKind kHdf5File{"an HDF5 file", UINTMAX_MAX};
 
 /// A table from which messages take their rows, one after the other.
 struct Source {
-  std::unique_ptr<TableReader> table;
-  hsize_t next = 0;   ///< the first row that belongs to no message yet
-  hsize_t count = 0;  ///< of the rows of the present list
+  std::unique_ptr<TableReader> table;  ///< null: the file does not have it, so all lists are empty
+  hsize_t next = 0;                    ///< the first row that belongs to no message yet
+  hsize_t count = 0;                   ///< of the rows of the present list
 };
 
 /// How a struct is made of rows.
@@ -73,7 +71,9 @@ class Channel {
       : name_(std::move(name)), type_(type) {
     for (const std::string& path : schema::tablePaths(type)) {
       Source& source = sources_[path];
-      source.table = std::make_unique<TableReader>(file, "/" + name_ + "/" + hdf5::tableName(path),
+      const std::string table = name_ + "/" + hdf5::tableName(path);
+      if (!path.empty() && kindOf(file, table) == H5I_BADID) continue;
+      source.table = std::make_unique<TableReader>(file, "/" + table,
                                                    schema::MessageTable::allColumns(type, path));
     }
     messages_ = &sources_.at("");
@@ -118,12 +118,13 @@ class Channel {
     for (const schema::ArrayGroup& group : groups) {
       Source& source = sources_.at((path.empty() ? "" : path + ".") + prefix + group.name);
       counted[group.count_field] = &source;
-      plan.lists.push_back(&source);
+      if (source.table != nullptr) plan.lists.push_back(&source);
     }
     for (std::size_t i = 0; i < type.fields.size(); ++i) {
       const Field& field = type.fields[i];
       const std::size_t size = schema::sizeOf(field.kind);
       if (field.count_field >= 0) {
+        if (counted.at(field.count_field)->table == nullptr) continue;
         const auto group =
             std::ranges::find(groups, field.count_field, &schema::ArrayGroup::count_field);
         addList(field, *group, (path.empty() ? "" : path + ".") + prefix + group->name,
@@ -214,7 +215,7 @@ class Channel {
 
   void requireEnd() const {
     for (const auto& [path, source] : sources_) {
-      if (source.next == source.table->rows()) continue;
+      if (source.table == nullptr || source.next == source.table->rows()) continue;
       source.table->fail(
           fmt::format("has rows that belong to no message, from row {} on", source.next));
     }
@@ -230,21 +231,10 @@ class Channel {
   schema::LcmWriter encoding_;
 };
 
-std::vector<std::string> linksOf(const ReadFile& file) {
-  std::vector<std::string> names;
-  const auto add = [](hid_t, const char* name, const H5L_info_t*, void* all) -> herr_t {
-    static_cast<std::vector<std::string>*>(all)->emplace_back(name);
-    return 0;
-  };
-  check(H5Literate(file.id, H5_INDEX_NAME, H5_ITER_INC, nullptr, add, &names),
-        "cannot list a group");
-  return names;
-}
-
 /// Channels with their types.
 std::vector<std::pair<std::string, const Type*>> channelsOf(const ReadFile& file) {
   std::vector<std::pair<std::string, const Type*>> channels;
-  for (const std::string& name : linksOf(file)) {
+  for (const std::string& name : hdf5::linksOf(file.id)) {
     const std::string table = name + "/messages";
     if (kindOf(file, name) != H5I_GROUP || kindOf(file, table) != H5I_DATASET) continue;
     const Handle dataset = hdf5::openTable(file, table);
@@ -252,44 +242,6 @@ std::vector<std::pair<std::string, const Type*>> channelsOf(const ReadFile& file
     if (type != nullptr) channels.emplace_back(name, type);
   }
   return channels;
-}
-
-/// The columns of a table of numbers.
-std::vector<ColumnInfo> numberColumns(const ReadFile& file, const std::string& name) {
-  const Handle dataset = hdf5::openTable(file, name);
-  const Handle type(H5Dget_type(dataset.get()), &H5Tclose, name);
-  std::vector<ColumnInfo> columns;
-  if (H5Tget_class(type.get()) != H5T_COMPOUND) return columns;
-  for (unsigned i = 0; i < static_cast<unsigned>(H5Tget_nmembers(type.get())); ++i) {
-    const H5T_class_t kind = H5Tget_member_class(type.get(), i);
-    if (kind != H5T_INTEGER && kind != H5T_FLOAT) continue;
-    char* member = H5Tget_member_name(type.get(), i);
-    if (member == nullptr) continue;
-    columns.push_back({member, kind == H5T_INTEGER ? Kind::kInt64 : Kind::kDouble, "", ""});
-    H5free_memory(member);
-  }
-  return columns;
-}
-
-/// The dataset with poses.
-std::string posesIn(const ReadFile& file) {
-  for (const char* name : {"poses", "poses/table"}) {
-    if (kindOf(file, name) == H5I_DATASET) return name;
-  }
-  std::vector<std::string> found;
-  for (const std::string& link : linksOf(file)) {
-    for (const std::string& candidate : {link, link + "/table"}) {
-      if (kindOf(file, candidate) == H5I_DATASET && !numberColumns(file, candidate).empty()) {
-        found.push_back(candidate);
-      }
-    }
-  }
-  if (found.size() == 1) return found.front();
-  throw std::runtime_error(fmt::format(
-      "found {} tables of records, expected those of lab export --hdf5, or a table \"poses\" "
-      "with the columns of docs/track.md (pandas: to_hdf(FILE, \"poses\", format=\"table\", "
-      "data_columns=True))",
-      found.size()));
 }
 
 void writeLog(const ReadFile& file,
@@ -313,28 +265,6 @@ void writeLog(const ReadFile& file,
   writer.flush();
 }
 
-void writePoses(const ReadFile& file, std::ofstream& out) {
-  const std::string name = posesIn(file);
-  const std::vector<ColumnInfo> columns = numberColumns(file, name);
-  TableReader table(file, name, columns);
-  for (std::size_t i = 0; i < columns.size(); ++i) out << (i == 0 ? "" : ",") << columns[i].name;
-  out << "\n";
-  for (hsize_t row = 0; row < table.rows(); ++row) {
-    table.require(row, row + 1);
-    for (std::size_t i = 0; i < columns.size(); ++i) {
-      const std::uint64_t bits = table.bits(row, i);
-      double number = 0;
-      std::memcpy(&number, &bits, sizeof number);
-      out << (i == 0 ? "" : ",");
-      out << (columns[i].kind == Kind::kInt64 ? fmt::format("{}", static_cast<std::int64_t>(bits))
-                                              : fmt::format("{}", number));
-    }
-    out << "\n";
-  }
-  out.flush();
-  if (!out) throw std::runtime_error("cannot write its poses as CSV: is the disk full?");
-}
-
 constexpr const char* kLog = "log";
 constexpr const char* kPoses = "poses";
 
@@ -354,7 +284,7 @@ std::string readHere(const fs::path& file, std::uint64_t bytes, const fs::path& 
     writeLog(read, channels, log_writer);
     return kLog;
   }
-  writePoses(read, csv);
+  hdf5::writePoses(read, csv);
   return kPoses;
 }
 

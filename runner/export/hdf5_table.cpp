@@ -31,6 +31,11 @@ bool hasLink(const ReadFile& file, const std::string& name) {
   }
 }
 
+[[noreturn]] void failTable(const std::string& name, const std::string& what) {
+  throw std::runtime_error("the table " + name + " " + what +
+                           "; expected the tables that lab export --hdf5 makes");
+}
+
 }  // namespace
 
 H5I_type_t kindOf(const ReadFile& file, const std::string& name) {
@@ -53,6 +58,26 @@ Handle openTable(const ReadFile& file, const std::string& name) {
                              "copy it with h5repack");
   }
   return dataset;
+}
+
+hsize_t rowsOf(const ReadFile& file, const Handle& dataset, const std::string& name,
+               std::size_t row_bytes) {
+  const Handle space(H5Dget_space(dataset.get()), &H5Sclose, name + " has no space");
+  hsize_t rows = 0;
+  const bool list = H5Sget_simple_extent_ndims(space.get()) == 1 &&
+                    H5Sget_simple_extent_dims(space.get(), &rows, nullptr) == 1;
+  if (!list || row_bytes == 0) failTable(name, "is no list of records");
+  const Handle made(H5Dget_create_plist(dataset.get()), &H5Pclose, name + " has no layout");
+  const std::uint64_t stored_bytes =
+      std::min<std::uint64_t>(H5Dget_storage_size(dataset.get()), file.bytes);
+  const std::uint64_t most_bytes =
+      stored_bytes * (H5Pget_nfilters(made.get()) > 0 ? kMostCompression : 1);
+  if (rows > most_bytes / row_bytes) {
+    failTable(name, fmt::format("declares {} rows of {} bytes, and has {} bytes in the file: it is "
+                                "damaged",
+                                rows, row_bytes, stored_bytes));
+  }
+  return rows;
 }
 
 TableReader::TableReader(const ReadFile& file, const std::string& name,
@@ -85,23 +110,7 @@ TableReader::TableReader(const ReadFile& file, const std::string& name,
     check(H5Tinsert(record_->get(), columns_[i].name.c_str(), offsets_[i], types[i].get()),
           "no column");
   }
-  readExtent(file, H5Tget_size(stored.get()));
-}
-
-void TableReader::readExtent(const ReadFile& file, std::size_t stored_record_bytes) {
-  const Handle space(H5Dget_space(dataset_.get()), &H5Sclose, name_ + " has no space");
-  const bool list = H5Sget_simple_extent_ndims(space.get()) == 1 &&
-                    H5Sget_simple_extent_dims(space.get(), &rows_, nullptr) == 1;
-  if (!list || stored_record_bytes == 0) fail("is no list of records");
-  const Handle made(H5Dget_create_plist(dataset_.get()), &H5Pclose, name_ + " has no layout");
-  const std::uint64_t stored_bytes =
-      std::min<std::uint64_t>(H5Dget_storage_size(dataset_.get()), file.bytes);
-  const std::uint64_t most_bytes =
-      stored_bytes * (H5Pget_nfilters(made.get()) > 0 ? kMostCompression : 1);
-  if (rows_ > most_bytes / stored_record_bytes) {
-    fail(fmt::format("declares {} rows of {} bytes, and has {} bytes in the file: it is damaged",
-                     rows_, stored_record_bytes, stored_bytes));
-  }
+  rows_ = rowsOf(file, dataset_, name_, H5Tget_size(stored.get()));
 }
 
 void TableReader::require(hsize_t begin, hsize_t end) {
@@ -157,9 +166,6 @@ hsize_t TableReader::children(hsize_t row, std::uint64_t parent) {
   return end - row;
 }
 
-void TableReader::fail(const std::string& what) const {
-  throw std::runtime_error("the table " + name_ + " " + what +
-                           "; expected the tables that lab export --hdf5 makes");
-}
+void TableReader::fail(const std::string& what) const { failTable(name_, what); }
 
 }  // namespace lab::runner::hdf5

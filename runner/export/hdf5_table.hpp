@@ -28,6 +28,11 @@ struct ReadFile {
 /// @throws std::runtime_error if there is none, or it takes its data from other files or datasets
 [[nodiscard]] Handle openTable(const ReadFile& file, const std::string& name);
 
+/// The number of rows of a dataset of one dimension.
+/// @throws std::runtime_error if it has more dimensions, or more rows than the file can hold
+[[nodiscard]] hsize_t rowsOf(const ReadFile& file, const Handle& dataset, const std::string& name,
+                             std::size_t row_bytes);
+
 /// The rows of a table, read in blocks.
 class TableReader {
  public:
@@ -62,7 +67,6 @@ class TableReader {
     return records_.data() + static_cast<std::size_t>(row - begin_) * record_bytes_ +
            offsets_[column];
   }
-  void readExtent(const ReadFile& file, std::size_t stored_record_bytes);
 
   std::string name_;
   Handle dataset_;

@@ -13,7 +13,7 @@
 #include "common/programs/fixed_of.hpp"
 #include "common/text/nearest_word.hpp"
 #include "robot/dynamics/robot_core.hpp"
-#include "robot/language/checked_expression.hpp"
+#include "robot/language/builtins.hpp"
 #include "robot/language/listing.hpp"
 #include "runner/command_line/exit_code.hpp"
 

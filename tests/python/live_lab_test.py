@@ -104,7 +104,7 @@ class LiveLab(unittest.TestCase):
             if "begun" in line:
                 break
         (url,) = [running.url for running in active_lab.running_labs()]
-        bus = active_lab.lab._core.LiveBus(url)
+        bus = active_lab._core.LiveBus(url)
         now = bus.now
         status = messages.experiment_status_t(utime=now, sender="lab", seq=1).encode()
         frame = messages.tracked_frame_t(utime=now, sender="other", seq=1, frame_period=0.02,

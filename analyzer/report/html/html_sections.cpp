@@ -203,12 +203,27 @@ std::string lightSteps(const RunRecord& record) {
 
 std::string virtualSenses(const RunRecord& record) {
   const Percentiles delays = senseDelays(record);
-  if (delays.count == 0) return {};
+  if (delays.count == 0 && record.senses.empty()) return {};
+  std::string html = "<h2>Virtual senses</h2>\n";
+  if (!record.senses.empty()) {
+    Table values({"", "", ">values", ">mean", ">scatter", ">lowest", ">highest"});
+    for (const SenseRecord& sense : record.senses) {
+      values.row({fmt::format("sense({})", sense.index), escapeHtml(sense.what),
+                  std::to_string(sense.values), shortText(sense.mean), shortText(sense.deviation),
+                  shortText(sense.lowest), shortText(sense.highest)});
+    }
+    html +=
+        "<p>What programs read, over all robots and times; the scatter is the standard "
+        "deviation. The mean of an angle is that of the numbers from -π to π.</p>\n" +
+        values.text();
+  }
+  if (delays.count == 0) return html;
   const Senses& senses = record.experimentOrDefault().senses;
   Table table({"", ">values", ">median (ms)", ">95 % (ms)", ">99 % (ms)", ">longest (ms)"});
   latencyRow(table, "exposure to robot", delays);
-  return fmt::format(
-             "<h2>Virtual senses</h2>\n<p>Delays of the numbers that the host computed from the "
+  return html +
+         fmt::format(
+             "<p>Delays of the numbers that the host computed from the "
              "tracker's poses, from the exposure of the camera frame to their reception by a "
              "robot. "
              "The experiment asks for {} ms.</p>\n",

@@ -171,6 +171,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   EventRecord events;
   ServiceRecords services;
   LinkRecords links;
+  SenseRecords senses;
 
   MessageSinks sinks;
   sinks.frame = [&](const tracked_frame_t& frame) {
@@ -191,6 +192,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   sinks.event = [&](const experiment_event_t& event) { events.take(event); };
   sinks.service = [&](const service_status_t& status) { services.take(status); };
   sinks.link = [&](const link_status_t& status) { links.take(status); };
+  sinks.senses = [&](const robot_senses_t& message) { senses.take(message); };
   record.log = readMessages(files, sinks);
   feed.flush();
 
@@ -225,6 +227,7 @@ RunRecord readRun(const std::vector<std::filesystem::path>& files, const ReadOpt
   }
   services.finish(record);
   record.links = links.records();
+  record.senses = senses.records(experiment.senses);
   return record;
 }
 

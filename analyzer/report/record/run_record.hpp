@@ -12,6 +12,7 @@
 #include "analyzer/collective/crowd_analysis.hpp"
 #include "analyzer/log_source.hpp"
 #include "analyzer/report/record/link_records.hpp"
+#include "analyzer/report/record/sense_records.hpp"
 #include "analyzer/report/record/timelines.hpp"
 #include "analyzer/report/record/track_rows.hpp"
 #include "common/calibration/light_file.hpp"
@@ -142,6 +143,7 @@ struct RunRecord {
   std::vector<ListenerLoss> listeners;
   std::vector<SerialLine> serial_lines;
   std::vector<LinkRecord> links;
+  std::vector<SenseRecord> senses;  ///< by their numbers
 
   Tracks tracks;
   std::int64_t left_out = 0;        ///< reports of robots and programs beyond the limits

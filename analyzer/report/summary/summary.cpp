@@ -319,6 +319,15 @@ std::string summaryJson(const RunRecord& record) {
   if (const Percentiles delays = senseDelays(record); delays.count > 0) {
     json["virtual_senses"] = latency(delays, "values");
   }
+  for (const SenseRecord& sense : record.senses) {
+    json["sense_values"].push_back({{"sense", sense.index},
+                                    {"what", sense.what},
+                                    {"values", sense.values},
+                                    {"mean", number(sense.mean)},
+                                    {"scatter", number(sense.deviation)},
+                                    {"lowest", number(sense.lowest)},
+                                    {"highest", number(sense.highest)}});
+  }
   json["light_bands"] = lightBandsJson(record);
   json["losses"] = losses(record);
   if (!record.film_note.empty()) json["retracked"] = record.film_note;

@@ -238,7 +238,9 @@ TEST(LawOf, UsesNoGivenLawWhereTheMotionDependsOnMoreThanTheProgram) {
              {"if(ir(0) > 0.5, 0 cm/s, v)", "reads light, infrared sensors"},
              {"if(sense(0) > 3, 0 cm/s, v)", "infrared sensors or senses"},
              {"if(battery > 3 volt, v, v/2)", "reads the battery"},
-             {"if(id > 3, v, v/2)", "reads the robot's number"}}) {
+             {"if(id > 3, v, v/2)", "reads the robot's number"},
+             {"v*time/(time + 60 s)", "contacts with walls and robots and each change"},
+             {"if(distance > 1 m, v, v/2)", "the distance since its start"}}) {
       const Program program = reading(law, forward);
       const ProgramLaw dut = lawOf(program, kPaperWheelBase);
       EXPECT_FALSE(ExactLaw(dut).exists()) << law << " " << forward;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
@@ -47,6 +48,18 @@ TEST(MessageValues, NameFieldFoundAndExpected) {
   frame.robots[1].x = 0;
   frame.utime = -1;
   EXPECT_EQ(problem(frame), "utime: found -1, expected 0 to 4102444800000000");
+}
+
+TEST(MessageValues, ANumberJustBeyondABoundDoesNotLookLikeTheBound) {
+  tracked_frame_t frame{};
+  frame.utime = kNow;
+  frame.robots.resize(1);
+  frame.robots[0].x = 1000.0000001;
+  EXPECT_EQ(problem(frame), "robots[0].x: found 1000.0000001, expected -1000 to 1000");
+  frame.robots[0].x = std::nextafter(1000.0, 2000.0);
+  EXPECT_EQ(problem(frame), "robots[0].x: found 1000.0000000000001, expected -1000 to 1000");
+  frame.robots[0].x = 1234.5678;
+  EXPECT_EQ(problem(frame), "robots[0].x: found 1234.57, expected -1000 to 1000");
 }
 
 TEST(MessageValues, RefuseHashesAndPhasesThatNoProgramHas) {

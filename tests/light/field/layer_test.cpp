@@ -64,6 +64,12 @@ TEST(Layer, WithAValueNotFiniteIsRejectedByName) {
   }
 }
 
+TEST(Layer, AValueJustBeyondABoundDoesNotLookLikeTheBound) {
+  Layer layer = valid(LayerKind::kDisk);
+  layer.intensity = 1.0000001;
+  EXPECT_THAT(validate(layer), Optional(std::string("intensity = 1.0000001, allowed: 0 to 1")));
+}
+
 TEST(Layer, ReportsFoundAndAllowedValues) {
   Layer layer = valid(LayerKind::kDisk);
   layer.size = -0.1;

@@ -11,7 +11,7 @@
 
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/machine.hpp"
-#include "robot/language/checked_expression.hpp"
+#include "robot/language/builtins.hpp"
 
 namespace lab::language {
 namespace {
@@ -260,6 +260,15 @@ INSTANTIATE_TEST_SUITE_P(
               "phases.run.hold", "can be -1 s"},
         Wrong{"wheels too fast", [](ProgramText& p) { run(p).forward = "30 cm/s"; }, "phases.run",
               "found a wheel speed of 31.5 cm/s, expected at most 27 cm/s, which the wheels reach"},
+        Wrong{"wheels slightly too fast", [](ProgramText& p) {
+                run(p).forward = "27.001 cm/s";
+                run(p).turn = "";
+              }, "phases.run", "found a wheel speed of 27.001 cm/s, expected at most 27 cm/s"},
+        Wrong{"hold slightly too long", [](ProgramText& p) { run(p).hold = "3600.01 s"; },
+              "phases.run.hold", "holds for 3600.01 s"},
+        Wrong{"probability slightly above 1",
+              [](ProgramText& p) { run(p).forward = "if(chance(1.0000001), v, 0)"; },
+              "phases.run.forward", "is 1.0000001, expected 0 to 1"},
         Wrong{"too fast after a draw",
               [](ProgramText& p) { run(p).forward = "if(chance(0.5), 30 cm/s, v)"; }, "phases.run",
               "expected at most 27 cm/s"},

@@ -90,6 +90,37 @@ TEST_F(Hdf5Import, ReadsATableOfPoses) {
   EXPECT_EQ(support::readFile(poses), "frame,x_cm\n0,1.5\n1,2.5\n");
 }
 
+/// A file with the list of numbers poses/x_cm of this layout.
+fs::path listFile(const fs::path& path, hsize_t rows, hid_t layout) {
+  const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t group = H5Gcreate2(file, "poses", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
+  const hid_t space = H5Screate_simple(1, &rows, nullptr);
+  const hid_t list =
+      H5Dcreate2(group, "x_cm", H5T_NATIVE_DOUBLE, space, H5P_DEFAULT, layout, H5P_DEFAULT);
+  EXPECT_GE(list, 0);
+  H5Dclose(list);
+  H5Sclose(space);
+  H5Gclose(group);
+  H5Fclose(file);
+  return path;
+}
+
+TEST_F(Hdf5Import, ListsOfNumbersAreInTheFileAndNotLongerThanIt) {
+  const hid_t external = H5Pcreate(H5P_DATASET_CREATE);
+  H5Pset_external(external, "/etc/passwd", 0, H5F_UNLIMITED);
+  const hid_t chunked = H5Pcreate(H5P_DATASET_CREATE);
+  const hsize_t chunk = 2;
+  H5Pset_chunk(chunked, 1, &chunk);
+
+  EXPECT_THAT(outcomeOf(listFile(folder / "external.h5", 20, external)),
+              HasSubstr("takes its data from other files"));
+  EXPECT_THAT(outcomeOf(listFile(folder / "many.h5", 100'000'000'000, chunked)),
+              HasSubstr("poses/x_cm declares 100000000000 rows of 8 bytes"));
+
+  H5Pclose(external);
+  H5Pclose(chunked);
+}
+
 TEST_F(Hdf5Import, ReadsNoDataFromOtherFiles) {
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   for (const std::string& other :

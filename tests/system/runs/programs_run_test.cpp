@@ -62,9 +62,16 @@ TEST_F(ProgramsRun, VirtualSensesComeWithTheDelayOfTheFileWithinOneFrame) {
 TEST_F(ProgramsRun, TheReportSaysTheDelayOfTheSensesThatWasAchieved) {
   const fs::path directory = labRun(experiment("quorum_sensing").string(),
                                     "--set duration_s=20 --set senses.delay_ms=200");
-  const auto senses = readJson(directory / "summary.json").at("virtual_senses");
+  const auto summary = readJson(directory / "summary.json");
+  const auto senses = summary.at("virtual_senses");
   EXPECT_NEAR(senses.at("p50_ms").get<double>(), 200, 40);
   EXPECT_GT(senses.at("values").get<int>(), 1000);
+  ASSERT_EQ(summary.at("sense_values").size(), 1U);
+  const auto neighbours = summary.at("sense_values").at(0);
+  EXPECT_EQ(neighbours.at("sense"), 0);
+  EXPECT_EQ(neighbours.at("what"), "neighbours within 20 cm");
+  EXPECT_GT(neighbours.at("mean").get<double>(), 0.1);
+  EXPECT_LE(neighbours.at("highest").get<double>(), 19);
 }
 
 TEST_F(ProgramsRun, AProgramInTheExperimentFileIsExecutedBySimulatorAndWireAlike) {
