@@ -103,7 +103,7 @@ Estimator::Estimator(const ProgramLaw& law, const BlockData& data)
   if (dense) needed_.insert(needed_.end(), {1, 2});
   for (std::vector<std::size_t>* lags_once : {&noise_lags_, &needed_}) {
     std::ranges::sort(*lags_once);
-    lags_once->erase(std::ranges::unique(*lags_once).begin(), lags_once->end());
+    lags_once->erase(std::unique(lags_once->begin(), lags_once->end()), lags_once->end());
   }
 
   const ExactLaw exact(law);

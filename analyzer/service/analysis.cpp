@@ -136,7 +136,7 @@ void Analysis::dispatch(const Frame& frame) {
   std::ranges::sort(ids);
   const bool any_twice = std::ranges::adjacent_find(ids) != ids.end();
   for (const FramePose& pose : frame.poses) {
-    if (any_twice && std::ranges::equal_range(ids, pose.robot).size() > 1) {
+    if (any_twice && std::ranges::count(ids, pose.robot) > 1) {
       ++counters_.duplicate_robots;
       continue;
     }

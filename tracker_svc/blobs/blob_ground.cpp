@@ -100,7 +100,8 @@ double BlobGround::variance(double grey) const {
 }
 
 float BlobGround::threshold(float ground) const {
-  const auto noise = static_cast<float>(kSignificant * std::sqrt(variance(ground)) / 3);
+  const auto noise =
+      static_cast<float>(kSignificant * std::sqrt(variance(static_cast<double>(ground))) / 3);
   const float light = ground - static_cast<float>(imaging_.black);
   return std::max({noise, kLeastShare * light, kLeastContrast});
 }
@@ -178,7 +179,8 @@ void BlobGround::correctBlocks(const optics::GreyView& picture, bool bright, dou
   for (std::size_t grey = 0; grey < kGreys; ++grey) {
     const auto light = static_cast<float>(grey);
     limits[grey] =
-        std::max(threshold(light), static_cast<float>(kClear * std::sqrt(variance(light))));
+        std::max(threshold(light),
+                 static_cast<float>(kClear * std::sqrt(variance(static_cast<double>(light)))));
   }
   for (int y = 0; y < height_; y += kEveryRow) {
     const ColumnSpan& span = columns_[static_cast<std::size_t>(y)];
