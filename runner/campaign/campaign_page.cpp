@@ -11,6 +11,7 @@
 #include <cstdlib>
 #include <map>
 #include <optional>
+#include <set>
 #include <system_error>
 #include <utility>
 
@@ -54,6 +55,24 @@ std::string requestSentence(const CampaignData& data) {
                                                       : " · drawn by a Latin hypercube";
   }
   return text + " · " + data.code.text;
+}
+
+/// Figures of earlier pages, which showed other quantities or fewer runs, are removed.
+void writeFigures(const fs::path& folder, const std::vector<report::DrawnFigure>& figures) {
+  fs::create_directories(folder);
+  std::set<fs::path> written;
+  for (const report::DrawnFigure& figure : figures) {
+    written.insert(folder / (figure.name + ".svg"));
+    replaceFile(folder / (figure.name + ".svg"), figure.svg);
+    written.insert(folder / (figure.name + ".pdf"));
+    replaceFile(folder / (figure.name + ".pdf"), figure.pdf);
+  }
+  for (const fs::directory_entry& file : fs::directory_iterator(folder)) {
+    const fs::path kind = file.path().extension();
+    if ((kind == ".svg" || kind == ".pdf") && !written.contains(file.path())) {
+      fs::remove(file.path());
+    }
+  }
 }
 
 /// What a reader must know before the figures, a sentence each.
@@ -343,11 +362,7 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
   if (options.figures) {
     const FigureScratch scratch(folder);
     figures = report::drawFigureScripts(scriptsOf(data, pooled, leading), scratch.path());
-    fs::create_directories(folder / names::kFigures);
-    for (const report::DrawnFigure& figure : figures) {
-      replaceFile(folder / names::kFigures / (figure.name + ".svg"), figure.svg);
-      replaceFile(folder / names::kFigures / (figure.name + ".pdf"), figure.pdf);
-    }
+    writeFigures(folder / names::kFigures, figures);
   }
 
   if (!data.axes.empty()) {
