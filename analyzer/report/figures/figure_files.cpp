@@ -5,6 +5,7 @@
 #include <iterator>
 
 #include "analyzer/report/figures/gnuplot.hpp"
+#include "analyzer/report/figures/undated_pdf.hpp"
 #include "analyzer/report_error.hpp"
 #include "common/files/file_text.hpp"
 

@@ -8,11 +8,6 @@
 #include <cstring>
 #include <fstream>
 #include <memory>
-#include <qpdf/Buffer.hh>
-#include <qpdf/QPDF.hh>
-#include <qpdf/QPDFExc.hh>
-#include <qpdf/QPDFObjectHandle.hh>
-#include <qpdf/QPDFWriter.hh>
 #include <system_error>
 #include <vector>
 
@@ -120,29 +115,6 @@ std::string tidySvg(const std::string& svg, const std::string& title) {
   tidy += svg.substr(at);
   replaceAll(tidy, "font-family=\"Arial\"", "font-family=\"Helvetica, Arial, sans-serif\"");
   return tidy;
-}
-
-std::string undatedPdf(const std::string& pdf) {
-  try {
-    QPDF file;
-    file.setSuppressWarnings(true);
-    file.setAttemptRecovery(false);
-    file.processMemoryFile("figure.pdf", pdf.data(), pdf.size());
-    QPDFObjectHandle info = file.getTrailer().getKey("/Info");
-    if (info.isDictionary()) info.removeKey("/CreationDate");
-
-    QPDFWriter writer(file);
-    writer.setOutputMemory();
-    // Objects readable as text. (cairo 1.18 compresses several together.)
-    writer.setObjectStreamMode(qpdf_o_disable);
-    writer.setDeterministicID(true);  // from the contents, not from time and file name
-    writer.write();
-    const std::shared_ptr<Buffer> bytes = writer.getBufferSharedPointer();
-    return std::string(reinterpret_cast<const char*>(bytes->getBuffer()), bytes->getSize());
-  } catch (const QPDFExc& error) {
-    throw ReportError(
-        fmt::format("gnuplot wrote a figure that is not a complete PDF: {}", error.what()));
-  }
 }
 
 std::string inlineSvg(const std::string& svg, const std::string& prefix) {

@@ -20,10 +20,6 @@ void runGnuplot(const std::filesystem::path& folder, const std::string& script);
 /// which browsers show as tooltips.
 [[nodiscard]] std::string tidySvg(const std::string& svg, const std::string& title);
 
-/// The PDF without its creation date, so that the same figure gives the same bytes.
-/// @throws ReportError if it is not a complete PDF.
-[[nodiscard]] std::string undatedPdf(const std::string& pdf);
-
 /// The SVG as an element of an HTML page: without XML header, and with `prefix` before its ids, so
 /// that a page can contain several figures.
 [[nodiscard]] std::string inlineSvg(const std::string& svg, const std::string& prefix);

@@ -20,6 +20,7 @@
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
 #include "analyzer/report/figures/thinning.hpp"
+#include "analyzer/report/figures/undated_pdf.hpp"
 #include "analyzer/report_error.hpp"
 #include "tests/analyzer/report/synthetic_lab.hpp"
 
