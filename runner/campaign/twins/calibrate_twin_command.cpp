@@ -209,7 +209,7 @@ std::optional<Compared> compareFitted(const TwinOrigin& origin, bool held_out,
   }
   const TwinSummaries twins = simulateTwins(origin, plan, options.jobs);
   if (twins.interrupted) return std::nullopt;
-  if (twins.summaries.size() < 10) {
+  if (twins.summaries.size() < static_cast<std::size_t>(kFewestTwins)) {
     throw UserError(fmt::format("{}: only {} twins with the fitted parameters have a result: {}",
                                 origin.run.string(), twins.summaries.size(), twins.reason));
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "runner/campaign/twins/twin_command.hpp"
 #include "runner/command_line/command_main.hpp"
 #include "runner/command_line/exit_code.hpp"
 
@@ -18,7 +19,7 @@ struct CalibrateTwinOptions {
   std::filesystem::path out = "twin-calibration";  ///< folder of the results
   int count = 200;                                 ///< twins of each run in each round
   int rounds = 2;                                  ///< the ranges are narrowed after each
-  int compared = 40;                               ///< twins at the fitted parameters
+  int compared = kDefaultTwins;                    ///< twins at the fitted parameters
   int jobs = 0;                                    ///< twins at a time; 0: one per core
 };
 

@@ -5,20 +5,12 @@
 import glob
 import json
 import os
-import subprocess
-import sys
 import tempfile
 
-LAB = os.path.join(os.path.abspath(sys.argv[1]), 'lab')
+from campaign_samples import run_lab as lab
+
 NOISE_CM = 0.08
 SPEED_NOISE = 0.3  # cm/sqrt(s)
-
-
-def lab(*arguments, code=0):
-    done = subprocess.run([LAB, *arguments], capture_output=True, text=True)
-    text = done.stdout + done.stderr
-    assert done.returncode == code, f'{arguments}: exit code {done.returncode}\n{text}'
-    return text
 
 
 def run(folder, seed, *settings):

@@ -36,12 +36,17 @@ def write_experiment(folder, text=EXPERIMENT):
     return file
 
 
-def sweep(arguments, code=0, **options):
-    """Runs lab sweep, and returns its output."""
-    done = subprocess.run([lab(), 'sweep', *arguments], capture_output=True, text=True, **options)
+def run_lab(*arguments, code=0, **options):
+    """Runs a command of the lab, and returns its output."""
+    done = subprocess.run([lab(), *arguments], capture_output=True, text=True, **options)
     text = done.stdout + done.stderr
     assert done.returncode == code, f'{arguments}: exit code {done.returncode}\n{text}'
     return text
+
+
+def sweep(arguments, code=0, **options):
+    """Runs lab sweep, and returns its output."""
+    return run_lab('sweep', *arguments, code=code, **options)
 
 
 def reference(folder, file):

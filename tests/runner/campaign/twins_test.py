@@ -7,11 +7,9 @@ import glob
 import json
 import os
 import shutil
-import subprocess
-import sys
 import tempfile
 
-LAB = os.path.join(os.path.abspath(sys.argv[1]), 'lab')
+from campaign_samples import run_lab as lab
 
 EXPERIMENT = '''fileversion = 1
 name = "original"
@@ -37,13 +35,6 @@ heading_noise_deg = 0.6
 frame_loss = 0.1
 dropout = 0.1
 '''
-
-
-def lab(*arguments, code=0):
-    done = subprocess.run([LAB, *arguments], capture_output=True, text=True)
-    text = done.stdout + done.stderr
-    assert done.returncode == code, f'{arguments}: exit code {done.returncode}\n{text}'
-    return text
 
 
 def run(folder, name, *arguments):
