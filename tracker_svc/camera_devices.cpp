@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "common/camera/camera_source.hpp"
 #include "common/camera/shared_camera.hpp"
 #include "tracker_svc/cameras/film_source.hpp"
 #include "tracker_svc/cameras/stream_source.hpp"
@@ -10,8 +11,10 @@
 namespace lab {
 
 bool isFilm(const std::string& source) {
-  return source != kSimulatedCamera && !cameras::isVideoDeviceSource(source) &&
-         !cameras::isStreamSource(source);
+  // The file of a run names its pipeline "pipeline"; the tracker gets that name when it tracks the
+  // run's film again.
+  return source != kSimulatedCamera && source != kPipelineCamera &&
+         !cameras::isVideoDeviceSource(source) && !cameras::isStreamSource(source);
 }
 
 CameraFormat wantedFormat(const Camera& camera) {

@@ -63,6 +63,16 @@ class Player : public testing::Test {
   std::vector<std::string> ends;
 };
 
+// "pipeline" is what the file of a run calls the pipeline of its command line. A run that was
+// filmed with one is tracked again with that name: its frames have the times of a camera.
+TEST(Sources, CamerasAreNoFilms) {
+  for (const char* camera : {"sim", "/dev/video0", "v4l2:/dev/video0", "rtsp://10.0.0.4/live",
+                             "gst:videotestsrc", "pipeline"}) {
+    EXPECT_FALSE(isFilm(camera)) << camera;
+  }
+  for (const char* film : {"f*.png", "film.mkv", "folder"}) EXPECT_TRUE(isFilm(film)) << film;
+}
+
 TEST_F(Player, DeliversEveryFrameAndTheEnd) {
   record(20);
   const auto source = open(-1);
