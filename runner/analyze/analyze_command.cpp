@@ -126,7 +126,8 @@ ExitCode analyzeFilm(const AnalyzeOptions& options, const report::AnalyzeOptions
                     ": found --program, --scale-cm or --fps, which are for files of poses, not "
                     "with --retrack");
   }
-  requireFilm(run);
+  const RetrackOptions again{run, options.calibration, options.set};
+  requireFilm(again);
   const fs::path out = options.out.value_or(run / "retracked");
   if (fs::exists(out / files::kLog) && !fs::exists(out / kRetracked)) {
     throw UserError(
@@ -140,9 +141,8 @@ ExitCode analyzeFilm(const AnalyzeOptions& options, const report::AnalyzeOptions
   {
     LogWriter writer(log);
     ProgressBar progress(filmFramesOf(run));
-    std::int64_t done = 0;
-    counts = retrack({run, options.calibration, options.set}, &writer,
-                     [&](const RetrackedFrame&) { progress.show(++done); });
+    counts =
+        retrack(again, &writer, [&](const RetrackedFrame& frame) { progress.show(frame.frames); });
   }
   fs::rename(log, out / files::kLog);
   std::string note = retrackText(counts);
