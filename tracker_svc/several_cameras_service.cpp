@@ -326,7 +326,7 @@ void SeveralCamerasService::report() {
   status_.latency_p50 = latency.p50;
   status_.latency_p95 = latency.p95;
   status_.latency_p99 = latency.p99;
-  for (std::string news; film_ && !(news = film_->news()).empty();) node_.noteError(news);
+  if (const std::string news = film_ ? film_->news() : ""; !news.empty()) node_.noteError(news);
   status_.utime = 0;
   node_.publish(channels::kTrackerStatus, status_);
 }

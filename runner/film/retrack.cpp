@@ -26,19 +26,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kTrackerName = "tracker_svc";
 
-/// The experiment of the run, for a tracker that gets its frames from the film.
-Experiment experimentToTrack(const RetrackOptions& options) {
-  const fs::path file = options.run / files::kExperiment;
-  Experiment experiment =
-      parseExperiment(readFileText(file, file_kinds::kExperiment), file.string(), options.set);
-  if (!options.calibration.empty()) {
-    experiment.camera.calibration = fs::absolute(options.calibration).string();
-  }
-  experiment.camera.film = {};
-  experiment.camera.debug_port = 0;
-  return experiment;
-}
-
 /// The header of a message of the run, so that its streams remain whole.
 template <class Message>
 void adoptHeader(Message& message, const Message& of) {
@@ -220,6 +207,18 @@ class Retracking {
 };
 
 }  // namespace
+
+Experiment experimentToTrack(const RetrackOptions& options) {
+  const fs::path file = options.run / files::kExperiment;
+  Experiment experiment =
+      parseExperiment(readFileText(file, file_kinds::kExperiment), file.string(), options.set);
+  if (!options.calibration.empty()) {
+    experiment.camera.calibration = fs::absolute(options.calibration).string();
+  }
+  experiment.camera.film = {};
+  experiment.camera.debug_port = 0;
+  return experiment;
+}
 
 bool isRunFolder(const fs::path& folder) {
   std::error_code error;

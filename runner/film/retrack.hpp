@@ -10,16 +10,21 @@
 #include <vector>
 
 #include "common/bus/log_file.hpp"
+#include "common/experiment/experiment.hpp"
 #include "light/optics/grey_image.hpp"
 #include "tracker_svc/film_tracking.hpp"
 
 namespace lab::runner {
 
 struct RetrackOptions {
-  std::filesystem::path run;          ///< its folder
-  std::filesystem::path calibration;  ///< of the only camera; empty: that of the run
-  std::vector<std::string> set;       ///< key=value: of its experiment
+  std::filesystem::path run;            ///< its folder
+  std::filesystem::path calibration{};  ///< of the only camera; empty: that of the run
+  std::vector<std::string> set{};       ///< key=value: of its experiment
 };
+
+/// The experiment of the run, for a tracker that gets its frames from the films.
+/// @throws ExperimentError
+[[nodiscard]] Experiment experimentToTrack(const RetrackOptions& options);
 
 /// One frame of the film, as it is tracked now; or one round of frames of several cameras.
 struct RetrackedFrame {

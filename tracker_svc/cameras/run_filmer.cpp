@@ -46,11 +46,13 @@ void RunFilmer::add(const FilmFrame& frame, std::int64_t utime, const optics::Gr
 }
 
 std::string RunFilmer::news() {
+  std::string all;
   for (Film& film : films_) {
-    std::string news = film.recorder ? film.recorder->news() : std::exchange(film.problem, {});
-    if (!news.empty()) return news;
+    const std::string news =
+        film.recorder ? film.recorder->news() : std::exchange(film.problem, {});
+    if (!news.empty()) all += (all.empty() ? "" : "; ") + news;
   }
-  return {};
+  return all;
 }
 
 }  // namespace lab::cameras

@@ -29,7 +29,7 @@ class RunFilmer {
   void add(const FilmFrame& frame, std::int64_t utime, const optics::GreyView& picture,
            CameraFormat format, std::size_t camera = 0);
 
-  /// As FilmRecorder::news(), of one film after the other.
+  /// As FilmRecorder::news(), of all films.
   [[nodiscard]] std::string news();
 
  private:
