@@ -81,6 +81,12 @@ SeveralCamerasService::SeveralCamerasService(const ServiceContext& context)
   for (const auto& input : inputs_) {
     status_.calibration_id += (status_.calibration_id.empty() ? "" : ", ") + input->calibration.id;
   }
+  if (isFilmed(experiment_.camera)) {
+    std::vector<std::string> names;
+    for (const auto& input : inputs_) names.push_back(input->camera.name);
+    film_.emplace(context.directory, experiment_.camera.film, origin_utime_, loop_.isVirtual(),
+                  names);
+  }
   node_.subscribe<robot_status_t>(channels::kRobotStatus,
                                   [this](const robot_status_t& status) { handle(status); });
   if (experiment_.projector.sync_patch > 0) watchLight();
@@ -110,6 +116,8 @@ void SeveralCamerasService::handle(const robot_status_t& status) {
     wheels_.push_back({robot.robot_id, seconds(robot.utime), robot.wheel_left, robot.wheel_right});
   }
   tracker_->addReports(wheels_);
+  status_instance_ = status.instance;
+  status_seq_ = status.seq;
 }
 
 void SeveralCamerasService::handle(std::size_t i, const CameraFrame& frame) {
@@ -138,9 +146,23 @@ void SeveralCamerasService::handle(std::size_t i, const CameraFrame& frame) {
     if (addSpacing(input.spacing, time, cap, input.calibration.cap.spacing())) ++status_.spacings;
   }
   for (const FusedRound& round : fusion_.add(i, time, found)) publish(round);
+  film(i, frame, arrived);
   readSync(input, frame);
   noteSilent();
   latency_.add(units::seconds(loop_.now() - arrived));
+}
+
+void SeveralCamerasService::film(std::size_t i, const CameraFrame& frame, std::int64_t arrived) {
+  if (!film_) return;
+  const Input& input = *inputs_[i];
+  film_->add({.number = frame.number,
+              .camera_utime = frame.utime,
+              .arrived_utime = arrived,
+              .searched = true,
+              .status_instance = status_instance_,
+              .status_seq = status_seq_},
+             frame.utime, frame.grey,
+             input.source ? input.source->format() : wantedFormat(input.camera), i);
 }
 
 void SeveralCamerasService::findResponse(Input& input, const optics::GreyView& picture) {
@@ -304,6 +326,7 @@ void SeveralCamerasService::report() {
   status_.latency_p50 = latency.p50;
   status_.latency_p95 = latency.p95;
   status_.latency_p99 = latency.p99;
+  if (const std::string news = film_ ? film_->news() : ""; !news.empty()) node_.noteError(news);
   status_.utime = 0;
   node_.publish(channels::kTrackerStatus, status_);
 }

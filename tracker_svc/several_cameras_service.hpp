@@ -12,6 +12,7 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/service/service_main.hpp"
 #include "tracker_svc/calibration/spacing_check.hpp"
+#include "tracker_svc/cameras/run_filmer.hpp"
 #include "tracker_svc/detector/sync_reader.hpp"
 #include "tracker_svc/fusion/camera_fusion.hpp"
 #include "tracker_svc/marker_detector.hpp"
@@ -49,6 +50,7 @@ class SeveralCamerasService final : public Service {
   void publish(const FusedRound& round);
   void watchLight();
   void readSync(const Input& input, const CameraFrame& frame);
+  void film(std::size_t i, const CameraFrame& frame, std::int64_t arrived);
   void report();
   [[nodiscard]] std::string lostText() const;
   [[nodiscard]] double seconds(std::int64_t utime) const;
@@ -61,10 +63,13 @@ class SeveralCamerasService final : public Service {
   CameraFusion fusion_;
   std::unique_ptr<MarkerTracker> tracker_;
   Latency latency_;
-  std::optional<SyncReader> sync_;     ///< if a camera sees the projector's sync patch
-  const Input* sync_input_ = nullptr;  ///< that camera
-  std::int8_t origin_;                 ///< as in robot_state_t
-  std::int64_t origin_utime_;          ///< utime of the tracker's time 0
+  std::optional<SyncReader> sync_;          ///< if a camera sees the projector's sync patch
+  const Input* sync_input_ = nullptr;       ///< that camera
+  std::optional<cameras::RunFilmer> film_;  ///< of the run, if it is wanted
+  std::int64_t status_instance_ = 0;        ///< of the last ROBOT_STATUS
+  std::int64_t status_seq_ = 0;
+  std::int8_t origin_;         ///< as in robot_state_t
+  std::int64_t origin_utime_;  ///< utime of the tracker's time 0
   tracker_status_t status_{};
   std::vector<WheelReport> wheels_;
 };

@@ -2,13 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <sstream>
 #include <system_error>
+#include <utility>
 
 #include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
@@ -26,6 +29,18 @@ constexpr double kLargest = 9e15;  // whole numbers up to here are exact
 fs::path filmFolder(const fs::path& run, int number) {
   return run / (number == 1 ? std::string(film_files::kFolder)
                             : fmt::format("{}_{}", film_files::kFolder, number));
+}
+
+/// That folder, or those of the cameras in it.
+std::vector<fs::path> filmsIn(const fs::path& folder) {
+  std::error_code error;
+  if (fs::exists(folder / film_files::kFacts, error)) return {folder};
+  std::vector<fs::path> films;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (fs::exists(entry.path() / film_files::kFacts, error)) films.push_back(entry.path());
+  }
+  std::ranges::sort(films);
+  return films;
 }
 
 template <typename Number>
@@ -87,29 +102,48 @@ std::vector<FilmFrame> readFilmTable(const fs::path& file) {
   return frames;
 }
 
+std::vector<std::size_t> orderOfArrival(std::span<const std::vector<FilmFrame>> tables) {
+  std::vector<std::size_t> order;
+  std::vector<std::size_t> next(tables.size(), 0);
+  const auto arrival = [&](std::size_t camera) {
+    return tables[camera][next[camera]].arrived_utime;
+  };
+  while (true) {
+    std::optional<std::size_t> first;
+    for (std::size_t camera = 0; camera < tables.size(); ++camera) {
+      if (next[camera] == tables[camera].size()) continue;
+      if (!first || arrival(camera) < arrival(*first)) first = camera;
+    }
+    if (!first) return order;
+    order.push_back(*first);
+    ++next[*first];
+  }
+}
+
 bool writeFilmFacts(const fs::path& file, const FilmFacts& facts) {
   const CameraFormat& format = facts.format;
-  const nlohmann::ordered_json json{{"form", kForm},
-                                    {"codec", facts.codec},
-                                    {"crf", facts.crf},
-                                    {"width_px", format.width},
-                                    {"height_px", format.height},
-                                    {"fps", format.fps},
-                                    {"exposure_s", format.exposure},
-                                    {"gain", format.gain},
-                                    {"pixels", format.pixels},
-                                    {"locked", format.locked},
-                                    {"compressed", format.compressed},
-                                    {"start_utime", facts.start_utime},
-                                    {"first_utime", facts.first_utime},
-                                    {"last_utime", facts.last_utime},
-                                    {"frames", facts.frames},
-                                    {"lost", facts.lost},
-                                    {"after_end", facts.after_end},
-                                    {"bytes", facts.bytes},
-                                    {"cpu_s", facts.cpu},
-                                    {"complete", facts.complete},
-                                    {"problem", facts.problem}};
+  nlohmann::ordered_json json{{"form", kForm}};
+  if (!facts.camera.empty()) json["camera"] = facts.camera;
+  json.update({{"codec", facts.codec},
+               {"crf", facts.crf},
+               {"width_px", format.width},
+               {"height_px", format.height},
+               {"fps", format.fps},
+               {"exposure_s", format.exposure},
+               {"gain", format.gain},
+               {"pixels", format.pixels},
+               {"locked", format.locked},
+               {"compressed", format.compressed},
+               {"start_utime", facts.start_utime},
+               {"first_utime", facts.first_utime},
+               {"last_utime", facts.last_utime},
+               {"frames", facts.frames},
+               {"lost", facts.lost},
+               {"after_end", facts.after_end},
+               {"bytes", facts.bytes},
+               {"cpu_s", facts.cpu},
+               {"complete", facts.complete},
+               {"problem", facts.problem}});
   fs::path part = file;
   part += ".part";
   std::ofstream stream(part, std::ios::binary);
@@ -140,6 +174,7 @@ FilmFacts readFilmFacts(const fs::path& file) {
     return static_cast<std::int64_t>(section.number(key, 0, kLargest));
   };
   FilmFacts facts;
+  if (json.contains("camera")) facts.camera = section.text("camera");
   facts.codec = section.text("codec");
   facts.crf = static_cast<int>(section.number("crf", 0, 51));
   facts.format.width = section.pixels("width_px");
@@ -163,11 +198,19 @@ FilmFacts readFilmFacts(const fs::path& file) {
   return facts;
 }
 
+std::vector<std::vector<fs::path>> filmStarts(const fs::path& run) {
+  std::vector<std::vector<fs::path>> starts;
+  for (int number = 1;; ++number) {
+    std::vector<fs::path> films = filmsIn(filmFolder(run, number));
+    if (films.empty()) return starts;
+    starts.push_back(std::move(films));
+  }
+}
+
 std::vector<fs::path> filmFolders(const fs::path& run) {
   std::vector<fs::path> folders;
-  std::error_code error;
-  for (int number = 1; fs::exists(filmFolder(run, number) / film_files::kFacts, error); ++number) {
-    folders.push_back(filmFolder(run, number));
+  for (const std::vector<fs::path>& films : filmStarts(run)) {
+    folders.insert(folders.end(), films.begin(), films.end());
   }
   return folders;
 }

@@ -1,8 +1,10 @@
-/// The film of a run: its folder, its facts (film.json) and the table of its frames.
+/// The films of a run: their folders, their facts (film.json) and the tables of their frames.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -39,8 +41,17 @@ struct FilmFrame {
 /// @throws CameraError that names the file and the line
 [[nodiscard]] std::vector<FilmFrame> readFilmTable(const std::filesystem::path& file);
 
+/// Merges the frames of the films of several cameras to the order in which the tracker received
+/// them. It receives one after the other, and in virtual time those of one instant in the order of
+/// the cameras.
+/// @param tables of the films, in the order of the cameras
+/// @return whose film has the next frame; as many as there are frames
+[[nodiscard]] std::vector<std::size_t> orderOfArrival(
+    std::span<const std::vector<FilmFrame>> tables);
+
 /// What is known about a film as a whole.
 struct FilmFacts {
+  std::string camera;            ///< name of one of several cameras; empty: there is only one
   std::string codec;             ///< "ffv1", "ffvhuff", "h264"
   int crf = 0;                   ///< of H.264
   CameraFormat format;           ///< of the camera
@@ -69,10 +80,16 @@ struct FilmFacts {
 /// @throws ExperimentError that names the file and the key
 [[nodiscard]] FilmFacts readFilmFacts(const std::filesystem::path& file);
 
-/// The folders of the films of a run, in order: the tracker begins a new one when it is restarted.
+/// The folders of the films of a run, by start of the tracker, which begins new films when it is
+/// restarted. One camera has one film for each start, film, film_2, ...; of several cameras each
+/// has its own, film/NAME, sorted by name.
+[[nodiscard]] std::vector<std::vector<std::filesystem::path>> filmStarts(
+    const std::filesystem::path& run);
+
+/// The same as one list.
 [[nodiscard]] std::vector<std::filesystem::path> filmFolders(const std::filesystem::path& run);
 
-/// Makes the folder of the next film of a run.
+/// Makes the folder of the next start of the tracker.
 /// @throws std::filesystem::filesystem_error
 [[nodiscard]] std::filesystem::path makeFilmFolder(const std::filesystem::path& run);
 

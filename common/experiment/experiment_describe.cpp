@@ -251,14 +251,15 @@ std::string describeSize(double bytes) {
   return bytes < 1e9 ? rounded(std::ceil(bytes / 1e6)) + " MB" : rounded(bytes / 1e9) + " GB";
 }
 
-std::string describeFilm(const Camera& camera) {
+std::string describeFilm(const Camera& camera, bool several) {
   if (!camera.film.record) return {};
   const FilmSpec& film = camera.film;
   const std::string codec = film.codec == FilmCodec::kFfv1 ? "ffv1, lossless"
                             : film.codec == FilmCodec::kFfvhuff
                                 ? "ffvhuff, lossless"
                                 : "h264, crf " + std::to_string(film.crf);
-  return line("film", codec + ", at most " + describeSize(film.most_GB * 1e9));
+  return line("film", codec + ", at most " + describeSize(film.most_GB * 1e9) +
+                          (several ? " for all cameras" : ""));
 }
 
 std::string pictureText(const Camera& camera) {
@@ -279,10 +280,10 @@ std::string describeCamera(const Experiment& e) {
                            centimetreText(one.view.height) + " cm from (" +
                            centimetreText(one.view.x) + ", " + centimetreText(one.view.y) + ") cm");
     }
-    return text;
+    return text + describeFilm(camera, true);
   }
   if (camera.tracker == Tracker::kCamera) {
-    return line("camera", frames + pictureText(camera)) + describeFilm(camera);
+    return line("camera", frames + pictureText(camera)) + describeFilm(camera, false);
   }
   return line("camera", frames + "noise " + centimetreText(camera.position_noise) + " cm and " +
                             fileText(camera.heading_noise, unitOf("_deg")) + " degrees");

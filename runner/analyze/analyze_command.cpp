@@ -105,9 +105,8 @@ void printFilms(const fs::path& run) {
 }
 
 /// Makes the pictures of the film of a run, if it has one. A report without them is whole.
-void drawFilm(const fs::path& run, const fs::path& log, const fs::path& calibration,
-              const fs::path& out) {
-  if (const std::string problem = makeRunClip(run, log, calibration, out); !problem.empty()) {
+void drawFilm(const RetrackOptions& run, const fs::path& log, const fs::path& out) {
+  if (const std::string problem = makeRunClip(run, log, out); !problem.empty()) {
     fmt::print("note     no pictures of the film: {}\n", printable(problem));
   }
 }
@@ -126,7 +125,8 @@ ExitCode analyzeFilm(const AnalyzeOptions& options, const report::AnalyzeOptions
                     ": found --program, --scale-cm or --fps, which are for files of poses, not "
                     "with --retrack");
   }
-  requireFilm(run);
+  const RetrackOptions again{run, options.calibration, options.set};
+  requireFilm(again);
   const fs::path out = options.out.value_or(run / "retracked");
   if (fs::exists(out / files::kLog) && !fs::exists(out / kRetracked)) {
     throw UserError(
@@ -140,9 +140,8 @@ ExitCode analyzeFilm(const AnalyzeOptions& options, const report::AnalyzeOptions
   {
     LogWriter writer(log);
     ProgressBar progress(filmFramesOf(run));
-    std::int64_t done = 0;
-    counts = retrack({run, options.calibration, options.set}, &writer,
-                     [&](const RetrackedFrame&) { progress.show(++done); });
+    counts =
+        retrack(again, &writer, [&](const RetrackedFrame& frame) { progress.show(frame.frames); });
   }
   fs::rename(log, out / files::kLog);
   std::string note = retrackText(counts);
@@ -154,7 +153,7 @@ ExitCode analyzeFilm(const AnalyzeOptions& options, const report::AnalyzeOptions
   report::AnalyzeOptions with_film = how;
   with_film.film = run;
   with_film.film_note = note;
-  if (how.figures) drawFilm(run, out / files::kLog, options.calibration, out);
+  if (how.figures) drawFilm(again, out / files::kLog, out);
   printHeadline(report::analyzeRun(out / files::kLog, out, with_film));
   return counts.problem.empty() ? kDone : kClosedEarly;
 }
@@ -195,14 +194,14 @@ ExitCode analyze(const AnalyzeOptions& options) {
         ": found no file of poses (.csv); --program, --set, --scale-cm and --fps are for "
         "these, a log knows what its robots ran");
   }
-  if (how.figures && isRunFolder(input)) drawFilm(input, input / files::kLog, {}, out);
+  if (how.figures && isRunFolder(input)) drawFilm({.run = input}, input / files::kLog, out);
   printHeadline(report::analyzeRun(input, out, how));
   return kDone;
 }
 
 ExitCode reportOfRun(const fs::path& directory) {
   try {
-    drawFilm(directory, directory / files::kLog, {}, directory);
+    drawFilm({.run = directory}, directory / files::kLog, directory);
     printFilms(directory);
     printHeadline(report::analyzeRun(directory, directory, {.needs_frames = false}));
     return kDone;

@@ -155,8 +155,15 @@ class Exporter {
     how.library = fmt::format("active-lab {}", kVersion);
     how.attachments = attachments();
     std::string film = options_.film;
-    if (film.empty() && fs::is_directory(options_.input)) film = filmOfRun(folder_);
-    if (!film.empty()) {
+    const bool own = film.empty() && fs::is_directory(options_.input);
+    const std::vector<fs::path> films = own ? camerasFilms(folder_) : std::vector<fs::path>();
+    if (!films.empty()) {
+      film = fmt::format("{} films of the cameras", films.size());
+      how.film = camerasPictures(films);
+    } else if (own) {
+      film = filmOfRun(folder_);
+    }
+    if (films.empty() && !film.empty()) {
       const std::int64_t begin = options_.film_start
                                      ? timeZero(log_) + units::microseconds(*options_.film_start)
                                      : firstFrame(log_);

@@ -49,6 +49,40 @@ std::string filmOfRun(const fs::path& folder) {
   return found.size() == 1 ? found.front() : "";
 }
 
+std::vector<fs::path> camerasFilms(const fs::path& folder) {
+  std::vector<fs::path> films = filmFolders(folder);
+  std::erase_if(films, [](const fs::path& film) {
+    return readFilmFacts(film / film_files::kFacts).camera.empty();
+  });
+  return films;
+}
+
+std::function<std::optional<FilmPicture>()> camerasPictures(const std::vector<fs::path>& folders) {
+  struct Film {
+    std::string camera;
+    std::function<std::optional<FilmPicture>()> read;
+    std::optional<FilmPicture> next;
+  };
+  const auto films = std::make_shared<std::vector<Film>>();
+  for (const fs::path& folder : folders) {
+    const FilmFacts facts = readFilmFacts(folder / film_files::kFacts);
+    Film& film = films->emplace_back();
+    film.camera = facts.camera;
+    film.read = filmPictures((folder / film_files::kMovie).string(), facts.first_utime);
+    film.next = film.read();
+  }
+  return [films]() -> std::optional<FilmPicture> {
+    Film* first = nullptr;
+    for (Film& film : *films) {
+      if (film.next && (first == nullptr || film.next->utime < first->next->utime)) first = &film;
+    }
+    if (first == nullptr) return std::nullopt;
+    std::optional<FilmPicture> picture = std::exchange(first->next, first->read());
+    picture->camera = first->camera;
+    return picture;
+  };
+}
+
 std::function<std::optional<FilmPicture>()> filmPictures(const std::string& source,
                                                          std::int64_t begin_utime) {
   const std::shared_ptr<FilmReader> film = openFilm(source);

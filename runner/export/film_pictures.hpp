@@ -1,4 +1,4 @@
-/// The pictures of a film as JPEG, with their times.
+/// The pictures of films as JPEG, with their times.
 #pragma once
 
 #include <cstdint>
@@ -15,6 +15,16 @@ namespace lab::runner {
 /// The film in the folder of a run: the only movie in it, or the only folder of pictures with
 /// frames.csv; empty: there is none, or several.
 [[nodiscard]] std::string filmOfRun(const std::filesystem::path& folder);
+
+/// The films in the folder of a run of several cameras; empty: it is none, or has no film.
+[[nodiscard]] std::vector<std::filesystem::path> camerasFilms(const std::filesystem::path& folder);
+
+/// Reads these films picture by picture, merged by time, with the times of the run, for
+/// McapOptions::film.
+/// @param folders as camerasFilms()
+/// @throws UserError, ExperimentError when one cannot be read
+[[nodiscard]] std::function<std::optional<FilmPicture>()> camerasPictures(
+    const std::vector<std::filesystem::path>& folders);
 
 /// Reads a film picture by picture, for McapOptions::film.
 /// @param source as `lab track` takes it

@@ -151,11 +151,13 @@ class McapExport {
       schema::CdrWriter cdr;
       cdr.number(static_cast<std::int32_t>(picture_->utime / 1'000'000));
       cdr.number(static_cast<std::uint32_t>(picture_->utime % 1'000'000 * 1000));
-      cdr.text("lab/camera");
+      const std::string frame =
+          picture_->camera.empty() ? "lab/camera" : "lab/camera/" + picture_->camera;
+      cdr.text(frame);
       cdr.text("jpeg");
       cdr.length(picture_->jpeg.size());
       cdr.bytes(picture_->jpeg.data(), picture_->jpeg.size());
-      const std::uint16_t channel = channelOf("/lab/camera/compressed", kCompressedImage,
+      const std::uint16_t channel = channelOf("/" + frame + "/compressed", kCompressedImage,
                                               [] { return kCompressedImageDefinition; });
       const std::uint64_t time = nanoseconds(picture_->utime);
       writer_.addMessage(channel, time, time, cdr.encoding());

@@ -15,6 +15,7 @@ namespace lab::runner {
 struct FilmPicture {
   std::int64_t utime = 0;  ///< [us since 1970]
   std::vector<std::uint8_t> jpeg{};
+  std::string camera{};  ///< name of one of several, which has its own topic; empty: there is one
 };
 
 struct McapOptions {
@@ -24,7 +25,7 @@ struct McapOptions {
                                    ///< are at most kEachRobot
   static constexpr std::size_t kEachRobot = 20;
   bool compress = true;
-  /// Gives the next picture of a film, in order of time; empty: there is no film.
+  /// Gives the next picture of the films, in order of time; empty: there is no film.
   std::function<std::optional<FilmPicture>()> film{};
   /// Files to put into the file: name and contents.
   std::map<std::string, std::string> attachments{};

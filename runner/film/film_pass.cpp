@@ -4,10 +4,11 @@
 
 #include <algorithm>
 #include <lab/robot_status_t.hpp>
-#include <string_view>
+#include <limits>
 #include <utility>
 
 #include "common/bus/channels.hpp"
+#include "tracker_svc/tracker_service.hpp"
 
 namespace lab::runner {
 namespace {
@@ -19,82 +20,141 @@ constexpr std::int64_t kReportMargin_us = 1'000'000;
 
 }  // namespace
 
-/// Gives the frames of the film to the tracker, whatever camera its experiment names.
+/// Gives the frames of the films to the tracker, whatever cameras its experiment names.
 class FilmPass::FilmCameras final : public Cameras {
  public:
-  explicit FilmCameras(CameraFormat format) : format_(std::move(format)) {}
+  /// @param films must outlive the sources
+  explicit FilmCameras(const std::vector<Film>& films) : films_(films) {}
 
-  [[nodiscard]] std::unique_ptr<FrameSource> open(const std::string&, const CameraFormat&,
+  /// The tracker opens its cameras in the order of the experiment.
+  [[nodiscard]] std::unique_ptr<FrameSource> open(const std::string&, const CameraFormat& requested,
                                                   CameraHandlers handlers) override {
-    handlers_ = std::move(handlers);
-    return std::make_unique<Source>(format_);
+    const Film& film = films_[handlers_.size()];
+    handlers_.push_back(std::move(handlers));
+    if (!film.recorded) return std::make_unique<Source>(requested);
+    CameraFormat format = film.facts.format;
+    format.compressed = format.compressed || !film.facts.lossless();
+    return std::make_unique<Source>(std::move(format));
   }
   [[nodiscard]] std::unique_ptr<FrameSink> offer(const CameraFormat&) override {
     throw CameraError("sim: a film is tracked, nothing is painted");
   }
 
-  void show(const CameraFrame& frame) const { handlers_.frame(frame); }
+  void show(std::size_t camera, const CameraFrame& frame) const { handlers_[camera].frame(frame); }
 
  private:
   class Source final : public FrameSource {
    public:
-    explicit Source(const CameraFormat& format) : format_(format) {}
+    explicit Source(CameraFormat format) : format_(std::move(format)) {}
     [[nodiscard]] CameraFormat format() const override { return format_; }
     [[nodiscard]] std::int64_t dropped() const override { return 0; }
 
    private:
-    const CameraFormat& format_;
+    CameraFormat format_;
   };
 
-  CameraFormat format_;
-  CameraHandlers handlers_;
+  const std::vector<Film>& films_;
+  std::vector<CameraHandlers> handlers_;
 };
 
-FilmPass::FilmPass(const fs::path& film, const Experiment& experiment, const fs::path& directory,
-                   const std::vector<fs::path>& log)
-    : facts_(readFilmFacts(film / film_files::kFacts)),
-      table_(readFilmTable(filmTableOf(film / film_files::kMovie))),
-      reader_(FilmReader::open((film / film_files::kMovie).string())),
+std::vector<FilmPass::Film> FilmPass::openFilms(const std::vector<fs::path>& folders,
+                                                const Experiment& experiment) {
+  std::vector<Film> films;
+  for (const Camera& camera : camerasOf(experiment)) films.emplace_back().camera = camera.name;
+  bool any = false;
+  for (const fs::path& folder : folders) {
+    FilmFacts facts = readFilmFacts(folder / film_files::kFacts);
+    const auto film = std::ranges::find(films, facts.camera, &Film::camera);
+    if (film == films.end()) {
+      throw CameraError(fmt::format(
+          "{}: found a film of {}, which is no camera of the experiment; expected the names of the "
+          "run",
+          folder.string(), facts.camera.empty() ? "the only camera" : "camera " + facts.camera));
+    }
+    film->recorded = true;
+    film->facts = std::move(facts);
+    const fs::path movie = folder / film_files::kMovie;
+    try {
+      film->table = readFilmTable(filmTableOf(movie));
+      film->reader = FilmReader::open(movie.string());
+      any = true;
+    } catch (const CameraError& error) {
+      film->table.clear();
+      film->problem = error.what();
+      if (folders.size() == 1) throw;
+    }
+  }
+  if (!any) throw CameraError(films.front().problem);
+  return films;
+}
+
+std::vector<std::size_t> FilmPass::orderOf(const std::vector<Film>& films) {
+  std::vector<std::vector<FilmFrame>> tables;
+  for (const Film& film : films) tables.push_back(film.table);
+  return orderOfArrival(tables);
+}
+
+std::int64_t FilmPass::startUtime() const {
+  return std::ranges::find(films_, true, &Film::recorded)->facts.start_utime;
+}
+
+FilmPass::FilmPass(const std::vector<fs::path>& films, const Experiment& experiment,
+                   const fs::path& directory, const std::vector<fs::path>& log)
+    : films_(openFilms(films, experiment)),
+      order_(orderOf(films_)),
       log_(log),
-      loop_(facts_.start_utime),
+      loop_(startUtime()),
       bus_([this] { return loop_.now(); }),
       node_(bus_, loop_, {"tracker_svc"}) {
   loop_.drainWith([this] { bus_.deliver(); });
-  CameraFormat format = facts_.format;
-  format.compressed = format.compressed || !facts_.lossless();
-  cameras_ = std::make_unique<FilmCameras>(format);
-  tracker_ = std::make_unique<tracker::TrackerService>(ServiceContext{.node = node_,
-                                                                      .loop = loop_,
-                                                                      .experiment = experiment,
-                                                                      .directory = directory,
-                                                                      .cameras = *cameras_});
-  const auto keep = [this]<class Message>(std::string_view channel, Message& into) {
-    bus_.subscribe(channel,
-                   [&into](const Packet& packet) { static_cast<void>(decode(packet.data, into)); });
-  };
-  keep(channels::kTrackedFrame, poses_);
-  keep(channels::kTrackedDetails, details_);
+  cameras_ = std::make_unique<FilmCameras>(films_);
+  tracker_ = tracker::serviceDescription().make({.node = node_,
+                                                 .loop = loop_,
+                                                 .experiment = experiment,
+                                                 .directory = directory,
+                                                 .cameras = *cameras_});
+  bus_.subscribe(channels::kTrackedFrame, [this](const Packet& packet) {
+    static_cast<void>(decode(packet.data, rounds_.emplace_back().poses));
+  });
+  bus_.subscribe(channels::kTrackedDetails, [this](const Packet& packet) {
+    if (!rounds_.empty()) static_cast<void>(decode(packet.data, rounds_.back().details));
+  });
   bus_.subscribe(channels::kTrackerStatus, [this](const Packet& packet) {
     static_cast<void>(decode(packet.data, status_.emplace()));
   });
 }
 
 bool FilmPass::next() {
-  if (position_ >= table_.size() || !reader_->next(picture_)) return false;
-  const FilmFrame& frame = table_[position_++];
-  feedReports(frame);
-  loop_.runUntil(frame.arrived_utime);
-  picture_.number = frame.number;
-  picture_.utime = frame.camera_utime;
-  picture_.search = frame.searched;
-  cameras_->show(picture_);
-  bus_.deliver();
-  return true;
+  rounds_.clear();
+  for (; position_ < order_.size(); ++position_) {
+    Film& film = films_[order_[position_]];
+    // The others go on without a film that is cut off.
+    if (film.position == film.table.size()) continue;
+    if (!film.reader->next(picture_)) {
+      film.position = film.table.size();
+      continue;
+    }
+    const FilmFrame& frame = film.table[film.position++];
+    feedReports(frame);
+    loop_.runUntil(frame.arrived_utime);
+    picture_.number = frame.number;
+    picture_.utime = frame.camera_utime;
+    picture_.search = frame.searched;
+    cameras_->show(order_[position_++], picture_);
+    bus_.deliver();
+    return true;
+  }
+  return false;
 }
 
 void FilmPass::passTime(std::int64_t utime) {
-  const bool more = position_ < table_.size();
-  loop_.runUntil(more ? std::min(utime, table_[position_].arrived_utime) : utime);
+  for (std::size_t i = position_; i < order_.size(); ++i) {
+    const Film& film = films_[order_[i]];
+    if (film.position == film.table.size()) continue;
+    utime = std::min(utime, film.table[film.position].arrived_utime);
+    break;
+  }
+  loop_.runUntil(utime);
 }
 
 /// The next ROBOT_STATUS that the tracker can have received; none at the end of the log.
@@ -103,7 +163,7 @@ const std::optional<FilmPass::Report>& FilmPass::peekReport() {
     const std::optional<Packet> packet = log_.next();
     if (!packet) break;
     // What came before the tracker was started, it did not receive.
-    if (packet->channel != channels::kRobotStatus || packet->received_utime < facts_.start_utime) {
+    if (packet->channel != channels::kRobotStatus || packet->received_utime < startUtime()) {
       continue;
     }
     robot_status_t status{};
@@ -134,12 +194,50 @@ void FilmPass::feedReports(const FilmFrame& frame) {
   }
 }
 
+bool FilmPass::lossless() const {
+  return std::ranges::all_of(
+      films_, [](const Film& film) { return !film.recorded || film.facts.lossless(); });
+}
+
+std::int64_t FilmPass::firstUtime() const {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max();
+  for (const Film& film : films_) {
+    if (!film.table.empty()) first = std::min(first, film.facts.first_utime);
+  }
+  return first;
+}
+
+std::string FilmPass::lacking() const {
+  if (films_.size() == 1) return {};
+  std::string text;
+  for (const Film& film : films_) {
+    const std::int64_t frames = film.facts.lost + film.facts.after_end;
+    if (film.recorded && frames == 0) continue;
+    text +=
+        (text.empty() ? "" : "; ") +
+        (film.recorded ? fmt::format("the film of camera {} lacks {} frames", film.camera, frames)
+                       : fmt::format("camera {} has no film", film.camera));
+  }
+  return text;
+}
+
 std::string FilmPass::problem() const {
-  if (std::string problem = reader_->problem(); !problem.empty()) return problem;
-  const auto length = static_cast<std::size_t>(reader_->length());
-  if (length >= table_.size()) return {};
-  return fmt::format("{}: {} frames could be read, its table has {}: was the run killed?",
-                     film_files::kMovie, length, table_.size());
+  std::string text;
+  for (const Film& film : films_) {
+    std::string problem = film.problem;
+    if (film.reader) {
+      problem = film.reader->problem();
+      const auto length = static_cast<std::size_t>(film.reader->length());
+      if (problem.empty() && length < film.table.size()) {
+        problem = fmt::format("{}: {} frames could be read, its table has {}: was the run killed?",
+                              film_files::kMovie, length, film.table.size());
+      }
+    }
+    if (problem.empty()) continue;
+    text += text.empty() ? "" : "; ";
+    text += film.camera.empty() ? problem : "camera " + film.camera + ": " + problem;
+  }
+  return text;
 }
 
 }  // namespace lab::runner

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 #include <memory>
 #include <optional>
 #include <string_view>
@@ -13,6 +14,7 @@
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/files/file_text.hpp"
+#include "common/math/units.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/film/film_pass.hpp"
 #include "runner/runs/run_directory.hpp"
@@ -24,31 +26,27 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kTrackerName = "tracker_svc";
 
-/// The experiment of the run, for a tracker that gets its frames from the film.
-Experiment experimentToTrack(const RetrackOptions& options) {
-  const fs::path file = options.run / files::kExperiment;
-  Experiment experiment =
-      parseExperiment(readFileText(file, file_kinds::kExperiment), file.string(), options.set);
-  if (!options.calibration.empty()) {
-    experiment.camera.calibration = fs::absolute(options.calibration).string();
-  }
-  experiment.camera.film = {};
-  experiment.camera.debug_port = 0;
-  return experiment;
-}
-
 /// The header of a message of the run, so that its streams remain whole.
 template <class Message>
 void adoptHeader(Message& message, const Message& of) {
-  message.utime = of.utime;
   message.sender = of.sender;
   message.instance = of.instance;
   message.seq = of.seq;
 }
 
+/// The frame in place of one of the run. Its time can differ if it is of several cameras, by what
+/// the clocks of these are found to differ.
+template <class Message>
+Message inPlaceOf(const Message& old, Message now) {
+  adoptHeader(now, old);
+  now.frame = old.frame;
+  return now;
+}
+
 /// What the tracker knew of the camera in the run, and what it found now.
 tracker_status_t merged(const tracker_status_t& old, tracker_status_t now) {
   adoptHeader(now, old);
+  now.utime = old.utime;
   now.camera = old.camera;
   now.state = old.state;
   now.trouble = old.trouble;
@@ -67,11 +65,15 @@ class Retracking {
              const std::function<void(const RetrackedFrame&)>& take)
       : options_(options),
         experiment_(experimentToTrack(options)),
-        films_(filmFolders(options.run)),
+        films_(filmStarts(options.run)),
         log_(logSeries(options.run / files::kLog)),
         writer_(writer),
         take_(take) {
-    requireFilm(options.run);
+    requireFilm(options);
+    if (experiment_.cameras.empty()) return;
+    constexpr double kNear = 0.25;  // of the time between frames
+    near_us_ = units::microseconds(kNear / experiment_.camera.fps);
+    counts_.cameras = static_cast<std::int64_t>(experiment_.cameras.size());
   }
 
   RetrackCounts track() {
@@ -88,49 +90,63 @@ class Retracking {
   void openNext() {
     pass_.reset();
     if (next_film_ == films_.size()) return;
-    const fs::path& film = films_[next_film_++];
-    checkCalibration(film);
-    pass_ = std::make_unique<FilmPass>(film, experiment_, options_.run, log_);
+    const std::vector<fs::path>& films = films_[next_film_++];
+    for (const fs::path& film : films) checkCalibration(film);
+    pass_ = std::make_unique<FilmPass>(films, experiment_, options_.run, log_);
     ++counts_.films;
-    counts_.lossless = counts_.lossless && pass_->facts().lossless();
-    if (start_utime_ == 0) start_utime_ = pass_->facts().first_utime;
+    counts_.lossless = counts_.lossless && pass_->lossless();
+    if (counts_.lacking.empty()) counts_.lacking = pass_->lacking();
+    if (start_utime_ == 0) start_utime_ = pass_->firstUtime();
   }
 
+  /// The tracker refuses pictures of another size than that of the calibration.
   void checkCalibration(const fs::path& film) const {
-    if (options_.calibration.empty()) return;
-    const optics::CameraParameters& camera = readCameraFile(options_.calibration).camera;
-    const CameraFormat& format = readFilmFacts(film / film_files::kFacts).format;
+    const FilmFacts facts = readFilmFacts(film / film_files::kFacts);
+    fs::path calibration = options_.calibration;
+    for (const CameraSpec& camera : experiment_.cameras) {
+      if (camera.name != facts.camera || camera.calibration.empty()) continue;
+      calibration = options_.run / camera.calibration;
+    }
+    if (calibration.empty()) return;
+    const optics::CameraParameters& camera = readCameraFile(calibration).camera;
+    const CameraFormat& format = facts.format;
     if (format.width == camera.width && format.height == camera.height) return;
     throw UserError(fmt::format(
         "{}: found a calibration of {} x {} px, expected {} x {} px, the size of the film {}; "
         "calibrate the camera at that size",
-        options_.calibration.string(), camera.width, camera.height, format.width, format.height,
+        calibration.string(), camera.width, camera.height, format.width, format.height,
         (film / film_files::kMovie).string()));
   }
 
-  /// Tracks the next frame. @return false after the last film
+  /// Tracks up to the next round of poses. @return false after the last film
   bool advance() {
-    while (pass_) {
+    while (true) {
+      if (pass_ && next_round_ < pass_->rounds().size()) {
+        round_ = pass_->rounds()[next_round_++];
+        const tracked_frame_t& poses = round_->poses;
+        counts_.poses += poses.num_robots + poses.num_unidentified;
+        take_({static_cast<double>(poses.utime - start_utime_) * 1e-6, counts_.frames,
+               counts_.cameras == 1 ? pass_->picture() : optics::GreyView{}, poses,
+               round_->details});
+        return true;
+      }
+      if (!pass_) return false;
+      next_round_ = 0;
       if (pass_->next()) {
         ++counts_.frames;
-        const tracked_frame_t& poses = pass_->poses();
-        counts_.poses += poses.num_robots + poses.num_unidentified;
-        take_({static_cast<double>(poses.utime - start_utime_) * 1e-6, pass_->picture(), poses,
-               pass_->details()});
-        return true;
+        continue;
       }
       if (counts_.problem.empty()) counts_.problem = pass_->problem();
       openNext();
     }
-    return false;
   }
 
-  /// Whether the film has the frame of this time: tracks up to it.
+  /// Whether the films have the frame of this time: tracks up to it.
   bool reach(std::int64_t utime) {
-    while (pass_ && (counts_.frames == 0 || pass_->poses().utime < utime)) {
+    while (!round_ || round_->poses.utime < utime - near_us_) {
       if (!advance()) return false;
     }
-    return pass_ && pass_->poses().utime == utime;
+    return std::abs(round_->poses.utime - utime) <= near_us_;
   }
 
   void write(const Packet& packet) {
@@ -151,9 +167,7 @@ class Retracking {
       tracked_details_t old{};
       if (!decode(packet.data, old) || old.sender != kTrackerName) return write(packet);
       if (!reach(old.utime)) return;
-      tracked_details_t now = pass_->details();
-      adoptHeader(now, old);
-      writeInPlaceOf(packet, now);
+      writeInPlaceOf(packet, inPlaceOf(old, round_->details));
     } else if (packet.channel == channels::kTrackerStatus) {
       tracker_status_t old{};
       if (!decode(packet.data, old) || !pass_) return write(packet);
@@ -171,39 +185,66 @@ class Retracking {
       ++counts_.missing;
       return;
     }
-    tracked_frame_t now = pass_->poses();
-    adoptHeader(now, old);
     ++counts_.compared;
-    const std::vector<std::uint8_t> bytes = encode(now);
+    const std::vector<std::uint8_t> bytes = encode(inPlaceOf(old, round_->poses));
     if (std::ranges::equal(bytes, packet.data)) ++counts_.equal;
     if (writer_ != nullptr) writer_->write({packet.channel, bytes, packet.received_utime});
   }
 
   const RetrackOptions& options_;
   Experiment experiment_;
-  std::vector<fs::path> films_;
+  std::vector<std::vector<fs::path>> films_;  ///< by start of the tracker
   std::vector<fs::path> log_;
   LogWriter* writer_;
   const std::function<void(const RetrackedFrame&)>& take_;
   std::size_t next_film_ = 0;
   std::unique_ptr<FilmPass> pass_;
+  std::size_t next_round_ = 0;            ///< of those of the last frame
+  std::optional<FilmPass::Round> round_;  ///< the last
+  std::int64_t near_us_ = 0;              ///< rounds of this distance in time are the same one
   std::int64_t start_utime_ = 0;
   RetrackCounts counts_;
 };
 
 }  // namespace
 
+Experiment experimentToTrack(const RetrackOptions& options) {
+  const fs::path file = options.run / files::kExperiment;
+  Experiment experiment =
+      parseExperiment(readFileText(file, file_kinds::kExperiment), file.string(), options.set);
+  if (!options.calibration.empty()) {
+    experiment.camera.calibration = fs::absolute(options.calibration).string();
+  }
+  experiment.camera.film = {};
+  experiment.camera.debug_port = 0;
+  return experiment;
+}
+
 bool isRunFolder(const fs::path& folder) {
   std::error_code error;
   return fs::exists(folder / files::kLog, error) && fs::exists(folder / files::kExperiment, error);
 }
 
-void requireFilm(const fs::path& run) {
-  if (!filmFolders(run).empty()) return;
+std::string filmedCamera(const fs::path& run) {
+  const std::vector<fs::path> films = filmFolders(run);
+  return films.empty() ? std::string() : readFilmFacts(films.front() / film_files::kFacts).camera;
+}
+
+void requireFilm(const RetrackOptions& options) {
+  const std::string run = options.run.string();
+  if (filmFolders(options.run).empty()) {
+    throw UserError(
+        run +
+        ": found no film, expected film/film.mkv with film.json: set camera.record = true "
+        "before a run (docs/films.md)");
+  }
+  const std::string camera = filmedCamera(options.run);
+  if (options.calibration.empty() || camera.empty()) return;
   throw UserError(
-      run.string() +
-      ": found no film, expected film/film.mkv with film.json: set camera.record = true "
-      "before a run (docs/films.md)");
+      fmt::format("{0}: found --calibration and films of several cameras, expected --set "
+                  "cameras[0].calibration='\"FILE\"' for each; to track one film alone, give "
+                  "{0}/film/{1}/film.mkv",
+                  run, camera));
 }
 
 RetrackCounts retrack(const RetrackOptions& options, LogWriter* log,
@@ -253,12 +294,17 @@ std::vector<tracker::FilmRow> filmRowsOf(const tracked_frame_t& poses,
 }
 
 std::string retrackText(const RetrackCounts& counts) {
+  const bool several = counts.cameras > 1;
   std::string text =
-      fmt::format("{} frames, {} poses; in {} of {} frames those of the run, bit by bit",
-                  counts.frames, counts.poses, counts.equal, counts.compared);
+      fmt::format("{} frames{}, {} poses; in {} of {} {} those of the run, bit by bit",
+                  counts.frames, several ? fmt::format(" of {} cameras", counts.cameras) : "",
+                  counts.poses, counts.equal, counts.compared, several ? "rounds" : "frames");
   if (!counts.lossless) text += "; the film is compressed, so poses differ";
-  if (counts.missing > 0)
-    text += fmt::format("; {} frames of the run are not in the film", counts.missing);
+  if (counts.missing > 0) {
+    text += fmt::format("; {} {} of the run are not in the film{}", counts.missing,
+                        several ? "rounds" : "frames", several ? "s" : "");
+  }
+  if (!counts.lacking.empty()) text += "; " + counts.lacking;
   return text;
 }
 

@@ -1,8 +1,10 @@
-/// Stills and a sped-up clip of the film of a run, with the poses of its log drawn into them.
+/// Stills and a sped-up clip of the films of a run, with the poses of its log drawn into them.
 #pragma once
 
 #include <filesystem>
 #include <string>
+
+#include "runner/film/retrack.hpp"
 
 namespace lab::runner {
 
@@ -13,16 +15,13 @@ inline constexpr const char* kStills = "film.jpg";
 inline constexpr const char* kTimes = "film_clip.json";
 }  // namespace clip_files
 
-/// Makes the three files. Reads only the frames that it shows, at most 240, whatever the length of
-/// the film.
-/// @param run the folder with the films and the calibration
+/// Makes the three files. Reads only the frames that it shows, at most 240 of each camera, whatever
+/// the length of the film. Several cameras are shown side by side.
+/// @param of the run with the films, its calibrations and its settings
 /// @param log the poses; that of the run, or one that was tracked again
-/// @param calibration of the camera; empty: that of the run
 /// @param out folder of the files
 /// @return why there are none; empty: they are made, or the run has no film
-[[nodiscard]] std::string makeRunClip(const std::filesystem::path& run,
-                                      const std::filesystem::path& log,
-                                      const std::filesystem::path& calibration,
+[[nodiscard]] std::string makeRunClip(const RetrackOptions& of, const std::filesystem::path& log,
                                       const std::filesystem::path& out);
 
 }  // namespace lab::runner

@@ -35,6 +35,16 @@ void refuseFilmOptions(const TrackOptions& options) {
       options.source, refused, options.source));
 }
 
+/// Marks are drawn with the calibration of one camera.
+void refuseOverlay(const TrackOptions& options) {
+  const std::string camera = options.overlay.empty() ? "" : filmedCamera(options.source);
+  if (camera.empty()) return;
+  throw UserError(
+      fmt::format("{0}: found --overlay and films of several cameras, expected one film: give "
+                  "{0}/film/{1}/film.mkv; lab analyze {0} makes a film.mp4 of all",
+                  options.source, camera));
+}
+
 std::unique_ptr<FilmOverlay> overlayOf(const TrackOptions& options, const fs::path& run) {
   if (options.overlay.empty()) return nullptr;
   const CameraCalibration calibration = readCameraFile(
@@ -54,7 +64,9 @@ ExitCode trackRun(const TrackOptions& options) {
   refuseFilmOptions(options);
   const fs::path run = options.source;
   const std::int64_t length = filmFramesOf(run);
-  requireFilm(run);  // before any file is made
+  const RetrackOptions again{run, options.calibration, options.set};
+  requireFilm(again);  // before any file is made
+  refuseOverlay(options);
   const fs::path out = options.out.empty() ? run / film_files::kFolder / "poses.csv" : options.out;
   // TRACKED_FRAME has no areas and axes of blobs: the columns are those of caps.
   PoseWriter poses(out, detector::MarkerKind::kCaps, options.force);
@@ -63,17 +75,14 @@ ExitCode trackRun(const TrackOptions& options) {
   double seconds = 0;
   {
     ProgressBar progress(length);
-    std::int64_t done = 0;
-    counts =
-        retrack({run, options.calibration, options.set}, nullptr, [&](const RetrackedFrame& frame) {
-          const std::vector<tracker::FilmRow> rows =
-              filmRowsOf(frame.poses, frame.details, frame.time);
-          poses.write(rows);
-          if (overlay) {
-            overlay->add({frame.poses.frame, frame.time, frame.picture, rows, {}});
-          }
-          progress.show(++done);
-        });
+    counts = retrack(again, nullptr, [&](const RetrackedFrame& frame) {
+      const std::vector<tracker::FilmRow> rows = filmRowsOf(frame.poses, frame.details, frame.time);
+      poses.write(rows);
+      if (overlay) {
+        overlay->add({frame.poses.frame, frame.time, frame.picture, rows, {}});
+      }
+      progress.show(frame.frames);
+    });
     seconds = progress.seconds();
   }
   poses.finish();

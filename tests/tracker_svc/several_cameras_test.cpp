@@ -13,8 +13,10 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
 #include "common/camera/memory_cameras.hpp"
+#include "common/camera/run_film.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "sim_svc/camera/painted_camera.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tracker_svc/several_cameras_service.hpp"
 
 namespace lab::tracker::several_cameras_test {
@@ -42,7 +44,8 @@ Experiment fourCameras() {
 
 /// The cameras, the service, and robots that drive straight across the seams.
 struct Bench {
-  Bench() {
+  explicit Bench(const FilmSpec& film = {}) {
+    experiment.camera.film = film;
     constexpr double kSpeed = 0.06;  // [m/s]
     for (int i = 0; i < 6; ++i) {
       sim::PaintedRobot robot;
@@ -78,7 +81,7 @@ struct Bench {
       painters.push_back(std::make_unique<sim::PaintedCamera>(one, cameras, loop));
       painters.back()->show(field);
     }
-    const ServiceContext context{node, loop, experiment, testing::TempDir()};
+    const ServiceContext context{node, loop, experiment, folder.path()};
     dut = std::make_unique<SeveralCamerasService>(
         ServiceContext{context.node, context.loop, context.experiment, context.directory,
                        context.ports, context.programs, cameras});
@@ -117,6 +120,7 @@ struct Bench {
     return list;
   }
 
+  TemporaryFolder folder;
   std::vector<sim::PaintedRobot> robots;
   VirtualLoop loop;
   MemoryBus bus{[this] { return loop.now(); }};
@@ -187,6 +191,31 @@ TEST(SeveralCameras, ADeadCameraCostsOnlyItsPartAndAMark) {
   for (auto& painter : bench.painters) painter.reset();
   bench.loop.runUntil(bench.loop.now() + 1'500'000);
   EXPECT_EQ(bench.status.state, tracker_status_t::GONE);
+}
+
+TEST(SeveralCameras, AFilmEndsWithItsCameraAndTheOthersGoOn) {
+  FilmSpec film;
+  film.record = true;
+  film.codec = FilmCodec::kFfvhuff;
+  Bench bench(film);
+  bench.film(4);
+  bench.painters[3].reset();
+  bench.film(4);
+  bench.dut.reset();  // completes the films
+
+  for (const char* camera : {"c1", "c2", "c3", "c4"}) {
+    const auto folder = bench.folder.path() / "film" / camera;
+    const FilmFacts facts = readFilmFacts(folder / film_files::kFacts);
+    const std::int64_t frames = camera == std::string("c4") ? 4 : 8;
+    EXPECT_EQ(facts.camera, camera);
+    EXPECT_EQ(facts.frames, frames) << camera;
+    EXPECT_TRUE(facts.complete);
+    EXPECT_EQ(facts.problem, "");
+    const std::vector<FilmFrame> table = readFilmTable(filmTableOf(folder / film_files::kMovie));
+    ASSERT_EQ(std::ssize(table), frames);
+    EXPECT_EQ(table.back().number, frames - 1);
+    EXPECT_TRUE(table.back().searched);
+  }
 }
 
 }  // namespace

@@ -106,7 +106,9 @@ FilmRecorder::FilmRecorder(FilmRecording recording)
       static_cast<std::size_t>(format.width) * static_cast<std::size_t>(format.height);
   capacity_ = recording_.may_wait
                   ? kFewestWaiting
-                  : std::max(kFewestWaiting, kQueueBytes / std::max<std::size_t>(bytes, 1));
+                  : std::max(kFewestWaiting, kQueueBytes / recording_.bounds->films /
+                                                 std::max<std::size_t>(bytes, 1));
+  facts_.camera = recording_.camera;
   facts_.codec = nameOf(recording_.film.codec);
   facts_.crf = recording_.film.codec == FilmCodec::kH264 ? recording_.film.crf : 0;
   facts_.format = format;
@@ -152,10 +154,10 @@ void FilmRecorder::add(FilmFrame frame, std::int64_t utime, const optics::GreyVi
     ++facts_.lost;
     if (!std::exchange(loss_said_, true)) {
       news_ = fmt::format(
-          "film: frames are lost: {} with {} takes longer for a frame than the camera; frames that "
+          "{}: frames are lost: {} with {} takes longer for a frame than the camera; frames that "
           "are lost are counted in film.json; ffvhuff and h264 are faster, record_threads adds "
           "threads",
-          facts_.codec,
+          name(), facts_.codec,
           recording_.film.threads == 1 ? "one thread"
                                        : fmt::format("{} threads", recording_.film.threads));
     }
@@ -185,6 +187,10 @@ void FilmRecorder::add(FilmFrame frame, std::int64_t utime, const optics::GreyVi
 std::string FilmRecorder::news() {
   const std::lock_guard lock(mutex_);
   return std::exchange(news_, {});
+}
+
+std::string FilmRecorder::name() const {
+  return recording_.camera.empty() ? "film" : "film of camera " + recording_.camera;
 }
 
 FilmFacts FilmRecorder::facts() {
@@ -264,9 +270,16 @@ bool FilmRecorder::checkSize() {
     const std::lock_guard lock(mutex_);
     facts_.bytes = static_cast<std::int64_t>(bytes);
   }
-  if (!error && static_cast<double>(bytes) >= recording_.film.most_GB * 1e9) {
-    end(fmt::format("it has reached {:g} GB (camera.record_most_GB)", recording_.film.most_GB));
-    return false;
+  if (!error) {
+    SharedBounds& bounds = *recording_.bounds;
+    const std::int64_t grown = static_cast<std::int64_t>(bytes) - shared_bytes_;
+    shared_bytes_ += grown;
+    if (static_cast<double>(bounds.bytes += grown) >= recording_.film.most_GB * 1e9) {
+      end(fmt::format("{} reached {:g} GB (camera.record_most_GB)",
+                      bounds.films == 1 ? "it has" : "the films of all cameras have",
+                      recording_.film.most_GB));
+      return false;
+    }
   }
   const fs::space_info space = fs::space(recording_.folder, error);
   if (!error && space.available < kReserve) {
@@ -284,7 +297,8 @@ void FilmRecorder::end(const std::string& problem) {
   facts_.problem = problem;
   facts_.after_end += static_cast<std::int64_t>(items_.size());
   items_.clear();
-  news_ = fmt::format("film: ends after {} frames: {}; the run goes on", facts_.frames, problem);
+  news_ =
+      fmt::format("{}: ends after {} frames: {}; the run goes on", name(), facts_.frames, problem);
   changed_.notify_all();
 }
 

@@ -7,6 +7,7 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -19,13 +20,21 @@
 
 namespace lab::cameras {
 
+/// What the films of all cameras of a run have together.
+struct SharedBounds {
+  std::size_t films = 1;
+  std::atomic<std::int64_t> bytes = 0;  ///< of the movies so far
+};
+
 struct FilmRecording {
   std::filesystem::path folder;  ///< for the movie, its table and its facts
   FilmSpec film;
   CameraFormat format;
   std::int64_t start_utime = 0;  ///< as FilmFacts
   bool may_wait =
-      false;  ///< add() waits for the encoder, and no frame is lost; else it never waits
+      false;           ///< add() waits for the encoder, and no frame is lost; else it never waits
+  std::string camera;  ///< as FilmFacts
+  std::shared_ptr<SharedBounds> bounds = std::make_shared<SharedBounds>();
 };
 
 /// The arguments of ffmpeg, which reads an IVF stream of grey pictures on its input. IVF carries
@@ -36,10 +45,10 @@ struct FilmRecording {
 /// Never throws after its construction: whatever goes wrong ends the film, and is said.
 class FilmRecorder {
  public:
-  /// Most bytes of pictures that wait for the encoder; at least 4 pictures may. With may_wait, 4
-  /// do.
+  /// Most bytes of pictures that wait for the encoders of a run; at least 4 pictures of a film may.
+  /// With may_wait, 4 do.
   static constexpr std::size_t kQueueBytes = 128U << 20U;
-  /// The film ends when less than this is free on its disk [bytes]: the log needs it.
+  /// A film ends when less than this is free on its disk [bytes]: the log needs it.
   static constexpr std::uintmax_t kReserve = 500'000'000;
 
   /// @throws CameraError if ffmpeg is not installed, or the folder cannot be written
@@ -67,6 +76,7 @@ class FilmRecorder {
   };
 
   void run();
+  [[nodiscard]] std::string name() const;
   [[nodiscard]] bool write(Item& item);
   [[nodiscard]] bool checkSize();
   void end(const std::string& problem);
@@ -81,6 +91,7 @@ class FilmRecorder {
   std::int64_t position_ = 0;      ///< of the next frame in the movie; the writer's
   std::int64_t first_camera_ = 0;  ///< camera_utime of the first frame; the writer's
   std::int64_t next_check_ = 0;    ///< position of the next look at the disk; the writer's
+  std::int64_t shared_bytes_ = 0;  ///< of the movie, in SharedBounds; the writer's
 
   std::mutex mutex_;  ///< guards the members below
   std::condition_variable changed_;

@@ -1,7 +1,9 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "analyzer/report/html/html_sections.hpp"
 #include "common/text/format.hpp"
@@ -14,8 +16,18 @@ std::string codecText(const FilmFacts& film) {
                          : fmt::format("{}, crf {}", film.codec, film.crf);
 }
 
-std::string filmSentence(const FilmFacts& film) {
-  std::string text = fmt::format(
+/// [s] that the films of the other cameras go on for after it
+double missingEnd(const FilmFacts& film, const std::vector<FilmFacts>& all) {
+  std::int64_t last = film.last_utime;
+  for (const FilmFacts& other : all) {
+    if (other.start_utime == film.start_utime) last = std::max(last, other.last_utime);
+  }
+  return static_cast<double>(last - film.last_utime) * 1e-6;
+}
+
+std::string filmSentence(const FilmFacts& film, const std::vector<FilmFacts>& all) {
+  std::string text = film.camera.empty() ? "" : "Camera " + escapeHtml(film.camera) + ": ";
+  text += fmt::format(
       "{} frames of {} × {} px in {} ({}), {:.3g} GB; recording them took {:.2g} processor cores.",
       groupedText(film.frames), film.format.width, film.format.height,
       durationText(film.duration()), codecText(film), static_cast<double>(film.bytes) * 1e-9,
@@ -26,6 +38,11 @@ std::string filmSentence(const FilmFacts& film) {
   if (!film.problem.empty()) {
     text += fmt::format(" <b>The film ends early:</b> {}; it lacks the last {} frames.",
                         escapeHtml(film.problem), groupedText(film.after_end));
+  }
+  constexpr double kNoticeable = 1;  // [s]
+  if (const double missing = missingEnd(film, all); missing > kNoticeable && film.problem.empty()) {
+    text += fmt::format(" <b>The film ends {} before those of the other cameras.</b>",
+                        durationText(missing));
   }
   if (!film.complete) text += " The tracker was ended before the film was complete.";
   return "<p>" + text + "</p>\n";
@@ -41,7 +58,7 @@ std::string film(const RunRecord& record) {
         fmt::format("<p><b>The poses of this report were tracked again from the film:</b> {}</p>\n",
                     escapeHtml(record.film_note));
   }
-  for (const FilmFacts& film : record.films) html += filmSentence(film);
+  for (const FilmFacts& film : record.films) html += filmSentence(film, record.films);
   if (record.film_stills) {
     html +=
         "<figure><img src=\"film.jpg\" alt=\"Stills of the film\" style=\"max-width:100%\">"

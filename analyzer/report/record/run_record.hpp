@@ -122,7 +122,7 @@ struct RunRecord {
   std::string version;                   ///< version of the software of the run
   int contract_version = 0;
   LogFacts log;
-  std::vector<FilmFacts> films;  ///< of the run: one for each start of the tracker
+  std::vector<FilmFacts> films;  ///< of the run: of each camera, for each start of the tracker
   std::string film_note;         ///< how the poses were tracked again; empty: they are the run's
   bool film_stills = false;      ///< film.jpg lies beside the report
   bool film_clip = false;        ///< film.mp4 does

@@ -339,6 +339,7 @@ std::string summaryJson(const RunRecord& record) {
                              {"bytes", film.bytes},
                              {"cpu_s", number(film.cpu)},
                              {"problem", film.problem}});
+    if (!film.camera.empty()) json["films"].back()["camera"] = film.camera;
   }
   if (!record.serial_lines.empty()) json["serial_lines"] = serialLines(record);
   if (!record.links.empty()) json["links"] = links(record);

@@ -36,11 +36,6 @@ void checkOptions(const Camera& camera, Problems& problems) {
     problems.add("camera.marker",
                  "found \"blobs\" and several cameras; allowed: caps or tags, or one camera");
   }
-  if (camera.film.record) {
-    problems.add("camera.record",
-                 "found a film of several cameras, allowed one of one camera; film with the "
-                 "cameras' own programs, or run the experiment with one camera");
-  }
   if (camera.debug_port != 0) {
     problems.add("camera.debug_port",
                  "found a port and several cameras; allowed: 0, or one camera");

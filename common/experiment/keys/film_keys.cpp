@@ -30,7 +30,8 @@ void visitFilm(KeyVisitor& v, const Selector& tracker, FilmSpec& film) {
   v.integer(key({"record_crf", "quality of h264, its constant rate factor; more: smaller, worse"}),
             1, 51, crf);
   film.crf = static_cast<int>(crf);
-  v.number(key({"record_most_GB", "size of the film at which it ends, in 1e9 bytes"}),
+  v.number(key({"record_most_GB",
+                "size of the film, or of those of all cameras, at which it ends, in 1e9 bytes"}),
            {0.001, 100'000}, film.most_GB);
   std::int64_t threads = film.threads;
   v.integer(key({"record_threads", "threads of the encoder, at most"}), 1, 16, threads);

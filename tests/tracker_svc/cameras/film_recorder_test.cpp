@@ -9,9 +9,11 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/wait_until.hpp"
+#include "tracker_svc/cameras/run_filmer.hpp"
 #include "tracker_svc/film_reader.hpp"
 
 namespace lab::cameras {
@@ -205,6 +207,110 @@ TEST_F(FilmRecorderTest, RefusesAFolderThatDoesNotExist) {
   EXPECT_THROW(FilmRecorder{nowhere}, CameraError);
 }
 
+/// A film whose frames arrived at these times.
+std::vector<FilmFrame> arrivedAt(const std::vector<std::int64_t>& times) {
+  std::vector<FilmFrame> table;
+  for (const std::int64_t time : times) {
+    FilmFrame& frame = table.emplace_back();
+    frame.frame = static_cast<std::int64_t>(table.size()) - 1;
+    frame.arrived_utime = kBegin + time;
+  }
+  return table;
+}
+
+using Tables = std::vector<std::vector<FilmFrame>>;
+
+TEST(OrderOfArrival, IsThatOfTimeAndInOneInstantThatOfTheCameras) {
+  const Tables tables{arrivedAt({10, 20, 40}), arrivedAt({5, 20, 21}), arrivedAt({20})};
+  EXPECT_THAT(orderOfArrival(tables), testing::ElementsAre(1, 0, 0, 1, 2, 1, 0));
+}
+
+TEST(OrderOfArrival, GoesOnWithTheOthersAfterTheEndOfAFilm) {
+  const Tables tables{arrivedAt({}), arrivedAt({1}), arrivedAt({0, 2, 3, 4})};
+  EXPECT_THAT(orderOfArrival(tables), testing::ElementsAre(2, 1, 2, 2, 2));
+  EXPECT_THAT(orderOfArrival({}), testing::IsEmpty());
+}
+
+TEST(OrderOfArrival, KeepsThatOfEachFilmWhenAClockWasSetBack) {
+  const Tables tables{arrivedAt({10, 4, 6}), arrivedAt({11, 5})};
+  EXPECT_THAT(orderOfArrival(tables), testing::ElementsAre(0, 0, 0, 1, 1));
+}
+
+class SeveralFilms : public FilmRecorderTest {
+ protected:
+  static void addTo(RunFilmer& dut, std::size_t camera, int number) {
+    CameraFormat format;
+    format.fps = 60;
+    dut.add({.number = number, .camera_utime = utimeOf(number), .arrived_utime = utimeOf(number)},
+            utimeOf(number), picture(number).view(), format, camera);
+  }
+
+  [[nodiscard]] FilmFacts factsOf(const std::string& film) const {
+    return readFilmFacts(folder_.path() / film / film_files::kFacts);
+  }
+
+  FilmSpec spec_;
+};
+
+TEST_F(SeveralFilms, LieInFoldersOfTheirCamerasForEachStart) {
+  for (int start = 0; start < 2; ++start) {
+    RunFilmer dut(folder_.path(), spec_, kBegin, true, {"right", "left"});
+    for (int i = 0; i < 5; ++i) addTo(dut, 0, i);
+    for (int i = 0; i < 3; ++i) addTo(dut, 1, i);
+    EXPECT_EQ(dut.news(), "");
+  }
+
+  EXPECT_EQ(factsOf("film/left").frames, 3);
+  EXPECT_EQ(factsOf("film/left").camera, "left");
+  EXPECT_EQ(factsOf("film_2/right").frames, 5);
+  const fs::path& run = folder_.path();
+  EXPECT_THAT(
+      filmStarts(run),
+      testing::ElementsAre(testing::ElementsAre(run / "film/left", run / "film/right"),
+                           testing::ElementsAre(run / "film_2/left", run / "film_2/right")));
+  EXPECT_EQ(filmFolders(run).size(), 4U);
+}
+
+TEST_F(SeveralFilms, CostEachOtherNothing) {
+  std::string news;
+  {
+    RunFilmer dut(folder_.path(), spec_, kBegin, true, {"left", "right"});
+    addTo(dut, 0, 0);
+    std::ofstream(folder_.path() / "film/right") << "in the way";
+    for (int i = 1; i < 5; ++i) {
+      addTo(dut, 0, i);
+      addTo(dut, 1, i);
+    }
+    news = dut.news();
+    EXPECT_EQ(dut.news(), "");
+  }
+
+  EXPECT_THAT(news, AllOf(HasSubstr("film of camera right: there is none: "),
+                          HasSubstr("the run goes on")));
+  EXPECT_EQ(factsOf("film/left").frames, 5);
+  EXPECT_EQ(factsOf("film/left").problem, "");
+}
+
+TEST_F(SeveralFilms, EndAtTheBoundOfAllTogether) {
+  spec_.most_GB = 0.001;
+  {
+    RunFilmer dut(folder_.path(), spec_, kBegin, true, {"left", "right"});
+    for (int i = 0; i < 3000; ++i) {
+      addTo(dut, 0, i);
+      addTo(dut, 1, i);
+    }
+  }
+
+  std::int64_t bytes = 0;
+  for (const char* film : {"film/left", "film/right"}) {
+    EXPECT_THAT(factsOf(film).problem, HasSubstr("the films of all cameras have reached 0.001 GB"));
+    EXPECT_EQ(factsOf(film).frames + factsOf(film).after_end, 3000);
+    bytes += factsOf(film).bytes;
+  }
+  EXPECT_GT(bytes, 1'000'000);
+  EXPECT_LT(bytes, 2'000'000);  // one bound, not one for each
+}
+
 TEST(FilmTable, LeavesOutALineThatIsCutOff) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "film.frames.csv";
@@ -245,6 +351,7 @@ TEST(FilmTable, NamesTheLineThatIsDamaged) {
 TEST(FilmFactsFile, ComesBackAsItWasWritten) {
   const TemporaryFolder folder;
   FilmFacts facts;
+  facts.camera = "left";
   facts.codec = "h264";
   facts.crf = 23;
   facts.format = {1920, 1080, 60, 0.005, 2, "GREY", true, false, ""};
@@ -262,6 +369,7 @@ TEST(FilmFactsFile, ComesBackAsItWasWritten) {
 
   const FilmFacts read = readFilmFacts(folder.path() / "film.json");
 
+  EXPECT_EQ(read.camera, "left");
   EXPECT_EQ(read.codec, "h264");
   EXPECT_EQ(read.format.fps, 60);
   EXPECT_EQ(read.format.pixels, "GREY");
