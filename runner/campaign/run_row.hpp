@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <string>
 
+#include "common/experiment/experiment.hpp"
 #include "runner/campaign/campaign.hpp"
 #include "runner/campaign/run_result.hpp"
 

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/program_source.hpp"
 #include "robot/language/compiler.hpp"
 
