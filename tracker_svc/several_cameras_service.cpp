@@ -132,6 +132,7 @@ void SeveralCamerasService::handle(std::size_t i, const CameraFrame& frame) {
   if (frame.utime <= input.last_utime) return;  // a reconnected camera may deliver an older picture
   input.last_utime = frame.utime;
   const std::int64_t arrived = loop_.now();
+  const std::uint64_t lost_cameras = lostCameras();
   if (!input.lost.empty()) trouble(i, "");
   if (input.frames++ == 0 && input.source) {
     input.detector->setCompressed(input.source->format().compressed);
@@ -146,13 +147,23 @@ void SeveralCamerasService::handle(std::size_t i, const CameraFrame& frame) {
     if (addSpacing(input.spacing, time, cap, input.calibration.cap.spacing())) ++status_.spacings;
   }
   for (const FusedRound& round : fusion_.add(i, time, found)) publish(round);
-  film(i, frame, arrived);
+  film(i, frame, arrived, lost_cameras);
   readSync(input, frame);
   noteSilent();
   latency_.add(units::seconds(loop_.now() - arrived));
 }
 
-void SeveralCamerasService::film(std::size_t i, const CameraFrame& frame, std::int64_t arrived) {
+/// Those that rounds do not wait for.
+std::uint64_t SeveralCamerasService::lostCameras() const {
+  std::uint64_t bits = 0;
+  for (std::size_t i = 0; i < inputs_.size(); ++i) {
+    if (!fusion_.isAlive(i)) bits |= std::uint64_t{1} << i;
+  }
+  return bits;
+}
+
+void SeveralCamerasService::film(std::size_t i, const CameraFrame& frame, std::int64_t arrived,
+                                 std::uint64_t lost_cameras) {
   if (!film_) return;
   const Input& input = *inputs_[i];
   film_->add({.number = frame.number,
@@ -160,7 +171,8 @@ void SeveralCamerasService::film(std::size_t i, const CameraFrame& frame, std::i
               .arrived_utime = arrived,
               .searched = true,
               .status_instance = status_instance_,
-              .status_seq = status_seq_},
+              .status_seq = status_seq_,
+              .lost_cameras = lost_cameras},
              frame.utime, frame.grey,
              input.source ? input.source->format() : wantedFormat(input.camera), i);
 }

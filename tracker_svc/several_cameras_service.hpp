@@ -50,7 +50,9 @@ class SeveralCamerasService final : public Service {
   void publish(const FusedRound& round);
   void watchLight();
   void readSync(const Input& input, const CameraFrame& frame);
-  void film(std::size_t i, const CameraFrame& frame, std::int64_t arrived);
+  void film(std::size_t i, const CameraFrame& frame, std::int64_t arrived,
+            std::uint64_t lost_cameras);
+  [[nodiscard]] std::uint64_t lostCameras() const;
   void report();
   [[nodiscard]] std::string lostText() const;
   [[nodiscard]] double seconds(std::int64_t utime) const;

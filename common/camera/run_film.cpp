@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <fstream>
@@ -23,6 +22,7 @@ namespace {
 constexpr const char* kForm = "active-lab film 1";
 constexpr const char* kTableHeader =
     "frame,t_s,number,camera_utime,arrived_utime,searched,status_instance,status_seq";
+constexpr const char* kSeveralColumn = ",lost_cameras";
 constexpr std::size_t kTableColumns = 8;
 constexpr double kLargest = 9e15;  // whole numbers up to here are exact
 
@@ -49,12 +49,17 @@ bool parse(const std::string& cell, Number& value) {
   return error == std::errc() && end == cell.data() + cell.size();
 }
 
-bool parseLine(const std::string& line, FilmFrame& frame) {
-  std::array<std::string, kTableColumns> cells;
+std::size_t columnsOf(FilmTable table) {
+  return table == FilmTable::kSeveralCameras ? kTableColumns + 1 : kTableColumns;
+}
+
+bool parseLine(const std::string& line, FilmTable table, FilmFrame& frame) {
+  std::vector<std::string> cells(columnsOf(table));
   std::istringstream stream(line);
   for (std::string& cell : cells) {
     if (!std::getline(stream, cell, ',')) return false;
   }
+  if (cells.size() > kTableColumns && !parse(cells.back(), frame.lost_cameras)) return false;
   std::int64_t searched = 0;
   const bool numbers = parse(cells[0], frame.frame) && parse(cells[1], frame.time) &&
                        parse(cells[2], frame.number) && parse(cells[3], frame.camera_utime) &&
@@ -70,12 +75,17 @@ fs::path filmTableOf(const fs::path& movie) {
   return movie.parent_path() / (movie.stem().string() + ".frames.csv");
 }
 
-std::string filmTableHeader() { return std::string(kTableHeader) + "\n"; }
+std::string filmTableHeader(FilmTable table) {
+  return std::string(kTableHeader) + (table == FilmTable::kSeveralCameras ? kSeveralColumn : "") +
+         "\n";
+}
 
-std::string filmTableLine(const FilmFrame& frame) {
-  return fmt::format("{},{:.6f},{},{},{},{},{},{}\n", frame.frame, frame.time, frame.number,
+std::string filmTableLine(const FilmFrame& frame, FilmTable table) {
+  const std::string more =
+      table == FilmTable::kSeveralCameras ? fmt::format(",{}", frame.lost_cameras) : "";
+  return fmt::format("{},{:.6f},{},{},{},{},{},{}{}\n", frame.frame, frame.time, frame.number,
                      frame.camera_utime, frame.arrived_utime, frame.searched ? 1 : 0,
-                     frame.status_instance, frame.status_seq);
+                     frame.status_instance, frame.status_seq, more);
 }
 
 std::vector<FilmFrame> readFilmTable(const fs::path& file) {
@@ -85,7 +95,10 @@ std::vector<FilmFrame> readFilmTable(const fs::path& file) {
   std::istringstream stream(*std::move(content.text));
   std::string line;
   std::getline(stream, line);
-  if (line != kTableHeader) {
+  const FilmTable table = line == std::string(kTableHeader) + kSeveralColumn
+                              ? FilmTable::kSeveralCameras
+                              : FilmTable::kOneCamera;
+  if (table == FilmTable::kOneCamera && line != kTableHeader) {
     throw CameraError(file.string() + ":1: found \"" + line.substr(0, 80) +
                       "\", expected the columns " + kTableHeader);
   }
@@ -93,9 +106,10 @@ std::vector<FilmFrame> readFilmTable(const fs::path& file) {
   for (int number = 2; std::getline(stream, line); ++number) {
     if (cut && stream.eof()) break;
     FilmFrame frame;
-    if (!parseLine(line, frame) || frame.frame != static_cast<std::int64_t>(frames.size())) {
-      throw CameraError(fmt::format("{}:{}: found \"{}\", expected frame {} and 7 more numbers",
-                                    file.string(), number, line.substr(0, 80), frames.size()));
+    if (!parseLine(line, table, frame) || frame.frame != static_cast<std::int64_t>(frames.size())) {
+      throw CameraError(fmt::format("{}:{}: found \"{}\", expected frame {} and {} more numbers",
+                                    file.string(), number, line.substr(0, 80), frames.size(),
+                                    columnsOf(table) - 1));
     }
     frames.push_back(frame);
   }

@@ -31,11 +31,18 @@ struct FilmFrame {
   bool searched = false;             ///< the whole picture was searched, not only near known caps
   std::int64_t status_instance = 0;  ///< of the last ROBOT_STATUS before it; 0: none came yet
   std::int64_t status_seq = 0;
+  std::uint64_t lost_cameras = 0;  ///< of several: bit i is set if the i-th was not waited for
+};
+
+/// Which columns a table has.
+enum class FilmTable {
+  kOneCamera,
+  kSeveralCameras  ///< with lost_cameras
 };
 
 /// The header line of the table, with its line end.
-[[nodiscard]] std::string filmTableHeader();
-[[nodiscard]] std::string filmTableLine(const FilmFrame& frame);
+[[nodiscard]] std::string filmTableHeader(FilmTable table);
+[[nodiscard]] std::string filmTableLine(const FilmFrame& frame, FilmTable table);
 
 /// Reads a table. A line that is cut off at the end is left out.
 /// @throws CameraError that names the file and the line

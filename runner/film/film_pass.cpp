@@ -40,6 +40,13 @@ class FilmPass::FilmCameras final : public Cameras {
     throw CameraError("sim: a film is tracked, nothing is painted");
   }
 
+  /// Rounds do not wait for a lost camera, until it has a frame again.
+  void lose(std::uint64_t cameras) const {
+    for (std::size_t i = 0; i < handlers_.size(); ++i) {
+      if ((cameras >> i & 1U) != 0) handlers_[i].trouble("it was lost in the run");
+    }
+  }
+
   void show(std::size_t camera, const CameraFrame& frame) const { handlers_[camera].frame(frame); }
 
  private:
@@ -124,6 +131,8 @@ FilmPass::FilmPass(const std::vector<fs::path>& films, const Experiment& experim
   });
 }
 
+FilmPass::~FilmPass() = default;
+
 bool FilmPass::next() {
   rounds_.clear();
   for (; position_ < order_.size(); ++position_) {
@@ -140,6 +149,7 @@ bool FilmPass::next() {
     picture_.number = frame.number;
     picture_.utime = frame.camera_utime;
     picture_.search = frame.searched;
+    if (frame.lost_cameras != 0) cameras_->lose(frame.lost_cameras);
     cameras_->show(order_[position_++], picture_);
     bus_.deliver();
     return true;

@@ -34,6 +34,10 @@ class FilmPass {
   FilmPass(const std::vector<std::filesystem::path>& films, const Experiment& experiment,
            const std::filesystem::path& directory, const std::vector<std::filesystem::path>& log);
 
+  ~FilmPass();
+  FilmPass(const FilmPass&) = delete;
+  FilmPass& operator=(const FilmPass&) = delete;
+
   /// Shows the next frame to the tracker. @return false at the end of the films
   [[nodiscard]] bool next();
 

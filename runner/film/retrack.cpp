@@ -123,6 +123,7 @@ class Retracking {
     while (true) {
       if (pass_ && next_round_ < pass_->rounds().size()) {
         round_ = pass_->rounds()[next_round_++];
+        reached_.reset();
         const tracked_frame_t& poses = round_->poses;
         counts_.poses += poses.num_robots + poses.num_unidentified;
         take_({static_cast<double>(poses.utime - start_utime_) * 1e-6, counts_.frames,
@@ -143,10 +144,15 @@ class Retracking {
 
   /// Whether the films have the frame of this time: tracks up to it.
   bool reach(std::int64_t utime) {
+    if (reached_ == utime) return true;
+    // A round is in place of one round of the run.
+    if (reached_ && utime > *reached_ && !advance()) return false;
     while (!round_ || round_->poses.utime < utime - near_us_) {
       if (!advance()) return false;
     }
-    return std::abs(round_->poses.utime - utime) <= near_us_;
+    if (std::abs(round_->poses.utime - utime) > near_us_) return false;
+    reached_ = utime;
+    return true;
   }
 
   void write(const Packet& packet) {
@@ -201,6 +207,7 @@ class Retracking {
   std::unique_ptr<FilmPass> pass_;
   std::size_t next_round_ = 0;            ///< of those of the last frame
   std::optional<FilmPass::Round> round_;  ///< the last
+  std::optional<std::int64_t> reached_;   ///< time in the run of what it is in place of
   std::int64_t near_us_ = 0;              ///< rounds of this distance in time are the same one
   std::int64_t start_utime_ = 0;
   RetrackCounts counts_;

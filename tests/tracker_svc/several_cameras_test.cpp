@@ -215,6 +215,7 @@ TEST(SeveralCameras, AFilmEndsWithItsCameraAndTheOthersGoOn) {
     ASSERT_EQ(std::ssize(table), frames);
     EXPECT_EQ(table.back().number, frames - 1);
     EXPECT_TRUE(table.back().searched);
+    EXPECT_EQ(table.back().lost_cameras, frames == 4 ? 0U : 8U);
   }
 }
 

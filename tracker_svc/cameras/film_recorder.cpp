@@ -114,7 +114,7 @@ FilmRecorder::FilmRecorder(FilmRecording recording)
   facts_.format = format;
   facts_.start_utime = recording_.start_utime;
   table_.open(filmTableOf(movie_), std::ios::binary);
-  table_ << filmTableHeader() << std::flush;
+  table_ << filmTableHeader(columns()) << std::flush;
   if (!table_ || !writeFilmFacts(recording_.folder / film_files::kFacts, facts_)) {
     throw CameraError(recording_.folder.string() + ": cannot be written: is the disk full?");
   }
@@ -193,6 +193,10 @@ std::string FilmRecorder::name() const {
   return recording_.camera.empty() ? "film" : "film of camera " + recording_.camera;
 }
 
+FilmTable FilmRecorder::columns() const {
+  return recording_.camera.empty() ? FilmTable::kOneCamera : FilmTable::kSeveralCameras;
+}
+
 FilmFacts FilmRecorder::facts() {
   const std::lock_guard lock(mutex_);
   return facts_;
@@ -241,7 +245,7 @@ bool FilmRecorder::write(Item& item) {
   item.frame.frame = position_;
   item.frame.time = static_cast<double>(ticks) / kTicksPerSecond;
   // The row first: a movie without its last frames is readable, a frame without its row is not.
-  table_ << filmTableLine(item.frame) << std::flush;
+  table_ << filmTableLine(item.frame, columns()) << std::flush;
   const bool written = table_.good() &&
                        encoder_->write(ivfFrameHeader(item.picture.pixels.size(), ticks)) &&
                        encoder_->write(item.picture.pixels);

@@ -77,6 +77,7 @@ class FilmRecorder {
 
   void run();
   [[nodiscard]] std::string name() const;
+  [[nodiscard]] FilmTable columns() const;
   [[nodiscard]] bool write(Item& item);
   [[nodiscard]] bool checkSize();
   void end(const std::string& problem);

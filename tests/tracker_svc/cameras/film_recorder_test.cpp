@@ -322,9 +322,10 @@ TEST(FilmTable, LeavesOutALineThatIsCutOff) {
                   .searched = true,
                   .status_instance = 3,
                   .status_seq = 4};
-  std::string text = filmTableHeader() + filmTableLine(frame);
+  std::string text =
+      filmTableHeader(FilmTable::kOneCamera) + filmTableLine(frame, FilmTable::kOneCamera);
   frame.frame = 1;
-  text += filmTableLine(frame);
+  text += filmTableLine(frame, FilmTable::kOneCamera);
   std::ofstream(file) << text.substr(0, text.size() - 5);
 
   const std::vector<FilmFrame> frames = readFilmTable(file);
@@ -335,10 +336,32 @@ TEST(FilmTable, LeavesOutALineThatIsCutOff) {
   EXPECT_EQ(frames[0].status_seq, 4);
 }
 
+TEST(FilmTable, OfSeveralCamerasHasThoseThatWereLost) {
+  const TemporaryFolder folder;
+  const fs::path file = folder.path() / "film.frames.csv";
+  FilmFrame frame{.frame = 0, .number = 7, .status_seq = 4, .lost_cameras = 5};
+  std::ofstream(file) << filmTableHeader(FilmTable::kSeveralCameras)
+                      << filmTableLine(frame, FilmTable::kSeveralCameras) << "1,0,0,0,0,0,0,0\n";
+
+  try {
+    static_cast<void>(readFilmTable(file));
+    FAIL();
+  } catch (const CameraError& error) {
+    EXPECT_THAT(error.what(), HasSubstr(":3: found \"1,0,0,0,0,0,0,0\", expected frame 1 and 8"));
+  }
+  std::ofstream(file) << filmTableHeader(FilmTable::kSeveralCameras)
+                      << filmTableLine(frame, FilmTable::kSeveralCameras);
+  const std::vector<FilmFrame> frames = readFilmTable(file);
+  ASSERT_EQ(frames.size(), 1U);
+  EXPECT_EQ(frames[0].number, 7);
+  EXPECT_EQ(frames[0].status_seq, 4);
+  EXPECT_EQ(frames[0].lost_cameras, 5U);
+}
+
 TEST(FilmTable, NamesTheLineThatIsDamaged) {
   const TemporaryFolder folder;
   const fs::path file = folder.path() / "film.frames.csv";
-  std::ofstream(file) << filmTableHeader() << "0,0,zero,0,0,0,0,0\n";
+  std::ofstream(file) << filmTableHeader(FilmTable::kOneCamera) << "0,0,zero,0,0,0,0,0\n";
 
   try {
     static_cast<void>(readFilmTable(file));
