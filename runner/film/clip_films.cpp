@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ranges>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -58,12 +57,14 @@ std::vector<ClipStart> clipStarts(const fs::path& run) {
     frames += std::ranges::max(start, {}, &ClipFilm::frames).frames();
     starts.push_back(std::move(start));
   }
-  for (ClipFilm& part : starts | std::views::join) {
-    part.stride = std::max<std::int64_t>(1, (frames + kMostPictures - 1) / kMostPictures);
-    if (part.facts.lossless()) continue;
-    // Only every so many-th frame can be read without those before it (encodeCommand()).
-    const auto group = std::max<std::int64_t>(1, std::llround(part.facts.format.fps));
-    part.stride = (part.stride + group - 1) / group * group;
+  for (ClipStart& start : starts) {
+    for (ClipFilm& film : start) {
+      film.stride = std::max<std::int64_t>(1, (frames + kMostPictures - 1) / kMostPictures);
+      if (film.facts.lossless()) continue;
+      // Only every so many-th frame can be read without those before it (encodeCommand()).
+      const auto group = std::max<std::int64_t>(1, std::llround(film.facts.format.fps));
+      film.stride = (film.stride + group - 1) / group * group;
+    }
   }
   return starts;
 }

@@ -44,10 +44,10 @@ Message inPlaceOf(const Message& old, Message now) {
 }
 
 /// What the tracker knew of the camera in the run, and what it found now.
-tracker_status_t merged(const tracker_status_t& old, tracker_status_t now) {
+tracker_status_t merged(const tracker_status_t& old, tracker_status_t now, bool several) {
   adoptHeader(now, old);
   now.utime = old.utime;
-  now.camera = old.camera;
+  if (!several) now.camera = old.camera;  // of several, it has what is estimated of their clocks
   now.state = old.state;
   now.trouble = old.trouble;
   now.fps = old.fps;
@@ -178,7 +178,8 @@ class Retracking {
       tracker_status_t old{};
       if (!decode(packet.data, old) || !pass_) return write(packet);
       pass_->passTime(packet.received_utime);
-      writeInPlaceOf(packet, pass_->status() ? merged(old, *pass_->status()) : old);
+      writeInPlaceOf(packet,
+                     pass_->status() ? merged(old, *pass_->status(), counts_.cameras > 1) : old);
     } else {
       write(packet);
     }

@@ -12,7 +12,6 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <ranges>
 #include <span>
 #include <stdexcept>
 #include <utility>
@@ -191,10 +190,10 @@ class ClipMaker {
     const ClipFilm& film = leadingFilm(starts.front());
     const double fps = film.facts.format.fps > 0 ? film.facts.format.fps : kAssumedFps;
     if (views.size() > 1) near_us_ = units::microseconds(0.5 / fps);
-    for (const ClipFilm& part : starts | std::views::join) {
-      for (std::int64_t i = 0; i < part.frames(); i += part.stride) shown_[part.utimeOf(i)];
-    }
     for (const ClipStart& start : starts) {
+      for (const ClipFilm& part : start) {
+        for (std::int64_t i = 0; i < part.frames(); i += part.stride) shown_[part.utimeOf(i)];
+      }
       const ClipFilm& leader = leadingFilm(start);
       pictures_ += static_cast<std::size_t>((leader.frames() + leader.stride - 1) / leader.stride);
     }

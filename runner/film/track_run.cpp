@@ -17,6 +17,7 @@
 #include "runner/film/pose_writer.hpp"
 #include "runner/film/retrack.hpp"
 #include "runner/runs/run_directory.hpp"
+#include "tracker_svc/film_reader.hpp"
 
 namespace lab::runner {
 namespace {

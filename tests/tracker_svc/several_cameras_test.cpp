@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <lab/tracked_frame_t.hpp>
 #include <lab/tracker_status_t.hpp>
 #include <memory>
 #include <set>

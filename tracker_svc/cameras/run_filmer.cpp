@@ -17,8 +17,9 @@ RunFilmer::RunFilmer(fs::path run, const FilmSpec& film, std::int64_t start_utim
 }
 
 RunFilmer::~RunFilmer() {
-  std::vector<std::jthread> closing;
+  std::vector<std::thread> closing;
   for (Film& film : films_) closing.emplace_back([&film] { film.recorder.reset(); });
+  for (std::thread& one : closing) one.join();
 }
 
 fs::path RunFilmer::makeFolder(const Film& film) {

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <filesystem>
 #include <fstream>
 #include <lab/tracked_frame_t.hpp>
 #include <memory>
@@ -12,7 +13,10 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
 #include "common/camera/memory_cameras.hpp"
+#include "common/loop/virtual_loop.hpp"
+#include "common/service/node.hpp"
 #include "sim_svc/camera/painted_camera.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tracker_svc/tracker_service.hpp"
