@@ -49,7 +49,7 @@ class Reader {
 
   double number(const toml::table& robot, const char* key, double low, double high) const {
     const auto value = robot[key].value<double>();
-    const auto id = robot["id"].value<std::int64_t>().value_or(0);
+    const auto id = robot["id"].value_exact<std::int64_t>().value_or(0);
     if (!value) fail(fmt::format("robot {}: {}: found no number, it is needed", id, key));
     if (!(*value >= low && *value <= high)) {
       fail(fmt::format("robot {}: {}: found {:g}, allowed {:g} to {:g}", id, key, *value, low,
@@ -60,6 +60,9 @@ class Reader {
 
   // The limits are those of the robots' firmware.
   motor_calibration_t readRobot(const toml::table& robot) const {
+    if (!robot["id"].is_integer()) {
+      fail("id: found no whole number, expected that of a robot in each [[robots]]");
+    }
     motor_calibration_t motors{};
     motors.robot_id = static_cast<std::int32_t>(number(robot, "id", 1, 1e9));
     motors.gain_left = number(robot, "gain_left", 0.5, 1.5);

@@ -70,6 +70,10 @@ TEST_F(MotorFile, IsRefusedWithRobotAndKey) {
   EXPECT_THAT(refusal(with(kRobot, "wheel_base_cm = 7.6", "")),
               HasSubstr("wheel_base_cm: found no number"));
   EXPECT_THAT(refusal(std::string(kRobot) + kRobot), HasSubstr("robot 3 occurs twice"));
+  // Numbers that no integer can hold are not converted to one.
+  for (const char* id : {"id = 6.3e88", "id = 3.5", "id = \"3\"", "id = nan", ""}) {
+    EXPECT_THAT(refusal(with(kRobot, "id = 3", id)), HasSubstr("id: found no whole number")) << id;
+  }
   EXPECT_THAT(refusal("x = 1"), HasSubstr("found no [[robots]]"));
   EXPECT_THAT(refusal("x = = 1"), HasSubstr("line 1"));
 }
