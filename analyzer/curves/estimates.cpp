@@ -174,7 +174,8 @@ double Estimator::chordOfUnknownTurning(const BlockSums& sums) const {
       third_lag_ > 0 ? 0.5 * (angular(sums, third_lag_) - 2 * angular(sums, third_lag_ - 1) + one)
                      : kNan;
   if (!std::isfinite(even)) return one / 24;
-  return one / 8 - std::clamp(even, 0.0, one) / 12;
+  // Rounding makes `one` slightly negative where a jackknife leaves out the only turn.
+  return one / 8 - std::clamp(even, 0.0, std::max(one, 0.0)) / 12;
 }
 
 Quantities Estimator::operator()(const BlockSums& sums) const {
