@@ -263,8 +263,8 @@ bool Machine::lengthen(uint32_t& duration_ms) {
   arrears_ = static_cast<uint16_t>(arrears_ + costs_[phase_] + kHoldOverhead);
   uint16_t needed_ms = 0;
   if (arrears_ > kComputingInArrears) {
-    needed_ms = static_cast<uint16_t>((arrears_ - kComputingInArrears + kComputingPerMs - 1U) /
-                                      kComputingPerMs);
+    const auto owed = static_cast<uint16_t>(arrears_ - kComputingInArrears);
+    needed_ms = static_cast<uint16_t>((unsigned{owed} + kComputingPerMs - 1U) / kComputingPerMs);
   }
   const bool too_short = duration_ms < needed_ms;
   if (too_short) {
