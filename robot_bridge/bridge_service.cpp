@@ -19,8 +19,6 @@ namespace {
 
 constexpr std::int64_t kTick_us = 20'000;
 constexpr std::int64_t kSilent_us = 1'000'000;
-constexpr std::size_t kLongestNote = 1000;
-constexpr std::int64_t kCarried_us = 1'100'000;  // heartbeats come every second
 
 bool isServed(const RobotSpec& robot) { return isOnWire(robot.body); }
 
@@ -68,7 +66,7 @@ BridgeService::BridgeService(const ServiceContext& context)
       loop_(context.loop),
       experiment_(context.experiment),
       port_manager_(context.loop, context.ports, portSettings(context.experiment), byUid(),
-                    [this](const std::string& text) { note(text); }) {
+                    [this](const std::string& text) { node_.noteError(text); }) {
   node_.subscribe<robot_command_t>(channels::kRobotCommand,
                                    [this](const robot_command_t& command) { handle(command); });
   node_.subscribe<robot_stop_t>(channels::kRobotStop,
@@ -160,11 +158,11 @@ void BridgeService::tick() {
   for (auto& [id, robot] : robots_) {
     const bool silent = robot.link.isPlugged() && now - robot.link.heardUtime() > kSilent_us;
     if (silent && !robot.silent) {
-      note(port_manager_.lineOf(robot.link) + ": robot " + std::to_string(id) +
-           " is silent; is it switched on?");
+      node_.noteError(port_manager_.lineOf(robot.link) + ": robot " + std::to_string(id) +
+                      " is silent; is it switched on?");
     }
     robot.silent = silent;
-    for (const std::string& text : robot.link.takeNotes()) note(text);
+    for (const std::string& text : robot.link.takeNotes()) node_.noteError(text);
   }
 }
 
@@ -190,36 +188,6 @@ void BridgeService::reportLines() {
     rows.push_back(std::move(row));
   }
   node_.reportStreams(std::move(rows));
-  publishWaitingNotes();
-}
-
-void BridgeService::note(const std::string& text) {
-  const std::int64_t now = loop_.now();
-  if (now - noted_utime_ >= kCarried_us) {
-    notes_.clear();
-    noted_utime_ = now;
-  }
-  if (!waiting_.empty() || notes_.size() + text.size() > kLongestNote) {
-    waiting_.push_back(text);
-    publishWaitingNotes();
-    return;
-  }
-  notes_ += (notes_.empty() ? "" : "; ") + text;
-  node_.noteError(notes_);
-}
-
-/// Passes waiting texts to the next heartbeat, once the previous heartbeat has gone out.
-void BridgeService::publishWaitingNotes() {
-  const std::int64_t now = loop_.now();
-  if (waiting_.empty() || (now - noted_utime_ < kCarried_us && !notes_.empty())) return;
-  notes_.clear();
-  noted_utime_ = now;
-  while (!waiting_.empty() &&
-         (notes_.empty() || notes_.size() + waiting_.front().size() <= kLongestNote)) {
-    notes_ += (notes_.empty() ? "" : "; ") + waiting_.front();
-    waiting_.pop_front();
-  }
-  node_.noteError(notes_);
 }
 
 void BridgeService::publish() {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <deque>
 #include <lab/robot_calibration_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_senses_t.hpp>
@@ -41,8 +40,6 @@ class BridgeService final : public Service {
   void handle(const robot_senses_t& senses);
   void tick();
   void publish();
-  void note(const std::string& text);
-  void publishWaitingNotes();
   void reportLines();
   [[nodiscard]] PortManager::Robots byUid();
 
@@ -50,9 +47,6 @@ class BridgeService final : public Service {
   Loop& loop_;
   const Experiment& experiment_;
   std::map<std::int32_t, Robot> robots_;
-  std::string notes_;  ///< texts for the next heartbeat, which carries one string
-  std::int64_t noted_utime_ = 0;
-  std::deque<std::string> waiting_;  ///< texts for later heartbeats
   PortManager port_manager_;
 };
 

@@ -2,8 +2,11 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 #include <utility>
 
 #include "common/bus/channels.hpp"
@@ -15,6 +18,8 @@ namespace lab {
 namespace {
 
 constexpr std::int64_t kClosingMessages = 5;
+constexpr std::size_t kLongestErrors = 1000;     // [bytes] of one heartbeat
+constexpr std::size_t kMostWaitingErrors = 500;  // a flood of different errors must not fill memory
 
 std::string hostName() {
   std::array<char, 256> name{};
@@ -39,8 +44,25 @@ void Node::ready() {
   beat();
 }
 
+void Node::noteError(const std::string& what) {
+  if (what.empty() || std::find(errors_.begin(), errors_.end(), what) != errors_.end()) return;
+  if (errors_.size() == kMostWaitingErrors) errors_.pop_back();
+  errors_.push_back(what);
+}
+
+/// @return what the next heartbeat reports, empty if nothing is new
+std::string Node::nextErrors() {
+  std::string text = std::exchange(fault_, {});
+  while (!errors_.empty() &&
+         (text.empty() || text.size() + 2 + errors_.front().size() <= kLongestErrors)) {
+    text += (text.empty() ? "" : "; ") + errors_.front();
+    errors_.pop_front();
+  }
+  return text;
+}
+
 void Node::fault(const std::string& what) {
-  last_error_ = what;
+  fault_ = what;
   if (state_ == service_status_t::FAULT || state_ == service_status_t::ENDED) return;
   state_ = service_status_t::FAULT;
   beat();
@@ -93,6 +115,7 @@ void Node::beat() {
   status.version = kVersion;
   status.contract_version = kContractVersion;
   status.start_utime = start_utime_;
+  if (std::string errors = nextErrors(); !errors.empty()) last_error_ = std::move(errors);
   status.last_error = last_error_.c_str();  // LCM strings end at the first zero byte
 
   // The counts include this message, and in closing messages those still to be sent.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <lab/service_status_t.hpp>
 #include <map>
@@ -96,12 +97,14 @@ class Node {
   /// Reports at once that the service is ready.
   void ready();
 
-  /// Reports a fault: at once if the service had none, else with the next heartbeat. The service
-  /// continues as far as it can.
+  /// Reports a fault: at once if the service had none, else with the next heartbeat, which has the
+  /// latest fault. The service continues as far as it can.
   void fault(const std::string& what);
 
-  /// Stores an error for the next heartbeat without changing the state.
-  void noteError(const std::string& what) { last_error_ = what; }
+  /// Reports an error with the next heartbeat without changing the state. A heartbeat has all
+  /// errors since the one before it, joined by "; ", up to a thousand bytes; the others follow with
+  /// later heartbeats. Without new errors a heartbeat repeats the text of the one before it.
+  void noteError(const std::string& what);
 
   /// Adds rows to the heartbeat's counts of received messages, for streams that do not use the bus,
   /// such as serial lines. They replace the rows of an earlier call.
@@ -123,6 +126,7 @@ class Node {
 
  private:
   void beat();
+  [[nodiscard]] std::string nextErrors();
   void refuse(std::string_view channel, const std::string& sender, const std::string& problem,
               std::int64_t count);
   void noteStreamLimit();
@@ -143,6 +147,8 @@ class Node {
   NodeIdentity identity_;
   std::int64_t start_utime_;
   std::int8_t state_ = service_status_t::STARTING;
+  std::string fault_;               ///< not yet in a heartbeat
+  std::deque<std::string> errors_;  ///< not yet in a heartbeat
   std::string last_error_;
   std::map<std::string, std::int64_t, std::less<>> sent_;
   std::int64_t remaining_closing_reports_ = 0;  ///< closing messages still to be sent

@@ -205,6 +205,46 @@ TEST_F(NodeTest, KeepsANotedErrorWithoutAFault) {
   dut_.noteError("order refused");
   EXPECT_EQ(nextBeat().last_error, "order refused");
   EXPECT_EQ(beats_.back().state, service_status_t::READY);
+  EXPECT_EQ(nextBeat().last_error, "order refused") << "repeated until there is a new one";
+}
+
+TEST_F(NodeTest, LosesNoErrorOfASecondWithSeveral) {
+  dut_.start();
+  dut_.ready();
+  dut_.noteError("camera left is lost");
+  dut_.noteError("camera right is lost");
+  dut_.noteError("camera left is lost");
+  EXPECT_EQ(nextBeat().last_error, "camera left is lost; camera right is lost");
+  dut_.noteError("order refused");
+  dut_.fault("projector unplugged");
+  bus_.deliver();
+  EXPECT_EQ(beats_.back().last_error, "projector unplugged; order refused");
+}
+
+TEST_F(NodeTest, SpreadsManyErrorsOverHeartbeats) {
+  dut_.start();
+  std::string expected;
+  for (int robot = 0; robot < 200; ++robot) {
+    const std::string error = "robot " + std::to_string(robot) + " is silent";
+    dut_.noteError(error);
+    expected += (robot == 0 ? "" : "; ") + error;
+  }
+  std::string got;
+  while (got.size() < expected.size()) {
+    const std::string errors = nextBeat().last_error;
+    ASSERT_FALSE(errors.empty());
+    ASSERT_LE(errors.size(), 1000U);
+    got += (got.empty() ? "" : "; ") + errors;
+  }
+  EXPECT_EQ(got, expected);
+}
+
+TEST_F(NodeTest, AFloodOfErrorsIsBounded) {
+  dut_.start();
+  for (int i = 0; i < 100'000; ++i) dut_.noteError("error " + std::to_string(i));
+  std::string last;
+  for (int beat = 0; beat < 20; ++beat) last = nextBeat().last_error;
+  EXPECT_THAT(last, testing::EndsWith("error 99999")) << "the latest is among them";
 }
 
 TEST_F(NodeTest, CountsGapsAndLateMessagesOfEveryStream) {
