@@ -10,6 +10,7 @@
 #include <lab/tracked_frame_t.hpp>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "common/bus/channels.hpp"
 #include "common/experiment/service_placement.hpp"
@@ -223,8 +224,8 @@ void SimService::sampleFrames(std::int64_t until_utime) {
     }
     if (!loop_.isVirtual() && now - exposure > kOldestFrame_us) {
       // The machine stalled. A burst of old frames would flood the subscribers.
-      node_.noteError("stalled: camera frames from number " +
-                      std::to_string(tracker_.frame().frame) + " on were skipped");
+      ++stalled_frames_;
+      last_stalled_frame_ = tracker_.frame().frame;
       continue;
     }
     advance(exposure);
@@ -235,6 +236,17 @@ void SimService::sampleFrames(std::int64_t until_utime) {
       trackFrame(exposure);
     }
   }
+  noteStall();
+}
+
+/// Reports skipped frames, once a heartbeat.
+void SimService::noteStall() {
+  const std::int64_t now = loop_.now();
+  if (stalled_frames_ == 0 || now - stall_noted_utime_ < units::kSecond_us) return;
+  node_.noteError("stalled: " + std::to_string(std::exchange(stalled_frames_, 0)) +
+                  " camera frames up to number " + std::to_string(last_stalled_frame_) +
+                  " were skipped");
+  stall_noted_utime_ = now;
 }
 
 void SimService::trackFrame(std::int64_t exposure) {

@@ -72,6 +72,7 @@ class SimService final : public Service {
   void advance(std::int64_t utime);
   void moveWorld(std::int64_t utime);
   void sampleFrames(std::int64_t until_utime);
+  void noteStall();
   void followFrames();
   void trackFrame(std::int64_t exposure);
   void paintFrame(std::int64_t exposure);
@@ -94,6 +95,9 @@ class SimService final : public Service {
   std::int64_t start_utime_;   ///< declared after cameras_, whose construction is slow
   std::int64_t origin_utime_;  ///< utime of world time 0
   KinematicRobots kinematic_robots_;
+  std::int64_t stalled_frames_ = 0;  ///< skipped and not yet reported
+  std::int64_t last_stalled_frame_ = 0;
+  std::int64_t stall_noted_utime_ = 0;
   std::int64_t status_number_ = 0;
   std::int64_t truth_number_ = 0;
 };

@@ -21,9 +21,9 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kGatewayService = "dds_gateway";
-constexpr int kServiceTimeout_ms = 3000;
-constexpr int kLinkSettles_ms = 300;        // [ms] for the last messages of other hosts
-constexpr int kRecorderTimeout_ms = 10000;  // it writes its buffers before it ends
+constexpr int kLinkSettles_ms = 300;  // [ms] for the last messages of other hosts
+// On a loaded machine a service needs seconds for its last messages, the recorder for its buffers.
+constexpr int kEndTimeout_ms = 10'000;
 
 }  // namespace
 
@@ -289,8 +289,8 @@ static std::string killedText(const std::string& title, int timeout_ms) {
 void Supervisor::endServices(const std::function<void(const std::string&)>& report) {
   const auto end = [&report](Entry& entry) {
     entry.process->terminate();
-    if (!entry.process->waitOrKill(kServiceTimeout_ms)) return;
-    report(killedText(titleOf(entry.name, entry.host), kServiceTimeout_ms));
+    if (!entry.process->waitOrKill(kEndTimeout_ms)) return;
+    report(killedText(titleOf(entry.name, entry.host), kEndTimeout_ms));
   };
   // One after the other: their closing messages together would overflow the queue of a stock
   // logger. The gateways last, as they bring the messages of other hosts.
@@ -306,8 +306,8 @@ void Supervisor::endServices(const std::function<void(const std::string&)>& repo
 void Supervisor::endRecorder(const std::function<void(const std::string&)>& report) {
   if (!recorder_.process) return;
   recorder_.process->terminate();
-  if (recorder_.process->waitOrKill(kRecorderTimeout_ms)) {
-    report(killedText(recorder_.name, kRecorderTimeout_ms) + ": the log's end may be missing");
+  if (recorder_.process->waitOrKill(kEndTimeout_ms)) {
+    report(killedText(recorder_.name, kEndTimeout_ms) + ": the log's end may be missing");
   }
 }
 

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 #include <list>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -90,6 +92,38 @@ TEST(LateTimer, FramesDoNotShowLaterEvents) {
     EXPECT_EQ(frames[i].utime, start + static_cast<std::int64_t>(i) * 20'000);
     EXPECT_NEAR(frames[i].robots.at(0).x, 0.3 + 0.1 * 0.02 * static_cast<double>(i), 1e-9);
   }
+}
+
+TEST(LateTimer, AStallIsReportedOnceASecondWithAllItsFrames) {
+  LateLoop loop;
+  MemoryBus bus([&loop] { return loop.now(); });
+  Node node(bus, loop, {"sim_svc", 0, 1});
+  Node other(bus, loop, {"lab", 0, 1});
+  std::vector<std::string> errors;
+  other.subscribe<service_status_t>(
+      channels::kServiceStatus,
+      [&errors](const service_status_t& status) { errors.push_back(status.last_error); });
+  const Experiment experiment = oneRobot();
+  const SimService dut({node, loop, experiment, {}});
+  const std::int64_t start = loop.now();
+  robot_command_t drive{};
+  drive.seq = 1;
+  const auto wakeAt = [&](std::int64_t utime) {
+    loop.moveTo(utime);
+    other.publishCommand(channels::kRobotCommand, drive);
+    bus.deliver();
+    node.ready();  // a heartbeat
+    bus.deliver();
+  };
+
+  wakeAt(start + 1'010'000);  // the frames of 800 ms are too old
+  wakeAt(start + 1'510'000);  // those of a further 300 ms
+  wakeAt(start + 2'030'000);
+
+  ASSERT_EQ(errors.size(), 3U);
+  EXPECT_EQ(errors[0], "stalled: 41 camera frames up to number 40 were skipped");
+  EXPECT_EQ(errors[1], errors[0]) << "the next report is due a second later";
+  EXPECT_EQ(errors[2], "stalled: 31 camera frames up to number 91 were skipped");
 }
 
 }  // namespace
