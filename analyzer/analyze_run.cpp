@@ -20,6 +20,7 @@
 #include "analyzer/report/summary/trajectories.hpp"
 #include "analyzer/report_error.hpp"
 #include "common/files/experiment_error.hpp"
+#include "common/files/output_links.hpp"
 #include "common/files/scratch_folder.hpp"
 #include "common/text/format.hpp"
 
@@ -59,15 +60,9 @@ fs::path outputFolder(const fs::path& run_or_log, const fs::path& wanted) {
   return run_or_log.has_parent_path() ? run_or_log.parent_path() : fs::path(".");
 }
 
-/// The folder of a run may come from a stranger: a link in it must not lead files to another place.
 /// Renaming replaces links that stand where files are written.
 void refuseLink(const fs::path& folder) {
-  if (!fs::is_symlink(fs::symlink_status(folder))) return;
-  throw ReportError(
-      fmt::format("{}: found a symbolic link, expected a folder, into which the report writes; "
-                  "remove the link, "
-                  "or choose another folder with --out",
-                  folder.string()));
+  if (const std::string problem = explainLink(folder); !problem.empty()) throw ReportError(problem);
 }
 
 /// The facts of the films of a run. A film whose facts are damaged is left out.

@@ -14,6 +14,7 @@
 
 #include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
+#include "common/files/output_links.hpp"
 
 namespace lab {
 namespace fs = std::filesystem;
@@ -160,6 +161,7 @@ bool writeFilmFacts(const fs::path& file, const FilmFacts& facts) {
                {"problem", facts.problem}});
   fs::path part = file;
   part += ".part";
+  removeLink(part);
   std::ofstream stream(part, std::ios::binary);
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
   stream << json.dump(2, ' ', false, kReplace) << '\n';

@@ -118,6 +118,11 @@ std::vector<std::uint8_t> encodePng(int columns, int rows, std::span<const std::
 
 std::optional<std::string> writeFile(const std::filesystem::path& path,
                                      std::span<const std::uint8_t> bytes) {
+  std::error_code ignored;
+  // A link is replaced, not followed.
+  if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored))) {
+    std::filesystem::remove(path, ignored);
+  }
   std::ofstream file(path, std::ios::binary);
   for (const std::uint8_t byte : bytes) file.put(static_cast<char>(byte));
   file.close();

@@ -11,10 +11,12 @@
 #include "common/bus/log_file.hpp"
 #include "common/camera/run_film.hpp"
 #include "common/files/experiment_error.hpp"
+#include "common/files/output_links.hpp"
 #include "common/files/scratch_folder.hpp"
 #include "common/math/units.hpp"
 #include "common/text/printable.hpp"
 #include "runner/analyze/analyze_commands.hpp"
+#include "runner/command_line/output_file.hpp"
 #include "runner/command_line/progress_bar.hpp"
 #include "runner/export/hdf5_import.hpp"
 #include "runner/export/mcap_export.hpp"
@@ -128,6 +130,7 @@ ExitCode analyzeFilm(const AnalyzeOptions& options, const report::AnalyzeOptions
   const RetrackOptions again{run, options.calibration, options.set};
   requireFilm(again);
   const fs::path out = options.out.value_or(run / "retracked");
+  if (!options.out) refuseLink(out);
   if (fs::exists(out / files::kLog) && !fs::exists(out / kRetracked)) {
     throw UserError(
         fmt::format("{}: is the log of a run, expected a folder for the new poses; "
@@ -147,6 +150,7 @@ ExitCode analyzeFilm(const AnalyzeOptions& options, const report::AnalyzeOptions
   std::string note = retrackText(counts);
   if (!options.calibration.empty()) note += "; with " + options.calibration.string();
   for (const std::string& setting : options.set) note += "; with " + setting;
+  removeLink(out / kRetracked);
   std::ofstream(out / kRetracked) << fs::absolute(run).string() << '\n' << note << '\n';
   fmt::print("film     {}\n", printable(note));
   if (!counts.problem.empty()) fmt::print("fault    {}\n", printable(counts.problem));
@@ -176,6 +180,7 @@ ExitCode analyze(const AnalyzeOptions& options) {
     beside += "-report";
   }
   const fs::path out = options.out.value_or(beside);
+  if (!options.out && beside != input) refuseLink(beside);
   const report::AnalyzeOptions how{
       .figures = options.figures,
       .depth = options.bootstrap ? analysis::Depth::kFull : analysis::Depth::kLive,

@@ -14,6 +14,7 @@
 
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/files/output_links.hpp"
 #include "common/math/units.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "runner/calibrate/board_finder.hpp"
@@ -319,6 +320,7 @@ Calibrated calibrate(const CalibrateCameraOptions& options, CameraObservations& 
 
 void writeAtomically(const fs::path& path, const std::string& text) {
   const fs::path part = path.string() + ".part";
+  removeLink(part);
   {
     std::ofstream file(part, std::ios::binary);
     file << text;

@@ -63,7 +63,8 @@ void replaceFile(const fs::path& file, std::string_view text, Sync sync) {
   const fs::path beside =
       file.parent_path() /
       fmt::format(".{}.{}-{}-{}.part", file.filename().string(), hostName(), getpid(), ++number);
-  FileDescriptor out(open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666));
+  FileDescriptor out(
+      open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (out.get() < 0) fail(file, beside, errno);
   writeAll(out.get(), text, file, beside);
   if (sync == Sync::kYes && fsync(out.get()) != 0) fail(file, beside, errno);

@@ -20,6 +20,7 @@
 #include "common/loop/wall_clock.hpp"
 #include "runner/campaign/atomic_file.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/output_file.hpp"
 #include "runner/runs/run_directory.hpp"
 
 namespace lab::runner::campaign {
@@ -154,6 +155,14 @@ RowState staleState(const fs::path& folder, const RunIdentity& run,
 
 }  // namespace
 
+void refuseCampaignLinks(const fs::path& folder) {
+  for (const char* name : {names::kFiles, names::kResults, names::kSummaries, names::kRuns,
+                           names::kFailures, names::kWork, names::kEarlier, names::kFigures,
+                           names::kMarked, names::kJournal, names::kRounds, names::kLock}) {
+    refuseLink(folder / name);
+  }
+}
+
 bool isCampaign(const fs::path& folder) {
   std::error_code error;
   return fs::is_regular_file(folder / names::kRequest, error);
@@ -279,7 +288,8 @@ WorkFolder::WorkFolder(const fs::path& campaign) {
   for (fs::directory_iterator entry(all, error), end; !error && entry != end;
        entry.increment(error)) {
     const fs::path& path = entry->path();
-    if (!path.filename().string().starts_with(std::string(host) + "-")) continue;
+    if (entry->is_symlink() || !path.filename().string().starts_with(std::string(host) + "-"))
+      continue;
     try {
       if (const auto lock = FileLock::tryLock(path / "lock")) {
         std::error_code ignored;

@@ -38,6 +38,7 @@ inline constexpr const char* kTable = "campaign.csv";
 inline constexpr const char* kPooled = "points.csv";
 inline constexpr const char* kJson = "campaign.json";
 inline constexpr const char* kPage = "index.html";
+inline constexpr const char* kLock = "lock";  ///< of the command that runs the campaign
 }  // namespace names
 
 inline constexpr FileKind kRoundsFile{"the rounds of a campaign", 64 * file_kinds::kMega};
@@ -56,6 +57,10 @@ struct StoredCampaign {
   std::string experiment_text;  ///< the user's file
   std::vector<Point> points;
 };
+
+/// Checks that no link in a campaign's folder, which may come from a stranger, leads what is
+/// written to another place. @throws UserError
+void refuseCampaignLinks(const std::filesystem::path& folder);
 
 /// Whether the folder holds a campaign.
 [[nodiscard]] bool isCampaign(const std::filesystem::path& folder);

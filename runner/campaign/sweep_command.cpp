@@ -42,7 +42,6 @@ namespace {
 
 using Kind = RowState::Kind;
 
-constexpr const char* kLock = "lock";
 constexpr std::size_t kMostTasks = 1000;  // of a job array: the default of Slurm's MaxArraySize
 
 std::string sizeText(std::int64_t bytes) {
@@ -172,22 +171,8 @@ void requireDisk(const CampaignData& data, const fs::path& folder,
       folder.string(), sizeText(need), sizeText(have)));
 }
 
-/// The folder of a campaign may come from a stranger: a link in it must not lead files elsewhere.
-void refuseLinks(const fs::path& folder) {
-  for (const char* name :
-       {names::kFiles, names::kResults, names::kSummaries, names::kRuns, names::kFailures,
-        names::kWork, names::kEarlier, names::kFigures, names::kMarked, names::kJournal, kLock}) {
-    std::error_code ignored;
-    if (!fs::is_symlink(fs::symlink_status(folder / name, ignored))) continue;
-    throw UserError(fmt::format(
-        "{}: found a symbolic link, expected a folder or file of the campaign, into which it "
-        "writes; remove the link, or choose another folder with --out",
-        (folder / name).string()));
-  }
-}
-
 FileLock lockOf(const fs::path& folder) {
-  auto lock = FileLock::tryLock(folder / kLock);
+  auto lock = FileLock::tryLock(folder / names::kLock);
   if (lock) return std::move(*lock);
   throw UserError(fmt::format(
       "{}: another lab sweep runs this campaign; wait for its end, or choose another --out",
@@ -196,6 +181,7 @@ FileLock lockOf(const fs::path& folder) {
 
 /// Runs some rows without tables: the worker of other engines.
 ExitCode work(const SweepOptions& options) {
+  refuseCampaignLinks(options.input);
   CampaignData data = dataOf(readCampaign(options.input));
   std::vector<std::size_t> rows = parseRowNumbers(options.rows, data.rows.size());
   std::ranges::sort(rows);
@@ -419,7 +405,7 @@ ExitCode sweep(const SweepOptions& options) {
   const bool is_folder = fs::is_directory(options.input);
   if (is_folder) refuseRequestOptions(options);
   const fs::path folder = is_folder ? options.input : prepare(options);
-  refuseLinks(folder);
+  refuseCampaignLinks(folder);
   const FileLock lock = lockOf(folder);
   removeAbandoned(folder);
   CampaignData data = dataOf(readCampaign(folder));

@@ -5,7 +5,9 @@
 
 #include <cerrno>
 #include <cstring>
+#include <string>
 
+#include "common/files/output_links.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner {
@@ -27,6 +29,10 @@ void checkOutput(const fs::path& path, bool force) {
   if (access(folder.c_str(), W_OK | X_OK) != 0) {
     throw UserError(fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
   }
+}
+
+void refuseLink(const fs::path& path) {
+  if (const std::string problem = explainLink(path); !problem.empty()) throw UserError(problem);
 }
 
 }  // namespace lab::runner

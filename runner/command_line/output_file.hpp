@@ -10,4 +10,7 @@ namespace lab::runner {
 ///   folder does not exist or is not writable
 void checkOutput(const std::filesystem::path& path, bool force);
 
+/// @throws UserError if a symbolic link stands where the lab writes (output_links.hpp)
+void refuseLink(const std::filesystem::path& path);
+
 }  // namespace lab::runner

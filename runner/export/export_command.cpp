@@ -16,6 +16,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/message_values.hpp"
+#include "common/files/output_links.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
 #include "common/text/printable.hpp"
@@ -56,6 +57,7 @@ class Output {
  public:
   Output(fs::path path, bool force, bool folder) : path_(std::move(path)), part_(path_) {
     part_ += ".part";
+    removeLink(part_);
     if (folder && fs::is_directory(path_)) {
       if (!force) {
         throw UserError(fmt::format(

@@ -11,6 +11,7 @@
 #include <string>
 #include <utility>
 
+#include "common/files/output_links.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/output_file.hpp"
 #include "runner/film/movie_writer.hpp"
@@ -33,6 +34,7 @@ fs::path temporaryName(const fs::path& file) {
 }
 
 void writeFile(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
+  removeLink(path);
   std::ofstream file(path, std::ios::binary);
   for (const std::uint8_t byte : bytes) file.put(static_cast<char>(byte));
   file.close();

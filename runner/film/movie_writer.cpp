@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/files/output_links.hpp"
 #include "common/process/pipe.hpp"
 #include "runner/command_line/exit_code.hpp"
 
@@ -64,6 +65,7 @@ MovieWriter::MovieWriter(fs::path file, int width, int height, double fps)
   if (messages_.get() < 0) {
     throw std::runtime_error(std::string("cannot start ffmpeg: ") + std::strerror(errno));
   }
+  removeLink(file_);
   Pipe pipe = makePipe();
   // In its own process group, so that Ctrl-C does not end ffmpeg before its input ends. If this
   // process is killed, ffmpeg completes the movie with the pictures that it has.

@@ -8,6 +8,7 @@
 #include <system_error>
 #include <utility>
 
+#include "common/files/output_links.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/output_file.hpp"
 
@@ -18,6 +19,7 @@ namespace fs = std::filesystem;
 PoseWriter::PoseWriter(fs::path path, detector::MarkerKind kind, bool may_replace)
     : path_(std::move(path)), part_(path_.string() + ".part"), kind_(kind) {
   checkOutput(path_, may_replace);
+  removeLink(part_);
   file_.open(part_, std::ios::binary);
   if (!file_) {
     throw UserError(fmt::format("{}: cannot be written: {}", path_.string(), std::strerror(errno)));

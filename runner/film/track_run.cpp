@@ -11,6 +11,7 @@
 #include "common/camera/run_film.hpp"
 #include "common/text/printable.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/output_file.hpp"
 #include "runner/command_line/progress_bar.hpp"
 #include "runner/film/film_commands.hpp"
 #include "runner/film/film_overlay.hpp"
@@ -68,6 +69,7 @@ ExitCode trackRun(const TrackOptions& options) {
   const RetrackOptions again{run, options.calibration, options.set};
   requireFilm(again);  // before any file is made
   refuseOverlay(options);
+  if (options.out.empty()) refuseLink(run / film_files::kFolder);
   const fs::path out = options.out.empty() ? run / film_files::kFolder / "poses.csv" : options.out;
   // TRACKED_FRAME has no areas and axes of blobs: the columns are those of caps.
   PoseWriter poses(out, detector::MarkerKind::kCaps, options.force);

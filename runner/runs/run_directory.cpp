@@ -19,6 +19,7 @@
 #include "common/experiment/light_messages.hpp"
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_text.hpp"
+#include "common/files/output_links.hpp"
 #include "dds_gateway/topic_mapping_file.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
@@ -244,6 +245,7 @@ void writeNewFile(const fs::path& path, const std::string& text) {
   if (fs::exists(path)) throw UserError(path.string() + " exists: nothing is overwritten");
   fs::path beside = path;
   beside += ".part";
+  removeLink(beside);
   std::ofstream file(beside, std::ios::binary);
   file << text;
   file.close();

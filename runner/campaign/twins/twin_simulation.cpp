@@ -13,10 +13,12 @@
 #include "common/process/version.hpp"
 #include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_data.hpp"
+#include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/campaign_plan.hpp"
 #include "runner/campaign/local_engine.hpp"
 #include "runner/campaign/sweep_progress.hpp"
 #include "runner/campaign/twins/twin_page.hpp"
+#include "runner/command_line/output_file.hpp"
 #include "runner/live/launch.hpp"
 #include "runner/runs/run_directory.hpp"
 
@@ -45,7 +47,9 @@ void requireComparable(const report::TwinFacts& facts, const fs::path& run) {
 
 /// Plans the twins and writes their campaign; results that are there stay.
 void prepareTwins(const TwinOrigin& origin, const TwinPlan& twins) {
+  refuseLink(twins.folder);
   fs::create_directories(twins.folder);
+  refuseCampaignLinks(twins.folder);
   const fs::path frames = twins.folder / kFrames;
   replaceFile(frames, framesText(origin.facts.frames));
   Experiment experiment = origin.twins.experiment;

@@ -108,6 +108,13 @@ def check_links(folder):
     text = sweep([out], code=2)
     assert 'figures: found a symbolic link' in text, text
     assert os.listdir(elsewhere) == []
+    os.unlink(os.path.join(out, 'figures'))
+    os.rename(os.path.join(out, 'results'), os.path.join(folder, 'results'))
+    os.symlink(elsewhere, os.path.join(out, 'results'))
+    for arguments in ([out], [out, '--rows', '1']):
+        text = sweep(arguments, code=2)
+        assert 'results: found a symbolic link' in text, text
+    assert os.listdir(elsewhere) == []
 
 
 def queue(folder, arguments, code=0):

@@ -79,6 +79,16 @@ def main():
         values = {summary['programs'][0]['pool']['estimates']['v_cm_s']['value'] for summary in summaries}
         assert len(values) == 12, values
 
+        # The folder of a run may come from a stranger: no link leads the twins elsewhere.
+        elsewhere = os.path.join(folder, 'elsewhere')
+        os.mkdir(elsewhere)
+        os.rename(os.path.join(original, 'twins'), os.path.join(folder, 'moved'))
+        os.symlink(elsewhere, os.path.join(original, 'twins'))
+        text = lab('twin', original, '--count', '12', '--no-figures', code=2)
+        assert 'twins: found a symbolic link' in text and os.listdir(elsewhere) == [], text
+        os.unlink(os.path.join(original, 'twins'))
+        os.rename(os.path.join(folder, 'moved'), os.path.join(original, 'twins'))
+
         # More twins keep those that are there; the section of the report is replaced.
         before = {name: os.path.getmtime(name) for name in
                   glob.glob(os.path.join(original, 'twins', 'results', '*'))}

@@ -268,6 +268,17 @@ TEST_F(TrackCommand, ReplacesFilesOnlyWithForce) {
   EXPECT_EQ(linesIn(readFile(options_.out)), 16);
 }
 
+/// The folder may come from a stranger.
+TEST_F(TrackCommand, FollowsNoLinkWhereItWrites) {
+  write("kept", "kept");
+  fs::create_symlink(folder_ / "kept", options_.out.string() + ".part");
+
+  EXPECT_EQ(track(options_), kDone);
+
+  EXPECT_EQ(readFile(folder_ / "kept"), "kept");
+  EXPECT_EQ(linesIn(readFile(options_.out)), 16);
+}
+
 TEST_F(TrackCommand, RefusesToOverwriteItsInputsAndOutputs) {
   const std::string calibration = readFile(options_.calibration);
   options_.force = true;

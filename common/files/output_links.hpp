@@ -1,0 +1,18 @@
+/// Links where the lab writes. The folder of a run or of a campaign may come from a stranger: a
+/// link in it must not lead what the lab writes to another place.
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace lab {
+
+/// What to say if a symbolic link stands where the lab writes a folder or file of its own; empty if
+/// none does.
+[[nodiscard]] std::string explainLink(const std::filesystem::path& path);
+
+/// Removes a symbolic link at the name of a file that is to be written, so that the file replaces
+/// it.
+void removeLink(const std::filesystem::path& file);
+
+}  // namespace lab
