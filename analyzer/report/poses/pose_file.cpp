@@ -29,6 +29,10 @@ namespace {
 using units::kNan;
 
 constexpr double kLeastConfidence = 0.5;  // as for poses from the bus
+constexpr double kFarthest = 1000;        // [m] as for poses from the bus
+constexpr double kLargestAngle = 1e6;     // [rad]
+constexpr std::size_t kMostColumns = 4096;
+constexpr std::size_t kLongestLine = std::size_t{1} << 20U;
 
 using Fields = std::vector<std::string_view>;
 
@@ -79,8 +83,7 @@ class Reader {
     std::string line;
     default_robot_ = robot;
     readHeader(text, line);
-    while (std::getline(text, line)) {
-      ++line_;
+    while (nextLine(text, line)) {
       if (trimmed(line).empty()) continue;
       split(line, separator_, fields_);
       readRow();
@@ -101,6 +104,19 @@ class Reader {
  private:
   [[noreturn]] void fail(std::int64_t line, const std::string& what) const {
     throw ReportError(fmt::format("{}:{}: {}", name_, line, what));
+  }
+
+  /// As std::getline(), for lines of limited length. @return whether there was a line
+  bool nextLine(std::istream& text, std::string& line) {
+    ++line_;
+    text.getline(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
+    const auto got = static_cast<std::size_t>(text.gcount());
+    if (text.fail() && got + 1 == buffer_.size()) {
+      fail(line_, "found a line of more than 1 MB, expected rows of numbers");
+    }
+    if (text.fail()) return false;
+    line.assign(buffer_.data(), got - (text.eof() ? 0 : 1));
+    return true;
   }
 
   [[nodiscard]] Column find(std::initializer_list<std::string_view> names) const {
@@ -133,8 +149,9 @@ class Reader {
   }
 
   void readHeader(std::istream& text, std::string& line) {
-    std::getline(text, line);
-    line_ = 1;
+    line_ = 0;
+    line.clear();
+    nextLine(text, line);
     constexpr std::string_view kMark =
         "\xEF\xBB\xBF";  // UTF-8 byte order mark, as spreadsheets write it
     std::string_view header = line;
@@ -150,6 +167,9 @@ class Reader {
     separator_ = separatorOf(header);
     split(header, separator_, fields_);
     columns_ = fields_.size();
+    if (columns_ > kMostColumns) {
+      fail(1, fmt::format("found {} columns, expected at most {}", columns_, kMostColumns));
+    }
     // "X#wcentroid (cm)" of TRex.
     for (std::string_view& field : fields_) {
       const std::size_t bracket = field.find('(');
@@ -248,8 +268,8 @@ class Reader {
       row.frame = frame;
       row.time = time;
       row.pose.robot = static_cast<int>(i) + 1;
-      row.pose.x = number(wide_[i].first) * unit_;
-      row.pose.y = number(wide_[i].second) * unit_;
+      row.pose.x = place(wide_[i].first);
+      row.pose.y = place(wide_[i].second);
       row.pose.valid = true;
       if (!std::isfinite(row.pose.x + row.pose.y)) {
         ++file_.without_pose;
@@ -297,6 +317,16 @@ class Reader {
     return value;
   }
 
+  /// A coordinate [m], nan as number().
+  [[nodiscard]] double place(const Column& column) const {
+    const double value = number(column);
+    if (std::abs(value * unit_) > kFarthest) {
+      fail(line_, fmt::format("{}: found {}, more than 1 km away; expected a place in {}",
+                              column.name, value, file_.in_arena ? "cm" : "units of --scale-cm"));
+    }
+    return value * unit_;
+  }
+
   [[nodiscard]] std::int64_t whole(const Column& column) const {
     constexpr double kLargest = 1e15;
     const double value = number(column);
@@ -340,9 +370,13 @@ class Reader {
       fail(line_, fmt::format("{}: found {}, expected a smaller number", id_.name, id));
     }
     row.pose.robot = static_cast<int>(id);
-    row.pose.x = number(x_) * unit_;
-    row.pose.y = number(y_) * unit_;
+    row.pose.x = place(x_);
+    row.pose.y = place(y_);
     row.pose.theta = theta_ ? number(theta_) : 0;
+    if (std::abs(row.pose.theta) > kLargestAngle) {
+      fail(line_, fmt::format("{}: found {}, expected an angle in rad, of at most 1e6", theta_.name,
+                              row.pose.theta));
+    }
     row.pose.valid = !confidence_ || number(confidence_) >= kLeastConfidence;
     if (!seen || !std::isfinite(row.pose.x + row.pose.y)) {
       ++file_.without_pose;
@@ -357,6 +391,7 @@ class Reader {
   const PoseFileOptions& options_;
   PoseFile file_;
   DiskVector<PoseRow> rows_;
+  std::vector<char> buffer_ = std::vector<char>(kLongestLine);
   Fields fields_;
   std::size_t columns_ = 0;
   std::int64_t line_ = 0;

@@ -122,13 +122,24 @@ Contacts contactsIn(std::span<const Pose> robots, const Experiment& experiment, 
     }
   }
   std::ranges::sort(from_left, {}, &Pose::x);
-  for (auto a = from_left.begin(); a != from_left.end(); ++a) {
-    for (auto b = a + 1; b != from_left.end(); ++b) {
-      if ((*b)->x - (*a)->x > diameter + kTouching) break;
-      if (std::hypot((*a)->x - (*b)->x, (*a)->y - (*b)->y) > diameter + kTouching) continue;
-      contacts.robots.insert((*a)->robot);
-      contacts.robots.insert((*b)->robot);
+  const std::size_t n = from_left.size();
+  std::vector<bool> touching(n);
+  const auto near = [&](std::size_t a, std::size_t b) {
+    return std::abs(from_left[a]->x - from_left[b]->x) <= diameter + kTouching;
+  };
+  const auto touches = [&](std::size_t a, std::size_t b) {
+    return std::hypot(from_left[a]->x - from_left[b]->x, from_left[a]->y - from_left[b]->y) <=
+           diameter + kTouching;
+  };
+  // One neighbour is enough: a file with thousands of robots at one place must not cost all pairs.
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = a + 1; b < n && !touching[a] && near(a, b); ++b) {
+      if (touches(a, b)) touching[a] = touching[b] = true;
     }
+    for (std::size_t b = a; b > 0 && !touching[a] && near(a, b - 1); --b) {
+      if (touches(a, b - 1)) touching[a] = touching[b - 1] = true;
+    }
+    if (touching[a]) contacts.robots.insert(from_left[a]->robot);
   }
   return contacts;
 }
@@ -204,7 +215,9 @@ class PoseFeed {
     search.max_turn_rate = 2 * experiment_.hardware.max_wheel_speed / experiment_.hardware.diameter;
     // Without a program, reversals cannot be distinguished from its motion.
     search.wanted = !experiment_.programs.empty() && reversal.on != ReverseOn::kNever;
-    for (const auto& [robot, presence] : presences()) {
+    const std::map<int, Presence> all = presences();
+    requireTracks(all);
+    for (const auto& [robot, presence] : all) {
       std::vector<analysis::TrackPoint> track = trackOf(robot, presence);
       if (poses_.headings) {
         const double noise = heading_noise_[robot] = analysis::headingNoise(track);
@@ -236,6 +249,23 @@ class PoseFeed {
       ++i;
     });
     return all;
+  }
+
+  /// Every robot's frames are looked through one by one.
+  void requireTracks(const std::map<int, Presence>& all) const {
+    constexpr double kManyFrames = 3e8;  // about half a minute
+    constexpr double kLeastShare = 0.02;
+    double frames = 0;
+    for (const auto& [robot, presence] : all) {
+      frames += static_cast<double>(presence.last - presence.first + 1);
+    }
+    const double share = static_cast<double>(poses_.poses.size()) / frames;
+    if (frames < kManyFrames || share > kLeastShare) return;
+    throw ReportError(
+        fmt::format("found {} robots that are seen in {:.2g} % of the frames between their first "
+                    "and their last "
+                    "pose, expected tracks; give a robot that comes back another id",
+                    all.size(), 100 * share));
   }
 
   /// Calls visit(frame, pose) for the valid poses of one robot, in order.

@@ -185,6 +185,34 @@ TEST(PoseFile, RejectsTimesThatCannotBeSeconds) {
       "other units: leave the column out and give --fps");
 }
 
+TEST(PoseFile, RejectsPlacesAndAnglesThatNoRobotHas) {
+  const std::string head = "frame,id,x_cm,y_cm,theta_rad,t_s\n";
+
+  EXPECT_EQ(problemOf(head + "0,1,99999,3,0,0\n1,1,2,3,0,0.1\n"), "none");
+  EXPECT_EQ(problemOf(head + "0,1,1e300,3,0,0\n"),
+            "poses.csv:2: x_cm: found 1e+300, more than 1 km away; expected a place in cm");
+  EXPECT_EQ(problemOf(head + "0,1,2,3,-1e7,0\n"),
+            "poses.csv:2: theta_rad: found -10000000, expected an angle in rad, of at most 1e6");
+  EXPECT_THAT(problemOf("time,x1,y1\n0,1,-1e9\n", {.scale = 0.01, .fps = std::nullopt}),
+              HasSubstr("y1: found -1000000000, more than 1 km away; expected a place in units of "
+                        "--scale-cm"));
+}
+
+TEST(PoseFile, RefusesLinesAndColumnsWithoutEnd) {
+  std::string header = "time";
+  for (int robot = 1; robot <= 2100; ++robot) {
+    header += ",x" + std::to_string(robot) + ",y" + std::to_string(robot);
+  }
+  EXPECT_THAT(problemOf(header + "\n", {.scale = 0.01, .fps = std::nullopt}),
+              HasSubstr("poses.csv:1: found 4201 columns, expected at most 4096"));
+  EXPECT_THAT(problemOf(std::string(2'000'000, 'x')),
+              HasSubstr("poses.csv:1: found a line of more than 1 MB"));
+  EXPECT_THAT(problemOf("frame,id,x_cm,y_cm,t_s\n0,1,2,3,0\n" + std::string(2'000'000, '1')),
+              HasSubstr("poses.csv:3: found a line of more than 1 MB"));
+  EXPECT_EQ(problemOf("frame,id,x_cm,y_cm,t_s\n0,1,2,3,0\n1,1,2,3,0.1"), "none")
+      << "without an end of the last line";
+}
+
 TEST(PoseFile, ReadsFilesOfTrex) {
   // The format of TRex: the frame twice, units in brackets, inf for unknown values.
   const std::string text =

@@ -12,9 +12,11 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "analyzer/analyze_run.hpp"
 #include "analyzer/report/summary/findings.hpp"
+#include "analyzer/report_error.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "tests/analyzer/report/synthetic_lab.hpp"
 
@@ -290,6 +292,39 @@ TEST(PoseRun, CutsAtContacts) {
   EXPECT_GT(dut.results.front().result.contact_share, 0.09);
   EXPECT_EQ(dut.tracks.rows[2 * 135].segment, -1);
   EXPECT_NE(dut.tracks.rows[2 * 100].segment, dut.tracks.rows[2 * 200].segment);
+}
+
+/// Pairs of neighbours would be 1.5e9 here.
+TEST(PoseRun, BoundsTheWorkForManyRobotsAtOnePlace) {
+  PoseFile poses;
+  constexpr int kMany = 10'000;
+  std::vector<Pose> robots(kMany);
+  for (int i = 0; i < kMany; ++i) robots[static_cast<std::size_t>(i)] = {i + 1, true, 0.4, 0.4, 0};
+  for (int k = 0; k < 30; ++k) poses.add(0.1 * k, k, robots);
+  poses.times = true;
+  poses.frame_period = 0.1;
+
+  const RunRecord dut = poseRun(poses, "recording", {});
+
+  EXPECT_EQ(dut.poses->in_contact, 30 * kMany);
+}
+
+TEST(PoseRun, RefusesIdsThatComeBackAfterHours) {
+  PoseFile poses;
+  constexpr int kFrames = 20'000;
+  for (int k = 0; k < 2 * kFrames; ++k) {
+    const std::vector<Pose> one{{k % kFrames + 1, true, 0.4, 0.4, 0}};
+    poses.add(0.1 * k, k, one);
+  }
+  poses.times = true;
+  poses.frame_period = 0.1;
+  try {
+    static_cast<void>(poseRun(poses, "recording", {}));
+    FAIL() << "accepted";
+  } catch (const ReportError& error) {
+    EXPECT_THAT(error.what(),
+                HasSubstr("found 20000 robots that are seen in 0.01 % of the frames"));
+  }
 }
 
 TEST(PoseRun, CutsAtAnImpossibleJump) {
