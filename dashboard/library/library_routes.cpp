@@ -128,10 +128,10 @@ Decision LibraryRoutes::compare(const HttpRequest& request, HttpResponse& respon
       return {};
     }
     if (fs::file_size(*summary) > kMaxSummary.most_bytes) {
-      respondError(
-          response, 409,
-          fmt::format("{}: its summary.json is larger than {} MB; use lab report to compare", name,
-                      kMaxSummary.most_bytes / 1'000'000));
+      respondError(response, 409,
+                   fmt::format("{}: its summary.json is larger than {} MB, too large to compare "
+                               "here; compare its report.html",
+                               name, kMaxSummary.most_bytes / 1'000'000));
       return {};
     }
     const std::string text = readWholeFile(*summary, kMaxSummary).value_or("");

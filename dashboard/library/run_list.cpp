@@ -21,6 +21,8 @@ constexpr const char* kThumbnail = "trajectory_program.svg";
 // A summary of 250 robots on four programs has 10 MB, and the analysis has a limit of four times as
 // many.
 constexpr FileKind kSummaryFile{"a summary", 64U << 20U};
+// Read as a tree, which takes thirty times the memory of the text.
+constexpr FileKind kProvenanceFile{"the provenance of a run", 1U << 20U};
 
 /// [ns]; 0 if there is no such file.
 std::int64_t changeTime(const fs::path& path) {
@@ -44,7 +46,13 @@ std::string startOfName(const std::string& name) {
 }
 
 void takeProvenance(const fs::path& folder, PastRun& run) {
-  const std::optional<std::string> text = readWholeFile(folder / kProvenance, kSummaryFile);
+  std::error_code error;
+  const std::uintmax_t size = fs::file_size(folder / kProvenance, error);
+  if (!error && size > kProvenanceFile.most_bytes) {
+    run.problem = "its provenance.json is larger than 1 MB, which no lab run writes";
+    return;
+  }
+  const std::optional<std::string> text = readWholeFile(folder / kProvenance, kProvenanceFile);
   if (!text) return;
   const auto json = nlohmann::json::parse(*text, nullptr, false);
   if (!json.is_object()) {

@@ -48,6 +48,9 @@ export class Runs {
   async load() {
     const runs = await get("/api/runs");
     if (!runs) return setText(find("runs-text"), "the server does not list the runs");
+    // A run that is gone has no box that could be cleared.
+    this.#chosen = this.#chosen.filter((name) => runs.some((run) => run.name === name));
+    this.#judge();
     setText(
         find("runs-text"),
         runs.length ? `${runs.length} runs` : "no runs yet: create one with lab run FILE");

@@ -111,6 +111,19 @@ TEST(RunList, ListsDamagedAndIncompleteRunsWithAProblem) {
   EXPECT_EQ(RunList(folder / "none").json(), "[]");
 }
 
+/// A page that anybody may open must not take gigabytes of memory for a run that a stranger made.
+TEST(RunList, ReadsNoProvenanceOfManyMegabytes) {
+  const TemporaryFolder folder;
+  makeRun(folder / "abp-20260131T120000Z");
+  std::string text = R"({"started": "x", "a": [[])";
+  for (int i = 0; i < 500'000; ++i) text += ",[]";
+  support::writeFile(folder / "abp-20260131T120000Z/provenance.json", text + "]}");
+  const std::vector<PastRun> runs = RunList(folder / "").runs();
+  ASSERT_THAT(runs, SizeIs(1));
+  EXPECT_EQ(runs.front().problem,
+            "its provenance.json is larger than 1 MB, which no lab run writes");
+}
+
 TEST(RunList, DoesNotReadHostileSummaries) {
   const TemporaryFolder runs;
   fs::create_directory(runs / "large");
