@@ -128,12 +128,13 @@ void ContractCheck::judge(const std::string& log_name) const {
                                   contract_, way_out));
   }
   const std::string changed = changedType(fingerprints_);
-  if (!changed.empty()) {
+  // With a known contract version its list of types is damaged: the messages themselves decide.
+  if (!changed.empty() && contract_ == 0) {
     throw ReportError(
         fmt::format("{}: written{} with another {}; {}", log_name, by, changed, way_out));
   }
   // The run states its types, and they are ours: other messages are damaged or not the run's.
-  if (!fingerprints_.empty()) return;
+  if (!fingerprints_.empty() && changed.empty()) return;
   for (const auto& [name, channel] : channels_) {
     if (channel.accepted > 0 || channel.foreign_hash == 0) continue;
     throw ReportError(fmt::format("{}: {} carries messages{} of an unknown type (hash {:016x}); {}",

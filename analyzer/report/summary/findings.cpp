@@ -341,9 +341,10 @@ std::string lossText(const RunRecord& record) {
     return "no loss was found, but a sender ended without its last count";
   }
   const std::int64_t sent = total.lost + total.received;
-  return fmt::format("{}{} of {} ({:.2g} %) missing in the log", total.at_least ? "at least " : "",
-                     groupedText(total.lost), countText(sent, "message"),
-                     kPercents * static_cast<double>(total.lost) / static_cast<double>(sent));
+  const double percents = kPercents * static_cast<double>(total.lost) / static_cast<double>(sent);
+  return fmt::format("{}{} of {} ({:.{}g} %) missing in the log", total.at_least ? "at least " : "",
+                     groupedText(total.lost), countText(sent, "message"), percents,
+                     percents < 99 ? 2 : 4);
 }
 
 std::vector<std::string> refusalTexts(const RunRecord& record) {

@@ -461,6 +461,28 @@ TEST_F(RunRecordTest, BelievesTheRunnerOfEachRunInALogOfTwo) {
   }
 }
 
+/// The messages show by themselves that they are of our types.
+TEST_F(RunRecordTest, ReadsALogWhoseListOfTypesIsDamaged) {
+  const std::filesystem::path original = log().string() + ".original";
+  SyntheticLab(original, experiment_).run();
+  {
+    LogWriter writer(log());
+    static_cast<void>(readLog({original}, [&](const Packet& packet) {
+      experiment_event_t event{};
+      const bool start = packet.channel == channels::kExperimentEvent &&
+                         decode(packet.data, event) && event.kind == experiment_event_t::START;
+      if (!start) return writer.write(packet);
+      event.fingerprints[event.fingerprints.size() / 2] ^= 0x10;
+      writer.write({packet.channel, encode(event), packet.received_utime});
+    }));
+  }
+
+  const RunRecord dut = read();
+
+  EXPECT_EQ(dut.log.frames, 400);
+  EXPECT_FALSE(dut.results.empty());
+}
+
 TEST_F(RunRecordTest, RemovesOnlyTheRobotWithAnImpossibleNumber) {
   const std::filesystem::path original = log().string() + ".original";
   SyntheticLab(original, experiment_).run();
