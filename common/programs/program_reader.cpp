@@ -45,7 +45,7 @@ class ProgramReader {
       readModel(model_of, program.text);
     } else if (model_of && !table_.contains("phases")) {
       problem("", "found neither model nor phases, allowed a model (" + models() +
-                      ") or the phases of a program (docs/programs.md)");
+                      ") or the phases of a program (docs/programs.md)" + misspeltModel());
     } else {
       std::vector<std::string> allowed = kKeys;
       if (model_of) allowed.emplace_back("model");
@@ -71,6 +71,15 @@ class ProgramReader {
   }
 
  private:
+  /// The key that was meant to be `model` or `phases`, if one looks like it.
+  [[nodiscard]] std::string misspeltModel() const {
+    for (const auto& [key, node] : table_) {
+      const std::string meant_key = didYouMean(key.str(), {"model", "phases"});
+      if (!meant_key.empty()) return "; found " + std::string(key.str()) + meant_key;
+    }
+    return "";
+  }
+
   static std::string meant(std::string_view word, const std::vector<std::string>& words) {
     return didYouMean(word, words);
   }
@@ -152,9 +161,12 @@ class ProgramReader {
     if (failed_) return;
     std::optional<language::ProgramText> found = model_of(model);
     if (!found) {
-      const std::string missing = model.ends_with(".toml") ? " (no such file)" : "";
-      problem("model", "found " + displayText(std::string_view(model)) + missing + ", allowed " +
-                           models() + didYouMean(model, shippedProgramNames(), keys::tomlString));
+      constexpr std::string_view kToml = ".toml";
+      const bool file = model.ends_with(kToml);
+      const std::string name = model.substr(0, model.size() - (file ? kToml.size() : 0));
+      problem("model", "found " + displayText(std::string_view(model)) +
+                           (file ? " (no such file)" : "") + ", allowed " + models() +
+                           didYouMean(name, shippedProgramNames(), keys::tomlString));
       return;
     }
     program = std::move(*found);

@@ -101,17 +101,14 @@ int runCommands(int argc, char** argv, const AddCommands& add) {
   } catch (const CLI::RequiredError& error) {
     requireCommand(app);
     refuseUnknownOption(app, argc, argv);
-    app.exit(error);
-    return kBadInput;
+    throw UserError(withHelp(app, error.what()));
   } catch (const CLI::ArgumentMismatch& error) {
     refuseUnknownOption(app, argc, argv);
     if (const std::string what = repeatedOption(app); !what.empty()) throw UserError(what);
-    app.exit(error);
-    return kBadInput;
+    throw UserError(withHelp(app, error.what()));
   } catch (const CLI::ParseError& error) {
     refuseUnknownOption(app, argc, argv);
-    app.exit(error);
-    return kBadInput;
+    throw UserError(withHelp(app, error.what()));
   } catch (const UserError&) {
     refuseUnknownOption(app, argc, argv);
     throw;

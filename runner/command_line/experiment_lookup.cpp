@@ -37,12 +37,22 @@ fs::path findExperiment(const fs::path& named, const fs::path& shipped) {
   fs::path file = shipped / named;
   if (named.extension() != ".toml") file += ".toml";
   if (isFile(file)) return file;
+  std::error_code error;
+  if (fs::is_directory(named, error)) {
+    throw UserError(named.string() + ": is a folder, expected an experiment file");
+  }
   const std::vector<std::string> names = tomlNamesIn(shipped);
+  std::string meant = didYouMean(named.stem().string(), names);
+  if (meant.empty()) {
+    std::vector<std::string> here = tomlNamesIn(".");
+    for (std::string& name : here) name += ".toml";
+    meant = didYouMean(named.string(), here);
+  }
   throw UserError(fmt::format("no experiment {}: looked for the files {} and {}; {}{}",
                               named.string(), fs::absolute(named).string(), file.string(),
                               names.empty() ? "no experiment is shipped there"
                                             : fmt::format("there are {}", fmt::join(names, ", ")),
-                              didYouMean(named.stem().string(), names)));
+                              meant));
 }
 
 }  // namespace lab::runner

@@ -82,14 +82,17 @@ std::string unknownOption(const ChosenCommand& command, const std::string& word,
                           const Words& typed) {
   const std::string option = word.substr(0, word.find('='));
   const Words options = optionNames(*command.app);
-  std::string meant = nearestWord(option, options);
+  std::string key;
+  std::string name = option.substr(std::min(option.find_first_not_of('-'), option.size()));
+  std::ranges::replace(name, '-', '_');
+  if (takesKeys(*command.app)) key = keys::keyMeantBy(name);
+  const std::string setting = "--set " + key + "=" + valueAfter(word, typed);
+  std::string meant;
+  if (!key.empty() && key == name) meant = setting;
+  if (option == "--runs" && std::ranges::find(options, "--out") != options.end()) meant = "--out";
+  if (meant.empty()) meant = nearestWord(option, options);
   if (meant.empty()) meant = theOneThatBeginsWith(option, options);
-  if (meant.empty() && takesKeys(*command.app)) {
-    std::string name = option.substr(std::min(option.find_first_not_of('-'), option.size()));
-    std::ranges::replace(name, '-', '_');
-    const std::string key = keys::keyMeantBy(name);
-    if (!key.empty()) meant = "--set " + key + "=" + valueAfter(word, typed);
-  }
+  if (meant.empty() && !key.empty()) meant = setting;
   return fmt::format(
       "{}: no such option of `{}`; {}", option, command.name,
       meant.empty() ? command.name + " --help lists them" : "did you mean " + meant + "?");
@@ -118,6 +121,10 @@ std::string repeatedOption(const CLI::App& app) {
                        fmt::join(option->results(), " and "));
   }
   return {};
+}
+
+std::string withHelp(const CLI::App& app, const std::string& error) {
+  return fmt::format("{}; {} --help explains it", error, chosenCommand(app).name);
 }
 
 bool hasUnknownOption(const CLI::App& app) {

@@ -22,4 +22,7 @@ namespace lab::runner {
 /// @return empty: there is none
 [[nodiscard]] std::string repeatedOption(const CLI::App& app);
 
+/// An error of the command line, with the command whose help explains what is expected.
+[[nodiscard]] std::string withHelp(const CLI::App& app, const std::string& error);
+
 }  // namespace lab::runner

@@ -195,8 +195,8 @@ ExitCode replay(const ReplayOptions& options) {
         gaps.gaps, options.max_gap, durationText(gaps.longest));
   }
   if (gaps.steps_back > 0) {
-    fmt::print("clock    set back {} times in the log; the replay goes on there\n",
-               gaps.steps_back);
+    fmt::print("clock    set back {} in the log; the replay goes on there\n",
+               gaps.steps_back == 1 ? "once" : fmt::format("{} times", gaps.steps_back));
   }
   std::fflush(stdout);
   const RegistryFile output(".web.txt");

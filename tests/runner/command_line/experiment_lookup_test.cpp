@@ -61,5 +61,18 @@ TEST_F(ExperimentLookup, ReportsWhereItLookedAndTheKnownNames) {
   EXPECT_THROW(static_cast<void>(findExperiment("apb", folder_ / "absent")), UserError);
 }
 
+TEST_F(ExperimentLookup, SuggestsFilesOfThisFolderAndNamesFolders) {
+  std::ofstream("small_circle.toml") << "name = \"small\"\n";
+  const auto problemOf = [this](const std::string& name) -> std::string {
+    try {
+      return findExperiment(name, shipped_).string();
+    } catch (const UserError& error) {
+      return error.what();
+    }
+  };
+  EXPECT_THAT(problemOf("smal_circle.toml"), HasSubstr("did you mean small_circle.toml?"));
+  EXPECT_EQ(problemOf("."), ".: is a folder, expected an experiment file");
+}
+
 }  // namespace
 }  // namespace lab::runner
