@@ -222,7 +222,15 @@ class Run(Log):
         """The numbers of the report (summary.json; docs/report.md has its keys)."""
         file = self.folder / "summary.json"
         self._require_report(file)
-        return dict(json.loads(file.read_text(encoding="utf-8")))
+        try:
+            summary = json.loads(file.read_text(encoding="utf-8"))
+        except (ValueError, RecursionError) as error:
+            raise ValueError(f"{file}: is no summary of a run ({error}); make it again with: "
+                             f"lab analyze {self.folder}") from None
+        if not isinstance(summary, dict):
+            raise ValueError(f"{file}: found a {type(summary).__name__}, expected an object; make it again with: "
+                             f"lab analyze {self.folder}")
+        return summary
 
     @cached_property
     def trajectories(self) -> pandas.DataFrame:
@@ -238,7 +246,8 @@ class Run(Log):
     def _require_report(self, file: Path) -> None:
         if not file.exists():
             raise FileNotFoundError(f"{file}: there is no report yet; make it with: lab analyze {self.folder}")
-        if not file.is_file():
+        # A run may come from a stranger. Files of the kernel look like regular ones.
+        if not file.is_file() or file.resolve().parts[1:2] in (("proc",), ("sys",), ("dev",)):
             raise OSError(f"{file}: found no regular file, expected a file of the report; make it again with: "
                           f"lab analyze {self.folder}")
 

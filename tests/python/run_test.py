@@ -360,6 +360,14 @@ class DamagedLogs(RunTestCase):
         for name in ("summary", "trajectories"):
             with self.assertRaisesRegex(OSError, "no regular file"):
                 getattr(run, name)
+            (folder / f"{name}.{'json' if name == 'summary' else 'csv'}").unlink()
+        (folder / "trajectories.csv").symlink_to("/proc/self/environ")
+        with self.assertRaisesRegex(OSError, "no regular file"):
+            run.trajectories  # pylint: disable=pointless-statement
+        for text in ("{", "[]", "[" * 100_000):
+            (folder / "summary.json").write_text(text, encoding="utf-8")
+            with self.assertRaisesRegex(ValueError, "summary.json: .*lab analyze"):
+                run.summary  # pylint: disable=pointless-statement
         self.assertEqual((run.films, run.pictures), ([], []))
         self.assertEqual(run.light.field(5).at(0.6, 0.45), 0.2)
         os.mkfifo(folder / "pipe.lcmlog")
