@@ -1,22 +1,20 @@
-#include "runner/campaign/campaign_figures.hpp"
-
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <limits>
-#include <map>
 #include <optional>
-#include <set>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
+#include "runner/campaign/axis.hpp"
+#include "runner/campaign/campaign_figures.hpp"
 #include "runner/campaign/campaign_laws.hpp"
+#include "runner/campaign/figure_panels.hpp"
 #include "runner/campaign/law_curve.hpp"
 
 namespace lab::runner::campaign {
@@ -25,24 +23,12 @@ namespace {
 using report::quotedForGnuplot;
 using report::ScriptedFigure;
 
-constexpr std::size_t kMostPanels = 12;
 constexpr std::size_t kMostSeries = 10;
-constexpr std::size_t kMostLabels = 80;  // numbers in the cells of a map
-constexpr double kLogRatio = 12;         // of values, from which an axis is logarithmic
 constexpr const char* kLaw = "#606060";
-constexpr int kWidth = 760;
-constexpr int kHeight = 520;
-constexpr int kPanelWidth = 430;
-constexpr int kPanelHeight = 360;
 
 // Viridis, which is ordered also in grey and with colour blindness.
 constexpr std::array<std::array<int, 3>, 6> kViridis{
     {{68, 1, 84}, {65, 68, 135}, {42, 120, 142}, {34, 168, 132}, {122, 209, 81}, {216, 197, 48}}};
-constexpr const char* kPalette =
-    "set palette defined (0 '#440154', 1 '#414487', 2 '#2a788e', 3 '#22a884', 4 '#7ad151', 5 "
-    "'#fde725')\n";
-constexpr const char* kDiverging =
-    "set palette defined (-4 '#0072B2', -2 '#9ccbe6', 0 '#f7f7f7', 2 '#f2c19c', 4 '#D55E00')\n";
 
 std::string viridis(std::size_t index, std::size_t count) {
   const double at = count < 2 ? 0
@@ -58,33 +44,6 @@ std::string viridis(std::size_t index, std::size_t count) {
   return fmt::format("#{:02x}{:02x}{:02x}", rgb[0], rgb[1], rgb[2]);
 }
 
-/// The values of an axis that occur, in the order of the axis, or of their size.
-std::vector<std::string> valuesOf(const CampaignData& data, std::size_t axis) {
-  std::set<std::string> seen;
-  std::vector<std::string> values;
-  for (const Point& point : data.points) {
-    if (seen.insert(point.values[axis]).second) values.push_back(point.values[axis]);
-  }
-  if (data.axes[axis].isNumeric()) {
-    std::ranges::stable_sort(values, [](const std::string& one, const std::string& other) {
-      return numberIn(one).value_or(0) < numberIn(other).value_or(0);
-    });
-  }
-  return values;
-}
-
-std::string axisText(const Axis& axis) {
-  const std::string unit = axis.unit();
-  return letterOf(axis.symbol()) + (unit.empty() ? "" : " (" + unit + ")");
-}
-
-std::string valueWithUnit(const Axis& axis, const std::string& value) {
-  const std::string unit = axis.unit();
-  return letterOf(axis.symbol()) + " = " + value + (unit.empty() ? "" : " " + unit);
-}
-
-std::string fileWord(const std::string& quantity) { return sanitizedFileName(quantity); }
-
 /// One measured point of a figure.
 struct Drawn {
   double x = 0;
@@ -99,24 +58,6 @@ double placeOf(const CampaignData& data, std::size_t axis, const std::string& va
   const auto found = std::ranges::find(values, value);
   return static_cast<double>(found - values.begin());
 }
-
-struct Extent {
-  double low = std::numeric_limits<double>::infinity();
-  double high = -std::numeric_limits<double>::infinity();
-
-  void add(double value) {
-    if (!std::isfinite(value)) return;
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  [[nodiscard]] bool isLogarithmic() const { return low > 0 && high / low >= kLogRatio; }
-  [[nodiscard]] bool empty() const { return !(low <= high); }
-  /// Where a value lies between low (0) and high (1), on the axis as it is drawn.
-  [[nodiscard]] double shareOf(double value) const {
-    return isLogarithmic() ? std::log(value / low) / std::log(high / low)
-                           : (value - low) / (high - low);
-  }
-};
 
 Extent extentOf(const PooledTable& pooled, std::size_t quantity) {
   Extent extent;
@@ -167,10 +108,6 @@ std::string yAxis(const PooledTable& pooled, std::size_t quantity) {
   const double margin = range > 0 ? 0.08 * range : std::max(1e-9, std::abs(extent.high) * 0.1);
   return text +
          fmt::format("set yrange [{:.6g}:{:.6g}]\n", extent.low - margin, extent.high + margin);
-}
-
-std::string numberText(double value) {
-  return std::isfinite(value) ? fmt::format("{:.7g}", value) : "NaN";
 }
 
 std::string dataBlock(const std::string& name, std::vector<Drawn> points) {
@@ -247,42 +184,6 @@ std::string panelScript(const std::string& prefix, const std::vector<Series>& se
   }
   if (parts.empty()) return "unset key\nplot NaN notitle\n";
   return blocks + "plot " + fmt::format("{}", fmt::join(parts, ", \\\n  ")) + "\n";
-}
-
-/// Whether a point has these values at these axes.
-bool matches(const Point& point, const std::vector<std::pair<std::size_t, std::string>>& fixed) {
-  return std::ranges::all_of(
-      fixed, [&](const auto& one) { return point.values[one.first] == one.second; });
-}
-
-using Fixed = std::vector<std::pair<std::size_t, std::string>>;
-
-/// All combinations of the values of some axes.
-std::vector<Fixed> combinationsOf(const CampaignData& data, const std::vector<std::size_t>& axes) {
-  std::vector<Fixed> all{{}};
-  for (const std::size_t axis : axes) {
-    std::vector<Fixed> longer;
-    for (const Fixed& one : all) {
-      for (const std::string& value : valuesOf(data, axis)) {
-        longer.push_back(one);
-        longer.back().emplace_back(axis, value);
-      }
-    }
-    all = std::move(longer);
-  }
-  // With --zip many combinations do not occur.
-  std::erase_if(all, [&](const Fixed& fixed) {
-    return std::ranges::none_of(data.points, [&](const Point& p) { return matches(p, fixed); });
-  });
-  return all;
-}
-
-std::string fixedText(const CampaignData& data, const Fixed& fixed) {
-  std::string text;
-  for (const auto& [axis, value] : fixed) {
-    text += (text.empty() ? "" : ", ") + valueWithUnit(data.axes[axis], value);
-  }
-  return text;
 }
 
 /// `most` of the values, evenly spaced.
@@ -370,23 +271,10 @@ std::string intervalsSentence(const CampaignData& data) {
   return text;
 }
 
-std::pair<int, int> gridOf(std::size_t panels) {
-  const int columns = panels <= 1 ? 1 : panels <= 4 ? 2 : panels <= 9 ? 3 : 4;
-  return {columns, (static_cast<int>(panels) + columns - 1) / columns};
-}
-
-/// The figure with its preamble, for panels.
-std::string head(const std::string& name, std::size_t panels) {
-  if (panels <= 1) return report::figurePreamble(name, kWidth, kHeight);
-  const auto [columns, rows] = gridOf(panels);
-  return report::figurePreamble(name, columns * kPanelWidth, rows * kPanelHeight, true) +
-         fmt::format("set multiplot layout {},{}\n", rows, columns);
-}
-
 ScriptedFigure scatteredFigure(const CampaignData& data, const PooledTable& pooled,
                                std::size_t quantity, const std::string& name) {
   const std::size_t panels = std::min(kMostPanels, data.axes.size());
-  std::string script = head(name, panels) + yAxis(pooled, quantity);
+  std::string script = figureHead(name, panels) + yAxis(pooled, quantity);
   bool law = false;
   for (std::size_t axis = 0; axis < panels; ++axis) {
     const std::vector<Series> series =
@@ -403,108 +291,18 @@ ScriptedFigure scatteredFigure(const CampaignData& data, const PooledTable& pool
           script};
 }
 
-/// A map's cells: the value of each point by its place.
-struct Cells {
-  std::vector<std::string> xs;
-  std::vector<std::string> ys;
-  std::map<std::pair<std::size_t, std::size_t>, std::size_t> points;
-};
-
-Cells cellsOf(const CampaignData& data, std::size_t x, std::size_t y, const Fixed& fixed) {
-  Cells cells{valuesOf(data, x), valuesOf(data, y), {}};
-  for (std::size_t i = 0; i < data.points.size(); ++i) {
-    if (!matches(data.points[i], fixed)) continue;
-    const auto column = std::ranges::find(cells.xs, data.points[i].values[x]) - cells.xs.begin();
-    const auto row = std::ranges::find(cells.ys, data.points[i].values[y]) - cells.ys.begin();
-    cells.points[{static_cast<std::size_t>(column), static_cast<std::size_t>(row)}] = i;
-  }
-  return cells;
-}
-
-std::string ticsOf(const char* axis, const std::vector<std::string>& values) {
-  std::vector<std::string> tics;
-  const std::size_t step = (values.size() + 11) / 12;
-  for (std::size_t i = 0; i < values.size(); i += step) {
-    tics.push_back(fmt::format("{} {}", quotedForGnuplot(values[i]), i));
-  }
-  return fmt::format("set {0}tics ({1})\nset {0}range [-0.5:{2}]\n", axis, fmt::join(tics, ", "),
-                     static_cast<double>(values.size()) - 0.5);
-}
-
-/// Draws maps, one per panel, of a function of the points.
-/// @param is_dark whether the colour of a value needs white text
-template <class Value, class Text, class Dark>
-std::string mapScript(const CampaignData& data, const std::string& name, const Layout& layout,
-                      const std::string& palette, const Value& value, const Text& text,
-                      const Dark& is_dark) {
-  const std::size_t x = layout.x;
-  const std::size_t y = layout.series.at(0);
-  std::vector<Fixed> panels = combinationsOf(data, layout.panels);
-  if (panels.size() > kMostPanels) panels.resize(kMostPanels);
-  std::string script = head(name, panels.size()) + palette + "unset key\n";
-  script += "set xlabel " + quotedForGnuplot(axisText(data.axes[x])) + "\nset ylabel " +
-            quotedForGnuplot(axisText(data.axes[y])) + "\n";
-  for (std::size_t p = 0; p < panels.size(); ++p) {
-    const Cells cells = cellsOf(data, x, y, panels[p]);
-    std::string blocks = fmt::format("$m{} << EOD\n", p);
-    std::string labels = fmt::format("$t{} << EOD\n", p);
-    for (std::size_t row = 0; row < cells.ys.size(); ++row) {
-      for (std::size_t column = 0; column < cells.xs.size(); ++column) {
-        const auto found = cells.points.find({column, row});
-        const double v = found == cells.points.end() ? units::kNan : value(found->second);
-        blocks += fmt::format("{} {} {}\n", column, row, numberText(v));
-        if (std::isfinite(v)) {
-          labels += fmt::format("{} {} \"{}\" {}\n", column, row, text(found->second),
-                                is_dark(v) ? 0xffffff : 0);
-        }
-      }
-      blocks += "\n";
-    }
-    script += blocks + "EOD\n" + labels + "EOD\n" + ticsOf("x", cells.xs) + ticsOf("y", cells.ys);
-    if (!panels[p].empty()) {
-      script += "set title " + quotedForGnuplot(fixedText(data, panels[p])) + "\n";
-    }
-    script += fmt::format("plot $m{} using 1:2:3 with image pixels", p);
-    if (cells.points.size() <= kMostLabels && panels.size() <= 2) {
-      script += fmt::format(", $t{} using 1:2:3:4 with labels tc rgb variable font small_font", p);
-    }
-    script += "\n";
-  }
-  if (panels.size() > 1) script += "unset multiplot\n";
-  return script;
-}
-
 }  // namespace
-
-Layout layoutOf(const CampaignData& data) {
-  Layout layout;
-  layout.scattered = data.request.random > 0;
-  std::vector<std::pair<std::size_t, std::size_t>> counts;  // values, axis
-  for (std::size_t axis = 0; axis < data.axes.size(); ++axis) {
-    // Numbers rather than texts along x.
-    const std::size_t numeric = data.axes[axis].isNumeric() ? kMostPoints : 0;
-    counts.emplace_back(valuesOf(data, axis).size() + numeric, axis);
-  }
-  std::ranges::stable_sort(
-      counts, [](const auto& one, const auto& other) { return one.first > other.first; });
-  if (counts.empty()) return layout;
-  layout.x = counts[0].second;
-  if (data.request.zip) return layout;  // the keys vary together
-  if (counts.size() > 1) layout.series.push_back(counts[1].second);
-  for (std::size_t i = 2; i < counts.size(); ++i) layout.panels.push_back(counts[i].second);
-  return layout;
-}
 
 ScriptedFigure curveFigure(const CampaignData& data, const PooledTable& pooled,
                            std::size_t quantity) {
-  const std::string name = "curve_" + fileWord(pooled.quantities[quantity].name);
+  const std::string name = "curve_" + sanitizedFileName(pooled.quantities[quantity].name);
   const Layout layout = layoutOf(data);
   if (layout.scattered) return scatteredFigure(data, pooled, quantity, name);
   std::vector<Fixed> panels = combinationsOf(data, layout.panels);
   const std::size_t all = panels.size();
   if (panels.size() > kMostPanels) panels.resize(kMostPanels);
   std::string script =
-      head(name, panels.size()) +
+      figureHead(name, panels.size()) +
       (panels.size() > 1 ? "set key top left\n" : "set key outside right top Left reverse\n") +
       yAxis(pooled, quantity);
   const std::optional<DrawnLaw> law = drawnLaw(data, pooled, quantity);
@@ -534,56 +332,6 @@ ScriptedFigure curveFigure(const CampaignData& data, const PooledTable& pooled,
     }
   }
   return {name, labelOf(pooled.quantities[quantity].name).text(), caption, script};
-}
-
-bool hasMap(const CampaignData& data) {
-  constexpr std::size_t kFewest = 3;
-  const Layout layout = layoutOf(data);
-  if (layout.scattered || layout.series.empty()) return false;
-  return data.axes[layout.series[0]].isNumeric() && valuesOf(data, layout.x).size() >= kFewest &&
-         valuesOf(data, layout.series[0]).size() >= kFewest;
-}
-
-ScriptedFigure mapFigure(const CampaignData& data, const PooledTable& pooled,
-                         std::size_t quantity) {
-  const std::string name = "map_" + fileWord(pooled.quantities[quantity].name);
-  const QuantityLabel label = labelOf(pooled.quantities[quantity].name);
-  std::string palette = kPalette;
-  palette += "set cblabel " + quotedForGnuplot(label.text()) + "\n";
-  Extent extent;
-  for (const PooledPoint& point : pooled.points) extent.add(point.numbers[quantity].mean);
-  if (!extent.empty() && extent.isLogarithmic()) palette += "set logscale cb\n";
-  const auto number = [&](std::size_t point) -> const PooledNumber& {
-    return pooled.points[point].numbers[quantity];
-  };
-  const std::string script = mapScript(
-      data, name, layoutOf(data), palette, [&](std::size_t p) { return number(p).mean; },
-      [&](std::size_t p) {
-        const double sigma = number(p).sigma;
-        return std::isfinite(sigma) ? fmt::format("{}\\n±{}", valueText(number(p).mean, sigma),
-                                                  valueText(sigma, sigma))
-                                    : shortText(number(p).mean);
-      },
-      [&](double v) { return extent.shareOf(v) < 0.6; });
-  return {name, label.text(), "The same as a map; in the cells mean and standard error.", script};
-}
-
-ScriptedFigure deviationFigure(const CampaignData& data, const PooledTable& pooled,
-                               std::size_t quantity) {
-  const std::string name = "deviation_" + fileWord(pooled.quantities[quantity].name);
-  const QuantityLabel label = labelOf(pooled.quantities[quantity].name);
-  const auto deviate = [&](std::size_t point) {
-    return deviateFrom(pooled.points[point].numbers[quantity],
-                       pooled.points[point].theory[quantity]);
-  };
-  std::string palette = kDiverging;
-  palette += "set cbrange [-4:4]\nset cblabel 'measured − exact law (standard errors)'\n";
-  const std::string script = mapScript(
-      data, name, layoutOf(data), palette, deviate,
-      [&](std::size_t p) { return fmt::format("{:+.1f}", deviate(p)); },
-      [](double v) { return std::abs(v) > 3; });
-  return {name, "Deviation of " + label.text() + " from the exact law",
-          "Measured minus exact law, in standard errors of the measured mean.", script};
 }
 
 }  // namespace lab::runner::campaign
