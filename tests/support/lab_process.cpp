@@ -60,6 +60,12 @@ Finished run(const std::string& command, std::chrono::seconds timeout) {
   return Background(command).wait(timeout);
 }
 
+std::string labOutput(const std::string& command, int exit_code) {
+  const Finished lab = run("lab " + command);
+  EXPECT_EQ(lab.exit_code, exit_code) << lab.output;
+  return lab.output;
+}
+
 fs::path onlyRun(const fs::path& parent) {
   std::vector<fs::path> runs;
   for (const auto& entry : fs::directory_iterator(parent)) runs.push_back(entry.path());

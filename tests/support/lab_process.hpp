@@ -50,6 +50,9 @@ class Background {
 /// command takes twenty times as long.
 Finished run(const std::string& command, std::chrono::seconds timeout = std::chrono::seconds(600));
 
+/// The output of `lab COMMAND`. Another exit code than this one fails the test.
+std::string labOutput(const std::string& command, int exit_code = 0);
+
 /// The only run folder in `parent`. @throws std::runtime_error if there is not exactly one
 std::filesystem::path onlyRun(const std::filesystem::path& parent);
 

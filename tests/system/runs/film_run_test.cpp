@@ -29,18 +29,9 @@ class FilmRun : public testing::Test {
  protected:
   fs::path labRun(const std::string& more) {
     const fs::path out = folder_.path() / std::to_string(++runs_);
-    const Finished lab =
-        run("lab run optical_loop --runs " + out.string() + kShort + "--set duration_s=3 " + more,
-            std::chrono::minutes(5));
-    EXPECT_EQ(lab.exit_code, 0) << lab.output;
-    output_ = lab.output;
+    output_ = labOutput("run optical_loop --runs " + out.string() + kShort + "--set duration_s=3 " +
+                        more);
     return onlyRun(out);
-  }
-
-  [[nodiscard]] static std::string labOutput(const std::string& command, int exit_code = 0) {
-    const Finished lab = run("lab " + command, std::chrono::minutes(5));
-    EXPECT_EQ(lab.exit_code, exit_code) << lab.output;
-    return lab.output;
   }
 
   TemporaryFolder folder_;

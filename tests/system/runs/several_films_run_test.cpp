@@ -3,7 +3,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -67,12 +66,6 @@ clock_error_ms = 3
 class SeveralFilmsRun : public testing::Test {
  protected:
   SeveralFilmsRun() { std::ofstream(folder_.path() / "two.toml") << kExperiment; }
-
-  [[nodiscard]] std::string labOutput(const std::string& command, int exit_code = 0) const {
-    const Finished lab = run("lab " + command, std::chrono::minutes(5));
-    EXPECT_EQ(lab.exit_code, exit_code) << lab.output;
-    return lab.output;
-  }
 
   fs::path labRun(const std::string& more = "") {
     const fs::path out = folder_.path() / std::to_string(++runs_);
