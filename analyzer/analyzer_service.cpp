@@ -34,7 +34,7 @@ AnalyzerService::AnalyzerService(const ServiceContext& context, ResultReaders re
   node_.subscribe<robot_status_t>(channels::kRobotStatus, [this](const robot_status_t& status) {
     feed_.take(status);
     crowd_.take(status);
-    // Once, so that it does not hide a later error until the next heartbeat.
+    // Once, because the text of every refused state would be the same.
     if (feed_.refused() > 0 && !std::exchange(refused_state_noted_, true)) {
       node_.noteError(feed_.refusal());
     }
@@ -62,7 +62,7 @@ void AnalyzerService::take(const tracked_frame_t& frame) {
   if (shedding_.hasLeftOutMore()) noteOverload();
 }
 
-/// One text with everything, because a heartbeat holds only the last one.
+/// One text with everything, and only the newest in a heartbeat.
 void AnalyzerService::noteOverload() {
   const std::string pace =
       shedding_.longest() < 2 ? "" : fmt::format(" every {} s only,", shedding_.longest());
@@ -73,7 +73,8 @@ void AnalyzerService::noteOverload() {
   node_.noteError(
       fmt::format("overloaded: results are computed{} {}; the report is computed from the "
                   "log and is complete",
-                  pace, samples));
+                  pace, samples),
+      "overload");
 }
 
 void AnalyzerService::beginRound() {

@@ -44,18 +44,25 @@ void Node::ready() {
   beat();
 }
 
-void Node::noteError(const std::string& what) {
-  if (what.empty() || std::find(errors_.begin(), errors_.end(), what) != errors_.end()) return;
+void Node::noteError(const std::string& what, std::string_view subject) {
+  if (what.empty()) return;
+  const auto same = std::find_if(errors_.begin(), errors_.end(), [&](const WaitingError& waiting) {
+    return subject.empty() ? waiting.text == what : waiting.subject == subject;
+  });
+  if (same != errors_.end()) {
+    same->text = what;
+    return;
+  }
   if (errors_.size() == kMostWaitingErrors) errors_.pop_back();
-  errors_.push_back(what);
+  errors_.push_back({what, std::string(subject)});
 }
 
 /// @return what the next heartbeat reports, empty if nothing is new
 std::string Node::nextErrors() {
   std::string text = std::exchange(fault_, {});
   while (!errors_.empty() &&
-         (text.empty() || text.size() + 2 + errors_.front().size() <= kLongestErrors)) {
-    text += (text.empty() ? "" : "; ") + errors_.front();
+         (text.empty() || text.size() + 2 + errors_.front().text.size() <= kLongestErrors)) {
+    text += (text.empty() ? "" : "; ") + errors_.front().text;
     errors_.pop_front();
   }
   return text;

@@ -104,7 +104,9 @@ class Node {
   /// Reports an error with the next heartbeat without changing the state. A heartbeat has all
   /// errors since the one before it, joined by "; ", up to a thousand bytes; the others follow with
   /// later heartbeats. Without new errors a heartbeat repeats the text of the one before it.
-  void noteError(const std::string& what);
+  /// @param subject of an error whose text changes, such as a growing count: a text that no
+  /// heartbeat has reported yet is replaced by the next one of the same subject
+  void noteError(const std::string& what, std::string_view subject = {});
 
   /// Adds rows to the heartbeat's counts of received messages, for streams that do not use the bus,
   /// such as serial lines. They replace the rows of an earlier call.
@@ -125,6 +127,11 @@ class Node {
   [[nodiscard]] Loop& loop() { return loop_; }
 
  private:
+  struct WaitingError {
+    std::string text;
+    std::string subject;  ///< empty: none
+  };
+
   void beat();
   [[nodiscard]] std::string nextErrors();
   void refuse(std::string_view channel, const std::string& sender, const std::string& problem,
@@ -147,8 +154,8 @@ class Node {
   NodeIdentity identity_;
   std::int64_t start_utime_;
   std::int8_t state_ = service_status_t::STARTING;
-  std::string fault_;               ///< not yet in a heartbeat
-  std::deque<std::string> errors_;  ///< not yet in a heartbeat
+  std::string fault_;                ///< not yet in a heartbeat
+  std::deque<WaitingError> errors_;  ///< not yet in a heartbeat
   std::string last_error_;
   std::map<std::string, std::int64_t, std::less<>> sent_;
   std::int64_t remaining_closing_reports_ = 0;  ///< closing messages still to be sent

@@ -221,6 +221,17 @@ TEST_F(NodeTest, LosesNoErrorOfASecondWithSeveral) {
   EXPECT_EQ(beats_.back().last_error, "projector unplugged; order refused");
 }
 
+TEST_F(NodeTest, ReportsOnlyTheNewestErrorOfASubject) {
+  dut_.start();
+  dut_.ready();
+  dut_.noteError("overloaded: 10 frames left out", "overload");
+  dut_.noteError("camera left is lost");
+  dut_.noteError("overloaded: 20 frames left out", "overload");
+  EXPECT_EQ(nextBeat().last_error, "overloaded: 20 frames left out; camera left is lost");
+  dut_.noteError("overloaded: 40 frames left out", "overload");
+  EXPECT_EQ(nextBeat().last_error, "overloaded: 40 frames left out");
+}
+
 TEST_F(NodeTest, SpreadsManyErrorsOverHeartbeats) {
   dut_.start();
   std::string expected;
