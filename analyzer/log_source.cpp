@@ -261,6 +261,21 @@ class Reading {
 
 }  // namespace
 
+namespace {
+
+/// How to unpack the log if its name says that it is compressed.
+std::string unpackHint(const fs::path& log) {
+  for (const auto& [ending, program] : {std::pair(".xz", "xz"), std::pair(".gz", "gzip"),
+                                        std::pair(".bz2", "bzip2"), std::pair(".zst", "zstd")}) {
+    if (log.extension() == ending) {
+      return fmt::format("; unpack it first: {} -dk {}", program, log.string());
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
 std::vector<fs::path> logFiles(const fs::path& run_or_log) {
   const fs::path log = logOf(run_or_log);
   std::vector<fs::path> files = logSeries(log);
@@ -275,7 +290,8 @@ std::vector<fs::path> logFiles(const fs::path& run_or_log) {
   }
   if (!isLog(files.front())) {
     throw ReportError(log.string() +
-                      ": this is not an LCM log; expected a file that lcm-logger or lab run wrote");
+                      ": this is not an LCM log; expected a file that lcm-logger or lab run wrote" +
+                      unpackHint(log));
   }
   return files;
 }

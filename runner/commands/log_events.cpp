@@ -6,7 +6,6 @@
 #include <lab/tracked_frame_t.hpp>
 
 #include "common/bus/channels.hpp"
-#include "common/bus/log_file.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::runner {
@@ -57,31 +56,37 @@ class PlaybackTimeline {
 
 }  // namespace
 
-std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& files,
-                                   const LogSelection& selection, ShortenedGaps* gaps) {
-  std::vector<LogEvent> events;
+LogEvents::LogEvents(const std::vector<std::filesystem::path>& files, const LogSelection& selection)
+    : messages_(files) {
   std::optional<std::int64_t> first;
   PlaybackTimeline timeline(selection.max_gap);
-  readLog(files, [&](const Packet& packet) {
-    const std::int64_t utime = timeline.of(packet.received_utime);
+  LogReader reader(files);
+  while (const std::optional<Packet> packet = reader.next()) {
+    const std::int64_t utime = timeline.of(packet->received_utime);
     if (!first) first = utime;
     const double time = units::seconds(utime - *first);
-    if (time < selection.from || (selection.to && time > *selection.to)) return;
-    if (isPlaybackChannel(packet.channel)) return;
-    std::string channel(packet.channel);
-    if (!selection.channels.empty() && !selection.channels.contains(channel)) return;
-    events.push_back({std::move(channel),
-                      {packet.data.begin(), packet.data.end()},
-                      utime,
-                      packet.received_utime});
-  });
-  std::stable_sort(events.begin(), events.end(),
-                   [](const LogEvent& a, const LogEvent& b) { return a.utime < b.utime; });
-  if (gaps != nullptr) *gaps = timeline.gaps();
-  return events;
+    if (time < selection.from || (selection.to && time > *selection.to)) continue;
+    if (isPlaybackChannel(packet->channel)) continue;
+    if (!selection.channels.empty() && !selection.channels.contains(packet->channel)) continue;
+    const LogPosition& at = reader.position();
+    events_.push_back({utime, packet->received_utime, at.offset,
+                       static_cast<std::uint32_t>(at.size), static_cast<std::uint32_t>(at.file),
+                       indexOf(packet->channel)});
+  }
+  std::ranges::stable_sort(events_, {}, &LogEvent::utime);
+  gaps_ = timeline.gaps();
 }
 
-std::vector<std::uint8_t> asReplay(const std::string& channel, Bytes data) {
+std::uint32_t LogEvents::indexOf(std::string_view channel) {
+  const auto known = indices_.find(channel);
+  if (known != indices_.end()) return known->second;
+  const auto index = static_cast<std::uint32_t>(channels_.size());
+  channels_.emplace_back(channel);
+  indices_.emplace(channel, index);
+  return index;
+}
+
+std::vector<std::uint8_t> asReplay(std::string_view channel, Bytes data) {
   if (channel == channels::kRobotStatus) {
     robot_status_t status{};
     if (decode(data, status)) {

@@ -1,9 +1,10 @@
 /// The events of a log, for replay.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -11,23 +12,26 @@
 #include <vector>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/log_file.hpp"
 
 namespace lab::runner {
 
-/// One event of a log, with its own copy of the data.
+/// One event of a log. Its message stays in the file.
 struct LogEvent {
-  std::string channel;
-  std::vector<std::uint8_t> data;
   std::int64_t utime = 0;      ///< when the replay sends it, as time of the log with shortened gaps
   std::int64_t log_utime = 0;  ///< when the logger received it, [us since 1970]
+  std::uint64_t offset = 0;    ///< of the message in its file
+  std::uint32_t size = 0;      ///< of the message
+  std::uint32_t file = 0;      ///< index
+  std::uint32_t channel = 0;   ///< index
 };
 
 /// A part of a log.
 struct LogSelection {
-  double from = 0;                 ///< [s] since the first event
-  std::optional<double> to;        ///< [s]
-  std::set<std::string> channels;  ///< empty: all
-  double max_gap = 10;             ///< [s] a longer silence of the whole log is shortened to this
+  double from = 0;                              ///< [s] since the first event
+  std::optional<double> to;                     ///< [s]
+  std::set<std::string, std::less<>> channels;  ///< empty: all
+  double max_gap = 10;  ///< [s] a longer silence of the whole log is shortened to this
 };
 
 /// What the replay does not play as it was recorded.
@@ -41,14 +45,39 @@ struct ShortenedGaps {
 /// recorded ones are not sent.
 [[nodiscard]] bool isPlaybackChannel(std::string_view channel);
 
-/// The selected events of a log series, sorted by time, without those of isPlaybackChannel().
-/// @param gaps where to report what was shortened in the whole log, nullptr: nowhere
-[[nodiscard]] std::vector<LogEvent> selectEvents(const std::vector<std::filesystem::path>& files,
-                                                 const LogSelection& selection,
-                                                 ShortenedGaps* gaps = nullptr);
+/// The selected events of a log series, sorted by time, without those of isPlaybackChannel(). They
+/// take 40 bytes each, however long the messages are: a log may be larger than the memory.
+class LogEvents {
+ public:
+  /// @throws std::runtime_error if a file cannot be opened or read
+  explicit LogEvents(const std::vector<std::filesystem::path>& files,
+                     const LogSelection& selection = {});
+
+  [[nodiscard]] const std::vector<LogEvent>& all() const { return events_; }
+  [[nodiscard]] const std::string& channelOf(const LogEvent& event) const {
+    return channels_[event.channel];
+  }
+  /// Whether there is an event on the channel.
+  [[nodiscard]] bool has(std::string_view channel) const { return indices_.contains(channel); }
+  /// @throws std::runtime_error if the file has become shorter, or cannot be read
+  [[nodiscard]] std::vector<std::uint8_t> messageOf(const LogEvent& event) {
+    return messages_.at({event.file, event.offset, event.size});
+  }
+  /// What was shortened in the whole log.
+  [[nodiscard]] const ShortenedGaps& gaps() const { return gaps_; }
+
+ private:
+  std::uint32_t indexOf(std::string_view channel);
+
+  LoggedMessages messages_;
+  std::vector<LogEvent> events_;
+  std::vector<std::string> channels_;
+  std::map<std::string, std::uint32_t, std::less<>> indices_;  ///< of channels_
+  ShortenedGaps gaps_;
+};
 
 /// The message as a replay sends it: messages with an origin get REPLAY, all others are unchanged.
-[[nodiscard]] std::vector<std::uint8_t> asReplay(const std::string& channel, Bytes data);
+[[nodiscard]] std::vector<std::uint8_t> asReplay(std::string_view channel, Bytes data);
 
 /// The clock of a replay: log time against wall time, with pauses.
 class ReplayClock {

@@ -29,27 +29,31 @@ EventKey keyOf(const experiment_event_t& event) {
   return {event.kind, repeats ? 0 : event.utime, event.step, repeats ? event.label : event.text};
 }
 
-std::vector<std::size_t> distinctEvents(const std::vector<LogEvent>& events) {
+std::vector<std::size_t> distinctEvents(LogEvents& log) {
   std::vector<std::size_t> indices;
   std::set<EventKey> known;
-  for (std::size_t i = 0; i < events.size(); ++i) {
+  for (std::size_t i = 0; i < log.all().size(); ++i) {
+    const LogEvent& logged = log.all()[i];
+    if (log.channelOf(logged) != channels::kExperimentEvent) continue;
     experiment_event_t event{};
-    if (events[i].channel != channels::kExperimentEvent || !decode(events[i].data, event)) continue;
-    if (known.insert(keyOf(event)).second) indices.push_back(i);
+    if (decode(log.messageOf(logged), event) && known.insert(keyOf(event)).second) {
+      indices.push_back(i);
+    }
   }
   return indices;
 }
 
 }  // namespace
 
-LogPlayback::LogPlayback(const std::vector<LogEvent>& events, std::string run, double speed,
-                         AtEnd at_end, std::int64_t now)
-    : events_(events),
+LogPlayback::LogPlayback(LogEvents& log, std::string run, double speed, AtEnd at_end,
+                         std::int64_t now)
+    : log_(log),
+      events_(log.all()),
       run_(std::move(run)),
       speed_(speed),
       at_end_(at_end),
-      clock_(events.front().utime, now, speed),
-      event_indices_(distinctEvents(events)) {}
+      clock_(events_.front().utime, now, speed),
+      event_indices_(distinctEvents(log)) {}
 
 std::int64_t LogPlayback::logTime(std::int64_t now) const {
   return std::min(clock_.logTime(now), events_.back().utime);
@@ -154,6 +158,11 @@ bool LogPlayback::advance(std::int64_t now) {
   return true;
 }
 
+void LogPlayback::sendEvent(std::size_t index, const Send& send) {
+  const LogEvent& event = events_[index];
+  send(log_.channelOf(event), log_.messageOf(event));
+}
+
 void LogPlayback::play(std::int64_t now, const Send& send) {
   if (jumped_) {
     jumped_ = false;
@@ -166,12 +175,12 @@ void LogPlayback::play(std::int64_t now, const Send& send) {
   }
   std::size_t left = kMostAtOnce;
   for (; left > 0 && !catch_up_.empty(); --left) {
-    send(events_[catch_up_.front()]);
+    sendEvent(catch_up_.front(), send);
     catch_up_.pop_front();
   }
   const std::int64_t until = clock_.logTime(now);
   for (; left > 0 && next_ < events_.size() && events_[next_].utime <= until; --left) {
-    send(events_[next_++]);
+    sendEvent(next_++, send);
   }
 }
 

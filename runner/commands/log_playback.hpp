@@ -8,6 +8,7 @@
 #include <lab/experiment_command_t.hpp>
 #include <lab/experiment_status_t.hpp>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runner/commands/log_events.hpp"
@@ -24,15 +25,14 @@ enum class AtEnd {
 /// `now` is the wall clock [us since 1970].
 class LogPlayback {
  public:
-  using Send = std::function<void(const LogEvent&)>;
+  using Send = std::function<void(std::string_view channel, Bytes message)>;
 
   static constexpr std::size_t kMostAtOnce = 2000;
 
-  /// @param events in order of time, at least one; must outlive this object
+  /// @param log at least one event; must outlive this object
   /// @param run its name, for the status
   /// @param speed log seconds a second
-  LogPlayback(const std::vector<LogEvent>& events, std::string run, double speed, AtEnd at_end,
-              std::int64_t now);
+  LogPlayback(LogEvents& log, std::string run, double speed, AtEnd at_end, std::int64_t now);
 
   /// Executes PAUSE, RESUME, SEEK, SPEED and END. Other commands are refused: there is no lab.
   /// @return why it is refused; empty: executed
@@ -47,6 +47,7 @@ class LogPlayback {
   /// Sends the events that are due. After a seek, first sends each EXPERIMENT_EVENT from the begin
   /// of the log to the new time once, and all messages of the two seconds before it. Sends at most
   /// kMostAtOnce messages per call, so that the caller receives commands in between.
+  /// @throws std::runtime_error if the log cannot be read any more
   void play(std::int64_t now, const Send& send);
 
   /// Whether the replay was ended or has reached its end.
@@ -72,8 +73,10 @@ class LogPlayback {
   std::string seek(double to, std::int64_t now);
   std::string setSpeed(double speed, std::int64_t now);
   [[nodiscard]] std::size_t firstAt(std::int64_t log_utime) const;
+  void sendEvent(std::size_t index, const Send& send);
 
-  const std::vector<LogEvent>& events_;
+  LogEvents& log_;
+  const std::vector<LogEvent>& events_;  ///< of log_
   std::string run_;
   double speed_;
   AtEnd at_end_;

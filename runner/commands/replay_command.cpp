@@ -45,14 +45,14 @@ constexpr const char* kReplayName = "replay";
 class Player {
  public:
   /// @param page the dashboard, nullptr: none
-  Player(const std::vector<LogEvent>& events, const ReplayOptions& options, const std::string& url,
+  Player(LogEvents& log, const ReplayOptions& options, const std::string& url,
          const std::string& run, DashboardProcess* page)
-      : events_(events),
+      : log_(log),
         options_(options),
         page_(page),
         bus_(url),
         node_(bus_, loop_, {kReplayName, robot_state_t::REPLAY, loop_.now()}),
-        playback_(events, run, options.speed,
+        playback_(log, run, options.speed,
                   options.loop      ? AtEnd::kLoop
                   : page != nullptr ? AtEnd::kPause
                                     : AtEnd::kEnd,
@@ -88,8 +88,7 @@ class Player {
 
   /// A log of a real-time run has no CLOCK, but the time of its replay is not the wall clock.
   [[nodiscard]] bool needsClock() const {
-    return isAsked(channels::kClock) &&
-           std::ranges::find(events_, channels::kClock, &LogEvent::channel) == events_.end();
+    return isAsked(channels::kClock) && !log_.has(channels::kClock);
   }
 
   void sendClock() {
@@ -123,8 +122,8 @@ class Player {
       loop_.stop();
       return;
     }
-    playback_.play(now, [this](const LogEvent& event) {
-      node_.forward(event.channel, asReplay(event.channel, event.data));
+    playback_.play(now, [this](std::string_view channel, Bytes message) {
+      node_.forward(channel, asReplay(channel, message));
     });
   }
 
@@ -132,13 +131,13 @@ class Player {
   void show() const {
     fmt::print("{}replay   {:.1f} of {:.1f} s, {} of {} messages{}{}",
                terminal_.active() ? "\r\033[K" : "", playback_.elapsed(loop_.now()),
-               playback_.length(), playback_.sent(), events_.size(),
+               playback_.length(), playback_.sent(), log_.all().size(),
                playback_.paused() ? ", paused (the space bar continues)" : "",
                terminal_.active() ? "" : "\n");
     std::fflush(stdout);
   }
 
-  const std::vector<LogEvent>& events_;
+  LogEvents& log_;
   const ReplayOptions& options_;
   DashboardProcess* page_;
   AsioLoop loop_;
@@ -170,15 +169,11 @@ void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& optio
 ExitCode replay(const ReplayOptions& options) {
   const std::vector<fs::path> log_files = report::logFiles(options.log);
   const fs::path& log = log_files.front();
-  ShortenedGaps gaps;
-  const std::vector<LogEvent> events =
-      selectEvents(log_files,
-                   {options.from,
-                    options.to,
-                    {options.channels.begin(), options.channels.end()},
-                    options.max_gap},
-                   &gaps);
-  if (events.empty()) {
+  LogEvents events(log_files, {options.from,
+                               options.to,
+                               {options.channels.begin(), options.channels.end()},
+                               options.max_gap});
+  if (events.all().empty()) {
     throw UserError(log.string() +
                     " holds no message between --from and --to on the chosen channels");
   }
@@ -188,6 +183,7 @@ ExitCode replay(const ReplayOptions& options) {
   const Registration registration(
       {"replay-" + run.filename().string(), url, getpid(), run.string(), true});
   fmt::print("lab      {}\nbus      {}\n", registration.name(), url);
+  const ShortenedGaps& gaps = events.gaps();
   if (gaps.gaps > 0) {
     fmt::print(
         "gaps     {} in the log shortened to {:g} s, the longest lasts {}; --max-gap sets "

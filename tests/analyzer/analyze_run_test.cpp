@@ -149,6 +149,10 @@ TEST(AnalyzeRun, ReportsAFileThatIsNotALog) {
   std::ofstream(folder.path() / "notes.txt") << "frame,particle,x,y\n1,1,2,3\n";
 
   EXPECT_THAT(problemOf(folder.path() / "notes.txt"), HasSubstr("not an LCM log"));
+
+  const std::filesystem::path packed = folder.path() / "log.lcmlog.xz";
+  std::ofstream(packed) << "7zXZ";
+  EXPECT_THAT(problemOf(packed), HasSubstr("; unpack it first: xz -dk " + packed.string()));
 }
 
 TEST(AnalyzeRun, ReportsAnEmptyLog) {

@@ -73,12 +73,12 @@ void report(const std::vector<std::filesystem::path>& files) {
 }
 
 void replay(const std::vector<std::filesystem::path>& files) {
-  const std::vector<runner::LogEvent> events = runner::selectEvents(files, {});
-  if (events.empty()) return;
+  runner::LogEvents events(files);
+  if (events.all().empty()) return;
   std::int64_t now = 0;
   runner::LogPlayback playback(events, "run", 1, runner::AtEnd::kPause, now);
-  const auto send = [](const runner::LogEvent& event) {
-    static_cast<void>(runner::asReplay(event.channel, event.data));
+  const auto send = [](std::string_view channel, Bytes message) {
+    static_cast<void>(runner::asReplay(channel, message));
   };
   for (const int action : {experiment_command_t::SEEK, experiment_command_t::SPEED}) {
     experiment_command_t command{};

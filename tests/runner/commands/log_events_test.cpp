@@ -1,8 +1,12 @@
 #include "runner/commands/log_events.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <filesystem>
 #include <lab/robot_status_t.hpp>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -46,7 +50,7 @@ TEST(AsReplay, ReturnsUnknownMessagesUnchanged) {
   EXPECT_EQ(asReplay(std::string(channels::kRobotStatus), bytes), bytes);
 }
 
-TEST(SelectEvents, OmitsChannelsThatThePlayerPublishesItself) {
+TEST(LogEvents, OmitsChannelsThatThePlayerPublishesItself) {
   const TemporaryFolder folder;
   const std::filesystem::path log = folder / "log.lcmlog";
   {
@@ -57,12 +61,49 @@ TEST(SelectEvents, OmitsChannelsThatThePlayerPublishesItself) {
     }
   }
   std::vector<std::string> kept;
-  for (const LogEvent& event : selectEvents({log}, {})) kept.push_back(event.channel);
+  const LogEvents dut({log});
+  for (const LogEvent& event : dut.all()) kept.push_back(dut.channelOf(event));
   EXPECT_EQ(kept, (std::vector<std::string>{std::string(channels::kRobotStatus),
                                             std::string(channels::kExperimentEvent)}));
 }
 
-TEST(SelectEvents, ShortensGapsAndGoesOnWhereTheClockWasSetBack) {
+TEST(LogEvents, ReadsEachMessageWhenItIsAskedFor) {
+  const TemporaryFolder folder;
+  const std::filesystem::path first = folder / "log.lcmlog";
+  const std::filesystem::path second = folder / "log.lcmlog.01";
+  LogWriter(first).write({"A", std::vector<std::uint8_t>{1, 2, 3}, 7});
+  {
+    LogWriter writer(second);
+    writer.write({"B", std::vector<std::uint8_t>{4}, 8});
+    writer.write({"A", std::vector<std::uint8_t>{}, 9});
+  }
+  LogEvents dut({first, second});
+  ASSERT_EQ(dut.all().size(), 3U);
+  EXPECT_EQ(dut.messageOf(dut.all()[1]), (std::vector<std::uint8_t>{4}));
+  EXPECT_EQ(dut.messageOf(dut.all()[0]), (std::vector<std::uint8_t>{1, 2, 3}));
+  EXPECT_EQ(dut.messageOf(dut.all()[2]), (std::vector<std::uint8_t>{}));
+  EXPECT_TRUE(dut.has("A"));
+  EXPECT_FALSE(dut.has("C"));
+}
+
+TEST(LogEvents, SaysThatALogHasBecomeShorter) {
+  const TemporaryFolder folder;
+  const std::filesystem::path log = folder / "log.lcmlog";
+  {
+    LogWriter writer(log);
+    writer.write({"A", std::vector<std::uint8_t>(100'000), 7});
+  }
+  LogEvents dut({log});
+  std::filesystem::resize_file(log, 50'000);
+  EXPECT_THAT([&] { static_cast<void>(dut.messageOf(dut.all()[0])); },
+              testing::ThrowsMessage<std::runtime_error>(testing::AllOf(
+                  testing::HasSubstr("cannot go on reading the log " + log.string() + ": found "),
+                  testing::HasSubstr("expected 100000; was it made shorter?"))));
+  std::filesystem::resize_file(log, 110'000);
+  EXPECT_EQ(dut.messageOf(dut.all()[0]).size(), 100'000U) << "it goes on when the file is back";
+}
+
+TEST(LogEvents, ShortensGapsAndGoesOnWhereTheClockWasSetBack) {
   constexpr std::int64_t kSecond = 1'000'000;
   const TemporaryFolder folder;
   const std::filesystem::path log = folder / "log.lcmlog";
@@ -72,18 +113,18 @@ TEST(SelectEvents, ShortensGapsAndGoesOnWhereTheClockWasSetBack) {
       writer.write({channels::kRobotStatus, {}, second * kSecond});
     }
   }
-  ShortenedGaps gaps;
   std::vector<std::int64_t> played;
   std::vector<std::int64_t> recorded;
-  for (const LogEvent& event : selectEvents({log}, {}, &gaps)) {
+  const LogEvents dut({log});
+  for (const LogEvent& event : dut.all()) {
     played.push_back(event.utime / kSecond);
     recorded.push_back(event.log_utime / kSecond);
   }
   EXPECT_EQ(played, (std::vector<std::int64_t>{100, 101, 111, 112, 112, 113, 114}));
   EXPECT_EQ(recorded, (std::vector<std::int64_t>{100, 101, 500, 501, 200, 201, 202}));
-  EXPECT_EQ(gaps.gaps, 1);
-  EXPECT_DOUBLE_EQ(gaps.longest, 399);
-  EXPECT_EQ(gaps.steps_back, 1);
+  EXPECT_EQ(dut.gaps().gaps, 1);
+  EXPECT_DOUBLE_EQ(dut.gaps().longest, 399);
+  EXPECT_EQ(dut.gaps().steps_back, 1);
 }
 
 }  // namespace

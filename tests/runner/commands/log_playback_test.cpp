@@ -2,14 +2,20 @@
 
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <lab/experiment_event_t.hpp>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
+#include "common/bus/log_file.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner {
 namespace {
@@ -23,11 +29,17 @@ constexpr std::int64_t kWall = 50;
 
 std::int64_t us(double seconds) { return static_cast<std::int64_t>(std::llround(seconds * 1e6)); }
 
-LogEvent frame(double at) {
+struct Recorded {
+  std::string channel;
+  std::vector<std::uint8_t> message;
+  std::int64_t utime = 0;
+};
+
+Recorded frame(double at) {
   return {"F" + std::to_string(static_cast<int>(std::lround(at * 10))), {}, kLog + us(at)};
 }
 
-LogEvent eventAt(double at, std::int8_t kind, const std::string& text, double repeated_after = 0) {
+Recorded eventAt(double at, std::int8_t kind, const std::string& text, double repeated_after = 0) {
   experiment_event_t event{};
   event.utime = kLog + us(at);
   event.kind = kind;
@@ -37,8 +49,8 @@ LogEvent eventAt(double at, std::int8_t kind, const std::string& text, double re
 
 /// A log of 60 s with a frame every 0.5 s; START at 0 and 30 s, a mark at 20 s that was sent three
 /// times, and one at 55 s.
-std::vector<LogEvent> recordedEvents() {
-  std::vector<LogEvent> events;
+std::vector<Recorded> recordedEvents() {
+  std::vector<Recorded> events;
   for (int i = 0; i <= 120; ++i) events.push_back(frame(i * 0.5));
   events.push_back(eventAt(0, experiment_event_t::START, "file"));
   events.push_back(eventAt(30, experiment_event_t::START, "file"));
@@ -46,9 +58,24 @@ std::vector<LogEvent> recordedEvents() {
     events.push_back(eventAt(20, experiment_event_t::MARK, "fell over", again));
   }
   events.push_back(eventAt(55, experiment_event_t::MARK, "late"));
-  std::ranges::stable_sort(events, {}, &LogEvent::utime);
+  std::ranges::stable_sort(events, {}, &Recorded::utime);
   return events;
 }
+
+/// A log with these events.
+class RecordedLog {
+ public:
+  explicit RecordedLog(const std::vector<Recorded>& events) {
+    LogWriter writer(file_);
+    for (const Recorded& event : events) writer.write({event.channel, event.message, event.utime});
+  }
+
+  [[nodiscard]] LogEvents events() const { return LogEvents({file_}); }
+
+ private:
+  TemporaryFolder folder_;
+  std::filesystem::path file_ = folder_ / "log.lcmlog";
+};
 
 class LogPlaybackTest : public testing::Test {
  protected:
@@ -60,11 +87,11 @@ class LogPlaybackTest : public testing::Test {
     now_ = kWall + us(s);
     std::vector<std::string> sent;
     playback_.advance(now_);
-    playback_.play(now_, [&sent](const LogEvent& event) {
+    playback_.play(now_, [&sent](std::string_view channel, Bytes message) {
       experiment_event_t happened{};
-      const bool is_event = event.channel == channels::kExperimentEvent;
-      EXPECT_TRUE(!is_event || decode(event.data, happened));
-      sent.push_back(is_event ? happened.text : event.channel);
+      const bool is_event = channel == channels::kExperimentEvent;
+      EXPECT_TRUE(!is_event || decode(message, happened));
+      sent.push_back(is_event ? happened.text : std::string(channel));
     });
     return sent;
   }
@@ -76,7 +103,8 @@ class LogPlaybackTest : public testing::Test {
     return playback_.execute(command, now_);
   }
 
-  std::vector<LogEvent> events_ = recordedEvents();
+  RecordedLog log_{recordedEvents()};
+  LogEvents events_ = log_.events();
   std::int64_t now_ = kWall;
   LogPlayback playback_;
 };
@@ -185,9 +213,9 @@ TEST_F(LogPlaybackTest, EndsOnRequest) {
 
 TEST_F(LogPlaybackTest, EndsWithItsLogWithoutADashboard) {
   LogPlayback dut(events_, "run-1", 10, AtEnd::kEnd, kWall);
-  const auto nobody = [](const LogEvent&) {};
+  const auto nobody = [](std::string_view, Bytes) {};
   dut.play(kWall + us(6.1), nobody);
-  EXPECT_EQ(dut.sent(), events_.size());
+  EXPECT_EQ(dut.sent(), events_.all().size());
   EXPECT_FALSE(dut.over());
   EXPECT_TRUE(dut.advance(kWall + us(6.2)));
   EXPECT_TRUE(dut.over());
@@ -196,25 +224,27 @@ TEST_F(LogPlaybackTest, EndsWithItsLogWithoutADashboard) {
 TEST_F(LogPlaybackTest, RestartsWithAJumpInALoop) {
   LogPlayback dut(events_, "run-1", 10, AtEnd::kLoop, kWall);
   std::size_t sent = 0;
-  const auto count = [&sent](const LogEvent&) { ++sent; };
+  const auto count = [&sent](std::string_view, Bytes) { ++sent; };
   dut.play(kWall + us(6.1), count);
-  EXPECT_EQ(sent, events_.size());
+  EXPECT_EQ(sent, events_.all().size());
   EXPECT_TRUE(dut.advance(kWall + us(6.2)));
   EXPECT_EQ(dut.status(kWall + us(6.2)).jumps, 1);
   dut.play(kWall + us(6.2), count);
-  EXPECT_EQ(sent, events_.size() + 2);
+  EXPECT_EQ(sent, events_.all().size() + 2);
 }
 
 TEST(LogPlaybackOfALongLog, PlaysAllEventsInPortions) {
-  std::vector<LogEvent> events;
-  for (int i = 0; i < 4500; ++i) events.push_back({std::to_string(i), {}, kLog + i});
+  std::vector<Recorded> recorded;
+  for (int i = 0; i < 4500; ++i) recorded.push_back({std::to_string(i), {}, kLog + i});
+  const RecordedLog log(recorded);
+  LogEvents events = log.events();
   LogPlayback dut(events, "run-1", 1, AtEnd::kPause, kWall);
   std::vector<std::string> sent;
   const std::int64_t late = kWall + us(1);
   const auto play = [&] {
     const std::size_t before = sent.size();
     EXPECT_FALSE(dut.advance(late));
-    dut.play(late, [&sent](const LogEvent& event) { sent.push_back(event.channel); });
+    dut.play(late, [&sent](std::string_view channel, Bytes) { sent.emplace_back(channel); });
     return sent.size() - before;
   };
   EXPECT_EQ(play(), 2000U);

@@ -41,10 +41,10 @@ TEST_P(DamagedLog, IsAnalyzedOrRefused) {
 }
 
 TEST_P(DamagedLog, IsReplayedWithinItsOwnTime) {
-  const auto events = runner::selectEvents({log_}, {});
+  const runner::LogEvents dut({log_});
 
-  ASSERT_FALSE(events.empty());
-  EXPECT_LT(events.back().utime - events.front().utime, 120'000'000);
+  ASSERT_FALSE(dut.all().empty());
+  EXPECT_LT(dut.all().back().utime - dut.all().front().utime, 120'000'000);
 }
 
 INSTANTIATE_TEST_SUITE_P(All, DamagedLog,

@@ -37,21 +37,21 @@ void replay(const std::filesystem::path& log) {
   constexpr double kSpeed = 10;
   constexpr int kMostSteps = 10'000;  // 5000 s at the terminal, for a run of 6 s
   try {
-    const std::vector<runner::LogEvent> events = runner::selectEvents({log}, {});
-    if (events.empty()) return;
+    runner::LogEvents events({log});
+    if (events.all().empty()) return;
     std::int64_t now = 0;
     runner::LogPlayback playback(events, "run", kSpeed, runner::AtEnd::kEnd, now);
     int steps = 0;
     for (; steps < kMostSteps && !playback.over(); ++steps) {
       now += kStep_us;
       static_cast<void>(playback.advance(now));
-      playback.play(now, [](const runner::LogEvent& event) {
-        static_cast<void>(runner::asReplay(event.channel, event.data));
+      playback.play(now, [](std::string_view channel, Bytes message) {
+        static_cast<void>(runner::asReplay(channel, message));
       });
       static_cast<void>(playback.status(now));
     }
     EXPECT_TRUE(playback.over()) << "after " << steps << " steps of " << playback.length() << " s";
-    EXPECT_EQ(playback.sent(), events.size());
+    EXPECT_EQ(playback.sent(), events.all().size());
   } catch (const report::ReportError& refusal) {
     EXPECT_FALSE(std::string(refusal.what()).empty());
   }
