@@ -2,24 +2,21 @@
 
 #include <cstdint>
 
+#include "common/text/json_text.hpp"
 #include "light/field/image.hpp"
 
 namespace lab {
 
 nlohmann::json parseJson(const std::string& name, const std::string& text,
                          const std::string& expected) {
-  constexpr int kDeepest = 64;  // limits the recursion of the parser
-  const auto shallow = [&](int depth, nlohmann::json::parse_event_t, const nlohmann::json&) {
-    if (depth > kDeepest) {
-      throw ExperimentError(
-          {fmt::format("{}: has more than {} brackets within each other, "
-                       "expected {}",
-                       name, kDeepest, expected)});
-    }
-    return true;
-  };
+  if (isNestedDeeper(text, kDeepestJson)) {
+    throw ExperimentError(
+        {fmt::format("{}: has more than {} brackets within each other, "
+                     "expected {}",
+                     name, kDeepestJson, expected)});
+  }
   try {
-    return nlohmann::json::parse(text, shallow);
+    return nlohmann::json::parse(text);
   } catch (const nlohmann::json::parse_error& error) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     throw ExperimentError({fmt::format("{}:{}: is no valid JSON, expected {}", name,

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "common/files/file_text.hpp"
+#include "common/text/json_text.hpp"
 #include "dashboard/library/served_file.hpp"
 #include "dashboard/web/json.hpp"
 
@@ -45,7 +46,7 @@ CampaignFacts factsOf(const fs::path& folder) {
   facts.page = fs::is_regular_file(folder / "index.html", error);
   facts.live = fs::is_regular_file(folder / "journal.jsonl", error);
   const std::optional<std::string> text = readWholeFile(folder / "progress.json", kProgressFile);
-  const auto json = nlohmann::json::parse(text.value_or(""), nullptr, false);
+  const auto json = parseJsonText(text.value_or(""));
   if (!json.is_object()) return facts;
   facts.updated_utc = valueOf(json, "updated", std::string());
   facts.total = valueOf<std::int64_t>(json, "total", 0);

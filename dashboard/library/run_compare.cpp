@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "common/text/format.hpp"
+#include "common/text/json_text.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -76,7 +77,7 @@ Json estimates(const Json& pool) {
 }  // namespace
 
 Json curvesOf(const std::string& run, const std::string& summary) {
-  const Json json = Json::parse(summary, nullptr, false);
+  const Json json = parseJsonText<Json>(summary);
   if (!json.is_object() || !json.contains("programs") || !json["programs"].is_array()) {
     throw std::runtime_error(run +
                              ": its summary.json cannot be read; lab analyze creates it again");

@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "common/files/file_text.hpp"
+#include "common/text/json_text.hpp"
 #include "dashboard/library/served_file.hpp"
 #include "dashboard/library/summary_scan.hpp"
 #include "dashboard/web/json.hpp"
@@ -54,7 +55,7 @@ void takeProvenance(const fs::path& folder, PastRun& run) {
   }
   const std::optional<std::string> text = readWholeFile(folder / kProvenance, kProvenanceFile);
   if (!text) return;
-  const auto json = nlohmann::json::parse(*text, nullptr, false);
+  const auto json = parseJsonText(*text);
   if (!json.is_object()) {
     run.problem = "its provenance.json cannot be read";
     return;

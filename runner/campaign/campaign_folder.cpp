@@ -18,6 +18,7 @@
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
+#include "common/text/json_text.hpp"
 #include "runner/campaign/atomic_file.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/output_file.hpp"
@@ -61,8 +62,7 @@ std::vector<Point> readPoints(const fs::path& file) {
   std::size_t number = 0;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const Json json =
-        Json::parse(std::string_view(text).substr(begin, end - begin), nullptr, false);
+    const auto json = parseJsonText<Json>(std::string_view(text).substr(begin, end - begin));
     begin = end + 1;
     ++number;
     try {

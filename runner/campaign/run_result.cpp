@@ -9,6 +9,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "common/text/json_text.hpp"
+
 namespace lab::runner::campaign {
 namespace {
 
@@ -183,7 +185,7 @@ std::string resultText(const RunResult& result) {
 }
 
 ReadResult readResult(std::string_view text, const RunIdentity& expected) {
-  Json json = Json::parse(text, nullptr, false);
+  Json json = parseJsonText<Json>(text);
   if (!json.is_object()) return {"is cut off or is no JSON"};
   const auto checksum = json.find("sha256");
   if (checksum == json.end() || !checksum->is_string()) return {"has no checksum"};
@@ -201,7 +203,7 @@ ReadResult readResult(std::string_view text, const RunIdentity& expected) {
 }
 
 Columns columnsOf(std::string_view summary_json) {
-  const Json summary = Json::parse(summary_json, nullptr, false);
+  const Json summary = parseJsonText<Json>(summary_json);
   if (!summary.is_object()) throw std::runtime_error("the run has no readable summary");
   Collector collector;
   collector.object(summary, "");

@@ -8,6 +8,8 @@
 #include <cstdint>
 #include <nlohmann/json.hpp>
 
+#include "common/text/json_text.hpp"
+
 namespace lab::runner {
 namespace {
 
@@ -69,7 +71,7 @@ void JsonLines::receive(const std::function<void(const nlohmann::json&)>& take,
   std::size_t begin = 0;
   for (std::size_t end = 0; (end = lines.find('\n', begin)) != std::string::npos; begin = end + 1) {
     const std::string line = lines.substr(begin, end - begin);
-    const auto json = nlohmann::json::parse(line, nullptr, false);
+    const auto json = parseJsonText(line);
     if (!json.is_object()) {
       noise(line);
       continue;

@@ -14,6 +14,7 @@
 
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
+#include "common/text/json_text.hpp"
 #include "runner/campaign/adaptive/adaptive_goal.hpp"
 
 namespace lab::runner::campaign {
@@ -235,7 +236,7 @@ std::vector<AdaptiveRound> readRounds(std::string_view text) {
   std::vector<AdaptiveRound> rounds;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
-    const Json json = Json::parse(text.substr(begin, end - begin), nullptr, false);
+    const Json json = parseJsonText<Json>(text.substr(begin, end - begin));
     begin = end + 1;
     try {
       AdaptiveRound round;

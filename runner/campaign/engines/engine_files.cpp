@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/files/file_text.hpp"
+#include "common/text/json_text.hpp"
 #include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/engines/bundles.hpp"
@@ -103,8 +104,7 @@ void takeResultBundle(CampaignData& data, const fs::path& folder, const fs::path
   }
   for (std::size_t begin = 0; begin < text->size();) {
     const std::size_t end = std::min(text->find('\n', begin), text->size());
-    const auto line =
-        nlohmann::json::parse(std::string_view(*text).substr(begin, end - begin), nullptr, false);
+    const auto line = parseJsonText(std::string_view(*text).substr(begin, end - begin));
     begin = end + 1;
     if (!line.is_object() || !line.contains("file") || !line.contains("text")) continue;
     const auto row = known.find(line.value("file", ""));

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "common/text/format.hpp"
+#include "common/text/json_text.hpp"
 
 namespace lab::runner::campaign {
 namespace {
@@ -23,7 +24,7 @@ constexpr std::array<std::pair<What, const char*>, 5> kWhats{{{What::kRun, "run"
 constexpr double kSecond = 1e-6;  // [s/us]
 
 std::optional<JournalEntry> entryOf(const std::string& line) {
-  const auto read = nlohmann::json::parse(line, nullptr, false);
+  const auto read = parseJsonText(line);
   if (!read.is_object()) return {};
   try {
     JournalEntry entry;

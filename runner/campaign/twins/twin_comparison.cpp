@@ -20,6 +20,7 @@
 #include "common/math/random.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
+#include "common/text/json_text.hpp"
 #include "runner/campaign/run_result.hpp"
 
 namespace lab::runner::campaign {
@@ -376,7 +377,7 @@ std::vector<SummaryLook> looksOf(std::string_view summary_json) {
     const auto* number = std::get_if<double>(&cell);
     looks.push_back({name, number == nullptr ? units::kNan : *number});
   }
-  const auto summary = nlohmann::json::parse(summary_json, nullptr, false);
+  const auto summary = parseJsonText(summary_json);
   if (!summary.contains("programs")) return looks;
   for (const auto& program : summary["programs"]) {
     if (!program.contains("pool")) continue;

@@ -13,6 +13,7 @@
 
 #include "common/text/format.hpp"
 #include "common/text/json_number.hpp"
+#include "common/text/json_text.hpp"
 #include "runner/campaign/campaign_laws.hpp"
 
 namespace lab::runner::campaign {
@@ -27,7 +28,7 @@ constexpr double kBandShare = 0.05;  // of the twins on each side of the band
 std::map<double, double> curveOf(const std::string& summary, std::size_t program,
                                  const std::string& key) {
   std::map<double, double> curve;
-  const auto json = nlohmann::json::parse(summary, nullptr, false);
+  const auto json = parseJsonText(summary);
   if (!json.is_object() || !json.contains("programs") || program >= json["programs"].size()) {
     return curve;
   }
@@ -152,7 +153,7 @@ report::ScriptedFigure twinCurve(const std::string& run, const std::vector<std::
 
 std::vector<std::string> programsOfSummary(const std::string& summary_json) {
   std::vector<std::string> names;
-  const auto json = nlohmann::json::parse(summary_json, nullptr, false);
+  const auto json = parseJsonText(summary_json);
   if (!json.is_object() || !json.contains("programs")) return names;
   for (const auto& program : json["programs"]) names.push_back(program.value("name", "program"));
   return names;

@@ -236,6 +236,12 @@ TEST_F(LibraryTest, ComparesRuns) {
   EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
   support::writeFile(folder_ / "runs/half/summary.json", "{");
   EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
+  // It would overflow the stack of what copies and prints it.
+  constexpr std::size_t kDepth = 300'000;
+  support::writeFile(folder_ / "runs/half/summary.json", R"({"programs": [{"pool": {"verdict": )" +
+                                                             std::string(kDepth, '[') +
+                                                             std::string(kDepth, ']') + "}}]}");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
 }
 
 }  // namespace

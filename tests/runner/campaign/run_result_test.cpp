@@ -70,6 +70,13 @@ TEST(RunResult, IsRefusedWhenAnyByteOfItsFileIsDamaged) {
   }
 }
 
+TEST(RunResult, IsRefusedWhenItIsNestedDeeply) {
+  constexpr std::size_t kDepth = 300'000;
+  const std::string text =
+      R"({"sha256": "", "columns": )" + std::string(kDepth, '[') + std::string(kDepth, ']') + "}";
+  EXPECT_THAT(readResult(text, sampleResult().identity).problem(), HasSubstr("is no JSON"));
+}
+
 TEST(RunResult, IsRefusedWhenItIsOfAnotherRun) {
   const std::string text = resultText(sampleResult());
 
