@@ -7,6 +7,7 @@
 #include <lab/experiment_command_t.hpp>
 #include <sstream>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "analyzer/log_source.hpp"
