@@ -8,6 +8,7 @@
 
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_text.hpp"
+#include "common/files/toml_keys.hpp"
 #include "common/math/units.hpp"
 
 namespace lab {
@@ -40,6 +41,9 @@ class Reader {
 
   toml::table parse() const {
     const std::string text = readFileText(name_, file_kinds::kCalibration);
+    if (const std::size_t line = keys::lineOfDeepKey(text); line > 0) {
+      fail(fmt::format("line {}: found a key of more than {} names", line, keys::kMostNames));
+    }
     try {
       return toml::parse(text, name_);
     } catch (const toml::parse_error& error) {

@@ -52,8 +52,10 @@ struct SweepTable {
 
 /// The table of an experiment's text; the defaults without one.
 /// @param name of the text, for messages
+/// @param set settings as after --set, of which those of the table are applied
 /// @throws ExperimentError for wrong values in the table; other problems of the file are not
 ///   reported here
-[[nodiscard]] SweepTable readSweepTable(std::string_view text, const std::string& name);
+[[nodiscard]] SweepTable readSweepTable(std::string_view text, const std::string& name,
+                                        const std::vector<std::string>& set = {});
 
 }  // namespace lab

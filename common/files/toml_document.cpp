@@ -9,6 +9,7 @@
 
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
+#include "common/files/toml_keys.hpp"
 #include "robot/language/spelled_name.hpp"
 
 namespace lab::keys {
@@ -77,6 +78,7 @@ Node* child(Node* node, const Part& part) {
 /// @param source names it in messages
 toml::table parseValue(const std::string& value, const std::string& source) {
   for (const std::string& candidate : {value, tomlString(value)}) {
+    if (lineOfDeepKey(candidate) > 0) continue;
     try {
       toml::table table = toml::parse("value = " + candidate, source);
       if (table.size() == 1) return table;
@@ -117,6 +119,10 @@ std::string greekNameAt(std::string_view text, const toml::source_position& at) 
 TomlDocument::TomlDocument(std::string_view text, std::string file,
                            const std::vector<std::string>& overrides)
     : file_(std::move(file)) {
+  if (const std::size_t line = lineOfDeepKey(text); line > 0) {
+    throw ExperimentError({file_ + ":" + std::to_string(line) + ": found a key of more than " +
+                           std::to_string(kMostNames) + " names, which no file of the lab has"});
+  }
   try {
     root_ = toml::parse(text, file_);
   } catch (const toml::parse_error& error) {
@@ -150,6 +156,11 @@ void TomlDocument::apply(const std::string& argument) {
   const auto path = parsePath(key);
   if (!path) {
     refuse(source, "found the key \"" + key + "\", allowed a path as in robots[0].x_cm");
+  }
+  if (path->size() > kMostNames) {
+    refuse(std::string(kSet) + source.substr(kSet.size(), kMostShown) + "...",
+           "found a path of " + std::to_string(path->size()) + " names, allowed at most " +
+               std::to_string(kMostNames));
   }
   toml::table parsed = parseValue(argument.substr(equals + 1), source);
   toml::node* place = &root_;

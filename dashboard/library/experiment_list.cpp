@@ -7,6 +7,7 @@
 #include <set>
 
 #include "common/files/file_text.hpp"
+#include "common/files/toml_keys.hpp"
 #include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
@@ -18,6 +19,11 @@ bool readHead(ListedExperiment& experiment) {
   experiment.name = experiment.path.stem().string();
   const auto text = readWholeFile(experiment.path, file_kinds::kExperiment);
   if (!text) return false;
+  if (const std::size_t line = keys::lineOfDeepKey(*text); line > 0) {
+    experiment.description =
+        fmt::format("found a key of more than {} names in line {}", keys::kMostNames, line);
+    return true;
+  }
   try {
     const toml::table table = toml::parse(*text);
     if (!table.contains("robots") && !table.contains("programs")) return false;

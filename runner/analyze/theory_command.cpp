@@ -150,7 +150,8 @@ void checkFlags(const TheoryOptions& options, const ProgramLaw& law) {
         "these "
         "are of a random phase");
   }
-  if (options.phase_s && (*options.phase_s < 0 || *options.phase_s > law->drawTime())) {
+  // Written so that nan is refused too.
+  if (options.phase_s && !(*options.phase_s >= 0 && *options.phase_s <= law->drawTime())) {
     throw UserError(fmt::format("theory: --phase-s: found {:g}, allowed 0 to epsilon_s = {:g}",
                                 *options.phase_s, law->drawTime()));
   }

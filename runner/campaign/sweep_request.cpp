@@ -36,7 +36,7 @@ LivePlan livePlanOf(const SweepOptions& options) {
 }  // namespace
 
 Request requestOf(const SweepOptions& options, const std::string& text) {
-  const SweepTable table = readSweepTable(text, options.input.string());
+  const SweepTable table = readSweepTable(text, options.input.string(), options.set);
   Request request;
   request.file = fs::absolute(options.input).lexically_normal().string();
   request.set = options.set;

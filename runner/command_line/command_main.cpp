@@ -13,6 +13,8 @@
 #include <filesystem>
 #include <iostream>
 #include <stdexcept>
+#include <string>
+#include <system_error>
 #include <vector>
 
 #include "analyzer/report_error.hpp"
@@ -51,6 +53,19 @@ constexpr std::array<ProgramCommand, 12> kProgramCommands{{
 /// For errors that an unknown option may have caused: CLI11 took its value for an argument.
 void refuseUnknownOption(const CLI::App& app, int argc, const char* const* argv) {
   if (hasUnknownOption(app)) throw UserError(unknownArgument(app, argc, argv));
+}
+
+/// Whether no file can have this name, which is the user's to change; not a full disk.
+bool isWrongName(const std::error_code& code) {
+  return code == std::errc::too_many_symbolic_link_levels || code == std::errc::filename_too_long ||
+         code == std::errc::not_a_directory || code == std::errc::invalid_argument;
+}
+
+/// What the system says of a file, without the names of C++ functions.
+std::string fileErrorText(const std::filesystem::filesystem_error& error) {
+  const std::string file = error.path1().string();
+  if (file.empty()) return "found an empty name of a file, expected a path";
+  return fmt::format("{}: {}", file, error.code().message());
 }
 
 }  // namespace
@@ -135,6 +150,9 @@ int guardedMain(const std::function<int()>& command) {
   } catch (const BusError& error) {
     std::cerr << "lab: " << printableLines(error.what()) << "\n";
     return kBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::cerr << "lab: " << printableLines(fileErrorText(error)) << "\n";
+    return isWrongName(error.code()) ? kBadInput : kFailed;
   } catch (const std::exception& error) {
     std::cerr << "lab: " << printableLines(error.what()) << "\n";
     return kFailed;

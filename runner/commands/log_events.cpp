@@ -1,11 +1,15 @@
 #include "runner/commands/log_events.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <lab/robot_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
 
+#include "common/bus/bus_error.hpp"
 #include "common/bus/channels.hpp"
+#include "common/bus/udpm_assembler.hpp"
+#include "common/bus/value_checker.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::runner {
@@ -35,7 +39,9 @@ class PlaybackTimeline {
       ++gaps_.gaps;
       gaps_.longest = std::max(gaps_.longest, units::seconds(step));
     }
-    const std::int64_t play = newest_->play + std::min(step, max_gap_us_);
+    // Many gaps of years must not add up beyond what a time can be.
+    const std::int64_t play =
+        std::min(newest_->play + std::min(step, max_gap_us_), ValueChecker::kLatestUtime);
     if (step > 0) newest_ = {log_utime, play};
     return play;
   }
@@ -65,9 +71,16 @@ LogEvents::LogEvents(const std::vector<std::filesystem::path>& files, const LogS
     const std::int64_t utime = timeline.of(packet->received_utime);
     if (!first) first = utime;
     const double time = units::seconds(utime - *first);
-    if (time < selection.from || (selection.to && time > *selection.to)) continue;
+    length_ = std::max(length_, time);
     if (isPlaybackChannel(packet->channel)) continue;
+    noteChannel(packet->channel);
+    if (time < selection.from || (selection.to && time > *selection.to)) continue;
     if (!selection.channels.empty() && !selection.channels.contains(packet->channel)) continue;
+    if (packet->channel.size() > kLongestChannelName ||
+        packet->data.size() > UdpmAssembler::kLongestMessage) {
+      ++unsendable_;
+      continue;
+    }
     const LogPosition& at = reader.position();
     events_.push_back({utime, packet->received_utime, at.offset,
                        static_cast<std::uint32_t>(at.size), static_cast<std::uint32_t>(at.file),
@@ -75,6 +88,13 @@ LogEvents::LogEvents(const std::vector<std::filesystem::path>& files, const LogS
   }
   std::ranges::stable_sort(events_, {}, &LogEvent::utime);
   gaps_ = timeline.gaps();
+}
+
+void LogEvents::noteChannel(std::string_view channel) {
+  constexpr std::size_t kMostNoted = 100;
+  if (found_.contains(channel)) return;
+  found_.emplace(channel);
+  if (found_.size() > kMostNoted) found_.erase(std::prev(found_.end()));
 }
 
 std::uint32_t LogEvents::indexOf(std::string_view channel) {

@@ -45,8 +45,9 @@ struct ShortenedGaps {
 /// recorded ones are not sent.
 [[nodiscard]] bool isPlaybackChannel(std::string_view channel);
 
-/// The selected events of a log series, sorted by time, without those of isPlaybackChannel(). They
-/// take 40 bytes each, however long the messages are: a log may be larger than the memory.
+/// The selected events of a log series, sorted by time, without those of isPlaybackChannel() and
+/// those that no bus carries. They take 40 bytes each, however long the messages are: a log may be
+/// larger than the memory.
 class LogEvents {
  public:
   /// @throws std::runtime_error if a file cannot be opened or read
@@ -65,8 +66,16 @@ class LogEvents {
   }
   /// What was shortened in the whole log.
   [[nodiscard]] const ShortenedGaps& gaps() const { return gaps_; }
+  /// Of the whole log, with shortened gaps [s].
+  [[nodiscard]] double logLength() const { return length_; }
+  /// Of the whole log, without those of isPlaybackChannel(); the first hundred in alphabetical
+  /// order.
+  [[nodiscard]] const std::set<std::string, std::less<>>& logChannels() const { return found_; }
+  /// The number of selected events with a channel name or a message that is too long for a bus.
+  [[nodiscard]] std::int64_t unsendable() const { return unsendable_; }
 
  private:
+  void noteChannel(std::string_view channel);
   std::uint32_t indexOf(std::string_view channel);
 
   LoggedMessages messages_;
@@ -74,6 +83,9 @@ class LogEvents {
   std::vector<std::string> channels_;
   std::map<std::string, std::uint32_t, std::less<>> indices_;  ///< of channels_
   ShortenedGaps gaps_;
+  double length_ = 0;
+  std::set<std::string, std::less<>> found_;
+  std::int64_t unsendable_ = 0;
 };
 
 /// The message as a replay sends it: messages with an origin get REPLAY, all others are unchanged.

@@ -164,9 +164,32 @@ void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& optio
   page->start([](const std::string& what) { printLine("web      " + what); });
 }
 
+/// Why no message of the log is played.
+std::string nothingToPlay(const ReplayOptions& options, const fs::path& log,
+                          const LogEvents& events) {
+  const bool known = options.channels.empty() ||
+                     std::ranges::any_of(options.channels, [&events](const std::string& channel) {
+                       return events.logChannels().contains(channel);
+                     });
+  if (!known) {
+    return fmt::format(
+        "{}: found no message on --channel {}, expected one of its channels: {} "
+        "(EXPERIMENT_STATUS and EXPERIMENT_COMMAND of a replay are its own)",
+        log.string(), fmt::join(options.channels, ", "), fmt::join(events.logChannels(), ", "));
+  }
+  return fmt::format(
+      "{}: found no message{} between {:g} s and {}; the log lasts {:.1f} s: change --from or --to",
+      log.string(), options.channels.empty() ? "" : " on the chosen channels", options.from,
+      options.to ? fmt::format("{:g} s", *options.to) : "its end", events.logLength());
+}
+
 }  // namespace
 
 ExitCode replay(const ReplayOptions& options) {
+  if (options.to && options.from >= *options.to) {
+    throw UserError(fmt::format("--from {:g} --to {:g}: found an end before the begin",
+                                options.from, *options.to));
+  }
   const std::vector<fs::path> log_files = report::logFiles(options.log);
   const fs::path& log = log_files.front();
   LogEvents events(log_files, {options.from,
@@ -174,8 +197,7 @@ ExitCode replay(const ReplayOptions& options) {
                                {options.channels.begin(), options.channels.end()},
                                options.max_gap});
   if (events.all().empty()) {
-    throw UserError(log.string() +
-                    " holds no message between --from and --to on the chosen channels");
+    throw UserError(nothingToPlay(options, log, events));
   }
   const std::string url = lcmUrl(choosePort(options.port));
   // canonical(): the folder `.` must get its real name.
@@ -193,6 +215,12 @@ ExitCode replay(const ReplayOptions& options) {
   if (gaps.steps_back > 0) {
     fmt::print("clock    set back {} in the log; the replay goes on there\n",
                gaps.steps_back == 1 ? "once" : fmt::format("{} times", gaps.steps_back));
+  }
+  if (events.unsendable() > 0) {
+    fmt::print(
+        "left out {} messages that no bus carries: channel names above 63 characters or messages "
+        "above 16 MB\n",
+        events.unsendable());
   }
   std::fflush(stdout);
   const RegistryFile output(".web.txt");

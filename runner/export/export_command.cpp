@@ -98,9 +98,13 @@ class Exporter {
   explicit Exporter(const ExportOptions& options)
       : options_(options), log_(report::logFiles(options.input)) {
     fs::path beside = options_.input;
-    if (!beside.has_filename()) beside = beside.parent_path();  // "runs/NAME/"
     if (fs::is_directory(options_.input)) {
       folder_ = options_.input;
+      if (!beside.has_filename()) beside = beside.parent_path();  // "runs/NAME/"
+      // The folders `.` and `..` must get their real names.
+      if (beside.filename() == "." || beside.filename() == ".." || beside.empty()) {
+        beside = fs::canonical(options_.input);
+      }
     } else {
       folder_ = options_.input.parent_path();
       beside.replace_extension();

@@ -91,8 +91,13 @@ void visitSweep(KeyVisitor& v, SweepTable& sweep) {
 
 }  // namespace keys
 
-SweepTable readSweepTable(std::string_view text, const std::string& name) {
-  const keys::TomlDocument document(text, name, {});
+SweepTable readSweepTable(std::string_view text, const std::string& name,
+                          const std::vector<std::string>& set) {
+  std::vector<std::string> of_sweep;
+  for (const std::string& setting : set) {
+    if (setting.starts_with("sweep.") || setting.starts_with("sweep=")) of_sweep.push_back(setting);
+  }
+  const keys::TomlDocument document(text, name, of_sweep);
   keys::Problems problems([&](const std::string& path) { return document.place(path); });
   SweepTable sweep;
   const toml::node* table = document.root().get("sweep");

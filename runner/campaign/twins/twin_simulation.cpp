@@ -86,7 +86,9 @@ TwinOrigin readTwinOrigin(const fs::path& run) {
   }
   TwinOrigin origin;
   origin.run = run;
-  origin.log = fs::absolute(folder ? run : run.parent_path()).lexically_normal();
+  // absolute() first: the folder of "log.lcmlog" must not be empty.
+  const fs::path absolute = fs::absolute(run).lexically_normal();
+  origin.log = folder ? absolute : absolute.parent_path();
   origin.facts = report::readTwinFacts(run, kTwinAnalysis);
   requireComparable(origin.facts, run);
   origin.twins = twinExperimentOf(origin.facts);

@@ -183,6 +183,7 @@ TEST(LabTheory, ReportsWrongArgumentsInOneLine) {
   refuses("bp V_cm_s=3 epsilon_s=0.2 --lags 1,x", "--lags: found \"x\"");
   refuses("bp V_cm_s=3 epsilon_s=0.2 --lags 1,-2", "--lags: found -2, allowed above 0");
   refuses("bp V_cm_s=3 epsilon_s=0.2 --phase-s 0.3", "found 0.3, allowed 0 to epsilon_s = 0.2");
+  refuses("bp V_cm_s=3 epsilon_s=0.2 --phase-s nan", "found nan, allowed 0 to epsilon_s = 0.2");
   refuses("rtp v_cm_s=5 gamma_per_s=3 tau_t_s=0.5 --kurtosis", "--kurtosis");
 }
 

@@ -104,6 +104,9 @@ def main():
         shutil.copy(os.path.join(original, 'log.lcmlog'), log)
         lab('twin', log, '--count', '10', '--no-figures')
         assert os.path.exists(os.path.join(folder, 'alone.lcmlog-twins', 'twin.json'))
+        # A log in the current folder has no folder in its name.
+        lab('twin', 'alone.lcmlog', '--count', '10', '--no-figures', '--out', os.path.join(folder, 'here'),
+            cwd=folder)
 
         # What cannot be compared is said in one line.
         assert 'found nothing' in lab('twin', os.path.join(folder, 'nowhere'), code=2)

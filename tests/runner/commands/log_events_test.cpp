@@ -103,6 +103,55 @@ TEST(LogEvents, SaysThatALogHasBecomeShorter) {
   EXPECT_EQ(dut.messageOf(dut.all()[0]).size(), 100'000U) << "it goes on when the file is back";
 }
 
+TEST(LogEvents, LeavesOutAndCountsWhatNoBusCarries) {
+  const TemporaryFolder folder;
+  const std::filesystem::path log = folder / "log.lcmlog";
+  {
+    LogWriter writer(log);
+    writer.write({std::string(63, 'A'), {}, 1'000'000});
+    writer.write({std::string(64, 'A'), {}, 2'000'000});
+    writer.write({"B", std::vector<std::uint8_t>((16U << 20U) + 1), 3'000'000});
+    writer.write({"C", {}, 4'000'000});
+  }
+  const LogEvents dut({log});
+  ASSERT_EQ(dut.all().size(), 2U);
+  EXPECT_EQ(dut.channelOf(dut.all()[1]), "C");
+  EXPECT_EQ(dut.unsendable(), 2);
+}
+
+TEST(LogEvents, KnowsLengthAndChannelsOfTheWholeLog) {
+  const TemporaryFolder folder;
+  const std::filesystem::path log = folder / "log.lcmlog";
+  {
+    LogWriter writer(log);
+    for (const std::int64_t second : {1, 4, 7}) {
+      writer.write({second == 4 ? "B" : "A", {}, second * 1'000'000});
+    }
+    writer.write({channels::kExperimentStatus, {}, 7'500'000});
+  }
+  const LogEvents dut({log}, {.from = 10});
+  EXPECT_TRUE(dut.all().empty());
+  EXPECT_DOUBLE_EQ(dut.logLength(), 6.5);
+  EXPECT_THAT(dut.logChannels(), testing::ElementsAre("A", "B"));
+}
+
+TEST(LogEvents, ManyGapsOfYearsStayInOrder) {
+  constexpr std::int64_t kYears = 1'000'000'000'000'000;
+  const TemporaryFolder folder;
+  const std::filesystem::path log = folder / "log.lcmlog";
+  {
+    LogWriter writer(log);
+    for (int i = 0; i < 20'000; ++i) {
+      for (const std::int64_t later : {0, 1000, 2000}) {
+        writer.write({"A", {}, (i % 2 == 0 ? 1'000'000 : kYears) + later});
+      }
+    }
+  }
+  const LogEvents dut({log}, {.max_gap = 1e9});
+  EXPECT_EQ(dut.all().size(), 60'000U);
+  EXPECT_GE(dut.all().front().utime, 0);
+}
+
 TEST(LogEvents, ShortensGapsAndGoesOnWhereTheClockWasSetBack) {
   constexpr std::int64_t kSecond = 1'000'000;
   const TemporaryFolder folder;
