@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <charconv>
 #include <cstdint>
+#include <filesystem>
 #include <limits>
 #include <map>
 #include <system_error>
@@ -110,7 +111,17 @@ std::vector<std::string> withOption(std::vector<std::string> set, const std::str
 }
 
 void addRunsFolder(CLI::App& command, std::filesystem::path& runs, const std::string& text) {
-  command.add_option("--runs,--out", runs, text)->capture_default_str();
+  command.add_option("--runs,--out", runs, text)
+      ->capture_default_str()
+      ->check(CLI::Validator(
+          [](const std::string& named) {
+            std::error_code error;
+            const auto status = std::filesystem::status(named, error);
+            return !std::filesystem::exists(status) || std::filesystem::is_directory(status)
+                       ? std::string()
+                       : "found no folder at " + named + ", expected one or a new name";
+          },
+          ""));
 }
 
 void addExperiment(CLI::App& command, std::filesystem::path& file) {

@@ -17,9 +17,11 @@
 #include "common/bus/lcm_bus.hpp"
 #include "common/bus/message_header.hpp"
 #include "common/bus/stream_counter.hpp"
+#include "common/bus/udpm_url.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/math/units.hpp"
 #include "common/text/printable.hpp"
+#include "runner/command_line/exit_code.hpp"
 #include "runner/commands/commands.hpp"
 #include "runner/runs/lab_registry.hpp"
 
@@ -127,6 +129,11 @@ class Spy {
 
 ExitCode spy(const SpyOptions& options) {
   if (!options.url.empty()) {
+    if (!parseUdpmUrl(options.url)) {
+      throw UserError("--lcm-url: found " + options.url +
+                      ", expected the URL of a bus as lab run prints it: "
+                      "udpm://239.255.76.67:7667?ttl=0");
+    }
     Spy(options.url, options.url).execute(options.seconds);
   } else {
     const RunningLab lab = findLab(options.lab);

@@ -23,6 +23,7 @@
 #include "runner/campaign/queue/campaign_queue.hpp"
 #include "runner/campaign/sweep_command.hpp"
 #include "runner/command_line/command_line_parts.hpp"
+#include "runner/command_line/experiment_lookup.hpp"
 #include "runner/command_line/unknown_argument.hpp"
 
 namespace lab::runner::campaign {
@@ -67,6 +68,11 @@ void checkArguments(const std::vector<std::string>& arguments) {
     const std::string unknown = unknownArgument(app, count, words.data());
     throw UserError(unknown.empty() ? fmt::format("sweep: {}", error.what()) : unknown);
   }
+  const auto input = app.get_subcommand("sweep")->get_option("FILE|CAMPAIGN")->as<std::string>();
+  if (fs::is_directory(input)) return;
+  const fs::path file = findExperiment(input, installation().experiments);
+  const std::string problem = regularFileProblem(file, file_kinds::kExperiment);
+  if (!problem.empty()) throw UserError(fmt::format("{}: {}", file.string(), problem));
 }
 
 /// Runs lab sweep with the terminal of this process.

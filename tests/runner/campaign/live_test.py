@@ -130,6 +130,8 @@ def check_queue(folder):
     queue(folder, ['add', *common, '--set', 'programs.abp.epsilon_s=0.2', '--out', 'one'])
     queue(folder, ['add', *common, '--set', 'nothing=3', '--out', 'two'])
     queue(folder, ['add', *common, '--set', 'programs.abp.epsilon_s=0.5', '--out', 'three'])
+    text = queue(folder, ['add', 'nowhere.toml'], code=2)
+    assert 'nowhere.toml' in text, text
     text = queue(folder, ['add', 'engines.toml', '--overr', '1'], code=2)
     assert '--overr' in text and len(text.splitlines()) == 1, text
     assert queue(folder, []).count('waiting') == 3
