@@ -41,7 +41,9 @@ std::size_t lineOfDeepKey(std::string_view toml) {
     } else if (kEndsKey.find(letter) != std::string_view::npos) {
       names = 1;
     }
-    for (; i < next; ++i) line += toml[i] == '\n' ? 1 : 0;
+    for (; i < next; ++i) {
+      if (toml[i] == '\n') ++line;
+    }
   }
   return 0;
 }
