@@ -129,7 +129,9 @@ TEST(LogEvents, KnowsLengthAndChannelsOfTheWholeLog) {
     }
     writer.write({channels::kExperimentStatus, {}, 7'500'000});
   }
-  const LogEvents dut({log}, {.from = 10});
+  LogSelection selection;
+  selection.from = 10;
+  const LogEvents dut({log}, selection);
   EXPECT_TRUE(dut.all().empty());
   EXPECT_DOUBLE_EQ(dut.logLength(), 6.5);
   EXPECT_THAT(dut.logChannels(), testing::ElementsAre("A", "B"));
@@ -147,7 +149,9 @@ TEST(LogEvents, ManyGapsOfYearsStayInOrder) {
       }
     }
   }
-  const LogEvents dut({log}, {.max_gap = 1e9});
+  LogSelection selection;
+  selection.max_gap = 1e9;
+  const LogEvents dut({log}, selection);
   EXPECT_EQ(dut.all().size(), 60'000U);
   EXPECT_GE(dut.all().front().utime, 0);
 }
