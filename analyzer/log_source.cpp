@@ -259,10 +259,6 @@ class Reading {
   StartJudge judge_;
 };
 
-}  // namespace
-
-namespace {
-
 /// How to unpack the log if its name says that it is compressed.
 std::string unpackHint(const fs::path& log) {
   for (const auto& [ending, program] : {std::pair(".xz", "xz"), std::pair(".gz", "gzip"),
