@@ -8,7 +8,7 @@
 
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_text.hpp"
-#include "common/files/toml_keys.hpp"
+#include "common/files/toml_text.hpp"
 #include "common/math/units.hpp"
 
 namespace lab {
@@ -41,13 +41,10 @@ class Reader {
 
   toml::table parse() const {
     const std::string text = readFileText(name_, file_kinds::kCalibration);
-    if (const std::size_t line = keys::lineOfDeepKey(text); line > 0) {
-      fail(fmt::format("line {}: found a key of more than {} names", line, keys::kMostNames));
-    }
     try {
-      return toml::parse(text, name_);
-    } catch (const toml::parse_error& error) {
-      fail(fmt::format("line {}: {}", error.source().begin.line, error.description()));
+      return keys::parseToml(text, name_);
+    } catch (const keys::TomlError& error) {
+      fail(fmt::format("line {}: {}", error.at().line, error.what()));
     }
   }
 

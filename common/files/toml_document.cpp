@@ -9,7 +9,7 @@
 
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
-#include "common/files/toml_keys.hpp"
+#include "common/files/toml_text.hpp"
 #include "robot/language/spelled_name.hpp"
 
 namespace lab::keys {
@@ -78,11 +78,10 @@ Node* child(Node* node, const Part& part) {
 /// @param source names it in messages
 toml::table parseValue(const std::string& value, const std::string& source) {
   for (const std::string& candidate : {value, tomlString(value)}) {
-    if (lineOfDeepKey(candidate) > 0) continue;
     try {
-      toml::table table = toml::parse("value = " + candidate, source);
+      toml::table table = parseToml("value = " + candidate, source);
       if (table.size() == 1) return table;
-    } catch (const toml::parse_error&) {
+    } catch (const TomlError&) {
       continue;  // not TOML: a bare word
     }
   }
@@ -119,21 +118,15 @@ std::string greekNameAt(std::string_view text, const toml::source_position& at) 
 TomlDocument::TomlDocument(std::string_view text, std::string file,
                            const std::vector<std::string>& overrides)
     : file_(std::move(file)) {
-  if (const std::size_t line = lineOfDeepKey(text); line > 0) {
-    throw ExperimentError({file_ + ":" + std::to_string(line) + ": found a key of more than " +
-                           std::to_string(kMostNames) + " names, which no file of the lab has"});
-  }
   try {
-    root_ = toml::parse(text, file_);
-  } catch (const toml::parse_error& error) {
-    const toml::source_position at = error.source().begin;
-    const std::string place =
-        file_ + ":" + std::to_string(at.line) + ":" + std::to_string(at.column) + ": ";
-    if (const std::string greek = greekNameAt(text, at); !greek.empty()) {
-      throw ExperimentError({place + greek});
-    }
-    throw ExperimentError({place + "found no valid TOML: " + std::string(error.description()) +
-                           "; allowed: TOML 1.0 (docs/experiments.md)"});
+    root_ = parseToml(text, file_);
+  } catch (const TomlError& error) {
+    const toml::source_position at = error.at();
+    const std::string line = file_ + ":" + std::to_string(at.line) + ":";
+    if (at.column == 0) throw ExperimentError({line + " " + error.what()});
+    const std::string greek = greekNameAt(text, at);
+    throw ExperimentError(
+        {line + std::to_string(at.column) + ": " + (greek.empty() ? error.what() : greek)});
   }
   std::vector<std::string> problems;
   for (const std::string& argument : overrides) {

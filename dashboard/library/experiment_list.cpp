@@ -7,7 +7,7 @@
 #include <set>
 
 #include "common/files/file_text.hpp"
-#include "common/files/toml_keys.hpp"
+#include "common/files/toml_text.hpp"
 #include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {
@@ -19,18 +19,13 @@ bool readHead(ListedExperiment& experiment) {
   experiment.name = experiment.path.stem().string();
   const auto text = readWholeFile(experiment.path, file_kinds::kExperiment);
   if (!text) return false;
-  if (const std::size_t line = keys::lineOfDeepKey(*text); line > 0) {
-    experiment.description =
-        fmt::format("found a key of more than {} names in line {}", keys::kMostNames, line);
-    return true;
-  }
   try {
-    const toml::table table = toml::parse(*text);
+    const toml::table table = keys::parseToml(*text, experiment.file);
     if (!table.contains("robots") && !table.contains("programs")) return false;
     experiment.name = table["name"].value_or(experiment.name);
     experiment.description = table["description"].value_or(std::string());
-  } catch (const toml::parse_error& problem) {
-    experiment.description = fmt::format("syntax error in line {}", problem.source().begin.line);
+  } catch (const keys::TomlError& problem) {
+    experiment.description = fmt::format("syntax error in line {}", problem.at().line);
   }
   return true;
 }

@@ -1,4 +1,4 @@
-#include "common/files/toml_keys.hpp"
+#include "common/files/toml_text.hpp"
 
 #include <algorithm>
 
@@ -24,10 +24,9 @@ std::size_t afterString(std::string_view toml, std::size_t at) {
   return toml.size();
 }
 
-}  // namespace
-
-std::size_t lineOfDeepKey(std::string_view toml) {
-  std::size_t line = 1;
+/// The line of the first key of more than kMostNames names; 0: there is no such key.
+toml::source_index lineOfDeepKey(std::string_view toml) {
+  toml::source_index line = 1;
   std::size_t names = 1;
   for (std::size_t i = 0; i < toml.size();) {
     const char letter = toml[i];
@@ -46,6 +45,23 @@ std::size_t lineOfDeepKey(std::string_view toml) {
     }
   }
   return 0;
+}
+
+}  // namespace
+
+toml::table parseToml(std::string_view text, std::string_view name) {
+  if (const toml::source_index line = lineOfDeepKey(text); line > 0) {
+    throw TomlError("found a key of more than " + std::to_string(kMostNames) +
+                        " names, which no file of the lab has",
+                    {line, 0});
+  }
+  try {
+    return toml::parse(text, name);
+  } catch (const toml::parse_error& error) {
+    throw TomlError("found no valid TOML: " + std::string(error.description()) +
+                        "; allowed: TOML 1.0 (docs/experiments.md)",
+                    error.source().begin);
+  }
 }
 
 }  // namespace lab::keys
