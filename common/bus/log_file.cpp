@@ -214,6 +214,7 @@ class LogReader::Implementation {
         file_ = std::make_unique<File>(files_[opened_++]);
       }
       if (const std::optional<Packet> packet = nextOf(*file_)) return packet;
+      file_->mapped.requireWhole();
       result_.resyncs += file_->reader.resyncs();
       file_.reset();
     }
@@ -265,30 +266,6 @@ LogReader::~LogReader() = default;
 std::optional<Packet> LogReader::next() { return implementation_->next(); }
 const LogReadResult& LogReader::result() const { return implementation_->result(); }
 const LogPosition& LogReader::position() const { return implementation_->position(); }
-
-LoggedMessages::LoggedMessages(const std::vector<fs::path>& files) : files_(files) {
-  for (const fs::path& file : files_) {
-    if (!streams_.emplace_back(file, std::ios::binary)) {
-      throw std::runtime_error("cannot open the log " + file.string());
-    }
-  }
-}
-
-std::vector<std::uint8_t> LoggedMessages::at(const LogPosition& at) {
-  std::vector<std::uint8_t> message(at.size);
-  std::ifstream& stream = streams_.at(at.file);
-  stream.clear();
-  stream.seekg(static_cast<std::streamoff>(at.offset));
-  if (!stream.read(reinterpret_cast<char*>(message.data()),
-                   static_cast<std::streamsize>(message.size()))) {
-    throw std::runtime_error("cannot go on reading the log " + files_[at.file].string() +
-                             ": found " + std::to_string(stream.gcount()) + " bytes at byte " +
-                             std::to_string(at.offset) + ", expected " + std::to_string(at.size) +
-                             "; was it made shorter?");
-  }
-  std::optional<std::vector<std::uint8_t>> newer = upgraded(message);
-  return newer ? std::move(*newer) : std::move(message);
-}
 
 LogReadResult readLog(const std::vector<fs::path>& files, const PacketHandler& handler) {
   LogReader reader(files);

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -80,22 +79,6 @@ class LogReader {
  private:
   class Implementation;
   std::unique_ptr<Implementation> implementation_;
-};
-
-/// Reads single messages of log files, for logs that are larger than the memory.
-class LoggedMessages {
- public:
-  /// @throws std::runtime_error if a file cannot be opened
-  explicit LoggedMessages(const std::vector<std::filesystem::path>& files);
-
-  /// @param at as LogReader::position() gave it for the same files
-  /// @return as LogReader gives it: of the present contract version
-  /// @throws std::runtime_error if the file has become shorter, or cannot be read
-  [[nodiscard]] std::vector<std::uint8_t> at(const LogPosition& at);
-
- private:
-  std::vector<std::filesystem::path> files_;
-  std::vector<std::ifstream> streams_;
 };
 
 /// Calls `handler` for every event that LogReader gives.

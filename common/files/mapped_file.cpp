@@ -9,22 +9,59 @@
 
 namespace lab {
 
-MappedFile::MappedFile(const std::filesystem::path& path, const std::string& what) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  if (file < 0) throw std::runtime_error("cannot open the " + what + " " + path.string());
+namespace {
+
+/// The size of a regular file [bytes]; nothing: it is none, or unknown.
+std::optional<std::size_t> sizeOf(int file) {
   struct stat status {};
-  const bool known = ::fstat(file, &status) == 0 && S_ISREG(status.st_mode);
-  size_ = known ? static_cast<std::size_t>(status.st_size) : 0;
-  if (size_ > 0) data_ = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file, 0);
-  ::close(file);
-  if (!known || data_ == MAP_FAILED) {
-    throw std::runtime_error("cannot read the " + what + " " + path.string());
-  }
-  if (size_ > 0) ::madvise(data_, size_, MADV_SEQUENTIAL);
+  if (::fstat(file, &status) != 0 || !S_ISREG(status.st_mode)) return {};
+  return static_cast<std::size_t>(status.st_size);
+}
+
+}  // namespace
+
+MappedFile::MappedFile(const std::filesystem::path& path, const std::string& what)
+    : name_(what + " " + path.string()),
+      file_(::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC)) {
+  if (file_.get() < 0) throw std::runtime_error("cannot open the " + name_);
+  const auto size = sizeOf(file_.get());
+  if (size == 0U) return;
+  void* const data =
+      size ? ::mmap(nullptr, *size, PROT_READ, MAP_PRIVATE, file_.get(), 0) : MAP_FAILED;
+  if (data == MAP_FAILED) throw std::runtime_error("cannot read the " + name_);
+  data_ = data;
+  size_ = *size;
+  guard_.emplace(data_, size_);
+  ::madvise(data_, size_, MADV_SEQUENTIAL);
 }
 
 MappedFile::~MappedFile() {
+  guard_.reset();
   if (size_ > 0) ::munmap(data_, size_);
+}
+
+std::span<const std::uint8_t> MappedFile::part(std::uint64_t offset, std::size_t size) const {
+  if (offset > size_ || size > size_ - offset) failAsShorter();
+  const auto part = bytes().subspan(static_cast<std::size_t>(offset), size);
+  const auto touch = [](const std::uint8_t& byte) {
+    static_cast<void>(*static_cast<const volatile std::uint8_t*>(&byte));
+  };
+  constexpr std::size_t kSmallestPage_bytes = 4096;
+  for (std::size_t i = 0; i < size; i += kSmallestPage_bytes) touch(part[i]);
+  if (size > 0) touch(part.back());
+  if (guard_ && guard_->readZeros()) failAsShorter();
+  return part;
+}
+
+void MappedFile::requireWhole() const {
+  if (sizeOf(file_.get()).value_or(0) < size_) failAsShorter();
+  if (guard_ && guard_->readZeros()) failAsShorter();
+}
+
+void MappedFile::failAsShorter() const {
+  throw std::runtime_error("cannot go on reading the " + name_ +
+                           ": found that it has become shorter, expected that no program changes "
+                           "it; was it replaced?");
 }
 
 void MappedFile::release(const std::uint8_t* at) {

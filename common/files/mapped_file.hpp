@@ -4,12 +4,17 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "common/files/bus_error_guard.hpp"
+#include "common/process/file_descriptor.hpp"
+
 namespace lab {
 
-/// A file mapped for reading. Reading it with copies takes as long as decoding what is in it.
+/// A file mapped for reading. Reading it with copies takes as long as decoding what is in it. If
+/// another program makes the file shorter, the missing bytes read as zeros.
 class MappedFile {
  public:
   /// @param what the file is, for messages: "log"
@@ -27,10 +32,23 @@ class MappedFile {
   /// the memory that its reader may take.
   void release(const std::uint8_t* at);
 
+  /// A part of the file, which is in memory afterwards.
+  /// @throws std::runtime_error if the file does not have it any more
+  [[nodiscard]] std::span<const std::uint8_t> part(std::uint64_t offset, std::size_t size) const;
+
+  /// To be called after reading bytes().
+  /// @throws std::runtime_error if the file has become shorter
+  void requireWhole() const;
+
  private:
+  [[noreturn]] void failAsShorter() const;
+
+  std::string name_;  ///< for messages
+  FileDescriptor file_;
   void* data_ = nullptr;
   std::size_t size_ = 0;
   std::size_t released_ = 0;
+  std::optional<BusErrorGuard> guard_;
 };
 
 }  // namespace lab

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <memory>
 #include <utility>
 
-#include "common/bus/contract_upgrade.hpp"
-#include "common/files/mapped_file.hpp"
+#include "common/bus/logged_messages.hpp"
 #include "common/schema/checked_encoding.hpp"
 
 namespace lab::schema {
@@ -59,24 +57,15 @@ const LoggedChannel* LogIndex::find(std::string_view channel) const {
 
 void LogIndex::read(std::string_view channel, const Type& type,
                     const std::function<void(std::int64_t, const Packet&)>& take) const {
+  LoggedMessages messages(files_);
   for (std::size_t i = 0; i < channels_.size(); ++i) {
     if (channels_[i].channel != channel || channels_[i].type != &type) continue;
-    std::unique_ptr<MappedFile> mapped;
-    std::size_t file = 0;
     for (const Entry& entry : entries_[i]) {
-      if (!mapped || file != entry.file) {
-        file = entry.file;
-        mapped = std::make_unique<MappedFile>(files_[file], "log");
-      }
-      // A log that has become shorter since then.
-      if (entry.offset + entry.size > mapped->bytes().size()) continue;
-      const Bytes data =
-          mapped->bytes().subspan(static_cast<std::size_t>(entry.offset), entry.size);
-      mapped->release(data.data());
-      const auto newer = upgraded(data);
-      take(entry.event, {channel, newer ? Bytes(*newer) : data, entry.utime});
+      take(entry.event,
+           {channel, messages.at({entry.file, entry.offset, entry.size}), entry.utime});
     }
   }
+  messages.requireWhole();
 }
 
 ChannelCheck checkChannel(const LogIndex& log, std::string_view channel, const Type& type) {

@@ -44,7 +44,7 @@ class LogIndex {
   [[nodiscard]] const std::vector<std::filesystem::path>& files() const { return files_; }
 
   /// Calls `take(number of the event, packet)` for every message of this channel and type.
-  /// @throws std::runtime_error if a file cannot be read
+  /// @throws std::runtime_error if a file cannot be read, or has become shorter
   void read(std::string_view channel, const Type& type,
             const std::function<void(std::int64_t, const Packet&)>& take) const;
 

@@ -74,8 +74,9 @@ LogEvents::LogEvents(const std::vector<std::filesystem::path>& files, const LogS
     length_ = std::max(length_, time);
     if (isPlaybackChannel(packet->channel)) continue;
     noteChannel(packet->channel);
-    if (time < selection.from || (selection.to && time > *selection.to)) continue;
     if (!selection.channels.empty() && !selection.channels.contains(packet->channel)) continue;
+    has_selected_ = true;
+    if (time < selection.from || (selection.to && time > *selection.to)) continue;
     if (packet->channel.size() > kLongestChannelName ||
         packet->data.size() > UdpmAssembler::kLongestMessage) {
       ++unsendable_;

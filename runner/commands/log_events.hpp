@@ -13,6 +13,7 @@
 
 #include "common/bus/bus.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/bus/logged_messages.hpp"
 
 namespace lab::runner {
 
@@ -60,8 +61,9 @@ class LogEvents {
   }
   /// Whether there is an event on the channel.
   [[nodiscard]] bool has(std::string_view channel) const { return indices_.contains(channel); }
+  /// @return valid until the next call
   /// @throws std::runtime_error if the file has become shorter, or cannot be read
-  [[nodiscard]] std::vector<std::uint8_t> messageOf(const LogEvent& event) {
+  [[nodiscard]] Bytes messageOf(const LogEvent& event) {
     return messages_.at({event.file, event.offset, event.size});
   }
   /// What was shortened in the whole log.
@@ -71,6 +73,8 @@ class LogEvents {
   /// Of the whole log, without those of isPlaybackChannel(); the first hundred in alphabetical
   /// order.
   [[nodiscard]] const std::set<std::string, std::less<>>& logChannels() const { return found_; }
+  /// Whether the log has a message on a selected channel, at any time.
+  [[nodiscard]] bool hasSelectedChannel() const { return has_selected_; }
   /// The number of selected events with a channel name or a message that is too long for a bus.
   [[nodiscard]] std::int64_t unsendable() const { return unsendable_; }
 
@@ -85,6 +89,7 @@ class LogEvents {
   ShortenedGaps gaps_;
   double length_ = 0;
   std::set<std::string, std::less<>> found_;
+  bool has_selected_ = false;
   std::int64_t unsendable_ = 0;
 };
 

@@ -167,11 +167,7 @@ void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& optio
 /// Why no message of the log is played.
 std::string nothingToPlay(const ReplayOptions& options, const fs::path& log,
                           const LogEvents& events) {
-  const bool known = options.channels.empty() ||
-                     std::ranges::any_of(options.channels, [&events](const std::string& channel) {
-                       return events.logChannels().contains(channel);
-                     });
-  if (!known) {
+  if (!options.channels.empty() && !events.hasSelectedChannel()) {
     return fmt::format(
         "{}: found no message on --channel {}, expected one of its channels: {} "
         "(EXPERIMENT_STATUS and EXPERIMENT_COMMAND of a replay are its own)",

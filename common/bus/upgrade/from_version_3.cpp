@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "common/bus/upgrade/message_header.hpp"
+
 namespace lab {
 namespace {
 
@@ -26,16 +28,6 @@ std::vector<light_layer_t> convert(const std::vector<lab_v3::light_layer_t>& old
   std::vector<light_layer_t> layers;
   for (const lab_v3::light_layer_t& layer : old) layers.push_back(convert(layer));
   return layers;
-}
-
-template <class New, class Old>
-New withHeaderOf(const Old& old) {
-  New message{};
-  message.utime = old.utime;
-  message.sender = old.sender;
-  message.instance = old.instance;
-  message.seq = old.seq;
-  return message;
 }
 
 }  // namespace

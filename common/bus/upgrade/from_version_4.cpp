@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "common/bus/upgrade/message_header.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/files/experiment_error.hpp"
 #include "common/programs/shipped_programs.hpp"
@@ -214,16 +215,6 @@ robot_order_t convert(const lab_v4::robot_order_t& old) {
   message.reverse_on = old.reverse_on;
   message.reverse_distance = old.reverse_distance;
   message.reverse_speed = old.reverse_speed;
-  return message;
-}
-
-template <class New, class Old>
-New withHeaderOf(const Old& old) {
-  New message{};
-  message.utime = old.utime;
-  message.sender = old.sender;
-  message.instance = old.instance;
-  message.seq = old.seq;
   return message;
 }
 

@@ -79,9 +79,9 @@ TEST(LogEvents, ReadsEachMessageWhenItIsAskedFor) {
   }
   LogEvents dut({first, second});
   ASSERT_EQ(dut.all().size(), 3U);
-  EXPECT_EQ(dut.messageOf(dut.all()[1]), (std::vector<std::uint8_t>{4}));
-  EXPECT_EQ(dut.messageOf(dut.all()[0]), (std::vector<std::uint8_t>{1, 2, 3}));
-  EXPECT_EQ(dut.messageOf(dut.all()[2]), (std::vector<std::uint8_t>{}));
+  EXPECT_THAT(dut.messageOf(dut.all()[1]), testing::ElementsAre(4));
+  EXPECT_THAT(dut.messageOf(dut.all()[0]), testing::ElementsAre(1, 2, 3));
+  EXPECT_TRUE(dut.messageOf(dut.all()[2]).empty());
   EXPECT_TRUE(dut.has("A"));
   EXPECT_FALSE(dut.has("C"));
 }
@@ -96,11 +96,8 @@ TEST(LogEvents, SaysThatALogHasBecomeShorter) {
   LogEvents dut({log});
   std::filesystem::resize_file(log, 50'000);
   EXPECT_THAT([&] { static_cast<void>(dut.messageOf(dut.all()[0])); },
-              testing::ThrowsMessage<std::runtime_error>(testing::AllOf(
-                  testing::HasSubstr("cannot go on reading the log " + log.string() + ": found "),
-                  testing::HasSubstr("expected 100000; was it made shorter?"))));
-  std::filesystem::resize_file(log, 110'000);
-  EXPECT_EQ(dut.messageOf(dut.all()[0]).size(), 100'000U) << "it goes on when the file is back";
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr(
+                  "cannot go on reading the log " + log.string() + ": found that it has become")));
 }
 
 TEST(LogEvents, LeavesOutAndCountsWhatNoBusCarries) {
@@ -135,6 +132,11 @@ TEST(LogEvents, KnowsLengthAndChannelsOfTheWholeLog) {
   EXPECT_TRUE(dut.all().empty());
   EXPECT_DOUBLE_EQ(dut.logLength(), 6.5);
   EXPECT_THAT(dut.logChannels(), testing::ElementsAre("A", "B"));
+  EXPECT_TRUE(dut.hasSelectedChannel());
+  selection.channels = {"C", "EXPERIMENT_STATUS"};
+  EXPECT_FALSE(LogEvents({log}, selection).hasSelectedChannel());
+  selection.channels = {"B", "C"};
+  EXPECT_TRUE(LogEvents({log}, selection).hasSelectedChannel());
 }
 
 TEST(LogEvents, ManyGapsOfYearsStayInOrder) {

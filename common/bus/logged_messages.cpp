@@ -1,0 +1,25 @@
+#include "common/bus/logged_messages.hpp"
+
+#include "common/bus/contract_upgrade.hpp"
+
+namespace lab {
+
+LoggedMessages::LoggedMessages(const std::vector<std::filesystem::path>& files)
+    : files_(files), mapped_(files.size()) {}
+
+Bytes LoggedMessages::at(const LogPosition& at) {
+  std::unique_ptr<MappedFile>& mapped = mapped_.at(at.file);
+  if (!mapped) mapped = std::make_unique<MappedFile>(files_[at.file], "log");
+  const Bytes message = mapped->part(at.offset, at.size);
+  mapped->release(message.data());
+  newer_ = upgraded(message);
+  return newer_ ? Bytes(*newer_) : message;
+}
+
+void LoggedMessages::requireWhole() const {
+  for (const auto& mapped : mapped_) {
+    if (mapped) mapped->requireWhole();
+  }
+}
+
+}  // namespace lab
