@@ -22,8 +22,9 @@ constexpr const char* kForms =
     "key=1,2,3 or key=0.1:0.9:9 (low:high:count, also with :log, :whole or :round=0.01 at the end) "
     "or, with --random, key=0.1:0.9";
 
+/// @param text the option with its value
 [[noreturn]] void refuse(std::string_view text, const std::string& why) {
-  throw UserError(fmt::format("--over {}: {}", text, why));
+  throw UserError(fmt::format("{}: {}", text, why));
 }
 
 std::string_view trimmed(std::string_view text) {
@@ -166,37 +167,40 @@ std::optional<double> numberIn(std::string_view text) {
   return value;
 }
 
-Axis parseAxis(std::string_view text) {
+Axis parseAxis(std::string_view text, std::string_view option) {
+  const std::string quoted = fmt::format("{} {}", option, quoted);
   const std::size_t equals = text.find('=');
   const std::string key(trimmed(text.substr(0, std::min(equals, text.size()))));
   if (equals == std::string_view::npos || key.empty()) {
-    refuse(text, fmt::format("found no key with values, expected {}", kForms));
+    refuse(quoted, fmt::format("found no key with values, expected {}", kForms));
   }
-  requireSweepable(key, text);
+  requireSweepable(key, quoted);
   const std::string_view values = trimmed(text.substr(equals + 1));
-  if (auto range = rangeIn(values, key, text)) {
-    requireDifferent(*range, text);
+  if (auto range = rangeIn(values, key, quoted)) {
+    requireDifferent(*range, quoted);
     return *range;
   }
   Axis axis{key, {}, {}};
   for (const std::string_view value : split(values, ',')) {
-    if (value.empty()) refuse(text, fmt::format("found an empty value, expected {}", kForms));
+    if (value.empty()) refuse(quoted, fmt::format("found an empty value, expected {}", kForms));
     axis.values.emplace_back(value);
   }
   if (axis.values.size() > kMostValues) {
-    refuse(text, fmt::format("found {} values, allowed {}", axis.values.size(), kMostValues));
+    refuse(quoted, fmt::format("found {} values, allowed {}", axis.values.size(), kMostValues));
   }
-  requireDifferent(axis, text);
+  requireDifferent(axis, quoted);
   return axis;
 }
 
-std::vector<Axis> parseAxes(const std::vector<std::string>& texts) {
+std::vector<Axis> parseAxes(const std::vector<std::string>& texts, std::string_view option) {
   std::vector<Axis> axes;
   for (const std::string& text : texts) {
-    Axis axis = parseAxis(text);
+    Axis axis = parseAxis(text, option);
     const bool twice =
         std::ranges::any_of(axes, [&](const Axis& other) { return other.key == axis.key; });
-    if (twice) refuse(text, "found the key twice, expected each key once");
+    if (twice) {
+      refuse(fmt::format("{} {}", option, text), "found the key twice, expected each key once");
+    }
     axes.push_back(std::move(axis));
   }
   return axes;

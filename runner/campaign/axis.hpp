@@ -41,12 +41,14 @@ struct Axis {
 ///     key=0.1:0.9          values drawn between 0.1 and 0.9 (with --random); also :log, :whole and
 ///                          :round=...
 ///
-/// @throws UserError that quotes the text
-[[nodiscard]] Axis parseAxis(std::string_view text);
+/// @param option of the command line, for messages
+/// @throws UserError that quotes option and text
+[[nodiscard]] Axis parseAxis(std::string_view text, std::string_view option = "--over");
 
 /// Parses several axes.
 /// @throws UserError if a key is given twice, or cannot be swept
-[[nodiscard]] std::vector<Axis> parseAxes(const std::vector<std::string>& texts);
+[[nodiscard]] std::vector<Axis> parseAxes(const std::vector<std::string>& texts,
+                                          std::string_view option = "--over");
 
 /// The text of a value of a range, rounded as the range says.
 [[nodiscard]] std::string rangeValue(const DrawnRange& range, double value);

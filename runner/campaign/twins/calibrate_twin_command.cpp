@@ -59,7 +59,7 @@ struct Fitted {
 
 std::vector<Parameter> parametersOf(const CalibrateTwinOptions& options) {
   std::vector<Parameter> parameters;
-  for (Axis& axis : parseAxes(options.fit)) {
+  for (Axis& axis : parseAxes(options.fit, "--fit")) {
     if (!axis.range || !axis.values.empty()) {
       throw UserError(fmt::format(
           "--fit {}: found values, expected a range KEY=LOW:HIGH in which the parameter is sought",

@@ -69,6 +69,12 @@ TEST(Axis, RefusesWhatCannotBeMeant) {
   EXPECT_THAT(refusalOf("k=1:3:9:whole"), HasSubstr("twice"));
 }
 
+TEST(Axis, NamesTheOptionThatWasGiven) {
+  EXPECT_THAT(refusalOf("eta"), testing::StartsWith("--over eta: "));
+  EXPECT_THAT([] { static_cast<void>(parseAxes({"eta"}, "--fit")); },
+              testing::ThrowsMessage<UserError>(testing::StartsWith("--fit eta: ")));
+}
+
 TEST(Axis, RefusesAKeyThatIsGivenTwice) {
   EXPECT_THROW(static_cast<void>(parseAxes({"k=1,2", "k=3"})), UserError);
 }
