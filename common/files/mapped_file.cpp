@@ -49,13 +49,13 @@ std::span<const std::uint8_t> MappedFile::part(std::uint64_t offset, std::size_t
   constexpr std::size_t kSmallestPage_bytes = 4096;
   for (std::size_t i = 0; i < size; i += kSmallestPage_bytes) touch(part[i]);
   if (size > 0) touch(part.back());
-  if (guard_ && guard_->readZeros()) failAsShorter();
+  if (guard_ && guard_->foundTruncation()) failAsShorter();
   return part;
 }
 
 void MappedFile::requireWhole() const {
   if (sizeOf(file_.get()).value_or(0) < size_) failAsShorter();
-  if (guard_ && guard_->readZeros()) failAsShorter();
+  if (guard_ && guard_->foundTruncation()) failAsShorter();
 }
 
 void MappedFile::failAsShorter() const {
@@ -67,6 +67,7 @@ void MappedFile::failAsShorter() const {
 void MappedFile::release(const std::uint8_t* at) {
   constexpr std::size_t kStep = 1U << 26U;
   const auto read = static_cast<std::size_t>(at - static_cast<const std::uint8_t*>(data_));
+  if (read < released_) released_ = read / kStep * kStep;  // the reader went back
   if (read < released_ + kStep) return;
   const std::size_t end = read / kStep * kStep;
   ::madvise(static_cast<std::uint8_t*>(data_) + released_, end - released_, MADV_DONTNEED);

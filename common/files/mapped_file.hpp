@@ -8,7 +8,7 @@
 #include <span>
 #include <string>
 
-#include "common/files/bus_error_guard.hpp"
+#include "common/files/truncation_guard.hpp"
 #include "common/process/file_descriptor.hpp"
 
 namespace lab {
@@ -48,7 +48,7 @@ class MappedFile {
   void* data_ = nullptr;
   std::size_t size_ = 0;
   std::size_t released_ = 0;
-  std::optional<BusErrorGuard> guard_;
+  std::optional<TruncationGuard> guard_;
 };
 
 }  // namespace lab

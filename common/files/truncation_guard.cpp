@@ -1,4 +1,4 @@
-#include "common/files/bus_error_guard.hpp"
+#include "common/files/truncation_guard.hpp"
 
 #include <signal.h>
 #include <sys/mman.h>
@@ -10,21 +10,21 @@
 
 namespace lab {
 
-struct BusErrorGuard::Range {
+struct TruncationGuard::Range {
   std::atomic<bool> taken = false;
   std::atomic<char*> begin = nullptr;
   std::atomic<char*> end = nullptr;
-  std::atomic<bool> read_zeros = false;
+  std::atomic<bool> found_truncation = false;
 };
 
 /// The signal's handler may run in any thread, and may only use atomics and system calls.
-class BusErrorGuard::Handler {
+class TruncationGuard::Handler {
  public:
   static Range* add(char* begin, std::size_t size) {
     install();
     for (Range& range : ranges_) {
       if (range.taken.exchange(true)) continue;
-      range.read_zeros = false;
+      range.found_truncation = false;
       range.end = begin + size;
       range.begin = begin;
       return &range;
@@ -64,7 +64,7 @@ class BusErrorGuard::Handler {
                  MAP_PRIVATE | MAP_ANONYMOUS | MAP_FIXED, -1, 0) == MAP_FAILED) {
         break;
       }
-      range.read_zeros = true;
+      range.found_truncation = true;
       return;
     }
     // The access is tried again, and the previous handler gets the error.
@@ -75,16 +75,18 @@ class BusErrorGuard::Handler {
   static struct sigaction previous_;
 };
 
-std::array<BusErrorGuard::Range, 64> BusErrorGuard::Handler::ranges_;
-struct sigaction BusErrorGuard::Handler::previous_ {};
+std::array<TruncationGuard::Range, 64> TruncationGuard::Handler::ranges_;
+struct sigaction TruncationGuard::Handler::previous_ {};
 
-BusErrorGuard::BusErrorGuard(void* mapping, std::size_t size)
+TruncationGuard::TruncationGuard(void* mapping, std::size_t size)
     : range_(Handler::add(static_cast<char*>(mapping), size)) {}
 
-BusErrorGuard::~BusErrorGuard() {
+TruncationGuard::~TruncationGuard() {
   if (range_ != nullptr) Handler::remove(*range_);
 }
 
-bool BusErrorGuard::readZeros() const { return range_ != nullptr && range_->read_zeros; }
+bool TruncationGuard::foundTruncation() const {
+  return range_ != nullptr && range_->found_truncation;
+}
 
 }  // namespace lab
