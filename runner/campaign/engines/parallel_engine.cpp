@@ -119,11 +119,11 @@ std::vector<std::string> argumentsFor(const fs::path& campaign, bool shared,
     return arguments;
   }
   // GNU parallel copies with rsync: what follows /./ is the path on the host, below the work
-  // folder.
+  // folder. Each job has its own work folder ("..."), which --basefile does not know.
   const std::string here = campaign.string() + "/./";
   for (const char* file : {names::kRequest, names::kPoints, names::kFiles}) {
     if (fs::exists(campaign / file)) {
-      arguments.insert(arguments.end(), {"--basefile", here + file});
+      arguments.insert(arguments.end(), {"--transferfile", here + file});
     }
   }
   arguments.insert(arguments.end(),
