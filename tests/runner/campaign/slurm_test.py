@@ -60,9 +60,12 @@ class Cluster:
         os.chmod(key.name, 0o600)
         os.chmod(folder, 0o755)
         self.environment = dict(os.environ, SLURM_CONF=self.configuration)
+
+    def begin(self):
         # Slurm asks only for addresses of families that an interface has besides 127.0.0.1 (AI_ADDRCONFIG); the
         # private network has none.
         subprocess.run(['ip', 'address', 'add', '192.0.2.1/32', 'dev', 'lo'], check=True)
+        folder = self.folder
         self.start('munged', '--foreground', '--force', f'--socket={folder}/munge.socket',
                    f'--key-file={folder}/munge.key', f'--pid-file={folder}/munged.pid',
                    f'--log-file={folder}/munged.log', f'--seed-file={folder}/munged.seed')
@@ -164,6 +167,7 @@ def main():
             tempfile.TemporaryDirectory(prefix='lab-campaign-') as folder:
         cluster = Cluster(cluster_folder)
         try:
+            cluster.begin()
             file = write_experiment(folder)
             arrays(cluster, folder, file)
             refused(cluster, folder, file)
