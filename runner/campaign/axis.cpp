@@ -168,7 +168,7 @@ std::optional<double> numberIn(std::string_view text) {
 }
 
 Axis parseAxis(std::string_view text, std::string_view option) {
-  const std::string quoted = fmt::format("{} {}", option, quoted);
+  const std::string quoted = fmt::format("{} {}", option, text);
   const std::size_t equals = text.find('=');
   const std::string key(trimmed(text.substr(0, std::min(equals, text.size()))));
   if (equals == std::string_view::npos || key.empty()) {
