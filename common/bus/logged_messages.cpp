@@ -1,5 +1,7 @@
 #include "common/bus/logged_messages.hpp"
 
+#include <stdexcept>
+
 #include "common/bus/contract_upgrade.hpp"
 
 namespace lab {
@@ -10,16 +12,16 @@ LoggedMessages::LoggedMessages(const std::vector<std::filesystem::path>& files)
 Bytes LoggedMessages::at(const LogPosition& at) {
   std::unique_ptr<MappedFile>& mapped = mapped_.at(at.file);
   if (!mapped) mapped = std::make_unique<MappedFile>(files_[at.file], "log");
-  const Bytes message = mapped->part(at.offset, at.size);
+  Bytes message;
+  try {
+    message = mapped->part(at.offset, at.size);
+  } catch (const std::runtime_error&) {
+    mapped.reset();  // the file may come back
+    throw;
+  }
   mapped->release(message.data());
   newer_ = upgraded(message);
   return newer_ ? Bytes(*newer_) : message;
-}
-
-void LoggedMessages::requireWhole() const {
-  for (const auto& mapped : mapped_) {
-    if (mapped) mapped->requireWhole();
-  }
 }
 
 }  // namespace lab

@@ -24,10 +24,6 @@ class LoggedMessages {
   /// @throws std::runtime_error if a file cannot be opened, or has become shorter
   [[nodiscard]] Bytes at(const LogPosition& at);
 
-  /// To be called after the last message.
-  /// @throws std::runtime_error if a file has become shorter
-  void requireWhole() const;
-
  private:
   std::vector<std::filesystem::path> files_;
   std::vector<std::unique_ptr<MappedFile>> mapped_;  ///< of each of files_; nullptr: not yet needed

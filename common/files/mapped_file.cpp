@@ -5,6 +5,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <stdexcept>
 
 namespace lab {
@@ -41,27 +42,22 @@ MappedFile::~MappedFile() {
 }
 
 std::span<const std::uint8_t> MappedFile::part(std::uint64_t offset, std::size_t size) const {
-  if (offset > size_ || size > size_ - offset) failAsShorter();
-  const auto part = bytes().subspan(static_cast<std::size_t>(offset), size);
-  const auto touch = [](const std::uint8_t& byte) {
-    static_cast<void>(*static_cast<const volatile std::uint8_t*>(&byte));
-  };
-  constexpr std::size_t kSmallestPage_bytes = 4096;
-  for (std::size_t i = 0; i < size; i += kSmallestPage_bytes) touch(part[i]);
-  if (size > 0) touch(part.back());
-  if (guard_ && guard_->foundTruncation()) failAsShorter();
-  return part;
+  const bool mapped = offset <= size_ && size <= size_ - offset;
+  if (!mapped || sizeOf(file_.get()).value_or(0) < offset + size) failAsShorter(offset, size);
+  return bytes().subspan(static_cast<std::size_t>(offset), size);
 }
 
 void MappedFile::requireWhole() const {
-  if (sizeOf(file_.get()).value_or(0) < size_) failAsShorter();
-  if (guard_ && guard_->foundTruncation()) failAsShorter();
+  const bool shorter = sizeOf(file_.get()).value_or(0) < size_;
+  if (shorter || (guard_ && guard_->foundTruncation())) failAsShorter(0, size_);
 }
 
-void MappedFile::failAsShorter() const {
-  throw std::runtime_error("cannot go on reading the " + name_ +
-                           ": found that it has become shorter, expected that no program changes "
-                           "it; was it replaced?");
+void MappedFile::failAsShorter(std::uint64_t offset, std::size_t size) const {
+  const std::uint64_t now = sizeOf(file_.get()).value_or(0);
+  throw std::runtime_error("cannot go on reading the " + name_ + ": found " +
+                           std::to_string(now - std::min(now, offset)) + " bytes at byte " +
+                           std::to_string(offset) + ", expected " + std::to_string(size) +
+                           "; was it made shorter?");
 }
 
 void MappedFile::release(const std::uint8_t* at) {

@@ -32,7 +32,7 @@ class MappedFile {
   /// the memory that its reader may take.
   void release(const std::uint8_t* at);
 
-  /// A part of the file, which is in memory afterwards.
+  /// A part of the file.
   /// @throws std::runtime_error if the file does not have it any more
   [[nodiscard]] std::span<const std::uint8_t> part(std::uint64_t offset, std::size_t size) const;
 
@@ -41,7 +41,7 @@ class MappedFile {
   void requireWhole() const;
 
  private:
-  [[noreturn]] void failAsShorter() const;
+  [[noreturn]] void failAsShorter(std::uint64_t offset, std::size_t size) const;
 
   std::string name_;  ///< for messages
   FileDescriptor file_;

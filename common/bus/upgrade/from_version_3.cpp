@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "common/bus/upgrade/message_header.hpp"
+#include "common/bus/upgrade/copied_header.hpp"
 
 namespace lab {
 namespace {

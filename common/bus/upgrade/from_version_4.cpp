@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "common/bus/upgrade/message_header.hpp"
+#include "common/bus/upgrade/copied_header.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/files/experiment_error.hpp"
 #include "common/programs/shipped_programs.hpp"

@@ -27,9 +27,9 @@ class MappedFileTest : public testing::Test {
  protected:
   MappedFileTest() { std::ofstream(path_) << std::string(kSize_bytes, 'x'); }
 
-  auto saysThatItIsShorter() const {
-    return testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr(
-        "cannot go on reading the log " + path_.string() + ": found that it has become shorter"));
+  auto says(const std::string& found) const {
+    return testing::ThrowsMessage<std::runtime_error>(
+        "cannot go on reading the log " + path_.string() + ": " + found + "; was it made shorter?");
   }
 
   static std::size_t sum(const MappedFile& file) {
@@ -51,14 +51,16 @@ TEST_F(MappedFileTest, SaysAtItsEndThatItHasBecomeShorter) {
   const MappedFile dut(path_, "log");
   std::filesystem::resize_file(path_, kLeft_bytes);
   EXPECT_EQ(sum(dut), kLeft_bytes * 'x') << "the rest reads as zeros";
-  EXPECT_THAT([&] { dut.requireWhole(); }, saysThatItIsShorter());
+  EXPECT_THAT([&] { dut.requireWhole(); }, says("found 100000 bytes at byte 0, expected 1048576"));
 }
 
 TEST_F(MappedFileTest, SaysThatItLostAFewBytes) {
   const MappedFile dut(path_, "log");
   std::filesystem::resize_file(path_, kSize_bytes - 1);
   EXPECT_EQ(sum(dut), (kSize_bytes - 1) * 'x');
-  EXPECT_THAT([&] { dut.requireWhole(); }, saysThatItIsShorter());
+  EXPECT_THAT([&] { dut.requireWhole(); }, says("found 1048575 bytes at byte 0, expected 1048576"));
+  EXPECT_THAT([&] { static_cast<void>(dut.part(kSize_bytes - 2, 2)); },
+              says("found 1 bytes at byte 1048574, expected 2"));
 }
 
 TEST_F(MappedFileTest, SaysThatAPartIsGone) {
@@ -66,8 +68,9 @@ TEST_F(MappedFileTest, SaysThatAPartIsGone) {
   std::filesystem::resize_file(path_, kLeft_bytes);
   EXPECT_EQ(dut.part(0, kLeft_bytes).size(), kLeft_bytes);
   EXPECT_THAT([&] { static_cast<void>(dut.part(kLeft_bytes - 10, 10'000)); },
-              saysThatItIsShorter());
-  EXPECT_THAT([&] { static_cast<void>(dut.part(kSize_bytes - 1, 2)); }, saysThatItIsShorter());
+              says("found 10 bytes at byte 99990, expected 10000"));
+  EXPECT_THAT([&] { static_cast<void>(dut.part(kSize_bytes - 1, 2)); },
+              says("found 0 bytes at byte 1048575, expected 2"));
 }
 
 TEST_F(MappedFileTest, GuardsEveryFileOfSeveral) {

@@ -1,4 +1,4 @@
-/// What all messages of all contract versions begin with.
+/// The header of messages of older contract versions.
 #pragma once
 
 namespace lab {
