@@ -25,7 +25,10 @@ bool readHead(ListedExperiment& experiment) {
     experiment.name = table["name"].value_or(experiment.name);
     experiment.description = table["description"].value_or(std::string());
   } catch (const keys::TomlError& problem) {
-    experiment.description = fmt::format("syntax error in line {}", problem.at().line);
+    const bool deep_key = problem.at().column == 0;
+    experiment.description =
+        fmt::format("{} in line {}", deep_key ? "found a key of too many names" : "syntax error",
+                    problem.at().line);
   }
   return true;
 }

@@ -58,6 +58,13 @@ TEST_F(RunLauncherTest, ListsShippedExperimentsAndThoseOfTheUser) {
     {"file": "experiments/deep.toml", "name": "deep", "description": "", "shipped": false}])"));
 }
 
+TEST_F(RunLauncherTest, SaysWhyAListedExperimentCannotBeRead) {
+  std::string key = "a";
+  for (int i = 0; i < 100; ++i) key += ".a";
+  support::writeFile(folder_ / "own/broken.toml", "\n" + key + " = 1\n");
+  EXPECT_THAT(launcher_.experiments(), HasSubstr("found a key of too many names in line 2"));
+}
+
 TEST_F(RunLauncherTest, PassesOnTheOutputOfLabCheck) {
   lab("for a in \"$@\"; do echo \"<$a>\"; done; echo bad key >&2; exit 2\n");
   const auto answer = launcher_.check(R"({"file":"mine.toml","set":["duration_s=5","a='$(id)'"]})");
