@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/count_limits.hpp"
 
 namespace lab {
 namespace {
@@ -27,9 +28,6 @@ constexpr double kFastest = 100;       // [m/s]
 constexpr double kLongestTime = 1e10;  // [s]
 constexpr double kMostTurns = 1e6;     // [rad]
 constexpr double kLargest = 1e12;      // of numbers in the sender's own units
-// Sums over the lists of a message, and of a log, do not overflow.
-constexpr std::int64_t kMost = std::int64_t{1} << 50;         // counts
-constexpr std::int64_t kMostPackets = std::int64_t{1} << 40;  // on a link
 constexpr std::int64_t kMostOrders = std::int64_t{1}
                                      << 62;  // a program may number by its clock in ns
 constexpr std::int64_t kMost32 = std::numeric_limits<std::int32_t>::max();
@@ -100,7 +98,7 @@ static void checkValues(ValueChecker& check, const tracked_pose_t& pose) {
 }
 
 void checkValues(ValueChecker& check, const tracked_frame_t& frame) {
-  check.whole("frame", frame.frame, -1, kMost);
+  check.whole("frame", frame.frame, -1, kMostCounted);
   check.number("frame_period", frame.frame_period, 0, kLongestTime);
   check.list("robots", frame.robots);
   check.list("unidentified", frame.unidentified);
@@ -110,7 +108,7 @@ void checkValues(ValueChecker& check, const tracker_status_t& status) {
   for (const std::int64_t count :
        {status.frames, status.dropped, status.dark, status.saturated, status.bindings,
         status.unbindings, status.flips, status.lost, status.spacings}) {
-    check.whole("count", count, 0, kMost);
+    check.whole("count", count, 0, kMostCounted);
   }
 }
 
@@ -122,7 +120,7 @@ static void checkValues(ValueChecker& check, const cap_detail_t& cap) {
 }
 
 void checkValues(ValueChecker& check, const tracked_details_t& details) {
-  check.whole("frame", details.frame, -1, kMost);
+  check.whole("frame", details.frame, -1, kMostCounted);
   check.list("caps", details.caps);
 }
 
@@ -134,7 +132,7 @@ static void checkValues(ValueChecker& check, const light_layer_t& layer) {
 }
 
 void checkValues(ValueChecker& check, const light_status_t& status) {
-  check.whole("frame", status.frame, -1, kMost);
+  check.whole("frame", status.frame, -1, kMostCounted);
   check.number("frame_period", status.frame_period, 0, kLongestTime);
   check.number("latency", status.latency, -kLongestTime, kLongestTime);
   check.time("first_shown_utime", status.first_shown_utime);
@@ -198,24 +196,24 @@ static void checkValues(ValueChecker& check, const link_peer_t& peer) {
   check.time("heard_utime", peer.heard_utime);
   for (const std::int64_t count :
        {peer.sent, peer.received, peer.lost, peer.repeated, peer.stale, peer.clashing}) {
-    check.whole("count", count, 0, kMostPackets);
+    check.whole("count", count, 0, kMostOnLink);
   }
 }
 
 void checkValues(ValueChecker& check, const link_status_t& status) {
-  check.whole("foreign", status.foreign, 0, kMostPackets);
-  check.whole("timeouts", status.timeouts, 0, kMostPackets);
+  check.whole("foreign", status.foreign, 0, kMostOnLink);
+  check.whole("timeouts", status.timeouts, 0, kMostOnLink);
   check.list("peers", status.peers);
 }
 
 static void checkValues(ValueChecker& check, const channel_count_t& count) {
-  check.whole("messages", count.messages, 0, kMost);
+  check.whole("messages", count.messages, 0, kMostCounted);
 }
 
 static void checkValues(ValueChecker& check, const stream_count_t& count) {
-  check.whole("received", count.received, 0, kMost);
-  check.whole("lost", count.lost, -kMost, kMost);
-  check.whole("decode_errors", count.decode_errors, 0, kMost);
+  check.whole("received", count.received, 0, kMostCounted);
+  check.whole("lost", count.lost, -kMostCounted, kMostCounted);
+  check.whole("decode_errors", count.decode_errors, 0, kMostCounted);
 }
 
 void checkValues(ValueChecker& check, const service_status_t& status) {

@@ -1,6 +1,7 @@
 #include "common/bus/stream_counter.hpp"
 
 #include "common/bus/channels.hpp"
+#include "common/bus/count_limits.hpp"
 #include "common/math/saturated.hpp"
 
 namespace lab {
@@ -19,7 +20,7 @@ void track(StreamCount& stream, std::int64_t seq, bool counts_messages) {
   // A stop is counted, whatever its number is.
   const std::int64_t ahead = saturatedDifference(seq, stream.last_seq);
   if (ahead > 0) {
-    if (counts_messages) stream.lost += ahead - 1;
+    if (counts_messages) stream.lost = limitedSum(stream.lost, ahead - 1, kMostCounted);
     stream.recent = ahead < kRecent ? (stream.recent << ahead) | 1U : 1U;
     stream.last_seq = seq;
   } else if (ahead > -kRecent && ((stream.recent >> -ahead) & 1U) == 0) {
@@ -76,7 +77,7 @@ bool StreamCounter::makePlace() {
 
 std::int64_t StreamCounter::lost() const {
   std::int64_t sum = 0;
-  for (const auto& [key, stream] : streams_) sum += stream.lost;
+  for (const auto& [key, stream] : streams_) sum = limitedSum(sum, stream.lost, kMostCounted);
   return sum;
 }
 

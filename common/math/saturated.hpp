@@ -20,6 +20,13 @@ template <std::integral Integer>
   return static_cast<Integer>(value);
 }
 
+/// a + b, at most `most`: of counts that come from outside.
+/// @param a, b  not negative
+[[nodiscard]] constexpr std::int64_t limitedSum(std::int64_t a, std::int64_t b, std::int64_t most) {
+  std::int64_t sum = 0;
+  return __builtin_add_overflow(a, b, &sum) || sum > most ? most : sum;
+}
+
 /// a - b, limited to what fits: of numbers that come from outside.
 [[nodiscard]] constexpr std::int64_t saturatedDifference(std::int64_t a, std::int64_t b) {
   std::int64_t difference = 0;

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
+#include "common/math/saturated.hpp"
 #include "common/math/units.hpp"
 #include "common/process/event_descriptor.hpp"
 #include "dds_gateway/dds/configuration.hpp"
@@ -303,7 +304,9 @@ void BusLink::Implementation::deliver(const std::string& host, const ClockOffset
                                       const Held& packet, Bytes data) {
   // A stop is obeyed at any age, even if the clock of its host is not known.
   const double offset = std::isnan(clock.offset) ? 0 : clock.offset;
-  const std::int64_t age = now() + units::microseconds(offset) - packet.heard;
+  const std::int64_t apart = saturatedDifference(now(), packet.heard);
+  const auto age =
+      saturated<std::int64_t>(static_cast<double>(apart) + offset * double{units::kSecond_us});
   const Verdict verdict = core.receive(loop.now(), host, packet.gateway, packet.stream,
                                        packet.number, age, packet.channel, data);
   if (verdict == Verdict::kDeliver) node.forward(packet.channel, data);

@@ -5,7 +5,9 @@
 #include <lab/robot_stop_t.hpp>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/count_limits.hpp"
 #include "common/bus/fingerprints.hpp"
+#include "common/math/saturated.hpp"
 
 namespace lab::gateway {
 namespace {
@@ -126,7 +128,8 @@ Verdict LinkCore::receive(std::int64_t now, const std::string& host, std::int64_
     ++from.counts.repeated;
     return Verdict::kRepeated;
   } else {
-    from.counts.lost += number - *last - 1;
+    from.counts.lost =
+        limitedSum(from.counts.lost, saturatedDifference(number, *last) - 1, kMostOnLink);
     *last = number;
   }
   if (age > kFreshCommand && !isStop(channel, data)) {

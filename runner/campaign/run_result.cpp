@@ -9,6 +9,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "common/bus/count_limits.hpp"
+#include "common/math/saturated.hpp"
 #include "common/text/json_text.hpp"
 
 namespace lab::runner::campaign {
@@ -135,7 +137,10 @@ class Collector {
 std::int64_t lostMessages(const Json& summary) {
   std::int64_t lost = 0;
   if (!summary.contains("losses") || !summary["losses"].contains("log")) return 0;
-  for (const Json& stream : summary["losses"]["log"]) lost += stream.value("lost", std::int64_t{0});
+  for (const Json& stream : summary["losses"]["log"]) {
+    const auto of_stream = std::max(std::int64_t{0}, stream.value("lost", std::int64_t{0}));
+    lost = limitedSum(lost, of_stream, kMostCounted);
+  }
   return lost;
 }
 

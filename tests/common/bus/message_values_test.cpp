@@ -137,6 +137,13 @@ TEST(Saturated, DifferencesDoNotOverflow) {
   EXPECT_EQ(saturatedDifference(kHighest, -1), kHighest);
 }
 
+TEST(Saturated, SumsDoNotOverflow) {
+  constexpr std::int64_t kHighest = std::numeric_limits<std::int64_t>::max();
+  EXPECT_EQ(limitedSum(2, 3, 10), 5);
+  EXPECT_EQ(limitedSum(2, 9, 10), 10);
+  EXPECT_EQ(limitedSum(kHighest, kHighest, 10), 10);
+}
+
 TEST(Saturated, LimitsWhatACastCannotHold) {
   EXPECT_EQ(saturated<int>(1e300), std::numeric_limits<int>::max());
   EXPECT_EQ(saturated<int>(-1e300), std::numeric_limits<int>::min());

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/count_limits.hpp"
 
 namespace lab {
 namespace {
@@ -72,6 +73,19 @@ TEST(StreamCounter, SeparatesChannelsSendersAndInstances) {
   EXPECT_EQ(dut.streams().at({std::string(kChannel), "sim_svc", 2}).lost, 2);
   EXPECT_EQ(dut.streams().at({std::string(kChannel), "robot_bridge", 1}).lost, 4);
   EXPECT_EQ(dut.lost(), 2 + 4 + 6);
+}
+
+/// A forged message may have any number. A heartbeat with a larger count would be refused by all
+/// that hear it.
+TEST(StreamCounter, CountsNoMoreThanAHeartbeatMaySay) {
+  constexpr std::int64_t kHighest = std::int64_t{1} << 62;
+  StreamCounter dut;
+  for (const char* sender : {"sim_svc", "robot_bridge", "tracker_svc"}) {
+    for (const std::int64_t seq : {std::int64_t{0}, kHighest})
+      dut.count(kChannel, sender, 1, seq, 0);
+    EXPECT_EQ(dut.streams().at({std::string(kChannel), sender, 1}).lost, kMostCounted);
+  }
+  EXPECT_EQ(dut.lost(), kMostCounted);
 }
 
 /// Every command from a shell is a stream of its own, so an evening of them has more than any

@@ -9,11 +9,13 @@
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <limits>
 #include <random>
 #include <set>
 #include <vector>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/count_limits.hpp"
 
 namespace lab::gateway {
 namespace {
@@ -86,6 +88,16 @@ TEST(LinkCore, RepetitionsAreDroppedAndGapsAreCounted) {
   EXPECT_EQ(counts.received, 3);
   EXPECT_EQ(counts.lost, 3);
   EXPECT_EQ(counts.repeated, 2);
+}
+
+TEST(LinkCore, CountsNoMoreThanAMessageMaySay) {
+  LinkCore core(0);
+  using Limits = std::numeric_limits<std::int64_t>;
+  EXPECT_EQ(receive(core, Limits::min()), Verdict::kDeliver);
+  EXPECT_EQ(receive(core, Limits::max() - 1), Verdict::kDeliver);
+  EXPECT_EQ(core.counts("bench").lost, kMostOnLink);
+  EXPECT_EQ(receive(core, Limits::max()), Verdict::kDeliver);
+  EXPECT_EQ(core.counts("bench").lost, kMostOnLink);
 }
 
 TEST(LinkCore, PacketsInAnyOrderAreDeliveredOnceAndInOrder) {

@@ -105,6 +105,15 @@ TEST(RunResult, HasTheNumbersOfASummary) {
   }
 }
 
+TEST(RunResult, SumsOfImpossibleCountsDoNotOverflow) {
+  const Columns columns = columnsOf(
+      R"({"losses": {"log": [{"lost": 9223372036854775807}, {"lost": 9223372036854775807},
+                            {"lost": -9223372036854775808}]}})");
+  const auto lost = std::ranges::find(columns, "lost_messages", &Columns::value_type::first);
+  ASSERT_NE(lost, columns.end());
+  EXPECT_EQ(lost->second, Cell(double(std::int64_t{1} << 50)));
+}
+
 TEST(RunResult, TakesSectionsOfASummaryThatItDoesNotKnow) {
   const Columns columns = columnsOf(kSummary);
   const auto has = [&](std::string_view name, double value) {
