@@ -37,9 +37,9 @@ Record recordOf(std::uint32_t key, std::uint32_t number) {
   return record;
 }
 
-/// The thread sanitizer's shadow of the memory counts, too: nothing to compare.
+/// What the sanitizers keep of the memory counts, too: nothing to compare.
 double residentMegabytes() {
-#ifdef __SANITIZE_THREAD__
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
   return 0;
 #else
   std::ifstream file("/proc/self/statm");

@@ -327,8 +327,10 @@ TEST(RunningLab, RecordsAForgedOwnerWhoseNameIsNoText) {
   const Finished ended = lab.forgeOwner();
   EXPECT_EQ(ended.exit_code, 3) << ended.output;
   EXPECT_THAT(ended.output, HasSubstr("has two owners"));
-  const auto faults = readJson(lab.theRun() / "provenance.json").at("faults");
-  EXPECT_THAT(faults.at(0).get<std::string>(), HasSubstr("\uFFFD"));
+  // A busy machine may add faults of its own.
+  const auto faults =
+      readJson(lab.theRun() / "provenance.json").at("faults").get<std::vector<std::string>>();
+  EXPECT_THAT(faults, testing::Contains(HasSubstr("\uFFFD")));
 }
 
 TEST(RunningLab, OutlivesMutatedMessages) { mutate(2000, 3000); }
