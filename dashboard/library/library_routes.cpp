@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr std::size_t kMaxCompared = 8;
-constexpr FileKind kMaxSummary{"a summary", 20'000'000};  // several times that in memory
+constexpr FileKind kSummaries{"a summary", 20'000'000};  // of one comparison, together
 
 /// Restricts a file of a run. Its content is not trusted: it must not run scripts with the rights
 /// of the page.
@@ -116,6 +116,7 @@ Decision LibraryRoutes::compare(const HttpRequest& request, HttpResponse& respon
   Json all = Json::array();
   std::istringstream names(request.query("runs"));
   std::size_t count = 0;
+  std::uintmax_t bytes = 0;
   for (std::string name; std::getline(names, name, ',');) {
     if (++count > kMaxCompared) {
       return {Refusal::kMalformed, 400, fmt::format("runs: expected at most {}", kMaxCompared)};
@@ -127,14 +128,15 @@ Decision LibraryRoutes::compare(const HttpRequest& request, HttpResponse& respon
                    name + " has no summary.json; lab analyze creates one from its log");
       return {};
     }
-    if (fs::file_size(*summary) > kMaxSummary.most_bytes) {
+    bytes += fs::file_size(*summary);
+    if (bytes > kSummaries.most_bytes) {
       respondError(response, 409,
-                   fmt::format("{}: its summary.json is larger than {} MB, too large to compare "
-                               "here; compare its report.html",
-                               name, kMaxSummary.most_bytes / 1'000'000));
+                   fmt::format("{}: up to this run, the files summary.json have {} bytes, expected "
+                               "at most {}; compare fewer runs, or their report.html",
+                               name, bytes, kSummaries.most_bytes));
       return {};
     }
-    const std::string text = readWholeFile(*summary, kMaxSummary).value_or("");
+    const std::string text = readWholeFile(*summary, kSummaries).value_or("");
     try {
       for (auto& program : curvesOf(name, text)) all.push_back(std::move(program));
     } catch (const std::runtime_error& error) {

@@ -244,5 +244,20 @@ TEST_F(LibraryTest, ComparesRuns) {
   EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=half")), "409");
 }
 
+// Parsed, a summary takes many times its size.
+TEST_F(LibraryTest, ComparesNotMoreThan20Megabytes) {
+  for (const char* name : {"one", "two"}) {
+    support::writeFile(folder_ / "runs" / name / "experiment.toml", "");
+    support::writeFile(folder_ / "runs" / name / "summary.json",
+                       R"({"programs": []})" + std::string(10'000'000, ' '));
+  }
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=one")), "200");
+  EXPECT_EQ(statusOf(send("GET", "/api/compare?runs=two")), "200");
+  const std::string answer = send("GET", "/api/compare?runs=one,two");
+  EXPECT_EQ(statusOf(answer), "409");
+  EXPECT_THAT(answer, HasSubstr("two: up to this run, the files summary.json have 20000032 bytes, "
+                                "expected at most 20000000; compare fewer runs"));
+}
+
 }  // namespace
 }  // namespace lab::dashboard
