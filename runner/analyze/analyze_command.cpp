@@ -11,11 +11,13 @@
 #include "common/bus/log_file.hpp"
 #include "common/camera/run_film.hpp"
 #include "common/files/experiment_error.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/output_links.hpp"
 #include "common/files/scratch_folder.hpp"
 #include "common/math/units.hpp"
 #include "common/text/printable.hpp"
 #include "runner/analyze/analyze_commands.hpp"
+#include "runner/command_line/input_path.hpp"
 #include "runner/command_line/output_file.hpp"
 #include "runner/command_line/progress_bar.hpp"
 #include "runner/export/hdf5_import.hpp"
@@ -28,6 +30,9 @@
 namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr FileKind kInput{"the folder of a run, a log or a file of poses, MCAP or HDF5",
+                          file_kinds::kAny.most_bytes};
 
 /// Marks a folder whose log was made from a film: it may be made again.
 constexpr const char* kRetracked = "retracked.txt";
@@ -166,10 +171,7 @@ ExitCode analyzeFilm(const AnalyzeOptions& options, const report::AnalyzeOptions
 
 ExitCode analyze(const AnalyzeOptions& options) {
   const fs::path& input = options.input;
-  if (!fs::is_directory(input) && !fs::is_regular_file(input)) {
-    throw UserError(input.string() +
-                    " is neither the folder of a run nor a log nor a file of poses, MCAP or HDF5");
-  }
+  requireFolderOrFile(input, kInput);
   // Each log has its own folder of results, so that two logs in one folder do not share them.
   const bool poses = isPoseFile(input);
   fs::path beside = input;

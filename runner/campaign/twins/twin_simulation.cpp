@@ -18,6 +18,7 @@
 #include "runner/campaign/local_engine.hpp"
 #include "runner/campaign/sweep_progress.hpp"
 #include "runner/campaign/twins/twin_page.hpp"
+#include "runner/command_line/input_path.hpp"
 #include "runner/command_line/output_file.hpp"
 #include "runner/live/launch.hpp"
 #include "runner/runs/run_directory.hpp"
@@ -78,17 +79,12 @@ void prepareTwins(const TwinOrigin& origin, const TwinPlan& twins) {
 }  // namespace
 
 TwinOrigin readTwinOrigin(const fs::path& run) {
-  std::error_code error;
-  const bool folder = fs::is_directory(run, error);
-  if (!folder && !fs::is_regular_file(run, error)) {
-    throw UserError(
-        fmt::format("{}: found nothing, expected the folder of a run or a log", run.string()));
-  }
+  requireFolderOrFile(run, {"the folder of a run or a log", file_kinds::kAny.most_bytes});
   TwinOrigin origin;
   origin.run = run;
   // absolute() first: the folder of "log.lcmlog" must not be empty.
   const fs::path absolute = fs::absolute(run).lexically_normal();
-  origin.log = folder ? absolute : absolute.parent_path();
+  origin.log = fs::is_directory(run) ? absolute : absolute.parent_path();
   origin.facts = report::readTwinFacts(run, kTwinAnalysis);
   requireComparable(origin.facts, run);
   origin.twins = twinExperimentOf(origin.facts);
