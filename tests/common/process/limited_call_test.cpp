@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -85,16 +84,20 @@ TEST(LimitedCall, EndsWorkThatTakesTooMuchMemory) {
 #endif
 
 TEST(LimitedCall, OpensNoFileAfterItWasRefused) {
+#ifdef __SANITIZE_ADDRESS__
+  constexpr int kOwn = 2;  // descriptors for the sanitizers' check of types
+#else
+  constexpr int kOwn = 0;
+#endif
   const TemporaryFolder folder;
-  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
-  const auto open = [&]() -> std::string {
+  const auto open = []() -> std::string {
     refuseFurtherFiles();
-    // Without the refusal this would wait for a writer. No stream: the sanitizers' check of its
-    // type needs a descriptor itself.
-    return ::open((folder / "pipe").c_str(), O_RDONLY) >= 0 ? "opened" : "refused";
+    int opened = 0;
+    while (opened < 10 && ::open("/dev/null", O_RDONLY) >= 0) ++opened;
+    return std::to_string(opened);
   };
 
-  EXPECT_EQ(callLimited({}, open), "refused");
+  EXPECT_EQ(callLimited({}, open), std::to_string(kOwn));
   EXPECT_TRUE(std::ofstream(folder / "afterwards"));
 }
 
