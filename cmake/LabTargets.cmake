@@ -12,8 +12,6 @@ if(LAB_SANITIZE)
   target_compile_definitions(lab_options INTERFACE _GLIBCXX_ASSERTIONS)
   target_compile_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE} -fno-omit-frame-pointer
     -fno-sanitize-recover=all
-    # The check of a type opens a pipe. Behind the other options, which would switch it on again.
-    $<$<BOOL:$<TARGET_PROPERTY:LAB_OPENS_NOTHING>>:-fno-sanitize=vptr>
     # With sanitizers, g++ gives false warnings of uninitialised variables (GCC manual) and of bounds.
     $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan;-Wno-maybe-uninitialized;-Wno-array-bounds>)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
@@ -63,6 +61,12 @@ endfunction()
 
 # The processors of a test that computes, in the units of `ctest -j` and PROCESSORS: quarter cores.
 set(LAB_CORE 4)
+
+# The time limit of a test that is run by its own add_test(), in s. It only catches hangs.
+set(LAB_TIME_LIMIT 600)
+if(LAB_SANITIZE)  # up to ten times slower than an optimised build
+  math(EXPR LAB_TIME_LIMIT "10 * ${LAB_TIME_LIMIT}")
+endif()
 
 # lab_test_program(name SOURCES x_test.cpp... [LINK target...] [OWN_OPTIONS])
 # The program of a test that is run by its own add_test(). OWN_OPTIONS is for tests with other compile
@@ -125,9 +129,8 @@ function(lab_test name)
     set_tests_properties(${name} PROPERTIES LABELS "${ARG_LABELS}")
   endif()
   if(NOT ARG_TIMEOUT)
-    set(ARG_TIMEOUT 600)
-  endif()
-  if(LAB_SANITIZE)  # up to ten times slower than an optimised build
+    set(ARG_TIMEOUT ${LAB_TIME_LIMIT})
+  elseif(LAB_SANITIZE)
     math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")
   endif()
   set_tests_properties(${name} PROPERTIES TIMEOUT ${ARG_TIMEOUT})
