@@ -92,7 +92,12 @@ class Parser {
     return node;
   }
 
-  Expression binary(const std::string& symbol, Expression left, Expression right) const {
+  Expression binary(const std::string& symbol, Expression left, Expression right) {
+    if (++operators_ > kMostOperators) {
+      throw SyntaxError(left.offset, "the expression has more than " +
+                                         std::to_string(kMostOperators) +
+                                         " operators; use a state variable for a part of it");
+    }
     Expression node;
     node.kind = Expression::kBinary;
     node.name = symbol;
@@ -302,6 +307,7 @@ class Parser {
   Token previous_;
   std::size_t last_end_ = 0;
   int depth_ = 0;
+  int operators_ = 0;
 };
 
 }  // namespace

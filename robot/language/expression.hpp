@@ -39,6 +39,8 @@ class SyntaxError : public std::runtime_error {
 
 /// Expressions may be nested so deep.
 constexpr int kDeepestExpression = 40;
+/// Operators of an expression. A chain such as a + b + c is a tree as deep as it is long.
+constexpr int kMostOperators = 500;
 
 /// Parses a text. Throws SyntaxError.
 [[nodiscard]] Expression parseExpression(std::string_view text);

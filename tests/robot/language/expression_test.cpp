@@ -96,5 +96,17 @@ TEST(Expression, DeepNestingIsRefused) {
   EXPECT_THROW(static_cast<void>(parseExpression(std::string(100000, '-') + "a")), SyntaxError);
 }
 
+TEST(Expression, LongChainsAreRefused) {
+  for (const char* more : {"+a", "-a", "*a", "/a", " and a", " or a"}) {
+    std::string chain = "a";
+    for (int i = 0; i < kMostOperators; ++i) chain += more;
+    EXPECT_NO_THROW(static_cast<void>(parseExpression(chain))) << more;
+    EXPECT_THROW(static_cast<void>(parseExpression(chain + more)), SyntaxError) << more;
+    // It would overflow the stack of what walks through the tree.
+    for (int i = 0; i < 100'000; ++i) chain += more;
+    EXPECT_THROW(static_cast<void>(parseExpression(chain)), SyntaxError) << more;
+  }
+}
+
 }  // namespace
 }  // namespace lab::language
