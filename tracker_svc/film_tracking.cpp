@@ -30,14 +30,14 @@ const std::vector<FilmRow>& FilmTracking::process(std::int64_t number, double ti
                                                   std::vector<detector::Rejection>* rejected) {
   tracker_time_ = total_.frames == 0 ? time : std::max(time, tracker_time_ + kMoment);
   found_ = detector_.search(picture, rejected, tracker_.expect(tracker_time_));
-  if (most_robots_ > 0 && found_.size() > most_robots_) {
+  if (found_.size() > most_used_) {
     std::stable_sort(found_.begin(), found_.end(),
                      [](const detector::Detection& a, const detector::Detection& b) {
                        return a.quality > b.quality;
                      });
-    total_.surplus += static_cast<std::int64_t>(found_.size() - most_robots_);
+    total_.surplus += static_cast<std::int64_t>(found_.size() - most_used_);
     ++total_.crowded;
-    found_.resize(most_robots_);
+    found_.resize(most_used_);
   }
   const std::vector<Track>& tracks = tracker_.update(tracker_time_, found_);
 

@@ -31,9 +31,9 @@ struct FilmSummary {
   std::int64_t rows = 0;
   std::int64_t degraded = 0;  ///< rows with a pose from one circle and the rim of the cap
   std::int64_t ids = 0;       ///< number of different ids
-  std::int64_t surplus = 0;   ///< detections omitted because they exceed the given number of robots
-  std::int64_t crowded = 0;   ///< frames with surplus detections
-  std::int64_t fewest = 0;    ///< fewest robots in one frame
+  std::int64_t surplus = 0;  ///< detections omitted because there are more than robots, or too many
+  std::int64_t crowded = 0;  ///< frames with surplus detections
+  std::int64_t fewest = 0;   ///< fewest robots in one frame
   std::int64_t most = 0;
   std::int64_t merged = 0;    ///< rows of several blobs that were not split
   double swaps = 0;           ///< expected number of swaps of identities
@@ -45,10 +45,16 @@ struct FilmSummary {
 
 class FilmTracking {
  public:
+  /// Detections of a frame that are used, best first: noise may show a hundred thousand, and the
+  /// tracker compares each with each track.
+  static constexpr std::size_t kMostDetections = 10'000;
+
   /// @param most_robots if positive, at most this many detections of a frame are used, best first
   FilmTracking(detector::MarkerDetector& detector, MarkerTracker& tracker,
                std::size_t most_robots = 0)
-      : detector_(detector), tracker_(tracker), most_robots_(most_robots) {}
+      : detector_(detector),
+        tracker_(tracker),
+        most_used_(most_robots > 0 ? most_robots : kMostDetections) {}
 
   /// Processes the next picture.
   /// @param time [s] since the start of the recording; if times repeat or go back, as for unrelated
@@ -69,7 +75,7 @@ class FilmTracking {
 
   detector::MarkerDetector& detector_;
   MarkerTracker& tracker_;
-  std::size_t most_robots_;
+  std::size_t most_used_;
   std::vector<detector::Detection> found_;
   std::vector<FilmRow> rows_;
   FilmSummary total_;

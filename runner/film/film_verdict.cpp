@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <string>
 
 #include "common/math/units.hpp"
 #include "tracker_svc/cap_spacings.hpp"
@@ -60,14 +62,15 @@ void printFilmSummary(const tracker::FilmSummary& film, const CameraCalibration&
         film.swaps, film.doubtful, tracker::FilmTracking::kDoubtful * kPercents);
   }
   if (film.surplus > 0) {
+    constexpr auto kMost = std::int64_t{tracker::FilmTracking::kMostDetections};
     fmt::print(
-        "note     {} of {} frames showed more {} than --robots says; {} poses were left out, "
-        "those with the lowest confidence\n",
+        "note     {} of {} frames showed more {} than {}; {} poses were left out, those with the "
+        "lowest confidence\n",
         film.crowded, film.frames,
         blobs  ? "blobs"
         : tags ? "tags"
                : "caps",
-        film.surplus);
+        film.most < kMost ? "--robots says" : std::to_string(kMost), film.surplus);
   }
   if (film.rows == 0) {
     fmt::print("note     no {} was found; --overlay NAME.png shows what was rejected and why\n",

@@ -7,6 +7,8 @@
 #include <map>
 #include <numbers>
 #include <set>
+#include <span>
+#include <vector>
 
 #include "tests/tracker_svc/covered_cap.hpp"
 #include "tests/tracker_svc/painted_film.hpp"
@@ -110,6 +112,67 @@ TEST(FilmTracking, ReportsAtMostTheGivenNumberOfRobots) {
 
   EXPECT_EQ(dut.process(0, 0, picture.view()).size(), 2U);
   EXPECT_EQ(dut.summary().surplus, 1);
+}
+
+/// Finds more in a picture than anybody marks, as in noise.
+class Noise : public detector::MarkerDetector {
+ public:
+  Noise() {
+    for (std::size_t i = 0; i < FilmTracking::kMostDetections + 7; ++i) {
+      detector::Detection detection;
+      detection.x = 0.01 * static_cast<double>(i);
+      detection.quality = i < 7 ? 0.25F : 0.75F;
+      found_.push_back(detection);
+    }
+  }
+  const std::vector<detector::Detection>& search(
+      const optics::GreyView& /*picture*/, std::vector<detector::Rejection>* /*rejected*/,
+      std::span<const detector::Expected> /*expected*/) override {
+    return found_;
+  }
+  const std::vector<detector::Detection>& follow(
+      const optics::GreyView& /*picture*/,
+      std::span<const detector::Expected> /*expected*/) override {
+    return found_;
+  }
+  void setCompressed(bool /*compressed*/) override {}
+  void setGamma(double /*gamma*/) override {}
+  [[nodiscard]] const optics::CameraModel& camera() const override { return camera_; }
+
+ private:
+  optics::CameraModel camera_{PaintedFilm::settings().camera};
+  std::vector<detector::Detection> found_;
+};
+
+class NoTracks : public MarkerTracker {
+ public:
+  const std::vector<detector::Expected>& expect(double /*time*/) override { return expected_; }
+  const std::vector<Track>& update(double /*time*/,
+                                   std::span<const detector::Detection> detections) override {
+    least_ = 1;
+    for (const detector::Detection& one : detections) least_ = std::min(least_, one.quality);
+    return tracks_;
+  }
+  [[nodiscard]] const TrackerCounts& counts() const override { return counts_; }
+  [[nodiscard]] float least() const { return least_; }
+
+ private:
+  std::vector<detector::Expected> expected_;
+  std::vector<Track> tracks_;
+  TrackerCounts counts_;
+  float least_ = 0;
+};
+
+TEST(FilmTracking, ReportsTheBestOfTooManyDetections) {
+  Noise noise;
+  NoTracks tracker;
+  FilmTracking dut(noise, tracker);
+  const optics::GreyImage picture(4, 4);
+
+  EXPECT_EQ(dut.process(0, 0, picture.view()).size(), FilmTracking::kMostDetections);
+  EXPECT_EQ(dut.summary().surplus, 7);
+  EXPECT_EQ(dut.summary().crowded, 1);
+  EXPECT_EQ(tracker.least(), 0.75F);
 }
 
 TEST(FilmTracking, MeasuresTheSpacingOfTheCircles) {

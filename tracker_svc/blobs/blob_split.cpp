@@ -23,6 +23,7 @@ constexpr int kEvaluations = 40;
 constexpr double kGoodMisfit = 0.05;  // [1] no other start is tried
 constexpr int kTries = 8;
 constexpr int kRoundTries = 5;
+constexpr std::size_t kMostPixels = 10'000;  // of a fit; with more it takes minutes
 
 /// Pixels and the shape, with the unknowns: x, y, the logarithm of the size and perhaps the angle
 /// of each blob, then the contrast.
@@ -265,10 +266,19 @@ Start startOf(int attempt, const std::vector<ContrastPixel>& pixels, int count, 
   Start start;
   start.centres = clusters(pixels, count, level,
                            static_cast<std::size_t>(shape.isRound() ? attempt : attempt / 2));
+  if (start.centres.empty()) return start;
   start.angles = directions(pixels, start.centres, level);
   // Long blobs side by side form clusters that extend across them.
   for (double& angle : start.angles) angle += attempt % 2 == 0 ? 0 : std::numbers::pi / 2;
   return start;
+}
+
+/// Every n-th pixel, so many that a fit is quick.
+std::vector<ContrastPixel> thinned(const std::vector<ContrastPixel>& pixels) {
+  const std::size_t step = 1 + (pixels.size() - 1) / kMostPixels;
+  std::vector<ContrastPixel> fewer;
+  for (std::size_t i = 0; i < pixels.size(); i += step) fewer.push_back(pixels[i]);
+  return fewer;
 }
 
 }  // namespace
@@ -276,6 +286,7 @@ Start startOf(int attempt, const std::vector<ContrastPixel>& pixels, int count, 
 std::optional<BlobSplit> splitBlob(const std::vector<ContrastPixel>& pixels, int count,
                                    const BlobShape& shape,
                                    const std::vector<optics::Pixel>& starts) {
+  if (pixels.size() > kMostPixels) return splitBlob(thinned(pixels), count, shape, starts);
   const Fit fit(pixels, count, shape);
   if (fit.residualCount() < 2 * fit.unknowns()) return {};
   const bool separate = starts.size() == static_cast<std::size_t>(count);
