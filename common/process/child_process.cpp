@@ -60,7 +60,10 @@ void resetSignals(const Launch& launch) {
 /// @param failed moved out of the way
 bool arrangeDescriptors(Launch& launch) {
   const auto away = [](int& number) {
-    return number < 0 || (number = fcntl(number, F_DUPFD_CLOEXEC, kAbove)) >= 0;
+    if (number < 0) return true;
+    const int moved = fcntl(number, F_DUPFD_CLOEXEC, kAbove);
+    if (moved >= 0) number = moved;
+    return moved >= 0;
   };
   if (!away(launch.failed) || !std::ranges::all_of(launch.streams, away)) return false;
   for (std::size_t i = 0; i < launch.num_handed_on; ++i) {

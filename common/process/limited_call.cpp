@@ -176,11 +176,11 @@ void refuseFurtherFiles() {
   }
   close(lowest_free);
 #ifdef __SANITIZE_ADDRESS__
-  constexpr int kOwn = 2;  // the sanitizers' check of types opens a pipe
+  constexpr int kSpare = 2;  // the sanitizers' check of types opens a pipe
 #else
-  constexpr int kOwn = 0;
+  constexpr int kSpare = 0;
 #endif
-  const auto bound = static_cast<rlim_t>(lowest_free + kOwn);
+  const auto bound = static_cast<rlim_t>(lowest_free + kSpare);
   limit(RLIMIT_NOFILE, bound, bound);
 }
 

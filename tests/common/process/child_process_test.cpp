@@ -2,6 +2,7 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -33,6 +34,22 @@ std::string outputOf(const std::string& script, ChildSettings settings = {}) {
   while (!child.waitFor(milliseconds(5))) tail.take();
   tail.take();
   return tail.text();
+}
+
+/// As under `ulimit -n 16`: the error must not be lost with the descriptor that reports it.
+TEST(ChildProcess, SaysThatItGetsNoDescriptors) {
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  const rlimit few{16, before.rlim_max};
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+  std::string problem = "started";
+  try {
+    const ChildProcess child({.arguments = {"true"}});
+  } catch (const std::system_error& error) {
+    problem = error.what();
+  }
+  setrlimit(RLIMIT_NOFILE, &before);
+  EXPECT_EQ(problem, "cannot start true: Invalid argument");
 }
 
 TEST(ChildProcess, SaysHowItEnded) {

@@ -85,9 +85,9 @@ TEST(LimitedCall, EndsWorkThatTakesTooMuchMemory) {
 
 TEST(LimitedCall, OpensNoFileAfterItWasRefused) {
 #ifdef __SANITIZE_ADDRESS__
-  constexpr int kOwn = 2;  // descriptors for the sanitizers' check of types
+  constexpr int kSpare = 2;  // descriptors for the sanitizers' check of types
 #else
-  constexpr int kOwn = 0;
+  constexpr int kSpare = 0;
 #endif
   const TemporaryFolder folder;
   const auto open = []() -> std::string {
@@ -97,7 +97,7 @@ TEST(LimitedCall, OpensNoFileAfterItWasRefused) {
     return std::to_string(opened);
   };
 
-  EXPECT_EQ(callLimited({}, open), std::to_string(kOwn));
+  EXPECT_EQ(callLimited({}, open), std::to_string(kSpare));
   EXPECT_TRUE(std::ofstream(folder / "afterwards"));
 }
 
