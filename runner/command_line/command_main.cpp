@@ -3,12 +3,14 @@
 #include <fmt/format.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cerrno>
 #include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <iostream>
@@ -66,6 +68,39 @@ std::string fileErrorText(const std::filesystem::filesystem_error& error) {
   const std::string file = error.path1().string();
   if (file.empty()) return "found an empty name of a file, expected a path";
   return fmt::format("{}: {}", file, error.code().message());
+}
+
+/// Whether the output is a file that has not taken all of it. A reader or a terminal that has gone
+/// is no fault.
+bool isOutputIncomplete() {
+  std::cout.flush();
+  const bool complete = std::fflush(stdout) == 0 && std::ferror(stdout) == 0 && std::cout.good();
+  struct stat facts {};
+  return !complete && fstat(STDOUT_FILENO, &facts) == 0 && S_ISREG(facts.st_mode);
+}
+
+int guarded(const std::function<int()>& command) {
+  try {
+    return command();
+  } catch (const ExperimentError& error) {
+    std::cerr << printableLines(error.what()) << "\n";
+    return kBadInput;
+  } catch (const UserError& error) {
+    std::cerr << "lab: " << printableLines(error.what()) << "\n";
+    return kBadInput;
+  } catch (const report::ReportError& error) {
+    std::cerr << "lab: " << printableLines(error.what()) << "\n";
+    return kBadInput;
+  } catch (const BusError& error) {
+    std::cerr << "lab: " << printableLines(error.what()) << "\n";
+    return kBadInput;
+  } catch (const std::filesystem::filesystem_error& error) {
+    std::cerr << "lab: " << printableLines(fileErrorText(error)) << "\n";
+    return isWrongName(error.code()) ? kBadInput : kFailed;
+  } catch (const std::exception& error) {
+    std::cerr << "lab: " << printableLines(error.what()) << "\n";
+    return kFailed;
+  }
 }
 
 }  // namespace
@@ -135,28 +170,12 @@ int guardedMain(const std::function<int()>& command) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("lab"));
   std::signal(SIGPIPE,
               SIG_IGN);  // a run goes on when the reader of its output ends (lab run | head)
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that is too large fails to be written: an error, said
   spdlog::set_pattern("%^%l%$: %v");
-  try {
-    return command();
-  } catch (const ExperimentError& error) {
-    std::cerr << printableLines(error.what()) << "\n";
-    return kBadInput;
-  } catch (const UserError& error) {
-    std::cerr << "lab: " << printableLines(error.what()) << "\n";
-    return kBadInput;
-  } catch (const report::ReportError& error) {
-    std::cerr << "lab: " << printableLines(error.what()) << "\n";
-    return kBadInput;
-  } catch (const BusError& error) {
-    std::cerr << "lab: " << printableLines(error.what()) << "\n";
-    return kBadInput;
-  } catch (const std::filesystem::filesystem_error& error) {
-    std::cerr << "lab: " << printableLines(fileErrorText(error)) << "\n";
-    return isWrongName(error.code()) ? kBadInput : kFailed;
-  } catch (const std::exception& error) {
-    std::cerr << "lab: " << printableLines(error.what()) << "\n";
-    return kFailed;
-  }
+  const int exit_code = guarded(command);
+  if (exit_code != kDone || !isOutputIncomplete()) return exit_code;
+  std::cerr << "lab: the output cannot be written: is the disk full?\n";
+  return kFailed;
 }
 
 int commandMain(int argc, char** argv, const AddCommands& add) {

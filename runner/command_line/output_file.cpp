@@ -18,6 +18,10 @@ void checkOutput(const fs::path& path, bool force) {
   if (fs::is_directory(path)) {
     throw UserError(fmt::format("{}: is a folder, expected the name of a file", path.string()));
   }
+  if (fs::exists(path) && !fs::is_regular_file(path)) {
+    throw UserError(fmt::format("{}: is a device, a pipe or a socket, expected the name of a file",
+                                path.string()));
+  }
   if (fs::exists(path) && !force) {
     throw UserError(fmt::format(
         "{}: is there already; choose another name, or --force to replace it", path.string()));
