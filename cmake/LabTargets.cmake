@@ -15,6 +15,10 @@ if(LAB_SANITIZE)
     # With sanitizers, g++ gives false warnings of uninitialised variables (GCC manual) and of bounds.
     $<$<CXX_COMPILER_ID:GNU>:-Wno-tsan;-Wno-maybe-uninitialized;-Wno-array-bounds>)
   target_link_options(lab_options INTERFACE -fsanitize=${LAB_SANITIZE})
+  if(LAB_SANITIZE MATCHES undefined AND CMAKE_CXX_COMPILER_ID STREQUAL GNU)
+    add_library(lab_ubsan_report SHARED "${PROJECT_SOURCE_DIR}/tests/support/ubsan_report.cpp")
+    target_link_libraries(lab_options INTERFACE lab_ubsan_report)
+  endif()
 endif()
 
 # Most of a compiler's time goes into headers that the sources of a library share. A unity build compiles

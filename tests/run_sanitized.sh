@@ -17,7 +17,7 @@ cmake --build --preset "$preset"
 rm -rf "$reports"
 mkdir -p "$reports"
 export ASAN_OPTIONS="log_path=$reports/asan" TSAN_OPTIONS="log_path=$reports/tsan"
-export UBSAN_OPTIONS="log_path=$reports/ubsan:print_stacktrace=1"
+export UBSAN_OPTIONS="print_stacktrace=1" LAB_UBSAN_REPORTS="$reports"
 status=0
 # As in ./lab: -j counts quarter cores.
 ctest --preset "$preset" --no-tests=error -j "$((4 * $(nproc)))" "$@" || status=1
