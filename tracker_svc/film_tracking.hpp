@@ -31,7 +31,8 @@ struct FilmSummary {
   std::int64_t rows = 0;
   std::int64_t degraded = 0;  ///< rows with a pose from one circle and the rim of the cap
   std::int64_t ids = 0;       ///< number of different ids
-  std::int64_t surplus = 0;  ///< detections omitted because there are more than robots, or too many
+  std::int64_t surplus =
+      0;  ///< detections left out, beyond the number of robots or kMostDetections
   std::int64_t crowded = 0;  ///< frames with surplus detections
   std::int64_t fewest = 0;   ///< fewest robots in one frame
   std::int64_t most = 0;

@@ -170,7 +170,7 @@ int guardedMain(const std::function<int()>& command) {
   spdlog::set_default_logger(spdlog::stderr_color_mt("lab"));
   std::signal(SIGPIPE,
               SIG_IGN);  // a run goes on when the reader of its output ends (lab run | head)
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that is too large fails to be written: an error, said
+  std::signal(SIGXFSZ, SIG_IGN);  // writing beyond the limit of file size returns an error instead
   spdlog::set_pattern("%^%l%$: %v");
   const int exit_code = guarded(command);
   if (exit_code != kDone || !isOutputIncomplete()) return exit_code;

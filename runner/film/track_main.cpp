@@ -3,6 +3,7 @@
 
 #include "runner/command_line/command_line_parts.hpp"
 #include "runner/film/film_commands.hpp"
+#include "tracker_svc/film_tracking.hpp"
 
 namespace lab::runner {
 
@@ -34,7 +35,7 @@ void addTrack(CLI::App& app, Chosen& chosen) {
   command
       ->add_option("--robots", options->robots,
                    "Number of robots: at most this many, the best, are taken")
-      ->check(CLI::Range(1, 100'000));
+      ->check(CLI::Range(1, static_cast<int>(tracker::FilmTracking::kMostDetections)));
   command->add_flag("--force", options->force, "Replace existing files");
   command->add_option("--marker", options->marker, "What is tracked: caps, blobs or tags")
       ->check(CLI::IsMember({"caps", "blobs", "tags"}))
