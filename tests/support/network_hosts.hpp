@@ -239,6 +239,12 @@ class Hosts {
         seconds);
   }
 
+  /// Receives on all buses until the gateway of a host reports, at most for `seconds`. It hears its
+  /// bus from then on.
+  bool untilReports(std::size_t host, double seconds) {
+    return until([&] { return all_[host]->status.host == all_[host]->name; }, seconds);
+  }
+
   /// Receives on all buses until a host has the message `seq` of a sender, at most for `seconds`.
   bool untilHeard(std::size_t host, std::string_view sender, std::string_view channel,
                   std::int64_t seq, double seconds) {

@@ -103,7 +103,7 @@ TEST(LinkHosts, AMessageOf60KilobytesPasses) {
 TEST(LinkHosts, ALateJoinerGetsStatesAndStopsButNoOldCommandsOrMeasurements) {
   Hosts hosts({"A", "B"});
   const auto a = hosts.gateway(0);
-  hosts.run(0.5);
+  ASSERT_TRUE(hosts.untilReports(0, kLong));
   for (int i = 1; i <= 3; ++i) {
     hosts[0].bus->publish(channels::kRobotStatus, status("robots", i));
     hosts[0].bus->publish(channels::kRobotCommand, message<robot_command_t>("runner", i));
@@ -113,10 +113,13 @@ TEST(LinkHosts, ALateJoinerGetsStatesAndStopsButNoOldCommandsOrMeasurements) {
   robot_stop_t release{};
   release.clear = 1;
   hosts[0].bus->publish(channels::kRobotStop, message("others", 1, release));
-  hosts.run(2);
+  hosts.run(2);  // so that the commands are old
   const auto b = hosts.gateway(1);
   ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 1, kLong));
-  hosts.run(1);
+  hosts.until([&] { return hosts[1].peer("hostA").stale >= 2; }, kLong);
+  hosts.untilHeard(1, "robots", channels::kRobotStatus, 3, kLong);
+  hosts.untilHeard(1, "people", channels::kRobotStop, 3, kLong);
+  hosts.run(1);  // and nothing else
   EXPECT_THAT(seqs(hosts[1].of("robots", channels::kRobotStatus)), ElementsAre(3));
   EXPECT_THAT(seqs(hosts[1].of("people", channels::kRobotStop)), ElementsAre(3));
   EXPECT_THAT(hosts[1].of("runner", channels::kRobotCommand), IsEmpty());
@@ -124,7 +127,7 @@ TEST(LinkHosts, ALateJoinerGetsStatesAndStopsButNoOldCommandsOrMeasurements) {
   EXPECT_THAT(hosts[1].of("tracker", channels::kTrackedFrame), IsEmpty());
   EXPECT_EQ(hosts[1].status.peers.at(0).stale, 2);
   hosts[0].bus->publish(channels::kTrackedFrame, message<tracked_frame_t>("tracker", 4));
-  hosts.run(0.5);
+  hosts.untilHeard(1, "tracker", channels::kTrackedFrame, 4, kLong);
   EXPECT_THAT(seqs(hosts[1].of("tracker", channels::kTrackedFrame)), ElementsAre(4));
 }
 
@@ -142,7 +145,7 @@ void pullCable(double seconds, bool within_patience) {
     hosts[1].bus->publish(channels::kTrackedFrame, message<tracked_frame_t>("tracker", sent));
   };
   hosts.publishing(50, 1, publish);
-  hosts.run(0.3);
+  hosts.untilHeard(1, "runner", channels::kRobotCommand, sent, kLong);
   wire("cut B");
   const auto before = hosts[1].of("runner", channels::kRobotCommand).size();
   hosts.publishing(50, seconds, publish);
@@ -151,9 +154,11 @@ void pullCable(double seconds, bool within_patience) {
   EXPECT_THAT(hosts[0].peer("hostB").trouble, HasSubstr("hostB"));
   const int last_in_the_dark = sent;
   wire("restore B");
-  ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 1, 20));
+  ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 1, kLong));
   hosts.publishing(50, 3, publish);
-  hosts.run(2);
+  hosts.untilHeard(1, "robots", channels::kRobotStatus, sent, kLong);
+  hosts.untilHeard(0, "tracker", channels::kTrackedFrame, sent, kLong);
+  hosts.run(2);  // for a report of the counts
   EXPECT_THAT(hosts[0].states,
               ElementsAre(Pair("hostB", link_peer_t::SILENT), Pair("hostB", link_peer_t::JOINED),
                           Pair("hostB", link_peer_t::SILENT), Pair("hostB", link_peer_t::JOINED)));
@@ -207,7 +212,11 @@ TEST(LinkHosts, AClockTooFarOffIsRefusedButStopsPass) {
       hosts[host].bus->publish(channels::kRobotStop, message<robot_stop_t>(sender, 1));
     }
   });
-  hosts.run(0.5);
+  for (std::size_t host = 0; host < 2; ++host) {
+    const std::string other = std::to_string(1 - host);
+    hosts.until([&] { return hosts[host].of(other, channels::kRobotStop).size() >= 50; }, kLong);
+  }
+  hosts.run(0.5);  // and nothing else
   for (std::size_t host = 0; host < 2; ++host) {
     const std::string other = std::to_string(1 - host);
     EXPECT_THAT(hosts[host].of(other, channels::kRobotStatus), IsEmpty());
@@ -257,23 +266,25 @@ TEST(LinkHostsLong, EndedStreamsTakeNoMemory) {
   const auto b = hosts.gateway(1);
   ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 1, kLong));
   std::int64_t instance = 0;
-  const auto streams = [&](int count) {
-    hosts.publishing(2000, count / 2000.0, [&](int) {
+  const auto streams = [&](std::size_t count) {
+    const std::size_t all = hosts[1].heard.size() + count;
+    hosts.publishing(2000, static_cast<double>(count) / 2000, [&](int) {
       robot_status_t status{};
       status.sender = "tool";
       status.instance = ++instance;
       status.seq = 1;
       hosts[0].bus->publish(channels::kRobotStatus, encode(status));
     });
-    hosts.run(0.5);
+    hosts.until([&] { return hosts[1].heard.size() >= all; }, kLong);
+    hosts.run(1);  // for acknowledgements, which Cyclone rarely asks for during a burst
   };
-  streams(6000);
+  for (int i = 0; i < 2; ++i) streams(3000);
   const double before_a = a->megabytes();
   const double before_b = b->megabytes();
-  streams(9000);
-  std::printf("%.1f and %.1f MB, after 9000 more streams %.1f and %.1f MB\n", before_a, before_b,
+  for (int i = 0; i < 6; ++i) streams(3000);
+  std::printf("%.1f and %.1f MB, after 18000 more streams %.1f and %.1f MB\n", before_a, before_b,
               a->megabytes(), b->megabytes());
-  EXPECT_EQ(hosts[1].heard.size(), 15'000U);
+  EXPECT_EQ(hosts[1].heard.size(), 24'000U);
   // If they were kept they would take more than 1 kB each.
   EXPECT_LT(a->megabytes() - before_a, 4);
   EXPECT_LT(b->megabytes() - before_b, 4);
@@ -283,6 +294,7 @@ TEST(LinkHosts, TwoRunsDoNotMix) {
   Hosts hosts({"A", "B"});
   const auto a = hosts.gateway(0, 0, 0.005, "one");
   const auto b = hosts.gateway(1, 0, 0.005, "two");
+  ASSERT_TRUE(hosts.untilReports(0, kLong) && hosts.untilReports(1, kLong));
   hosts.publishing(20, 2, [&](int i) {
     hosts[0].bus->publish(channels::kRobotStatus, status("robots", i + 1));
   });
@@ -362,7 +374,8 @@ TEST(LinkHosts, ARestartedGatewayJoinsAgainAndCountsAnew) {
   a->signal(SIGKILL);
   a.reset();
   hosts.publishing(50, 1.5, publish);
-  EXPECT_EQ(hosts[1].peer("hostA").state, link_peer_t::SILENT);
+  EXPECT_TRUE(
+      hosts.until([&] { return hosts[1].peer("hostA").state == link_peer_t::SILENT; }, kLong));
   a = hosts.gateway(0);
   ASSERT_TRUE(hosts.until(
       [&] {
@@ -372,7 +385,8 @@ TEST(LinkHosts, ARestartedGatewayJoinsAgainAndCountsAnew) {
       kLong));
   const int joined = sent;
   hosts.publishing(50, 1, publish);
-  hosts.run(0.5);
+  hosts.untilHeard(1, "robots", channels::kRobotStatus, sent, kLong);
+  hosts.untilHeard(0, "tracker", channels::kTrackedFrame, sent, kLong);
   const auto robots = seqs(hosts[1].of("robots", channels::kRobotStatus));
   EXPECT_EQ(std::ranges::adjacent_find(robots, std::ranges::greater_equal{}), robots.end());
   EXPECT_EQ(std::ranges::count_if(robots, [&](auto seq) { return seq > joined; }), sent - joined);
