@@ -30,6 +30,7 @@
 namespace lab::gateway {
 
 inline const std::string kUrl = lcmUrl(7811);
+inline constexpr double kLong = 60;  ///< [s] time limit for expected events
 
 /// Whether this test was started by two_hosts.sh.
 inline bool hostsAreThere() { return std::getenv("TWO_HOSTS") != nullptr; }
@@ -239,8 +240,8 @@ class Hosts {
         seconds);
   }
 
-  /// Receives on all buses until the gateway of a host reports, at most for `seconds`. It hears its
-  /// bus from then on.
+  /// Receives on all buses until the gateway of a host has reported, at most for `seconds`. By then
+  /// it receives what is published on its bus.
   bool untilReports(std::size_t host, double seconds) {
     return until([&] { return all_[host]->status.host == all_[host]->name; }, seconds);
   }

@@ -24,8 +24,6 @@ using testing::IsEmpty;
 using testing::Pair;
 using testing::SizeIs;
 
-constexpr double kLong = 60;  // [s] time limit for expected events
-
 std::vector<std::uint8_t> status(const std::string& sender, std::int64_t seq) {
   return message<robot_status_t>(sender, seq);
 }
@@ -154,7 +152,7 @@ void pullCable(double seconds, bool within_patience) {
   EXPECT_THAT(hosts[0].peer("hostB").trouble, HasSubstr("hostB"));
   const int last_in_the_dark = sent;
   wire("restore B");
-  ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 1, kLong));
+  ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 1, 20));
   hosts.publishing(50, 3, publish);
   hosts.untilHeard(1, "robots", channels::kRobotStatus, sent, kLong);
   hosts.untilHeard(0, "tracker", channels::kTrackedFrame, sent, kLong);
@@ -266,22 +264,24 @@ TEST(LinkHostsLong, EndedStreamsTakeNoMemory) {
   const auto b = hosts.gateway(1);
   ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 1, kLong));
   std::int64_t instance = 0;
-  const auto streams = [&](std::size_t count) {
-    const std::size_t all = hosts[1].heard.size() + count;
-    hosts.publishing(2000, static_cast<double>(count) / 2000, [&](int) {
-      robot_status_t status{};
-      status.sender = "tool";
-      status.instance = ++instance;
-      status.seq = 1;
-      hosts[0].bus->publish(channels::kRobotStatus, encode(status));
-    });
-    hosts.until([&] { return hosts[1].heard.size() >= all; }, kLong);
-    hosts.run(1);  // for acknowledgements, which Cyclone rarely asks for during a burst
+  const auto bursts = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      const std::size_t all = hosts[1].heard.size() + 3000;
+      hosts.publishing(2000, 1.5, [&](int) {
+        robot_status_t status{};
+        status.sender = "tool";
+        status.instance = ++instance;
+        status.seq = 1;
+        hosts[0].bus->publish(channels::kRobotStatus, encode(status));
+      });
+      hosts.until([&] { return hosts[1].heard.size() >= all; }, kLong);
+      hosts.run(1);  // unacknowledged messages are kept too, so wait for their acknowledgement
+    }
   };
-  for (int i = 0; i < 2; ++i) streams(3000);
+  bursts(2);
   const double before_a = a->megabytes();
   const double before_b = b->megabytes();
-  for (int i = 0; i < 6; ++i) streams(3000);
+  bursts(6);
   std::printf("%.1f and %.1f MB, after 18000 more streams %.1f and %.1f MB\n", before_a, before_b,
               a->megabytes(), b->megabytes());
   EXPECT_EQ(hosts[1].heard.size(), 24'000U);
@@ -374,8 +374,7 @@ TEST(LinkHosts, ARestartedGatewayJoinsAgainAndCountsAnew) {
   a->signal(SIGKILL);
   a.reset();
   hosts.publishing(50, 1.5, publish);
-  EXPECT_TRUE(
-      hosts.until([&] { return hosts[1].peer("hostA").state == link_peer_t::SILENT; }, kLong));
+  EXPECT_EQ(hosts[1].peer("hostA").state, link_peer_t::SILENT);
   a = hosts.gateway(0);
   ASSERT_TRUE(hosts.until(
       [&] {

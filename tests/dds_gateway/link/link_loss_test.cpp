@@ -48,7 +48,7 @@ void deliverAll(double seconds) {
   Hosts hosts({"A", "B"});
   const auto a = hosts.gateway(0, 0, 0.1);
   const auto b = hosts.gateway(1, 0, 0.1);
-  ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 1, 60));
+  ASSERT_TRUE(hosts.untilState(link_peer_t::JOINED, 1, 20));
   std::vector<Stream> streams{{0, "tracker", channels::kTrackedFrame, 50, frame},
                               {0, "light", channels::kLightCommand, 50, large},
                               {1, "runner", channels::kRobotCommand, 5, command},
@@ -62,7 +62,8 @@ void deliverAll(double seconds) {
     }
   });
   for (const Stream& stream : streams) {
-    hosts.untilHeard(1 - stream.from, stream.sender, stream.channel, std::ssize(stream.sent), 60);
+    hosts.untilHeard(1 - stream.from, stream.sender, stream.channel, std::ssize(stream.sent),
+                     kLong);
   }
   hosts.run(2);  // for a report of the counts
   for (const Stream& stream : streams) {
