@@ -40,6 +40,26 @@ std::size_t wholePages(std::size_t bytes) {
   return (bytes + page - 1) / page * page;
 }
 
+/// @param file negative: in memory
+void* map(std::size_t bytes, int file) {
+  return mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
+              file >= 0 ? MAP_SHARED : MAP_PRIVATE | MAP_ANONYMOUS, file, 0);
+}
+
+/// ThreadSanitizer does not know mremap(): it takes the memory that one thread has given back for
+/// that of the next, and reports races.
+void* enlarge(void* data, std::size_t capacity, std::size_t bytes, [[maybe_unused]] int file) {
+#ifdef __SANITIZE_THREAD__
+  void* const grown = map(bytes, file);
+  if (grown == MAP_FAILED) return grown;
+  if (file < 0) std::memcpy(grown, data, capacity);
+  munmap(data, capacity);
+  return grown;
+#else
+  return mremap(data, capacity, bytes, MREMAP_MAYMOVE);
+#endif
+}
+
 }  // namespace
 
 DiskBytes::DiskBytes(DiskBytes&& other) noexcept
@@ -66,9 +86,8 @@ void DiskBytes::grow(std::size_t bytes) {
   bytes = wholePages(std::max({bytes, kFirst, capacity_ + capacity_ / 2}));
   if (bytes > kMostInMemory && !inFile()) return moveToFile(bytes);
   if (inFile()) growFile(bytes);
-  void* const grown = capacity_ == 0 ? mmap(nullptr, bytes, PROT_READ | PROT_WRITE,
-                                            MAP_PRIVATE | MAP_ANONYMOUS, -1, 0)
-                                     : mremap(data_, capacity_, bytes, MREMAP_MAYMOVE);
+  void* const grown =
+      capacity_ == 0 ? map(bytes, -1) : enlarge(data_, capacity_, bytes, file_.get());
   if (grown == MAP_FAILED) throw std::bad_alloc();
   data_ = grown;
   capacity_ = bytes;
@@ -89,7 +108,7 @@ void DiskBytes::moveToFile(std::size_t bytes) {
   unlink(name.c_str());
   const int error = posix_fallocate(file.get(), 0, static_cast<off_t>(bytes));
   if (error != 0) refuse(bytes, error);
-  void* const mapped = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_SHARED, file.get(), 0);
+  void* const mapped = map(bytes, file.get());
   if (mapped == MAP_FAILED) throw std::bad_alloc();
   if (capacity_ > 0) {
     std::memcpy(mapped, data_, capacity_);
