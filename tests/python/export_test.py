@@ -4,7 +4,6 @@ import lzma
 import math
 import os
 import shutil
-import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -14,7 +13,7 @@ import numpy
 import pandas
 
 import active_lab
-from support import ROOT, SKIPPED, RunTestCase, lab, lcm_events, main, virtual_run
+from support import ROOT, SKIPPED, RunTestCase, lab, lcm_events, main, run_node, virtual_run
 
 JAVASCRIPT = ROOT / "tests" / "python" / "mcap_reader"
 
@@ -166,7 +165,7 @@ class Mcap(RunTestCase):
         super().setUpClass()
         modules = Path(os.environ["LAB_NODE"])
         lab("export", cls.path, "--mcap")
-        done = subprocess.run(["node", modules / "read.mjs", f"{cls.path}.mcap"], capture_output=True, text=True)
+        done = run_node(modules / "read.mjs", f"{cls.path}.mcap")
         if done.returncode != 0:
             raise AssertionError(done.stderr)
         lines = [json.loads(line) for line in done.stdout.splitlines()]

@@ -3,7 +3,6 @@
 import json
 import os
 import shutil
-import subprocess
 from pathlib import Path
 
 import h5py
@@ -11,7 +10,7 @@ import numpy
 import pandas
 
 import active_lab
-from support import RunTestCase, lab, lcm_events, lcm_types, main
+from support import RunTestCase, lab, lcm_events, lcm_types, main, run_node
 
 POSES = ["utime", "robot_id", "x", "y", "theta"]
 STATES = ["utime", "robot_id", "battery", "wheel_left", "wheel_right"]
@@ -82,7 +81,7 @@ class Readers(RunTestCase):
         modules = Path(os.environ["LAB_NODE"])
         if shutil.which("node") is None or not (modules / "node_modules").exists():
             self.skipTest("node or the packages of tests/python/mcap_reader are not installed")
-        done = subprocess.run(["node", modules / "read.mjs", self.file(".mcap")], capture_output=True, text=True)
+        done = run_node(modules / "read.mjs", self.file(".mcap"))
         self.assertEqual(done.returncode, 0, done.stderr)
         messages = {channel: [] for channel in COLUMNS}
         for line in done.stdout.splitlines()[1:]:

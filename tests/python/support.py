@@ -24,6 +24,12 @@ def lab(*arguments, cwd=None, expect=0, timeout=600):
     return done.stdout
 
 
+def run_node(*arguments):
+    """Runs JavaScript, without the library of a sanitizer, which reports what node itself does."""
+    environment = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}
+    return subprocess.run(["node", *arguments], capture_output=True, text=True, env=environment)
+
+
 def experiment(name):
     return ROOT / "experiments" / f"{name}.toml"
 

@@ -163,7 +163,10 @@ TEST(OutputTail, KeepsTheEndAndLetsTheChildGoOn) {
     ASSERT_LE(dut.text().size(), 100U);
   }
   while (dut.descriptor() >= 0) dut.take();
-  EXPECT_EQ(dut.text(), std::string(96, 'x') + "end\n");
+  // Not with operator+: g++ 12 gives a false warning for it in builds with TSan.
+  std::string end(96, 'x');
+  end += "end\n";
+  EXPECT_EQ(dut.text(), end);
 }
 
 }  // namespace
