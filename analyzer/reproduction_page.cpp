@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <cmath>
-#include <fstream>
 
 #include "analyzer/report/figures/figure_files.hpp"
 #include "analyzer/report/figures/gnuplot.hpp"
@@ -12,6 +11,7 @@
 #include "analyzer/report/html/html_verdicts.hpp"
 #include "analyzer/report/reproduction/reproduction_figures.hpp"
 #include "analyzer/report_error.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/process/version.hpp"
 #include "common/text/format.hpp"
 
@@ -157,19 +157,6 @@ std::string pageText(const std::vector<PaperPanel>& panels, const Reproduction& 
   return page + "</body>\n</html>\n";
 }
 
-/// Renaming replaces a link that stands there, instead of writing where it leads.
-void write(const fs::path& file, const std::string& text) {
-  fs::path part = file;
-  part += ".part";
-  std::error_code error;
-  fs::remove(part, error);
-  std::ofstream stream(part, std::ios::binary);
-  stream << text << std::flush;
-  if (stream) fs::rename(part, file, error);
-  if (!stream || error)
-    throw ReportError(fmt::format("cannot write {}: is the disk full?", file.string()));
-}
-
 }  // namespace
 
 WrittenReproduction writeReproduction(const fs::path& out, const std::vector<PaperPanel>& panels,
@@ -185,16 +172,16 @@ WrittenReproduction writeReproduction(const fs::path& out, const std::vector<Pap
   fs::remove_all(scratch);
   for (const Figure& figure : figures) {
     if (figure.svg.empty()) continue;
-    write(out / (figure.name + ".svg"), figure.svg);
-    write(out / (figure.name + ".pdf"), figure.pdf);
-    write(out / (figure.name + ".csv"), figure.csv);
+    replaceFile(out / (figure.name + ".svg"), figure.svg);
+    replaceFile(out / (figure.name + ".pdf"), figure.pdf);
+    replaceFile(out / (figure.name + ".csv"), figure.csv);
   }
   std::string estimates;
   const std::string page = pageText(panels, reproduction, figures, facts, estimates);
-  write(out / "estimates.csv", estimates);
+  replaceFile(out / "estimates.csv", estimates);
   WrittenReproduction written;
   written.page = out / "reproduction.html";
-  write(written.page, page);
+  replaceFile(written.page, page);
   for (const PaperPanel& panel : panels) {
     const PanelVerdict verdict = judgePanel(panel, reproduction);
     if (verdict.exact_text.empty()) continue;

@@ -8,6 +8,7 @@
 #include <lab/robot_state_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <stdexcept>
 #include <utility>
 
 #include "common/bus/channels.hpp"
@@ -16,6 +17,7 @@
 #include "common/experiment/experiment_messages.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "common/experiment/program_messages.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/math/units.hpp"
 #include "light/field/raster.hpp"
 #include "projector_ctl/projector_messages.hpp"
@@ -235,8 +237,10 @@ void ProjectorService::savePicture(const ShownFrame& shown) {
   const light::Raster raster =
       light::rasterise(shown.field, arena_width_, arena_height_, kPictureColumns, rows);
   const std::string name = "light_" + std::to_string(shown.first_shown_utime) + ".png";
-  if (const auto error = light::writeFile(pictures_ / name, light::toPng(raster))) {
-    node_.noteError(*error);
+  try {
+    replaceFile(pictures_ / name, light::toPng(raster));
+  } catch (const std::runtime_error& error) {
+    node_.noteError(error.what());
   }
 }
 

@@ -5,16 +5,16 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
+#include <stdexcept>
 #include <system_error>
 #include <utility>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
-#include "common/files/output_links.hpp"
 
 namespace lab {
 namespace fs = std::filesystem;
@@ -159,18 +159,13 @@ bool writeFilmFacts(const fs::path& file, const FilmFacts& facts) {
                {"cpu_s", facts.cpu},
                {"complete", facts.complete},
                {"problem", facts.problem}});
-  fs::path part = file;
-  part += ".part";
-  removeLink(part);
-  std::ofstream stream(part, std::ios::binary);
   constexpr auto kReplace = nlohmann::ordered_json::error_handler_t::replace;
-  stream << json.dump(2, ' ', false, kReplace) << '\n';
-  stream.close();
-  std::error_code error;
-  if (stream) fs::rename(part, file, error);
-  if (stream && !error) return true;
-  fs::remove(part, error);
-  return false;
+  try {
+    replaceFile(file, json.dump(2, ' ', false, kReplace) + "\n");
+  } catch (const std::runtime_error&) {
+    return false;
+  }
+  return true;
 }
 
 FilmFacts readFilmFacts(const fs::path& file) {

@@ -6,10 +6,7 @@
 #include <stb/stb_image_write.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <stdexcept>
 
 namespace lab::light {
@@ -114,20 +111,6 @@ std::vector<std::uint8_t> encodePng(int columns, int rows, std::span<const std::
   };
   stbi_write_png_to_func(append, &png, columns, rows, 1, grey.data(), columns);
   return png;
-}
-
-std::optional<std::string> writeFile(const std::filesystem::path& path,
-                                     std::span<const std::uint8_t> bytes) {
-  std::error_code ignored;
-  // A link is replaced, not followed.
-  if (std::filesystem::is_symlink(std::filesystem::symlink_status(path, ignored))) {
-    std::filesystem::remove(path, ignored);
-  }
-  std::ofstream file(path, std::ios::binary);
-  for (const std::uint8_t byte : bytes) file.put(static_cast<char>(byte));
-  file.close();
-  if (file) return {};
-  return path.string() + ": cannot write it: " + std::strerror(errno);
 }
 
 }  // namespace lab::light

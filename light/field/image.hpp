@@ -3,10 +3,8 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <map>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -54,9 +52,5 @@ void attachImages(std::vector<Layer>& layers, const ImageStore& store);
 /// @throws std::invalid_argument if their number is not columns * rows
 [[nodiscard]] std::vector<std::uint8_t> encodePng(int columns, int rows,
                                                   std::span<const std::uint8_t> grey);
-
-/// Writes a file. @return one line with the reason of a failure
-[[nodiscard]] std::optional<std::string> writeFile(const std::filesystem::path& path,
-                                                   std::span<const std::uint8_t> bytes);
 
 }  // namespace lab::light

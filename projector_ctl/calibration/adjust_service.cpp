@@ -3,11 +3,12 @@
 #include <spdlog/spdlog.h>
 
 #include <cstdint>
+#include <stdexcept>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "common/calibration/projector_file.hpp"
+#include "common/files/atomic_file.hpp"
 #include "light/field/image.hpp"
 
 namespace lab::projector {
@@ -73,11 +74,11 @@ bool AdjustService::save() {
   calibration.arena_width = plane_.arena_width;
   calibration.arena_height = plane_.arena_height;
   calibration.method = "corners";
-  const std::string text = projectorFileText(calibration);
-  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  if (const auto error = light::writeFile(file_, bytes)) {
-    spdlog::error("{}", *error);
-    node_.noteError(*error);
+  try {
+    replaceFile(file_, projectorFileText(calibration));
+  } catch (const std::runtime_error& error) {
+    spdlog::error("{}", error.what());
+    node_.noteError(error.what());
     return false;
   }
   spdlog::info("saved {}; in the experiment: [projector] calibration = \"{}\"", file_.string(),

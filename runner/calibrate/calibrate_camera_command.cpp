@@ -5,7 +5,6 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -14,7 +13,7 @@
 
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
-#include "common/files/output_links.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/math/units.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "runner/calibrate/board_finder.hpp"
@@ -318,21 +317,9 @@ Calibrated calibrate(const CalibrateCameraOptions& options, CameraObservations& 
   return out;
 }
 
-void writeAtomically(const fs::path& path, const std::string& text) {
-  const fs::path part = path.string() + ".part";
-  removeLink(part);
-  {
-    std::ofstream file(part, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file) throw UserError(path.string() + ": cannot be written");
-  }
-  fs::rename(part, path);
-}
-
 void printDrawing(const char* what, const fs::path& file, const std::string& svg, bool force) {
   checkOutput(file, force);
-  writeAtomically(file, svg);
+  replaceFile(file, svg);
   fmt::print("{:<10}{}\n", what, file.string());
 }
 
@@ -395,7 +382,7 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
     calibration.imaging =
         optics::Imaging{.blur = found.blur.value_or(optics::Imaging{}.blur), .gamma = found.gamma};
   }
-  writeAtomically(options.out, cameraFileText(calibration));
+  replaceFile(options.out, cameraFileText(calibration));
   fmt::print("camera    {}\n", options.out.string());
   return kDone;
 }

@@ -3,9 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -15,6 +13,7 @@
 
 #include "common/calibration/projector_file.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/math/units.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_projector.hpp"
@@ -116,11 +115,6 @@ calibration::PatternReader readerFor(const Experiment& experiment, const fs::pat
   }
 }
 
-void writeText(const fs::path& path, const std::string& text) {
-  const auto* bytes = reinterpret_cast<const std::uint8_t*>(text.data());
-  if (const auto error = light::writeFile(path, {bytes, text.size()})) throw UserError(*error);
-}
-
 std::string countText(const calibration::PatternCount& count) {
   const auto share = [&](int part) { return 100.0 * part / std::max(1, count.pixels); };
   return fmt::format(
@@ -140,7 +134,7 @@ void writePicture(const fs::path& path, const calibration::ProjectorFit& fit,
                   const calibration::ProjectorPlane& plane) {
   const calibration::ResidualPicture picture = calibration::residualPicture(fit, plane);
   const auto png = light::encodePng(picture.columns, picture.rows, picture.grey);
-  if (const auto error = light::writeFile(path, png)) throw UserError(*error);
+  replaceFile(path, png);
   fmt::print("picture   {} (arrows {:.0f} times as long as the residuals)\n", path.string(),
              picture.scale);
 }
@@ -166,7 +160,7 @@ ExitCode writeResult(const calibration::ProjectorFit& fit, const calibration::Pr
   calibration.accuracy = fit.accuracy;
   calibration.worst = fit.worstResidual();
   calibration.covered = fit.covered;
-  writeText(options.out, projectorFileText(calibration));
+  replaceFile(options.out, projectorFileText(calibration));
   fmt::print("projector {}\n", options.out.string());
   return kDone;
 }

@@ -15,11 +15,11 @@
 #include <string_view>
 #include <system_error>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/text/json_text.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/output_file.hpp"
 #include "runner/runs/run_directory.hpp"

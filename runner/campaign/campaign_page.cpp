@@ -16,12 +16,12 @@
 #include <utility>
 
 #include "analyzer/gnuplot_figures.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/process/installation.hpp"
 #include "common/text/format.hpp"
 #include "runner/campaign/adaptive/adaptive_page.hpp"
 #include "runner/campaign/adaptive/adaptive_rounds.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_figures.hpp"
 #include "runner/campaign/campaign_laws.hpp"
 #include "runner/campaign/live/live_engine.hpp"

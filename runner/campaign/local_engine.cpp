@@ -6,7 +6,7 @@
 #include <csignal>
 #include <set>
 
-#include "runner/campaign/atomic_file.hpp"
+#include "common/files/atomic_file.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/row_pool.hpp"
 #include "runner/campaign/run_row.hpp"

@@ -18,10 +18,10 @@
 #include <stdexcept>
 #include <system_error>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/process/pidfd.hpp"
 #include "common/text/printable.hpp"
-#include "runner/campaign/atomic_file.hpp"
 
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;

@@ -9,10 +9,10 @@
 #include <system_error>
 
 #include "analyzer/run_summary.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/files/scratch_folder.hpp"
 #include "common/process/version.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/campaign_plan.hpp"
 #include "runner/runs/run_directory.hpp"

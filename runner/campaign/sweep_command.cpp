@@ -11,6 +11,7 @@
 #include <thread>
 #include <utility>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/process/installation.hpp"
@@ -18,7 +19,6 @@
 #include "common/text/printable.hpp"
 #include "runner/campaign/adaptive/adaptive_engine.hpp"
 #include "runner/campaign/adaptive/adaptive_goal.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_data.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/campaign_page.hpp"

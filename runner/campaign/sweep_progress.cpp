@@ -9,9 +9,9 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "common/files/atomic_file.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/text/format.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/runs/run_directory.hpp"
 

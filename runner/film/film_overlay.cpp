@@ -2,16 +2,13 @@
 
 #include <fmt/format.h>
 
-#include <cerrno>
 #include <cstdint>
-#include <cstring>
-#include <fstream>
 #include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include "common/files/output_links.hpp"
+#include "common/files/atomic_file.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/output_file.hpp"
 #include "runner/film/movie_writer.hpp"
@@ -28,39 +25,10 @@ constexpr int kFrameTilesAcross = 3;
 constexpr int kFrameTileWidth = 960;  // [px]
 constexpr int kJpegQuality = 90;
 
-/// Temporary name in the same folder, with the same extension.
-fs::path temporaryName(const fs::path& file) {
+/// With the extension of the movie, from which ffmpeg knows the format.
+fs::path partOfMovie(const fs::path& file) {
   return file.parent_path() / ("." + file.stem().string() + ".part" + file.extension().string());
 }
-
-void writeFile(const fs::path& path, const std::vector<std::uint8_t>& bytes) {
-  removeLink(path);
-  std::ofstream file(path, std::ios::binary);
-  for (const std::uint8_t byte : bytes) file.put(static_cast<char>(byte));
-  file.close();
-  if (!file)
-    throw std::runtime_error(
-        fmt::format("{}: cannot be written: {}", path.string(), std::strerror(errno)));
-}
-
-/// A file that gets its final name only when it is complete.
-class AtomicFile {
- public:
-  explicit AtomicFile(fs::path path) : path_(std::move(path)), part_(temporaryName(path_)) {}
-  ~AtomicFile() {
-    std::error_code ignored;
-    fs::remove(part_, ignored);
-  }
-  AtomicFile(const AtomicFile&) = delete;
-  AtomicFile& operator=(const AtomicFile&) = delete;
-
-  [[nodiscard]] const fs::path& part() const { return part_; }
-  void finish() { fs::rename(part_, path_); }
-
- private:
-  fs::path path_;
-  fs::path part_;
-};
 
 /// Draws the overlay of one frame.
 class Painter {
@@ -93,7 +61,7 @@ class Painter {
 class ContactSheet final : public FilmOverlay {
  public:
   explicit ContactSheet(const OverlaySettings& settings)
-      : painter_(settings), file_(settings.path) {}
+      : painter_(settings), path_(settings.path) {}
 
   [[nodiscard]] bool wantsNext() const override { return next_ % stride_ == 0; }
 
@@ -118,13 +86,12 @@ class ContactSheet final : public FilmOverlay {
       tiles_.resize(kTiles);
     }
     if (tiles_.empty()) return;
-    writeFile(file_.part(), optics::pngBytes(optics::contactSheet(tiles_, kFrameTilesAcross)));
-    file_.finish();
+    replaceFile(path_, optics::pngBytes(optics::contactSheet(tiles_, kFrameTilesAcross)));
   }
 
  private:
   Painter painter_;
-  AtomicFile file_;
+  fs::path path_;
   std::vector<RgbImage> tiles_;
   std::int64_t next_ = 0;
   std::int64_t stride_ = 1;
@@ -133,7 +100,7 @@ class ContactSheet final : public FilmOverlay {
 class Movie final : public FilmOverlay {
  public:
   explicit Movie(const OverlaySettings& settings)
-      : painter_(settings), file_(settings.path), fps_(settings.fps) {}
+      : painter_(settings), file_(settings.path, partOfMovie(settings.path)), fps_(settings.fps) {}
 
   [[nodiscard]] bool wantsNext() const override { return true; }
 
@@ -170,8 +137,8 @@ class PictureFolder final : public FilmOverlay {
   [[nodiscard]] bool wantsNext() const override { return true; }
 
   void add(const OverlayFrame& frame) override {
-    writeFile(folder_ / fmt::format("f{:06}.jpg", frame.number),
-              optics::jpegBytes(painter_.paint(frame, 0), kJpegQuality));
+    replaceFile(folder_ / fmt::format("f{:06}.jpg", frame.number),
+                optics::jpegBytes(painter_.paint(frame, 0), kJpegQuality));
   }
 
   void finish() override {}

@@ -5,18 +5,16 @@
 #include <fstream>
 #include <vector>
 
+#include "common/files/atomic_file.hpp"
 #include "tracker_svc/film_tracking.hpp"
 
 namespace lab::runner {
 
-/// Writes the rows to NAME.part and renames the file when it is complete.
+/// Writes the rows to a file that appears when it is complete.
 class PoseWriter {
  public:
   /// @throws UserError if the file exists, unless it may be replaced, or cannot be written
   PoseWriter(std::filesystem::path path, detector::MarkerKind kind, bool may_replace);
-  ~PoseWriter();
-  PoseWriter(const PoseWriter&) = delete;
-  PoseWriter& operator=(const PoseWriter&) = delete;
 
   /// @throws std::runtime_error if they cannot be written
   void write(const std::vector<tracker::FilmRow>& rows);
@@ -25,10 +23,9 @@ class PoseWriter {
  private:
   [[noreturn]] void fail() const;
 
-  std::filesystem::path path_;
-  std::filesystem::path part_;
+  AtomicFile file_;
   detector::MarkerKind kind_;
-  std::ofstream file_;
+  std::ofstream stream_;
 };
 
 }  // namespace lab::runner

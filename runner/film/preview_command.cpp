@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/experiment/experiment_file.hpp"
+#include "common/files/atomic_file.hpp"
 #include "light/field/image.hpp"
 #include "runner/film/film_commands.hpp"
 #include "runner/film/light_preview.hpp"
@@ -37,9 +38,7 @@ std::size_t writeSheet(LightPreview& preview, const fs::path& path) {
     }
   }
   const int across = std::min(kTilesAcross, static_cast<int>(tiles.size()));
-  const auto problem =
-      light::writeFile(path, optics::pngBytes(optics::contactSheet(tiles, across)));
-  if (problem) throw UserError(*problem);
+  replaceFile(path, optics::pngBytes(optics::contactSheet(tiles, across)));
   return step;
 }
 

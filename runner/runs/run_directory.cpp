@@ -3,8 +3,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
-#include <fstream>
 #include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -17,9 +17,9 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_log_size.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_text.hpp"
-#include "common/files/output_links.hpp"
 #include "dds_gateway/topic_mapping_file.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
@@ -243,20 +243,11 @@ void adoptImages(Experiment& experiment, const fs::path& source, const fs::path&
 
 void writeNewFile(const fs::path& path, const std::string& text) {
   if (fs::exists(path)) throw UserError(path.string() + " exists: nothing is overwritten");
-  fs::path beside = path;
-  beside += ".part";
-  removeLink(beside);
-  std::ofstream file(beside, std::ios::binary);
-  file << text;
-  file.close();
-  std::error_code error;
-  if (file) fs::rename(beside, path, error);
-  if (file && !error) return;
-  fs::remove(beside, error);
-  throw UserError("cannot write " + path.string() +
-                  (fs::is_directory(path.parent_path().empty() ? "." : path.parent_path(), error)
-                       ? ": is the disk full?"
-                       : ": its folder is gone"));
+  try {
+    replaceFile(path, text);
+  } catch (const std::runtime_error& error) {
+    throw UserError(error.what());
+  }
 }
 
 std::int64_t diskNeed_bytes(const Experiment& experiment) {

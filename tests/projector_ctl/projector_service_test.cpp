@@ -17,6 +17,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
 #include "common/experiment/program_messages.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/files/image_file.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/math/units.hpp"
@@ -202,7 +203,7 @@ TEST_F(ProjectorServiceTest, ShowsTheImagesOfTheExperiment) {
   const std::string name = "projector_service_test.png";
   const std::filesystem::path path = folder / name;
   const std::vector<std::uint8_t> png = light::encodePng(2, 1, std::vector<std::uint8_t>{0, 255});
-  ASSERT_EQ(light::writeFile(path, png), std::nullopt);
+  replaceFile(path, png);
   LightStep step;
   LayerSpec& picture = step.layers.emplace_back();
   picture.kind = light_layer_t::IMAGE;

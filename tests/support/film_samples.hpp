@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "common/files/atomic_file.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/grey_image.hpp"
 
@@ -37,9 +38,7 @@ inline bool isPictureOf(const optics::GreyView& grey, int number, int slack = 0)
 }
 
 inline void writePng(const std::filesystem::path& path, const optics::GreyImage& image) {
-  const auto problem =
-      light::writeFile(path, light::encodePng(image.width, image.height, image.pixels));
-  if (problem) throw std::runtime_error(*problem);
+  replaceFile(path, light::encodePng(image.width, image.height, image.pixels));
 }
 
 /// Whether ffmpeg and ffprobe are installed.

@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <string>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/text/format.hpp"
 #include "common/text/printable.hpp"
 #include "runner/campaign/adaptive/adaptive_goal.hpp"
 #include "runner/campaign/adaptive/adaptive_rounds.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 
 namespace lab::runner::campaign {

@@ -9,9 +9,9 @@
 #include <system_error>
 #include <vector>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/text/json_text.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/engines/bundles.hpp"
 #include "runner/campaign/engines/engine.hpp"

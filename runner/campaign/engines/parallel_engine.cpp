@@ -9,9 +9,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/files/atomic_file.hpp"
 #include "common/process/child_process.hpp"
 #include "common/text/printable.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/engines/bundles.hpp"
 #include "runner/campaign/engines/engine.hpp"

@@ -11,10 +11,10 @@
 #include <thread>
 #include <vector>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/text/format.hpp"
 #include "common/text/printable.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/engines/bundles.hpp"
 #include "runner/campaign/engines/engine.hpp"
 #include "runner/campaign/engines/tool.hpp"

@@ -12,12 +12,12 @@
 #include <thread>
 #include <utility>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/process/child_process.hpp"
 #include "common/process/installation.hpp"
 #include "common/text/printable.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/local_engine.hpp"
 #include "runner/campaign/queue/campaign_queue.hpp"

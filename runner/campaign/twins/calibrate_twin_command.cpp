@@ -11,9 +11,9 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/files/atomic_file.hpp"
 #include "common/text/format.hpp"
 #include "common/text/printable.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/axis.hpp"
 #include "runner/campaign/campaign_data.hpp"
 #include "runner/campaign/twins/twin_comparison.hpp"

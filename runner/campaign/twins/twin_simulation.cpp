@@ -8,10 +8,10 @@
 #include <utility>
 
 #include "common/experiment/experiment_file.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/process/version.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_data.hpp"
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/campaign_plan.hpp"

@@ -3,16 +3,15 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/resource.h>
 
 #include <algorithm>
-#include <csignal>
 #include <fstream>
 #include <iterator>
 #include <stdexcept>
 
 #include "common/bus/channels.hpp"
 #include "common/files/file_text.hpp"
+#include "tests/support/file_size_limit.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/text_file.hpp"
 
@@ -119,24 +118,15 @@ TEST_F(LogFile, NamesFilesThatItCannotWriteOrRead) {
 }
 
 TEST_F(LogFile, ReportsAFullDisk) {
-  rlimit before{};
-  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
-  rlimit little = before;
-  little.rlim_cur = 10 * kEventSize;
-  const auto old_handler = std::signal(SIGXFSZ, SIG_IGN);
-  {
-    LogWriter log(folder_ / "log.lcmlog");
-    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &little), 0);
-    for (std::int64_t i = 0; i < 100; ++i) write(log, eventNumber(i));
-    EXPECT_THROW(log.flush(), std::runtime_error);
-    EXPECT_THROW(
-        {
-          for (std::int64_t i = 0; i < 100'000; ++i) write(log, eventNumber(i));
-        },
-        std::runtime_error);
-    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
-  }
-  std::signal(SIGXFSZ, old_handler);
+  LogWriter log(folder_ / "log.lcmlog");
+  const FileSizeLimit full(10 * kEventSize);
+  for (std::int64_t i = 0; i < 100; ++i) write(log, eventNumber(i));
+  EXPECT_THROW(log.flush(), std::runtime_error);
+  EXPECT_THROW(
+      {
+        for (std::int64_t i = 0; i < 100'000; ++i) write(log, eventNumber(i));
+      },
+      std::runtime_error);
 }
 
 TEST_F(LogFile, LosesOnlyACutEvent) {  // LCM's own reader stops there

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "common/bus/bus.hpp"
+#include "common/files/atomic_file.hpp"
 #include "tests/support/light_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
 
@@ -73,7 +74,7 @@ TEST(ExperimentImages, AreLoadedOnceAndFoundByPathAndDigest) {
   const TemporaryFolder directory;
   const std::string name = "light_messages_test.png";
   const std::vector<std::uint8_t> png = light::encodePng(1, 1, std::vector<std::uint8_t>{9});
-  ASSERT_EQ(light::writeFile(directory / name, png), std::nullopt);
+  replaceFile(directory / name, png);
   Experiment experiment;
   LayerSpec layer;
   layer.image = name;

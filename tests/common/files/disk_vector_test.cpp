@@ -2,8 +2,6 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -16,6 +14,8 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+
+#include "tests/support/file_size_limit.hpp"
 
 namespace lab {
 namespace {
@@ -133,16 +133,12 @@ TEST(DiskVector, NamesTheFolderWithoutRoom) {
   EXPECT_THAT(missing, testing::HasSubstr("set TMPDIR to a folder with room"));
   EXPECT_EQ(dut[3].key, 3U) << "what was there stays";
 
-  signal(SIGXFSZ, SIG_IGN);
-  rlimit limit{};
-  getrlimit(RLIMIT_FSIZE, &limit);
-  const rlim_t soft = limit.rlim_cur;
-  limit.rlim_cur = std::size_t{100} << 20U;
-  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &limit), 0);
   Records full;
-  const std::string refused = fill(full);
-  limit.rlim_cur = soft;
-  setrlimit(RLIMIT_FSIZE, &limit);
+  std::string refused;
+  {
+    const FileSizeLimit limit(std::size_t{100} << 20U);
+    refused = fill(full);
+  }
   EXPECT_THAT(refused, testing::HasSubstr("cannot keep"));
   EXPECT_GE(full.size(), Records::kBlock);
   EXPECT_EQ(full.back().key, full.size() - 1) << "what was there stays";

@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "common/files/atomic_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace lab {
@@ -21,7 +22,7 @@ TEST(ImageFile, ReadsBackWhatWasWritten) {
   const std::vector<std::uint8_t> png = light::encodePng(3, 2, grey);
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / "grey.png";
-  ASSERT_EQ(light::writeFile(path, png), std::nullopt);
+  replaceFile(path, png);
 
   const light::DecodedImage dut = loadImage(path);
 

@@ -74,10 +74,5 @@ TEST(LightImage, PngNeedsOneValuePerPixel) {
   EXPECT_THROW((void)encodePng(3, 2, std::vector<std::uint8_t>(5)), std::invalid_argument);
 }
 
-TEST(LightImage, ThatCannotBeWrittenIsReportedWithItsPath) {
-  EXPECT_THAT(writeFile("no_such_folder/light.png", bytesOf("x")).value_or(""),
-              HasSubstr("no_such_folder/light.png"));
-}
-
 }  // namespace
 }  // namespace lab::light

@@ -13,6 +13,7 @@
 
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/math/random.hpp"
 #include "light/field/image.hpp"
 #include "light/optics/simulated_camera.hpp"
@@ -79,8 +80,8 @@ class CalibrateCamera : public testing::Test {
     for (int k = 0; k < kFrames; ++k) {
       optics::GreyImage picture(kWidth, kHeight);
       painter.paint(someRobots(random, widest), k, picture.pixels);
-      ASSERT_FALSE(light::writeFile(folder_ / fmt::format("{}/f{:04}.png", name, k),
-                                    light::encodePng(kWidth, kHeight, picture.pixels)));
+      replaceFile(folder_ / fmt::format("{}/f{:04}.png", name, k),
+                  light::encodePng(kWidth, kHeight, picture.pixels));
     }
   }
 

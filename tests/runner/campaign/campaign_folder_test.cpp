@@ -3,10 +3,6 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <signal.h>
-#include <sys/types.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <filesystem>
@@ -15,8 +11,8 @@
 #include <string>
 #include <vector>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/experiment_error.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/text_file.hpp"
@@ -79,41 +75,6 @@ TEST_F(CampaignFolder, IsReadAsItWasWritten) {
   EXPECT_EQ(read.points[1].values, campaign_.points[1].values);
   EXPECT_EQ(read.points[1].duration, 120);
   EXPECT_EQ(readFile(folder_ / "files/0123.txt"), "content");
-}
-
-TEST(AtomicFile, WhatKilledProcessesLeftIsRemoved) {
-  const TemporaryFolder folder;
-  char host[64] = {};
-  gethostname(host, sizeof host - 1);
-  const std::string ours = fmt::format("{}-{}-1.part", host, getpid());
-  const std::string dead = fmt::format("{}-999999999-1.part", host);
-  for (const std::string& name : {".a.json." + ours, ".a.json." + dead, ".b.json.other" + dead,
-                                  "a.json." + dead, std::string("a.json")}) {
-    writeFile(folder / name, "x");
-  }
-  removeAbandonedFiles(folder / "");
-  EXPECT_TRUE(fs::exists(folder / (".a.json." + ours)));
-  EXPECT_FALSE(fs::exists(folder / (".a.json." + dead)));
-  EXPECT_TRUE(fs::exists(folder / (".b.json.other" + dead))) << "of another host";
-  EXPECT_TRUE(fs::exists(folder / ("a.json." + dead)));
-  EXPECT_TRUE(fs::exists(folder / "a.json"));
-  removeAbandonedFiles(folder / "nothing");
-}
-
-TEST(AtomicFile, AKilledProcessThatNobodyWaitedForIsDead) {
-  const TemporaryFolder folder;
-  char host[64] = {};
-  gethostname(host, sizeof host - 1);
-  const pid_t child = fork();
-  if (child == 0) _exit(0);
-  siginfo_t ended = {};
-  ASSERT_EQ(waitid(P_PID, static_cast<id_t>(child), &ended, WEXITED | WNOWAIT), 0);
-  const fs::path left = folder / fmt::format(".a.json.{}-{}-1.part", host, child);
-  writeFile(left, "x");
-  ASSERT_EQ(kill(child, 0), 0) << "kill() finds it until somebody waits";
-  removeAbandonedFiles(folder / "");
-  EXPECT_FALSE(fs::exists(left));
-  waitpid(child, nullptr, 0);
 }
 
 TEST_F(CampaignFolder, IsReadAfterItWasMoved) {
@@ -225,27 +186,6 @@ TEST_F(CampaignFolder, RemovesWhatKilledProcessesLeftBehind) {
   const WorkFolder work(folder_);
 
   EXPECT_FALSE(fs::exists(left));
-}
-
-TEST(AtomicFile, IsReplacedAsAWhole) {
-  const TemporaryFolder folder;
-  replaceFile(folder / "file", "first");
-  replaceFile(folder / "file", "second", Sync::kYes);
-
-  EXPECT_EQ(readFile(folder / "file"), "second");
-  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path()), {}), 1);
-}
-
-TEST(AtomicFile, SaysWhyItCannotBeWritten) {
-  EXPECT_THROW(replaceFile("/nowhere/file", "text"), std::runtime_error);
-  try {
-    replaceFile("/dev/full/file", "text");
-    FAIL();
-  } catch (const std::runtime_error& error) {
-    EXPECT_THAT(error.what(), HasSubstr("cannot write /dev/full/file"));
-  }
-  EXPECT_TRUE(tellsOfFullDisk("cannot write x: No space left on device"));
-  EXPECT_FALSE(tellsOfFullDisk("cannot write x: Permission denied"));
 }
 
 }  // namespace

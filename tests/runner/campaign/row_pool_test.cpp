@@ -14,7 +14,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "runner/campaign/atomic_file.hpp"
+#include "common/files/atomic_file.hpp"
 #include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner::campaign::row_pool_test {

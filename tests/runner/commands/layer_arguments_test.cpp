@@ -8,6 +8,7 @@
 #include <optional>
 
 #include "common/experiment/experiment_file.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/files/image_file.hpp"
 #include "light/field/image.hpp"
 #include "runner/command_line/exit_code.hpp"
@@ -26,7 +27,7 @@ std::vector<light::DrivenLayer> layersOf(const std::vector<std::string>& texts,
 
 std::filesystem::path writePicture(const std::filesystem::path& path) {
   const std::array<std::uint8_t, 4> grey = {0, 255, 128, 64};
-  EXPECT_EQ(light::writeFile(path, light::encodePng(2, 2, grey)), std::nullopt);
+  replaceFile(path, light::encodePng(2, 2, grey));
   return path;
 }
 

@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/math/random.hpp"
-#include "runner/campaign/atomic_file.hpp"
 #include "runner/campaign/campaign_data.hpp"
 #include "runner/campaign/campaign_plan.hpp"
 #include "runner/campaign/local_engine.hpp"

@@ -1,4 +1,4 @@
-#include "runner/campaign/atomic_file.hpp"
+#include "common/files/atomic_file.hpp"
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,19 +13,22 @@
 #include <regex>
 #include <string>
 #include <system_error>
+#include <utility>
 
+#include "common/files/output_links.hpp"
 #include "common/process/file_descriptor.hpp"
 
-namespace lab::runner::campaign {
+namespace lab {
 namespace fs = std::filesystem;
 namespace {
 
 [[noreturn]] void fail(const fs::path& file, const fs::path& beside, int error) {
   std::error_code ignored;
   fs::remove(beside, ignored);
-  const std::string what = fmt::format("cannot write {}: {}", file.string(), std::strerror(error));
-  if (error == ENOSPC || error == EDQUOT) throw DiskFull(what);
-  throw std::runtime_error(what);
+  if (error == ENOSPC || error == EDQUOT) {
+    throw DiskFull(fmt::format("cannot write {}: the disk is full", file.string()));
+  }
+  throw std::runtime_error(fmt::format("cannot write {}: {}", file.string(), std::strerror(error)));
 }
 
 void writeAll(int descriptor, std::string_view text, const fs::path& file, const fs::path& beside) {
@@ -58,7 +61,13 @@ std::string hostName() {
 }  // namespace
 
 void replaceFile(const fs::path& file, std::string_view text, Sync sync) {
-  // Several processes, on several hosts, may write the same result.
+  std::error_code unknown;
+  const fs::file_status found = fs::symlink_status(file, unknown);
+  if (fs::exists(found) && !fs::is_regular_file(found) && !fs::is_symlink(found)) {
+    throw std::runtime_error(fmt::format(
+        "cannot write {}: found a folder, a device or a pipe, expected a file or a new name",
+        file.string()));
+  }
   static std::atomic<int> number = 0;
   const fs::path beside =
       file.parent_path() /
@@ -71,6 +80,10 @@ void replaceFile(const fs::path& file, std::string_view text, Sync sync) {
   // A network file system reports a full disk here.
   if (close(out.release()) != 0) fail(file, beside, errno);
   if (std::rename(beside.c_str(), file.c_str()) != 0) fail(file, beside, errno);
+}
+
+void replaceFile(const fs::path& file, std::span<const std::uint8_t> bytes) {
+  replaceFile(file, {reinterpret_cast<const char*>(bytes.data()), bytes.size()});
 }
 
 void removeAbandonedFiles(const fs::path& folder) {
@@ -93,4 +106,18 @@ bool tellsOfFullDisk(std::string_view text) {
          text.find("disk is full") != std::string_view::npos;
 }
 
-}  // namespace lab::runner::campaign
+AtomicFile::AtomicFile(fs::path path) : AtomicFile(path, path.string() + ".part") {}
+
+AtomicFile::AtomicFile(fs::path path, fs::path part)
+    : path_(std::move(path)), part_(std::move(part)) {
+  removeLink(part_);
+}
+
+AtomicFile::~AtomicFile() {
+  std::error_code ignored;
+  fs::remove(part_, ignored);
+}
+
+void AtomicFile::finish() { fs::rename(part_, path_); }
+
+}  // namespace lab
