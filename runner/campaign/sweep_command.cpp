@@ -24,6 +24,7 @@
 #include "runner/campaign/campaign_page.hpp"
 #include "runner/campaign/campaign_plan.hpp"
 #include "runner/campaign/campaign_table.hpp"
+#include "runner/campaign/design.hpp"
 #include "runner/campaign/engines/bundles.hpp"
 #include "runner/campaign/engines/engine.hpp"
 #include "runner/campaign/live/live_engine.hpp"
@@ -42,7 +43,8 @@ namespace {
 
 using Kind = RowState::Kind;
 
-constexpr std::size_t kMostTasks = 1000;  // of a job array: the default of Slurm's MaxArraySize
+constexpr std::size_t kManyPoints = 5000;  // their check takes some seconds
+constexpr std::size_t kMostTasks = 1000;   // of a job array: the default of Slurm's MaxArraySize
 
 std::string sizeText(std::int64_t bytes) {
   if (bytes < 10'000'000) return fmt::format("{:.1f} MB", static_cast<double>(bytes) * 1e-6);
@@ -104,6 +106,9 @@ std::optional<StoredCampaign> storedBefore(const fs::path& folder) {
 fs::path prepare(const SweepOptions& options) {
   const std::string text = readFileText(options.input, file_kinds::kExperiment);
   const Request request = requestOf(options, text);
+  if (const std::size_t points = pointsOf(request.design()).size(); points >= kManyPoints) {
+    fmt::print(stderr, "checking {} points\n", points);
+  }
   Plan plan = planCampaign(request, text);
   if (request.adaptive) static_cast<void>(goalOf(request, plan.points));
   const fs::path folder = folderFor(options, request);

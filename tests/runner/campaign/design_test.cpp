@@ -64,6 +64,14 @@ TEST(Design, RefusesMorePointsThanAMachineCanHold) {
   EXPECT_THROW(static_cast<void>(pointsOf(designOf({"a=0:1:2000", "b=0:1:2000"}))), UserError);
 }
 
+TEST(Design, HasAtMostAHundredThousandPoints) {
+  Design design = designOf({"a=0:1"});
+  design.random = kMostPoints;
+  EXPECT_EQ(pointsOf(design).size(), 100'000U);
+  design.random = kMostPoints + 1;
+  EXPECT_THROW((void)pointsOf(design), UserError);
+}
+
 TEST(Design, HasOnePointOfALatinHypercubeInEachPartOfEveryAxis) {
   constexpr std::size_t kPoints = 50;
   Design design = designOf({"a=0:1", "b=1:100:log"});
