@@ -10,7 +10,8 @@ void addReproduce(CLI::App& app, Chosen& chosen) {
   auto options = std::make_shared<ReproduceOptions>();
   CLI::App* command = app.add_subcommand("reproduce", summaryOf("reproduce"));
   command->add_option("--out", options->out, "Folder for the page, the panels and the runs")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(folderOrNewName());
   command
       ->add_option("--hours", options->hours, "Length of each recording (4b,c: always 3 minutes)")
       ->check(between(0.005, 200))

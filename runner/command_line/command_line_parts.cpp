@@ -110,18 +110,19 @@ std::vector<std::string> withOption(std::vector<std::string> set, const std::str
   return set;
 }
 
-void addRunsFolder(CLI::App& command, std::filesystem::path& runs, const std::string& text) {
-  command.add_option("--runs,--out", runs, text)
-      ->capture_default_str()
-      ->check(CLI::Validator(
-          [](const std::string& named) {
+CLI::Validator folderOrNewName() {
+  return {[](const std::string& named) {
             std::error_code error;
             const auto status = std::filesystem::status(named, error);
             return !std::filesystem::exists(status) || std::filesystem::is_directory(status)
                        ? std::string()
                        : "found no folder at " + named + ", expected one or a new name";
           },
-          ""));
+          ""};
+}
+
+void addRunsFolder(CLI::App& command, std::filesystem::path& runs, const std::string& text) {
+  command.add_option("--runs,--out", runs, text)->capture_default_str()->check(folderOrNewName());
 }
 
 void addExperiment(CLI::App& command, std::filesystem::path& file) {

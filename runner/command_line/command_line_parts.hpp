@@ -44,6 +44,9 @@ CLI::Option* addSettings(CLI::App& command, std::vector<std::string>& set,
                                                   const std::string& option, const std::string& key,
                                                   const std::string& value);
 
+/// Refuses files and devices for an option that names a folder.
+[[nodiscard]] CLI::Validator folderOrNewName();
+
 /// --runs: the folder in which a run gets its folder. --out, its former name in `lab run`, is the
 /// same.
 void addRunsFolder(CLI::App& command, std::filesystem::path& runs, const std::string& text);

@@ -11,7 +11,8 @@ void addPreview(CLI::App& app, Chosen& chosen) {
   CLI::App* command = app.add_subcommand("preview", summaryOf("preview"));
   addExperiment(*command, options->file);
   command->add_option("--out", options->out, "Folder for NAME_light.png and NAME_light.mp4")
-      ->capture_default_str();
+      ->capture_default_str()
+      ->check(folderOrNewName());
   addSettings(*command, options->set);
   command->callback([&chosen, options] { chosen = [options] { return preview(*options); }; });
 }

@@ -20,6 +20,7 @@
 #include "runner/campaign/twins/twin_page.hpp"
 #include "runner/campaign/twins/twin_regression.hpp"
 #include "runner/campaign/twins/twin_simulation.hpp"
+#include "runner/command_line/command_line_parts.hpp"
 
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;
@@ -289,7 +290,9 @@ void addCalibrateTwin(CLI::App& calibrate, Chosen& chosen) {
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   command->add_option("--held-out", options->held_out,
                       "A run that is compared with twins at the result, and not fitted");
-  command->add_option("--out", options->out, "Folder for the results")->capture_default_str();
+  command->add_option("--out", options->out, "Folder for the results")
+      ->capture_default_str()
+      ->check(folderOrNewName());
   command->add_option("--count", options->count, "Twins of each run in each round")
       ->check(CLI::Range(kFewestDrawn, 100000))
       ->capture_default_str();

@@ -13,7 +13,8 @@ void addTwin(CLI::App& app, Chosen& chosen) {
   command->add_option("--count", options->count, "Number of twins")
       ->check(CLI::Range(kFewestTwins, 10000))
       ->capture_default_str();
-  command->add_option("--out", options->out, "Folder for the results (default: that of the log)");
+  command->add_option("--out", options->out, "Folder for the results (default: that of the log)")
+      ->check(folderOrNewName());
   command->add_option("--jobs", options->jobs, "Twins at a time (default: one per core)")
       ->check(CLI::Range(1, 10000));
   command->add_flag("--figures,!--no-figures", options->figures, "Draw figures (default: yes)");

@@ -115,6 +115,9 @@ def main():
         assert 'log' in lab('twin', empty, code=2)
         text = lab('twin', original, '--count', '3', code=2)
         assert '--count' in text, text
+        for command in (['twin', original], ['calibrate', 'twin', original]):
+            text = lab(*command, '--out', log, code=2)
+            assert text.startswith('lab: --out: found no folder at') and len(text.splitlines()) == 1, text
         text = lab('run', os.path.join(folder, 'original.toml'), '--virtual-time', '--set',
                    'analysis.twins=5', code=2)
         assert 'found 5, allowed 0 or 10 to 1000' in text, text

@@ -142,5 +142,10 @@ TEST(CommandLine, TakesTheFolderOfRunsByBothItsNames) {
   }
 }
 
+TEST(CommandLine, RefusesADeviceAsTheFolderOfRuns) {
+  EXPECT_THAT(errorOf({"run", "abp", "--runs", "/dev/null"}),
+              StartsWith("--runs: found no folder at /dev/null, expected one or a new name"));
+}
+
 }  // namespace
 }  // namespace lab::runner::command_line_test
