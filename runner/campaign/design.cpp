@@ -21,7 +21,7 @@ constexpr int kDrawnDigits = 9;  // of drawn values
 
 void requireFew(double points) {
   if (points <= static_cast<double>(kMostPoints)) return;
-  throw UserError(fmt::format("found a sweep of {:.4g} points, allowed {}; give fewer values",
+  throw UserError(fmt::format("found a sweep of {:.10g} points, allowed {}; give fewer values",
                               points, kMostPoints));
 }
 
