@@ -13,7 +13,9 @@ constexpr double kNothing = 1e-18;  // relative size of negligible terms
 
 /// exp(-x) x^k / k!.
 double poisson(double k, double x) {
-  return x > 0 ? std::exp(k * std::log(x) - x - std::lgamma(k + 1)) : (k == 0 ? 1.0 : 0.0);
+  if (x <= 0) return k == 0 ? 1.0 : 0.0;
+  int sign = 0;  // std::lgamma() writes it to a variable that all threads share
+  return std::exp(k * std::log(x) - x - lgamma_r(k + 1, &sign));
 }
 
 /// E[(N - n)_+] of a Poisson number N with mean x, for n >= 1: summed over the shorter of the two
