@@ -6,7 +6,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <fstream>
 #include <functional>
 #include <map>
 #include <memory>
@@ -21,6 +20,7 @@
 #include "common/bus/log_file.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment.hpp"
+#include "common/files/atomic_file.hpp"
 #include "common/files/scratch_folder.hpp"
 #include "common/math/units.hpp"
 #include "light/optics/rgb_image.hpp"
@@ -173,14 +173,6 @@ optics::RgbImage sideBySide(std::vector<optics::RgbImage> tiles) {
   return optics::contactSheet(tiles, tilesAcross(tiles.size()));
 }
 
-void writeAll(const fs::path& file, const std::vector<std::uint8_t>& bytes) {
-  std::ofstream stream(file, std::ios::binary);
-  stream.write(reinterpret_cast<const char*>(bytes.data()),
-               static_cast<std::streamsize>(bytes.size()));
-  stream.close();
-  if (!stream) throw std::runtime_error(file.string() + ": cannot be written: is the disk full?");
-}
-
 /// Makes the pictures of the clip, one after the other.
 class ClipMaker {
  public:
@@ -205,11 +197,11 @@ class ClipMaker {
     for (const ClipStart& start : starts_) show(start);
     if (!writer_) throw std::runtime_error("the film has no frame that can be read");
     writer_->finish();
-    writeAll(folder_ / clip_files::kStills,
-             optics::jpegBytes(optics::contactSheet(stills_, kStillsAcross)));
+    replaceFile(folder_ / clip_files::kStills,
+                optics::jpegBytes(optics::contactSheet(stills_, kStillsAcross)));
     const nlohmann::ordered_json facts{{"fps", kClipFps}, {"t_s", times_}};
     const std::string text = facts.dump() + "\n";
-    writeAll(folder_ / clip_files::kTimes, {text.begin(), text.end()});
+    replaceFile(folder_ / clip_files::kTimes, text);
   }
 
  private:
