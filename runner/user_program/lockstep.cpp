@@ -1,5 +1,6 @@
 #include "runner/user_program/lockstep.hpp"
 
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -10,6 +11,8 @@
 #include <string>
 #include <system_error>
 #include <utility>
+
+#include "runner/command_line/print_line.hpp"
 
 namespace lab::runner {
 namespace {
@@ -147,8 +150,13 @@ void Lockstep::send(char what, std::int64_t utime, std::string_view channel, Byt
 }
 
 std::optional<Lockstep::Frame> Lockstep::read() {
+  waits_since_ = std::chrono::steady_clock::now();
   std::array<std::uint8_t, kHead_bytes> head{};
   if (!readExactly(head.data(), head.size())) return std::nullopt;
+  if (!heard_) {
+    heard_ = true;
+    said_wait_ = false;
+  }
   Frame frame;
   frame.what = static_cast<char>(head[0]);
   frame.utime = numberAt<std::int64_t>(&head[1]);
@@ -171,6 +179,7 @@ bool Lockstep::readExactly(std::uint8_t* to, std::size_t size) {
     // A program that computes without end must not keep the user from ending the run.
     if (found == 0 && interrupted_()) return false;
     if (found == 0 && !process_->running()) return false;
+    if (found == 0) sayLongWait();
     if (found <= 0) continue;
     const ssize_t count = ::recv(socket_.get(), to, size, 0);
     if (count < 0 && errno == EINTR) continue;
@@ -179,6 +188,17 @@ bool Lockstep::readExactly(std::uint8_t* to, std::size_t size) {
     size -= static_cast<std::size_t>(count);
   }
   return true;
+}
+
+void Lockstep::sayLongWait() {
+  if (said_wait_ || std::chrono::steady_clock::now() - waits_since_ < kSilentWait) return;
+  said_wait_ = true;
+  printLine(heard_ ? fmt::format("waiting while {} computes: virtual time stands still until it "
+                                 "waits for the lab; Ctrl-C ends both",
+                                 process_->name())
+                   : fmt::format("waiting for {}: the run begins when it calls active_lab.Lab(), "
+                                 "or when it ends; Ctrl-C ends both",
+                                 process_->name()));
 }
 
 }  // namespace lab::runner

@@ -1,6 +1,7 @@
 /// A user program in virtual time: time stands still while it computes.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <filesystem>
 #include <functional>
@@ -33,6 +34,8 @@ namespace lab::runner {
 ///
 /// The program computes between a frame to it and its next `w`. The loop waits for that, so the
 /// program's time is exactly the loop's, and a deterministic program gives the same run every time.
+/// The first wait that takes longer than kSilentWait is said on the terminal, once before the
+/// program's first frame and once after it.
 class Lockstep {
  public:
   /// Subscribes to the bus: before messages are delivered.
@@ -67,6 +70,7 @@ class Lockstep {
   void programEnded();
   [[nodiscard]] std::optional<Frame> read();
   [[nodiscard]] bool readExactly(std::uint8_t* to, std::size_t size);
+  void sayLongWait();
 
   Bus& bus_;
   VirtualLoop& loop_;
@@ -76,6 +80,9 @@ class Lockstep {
   std::optional<UserProcess> process_;
   std::set<std::string, std::less<>> channels_;
   std::uint64_t waits_ = 0;
+  std::chrono::steady_clock::time_point waits_since_;
+  bool heard_ = false;      // at least one frame came from the program
+  bool said_wait_ = false;  // since heard_ changed
   bool connected_ = false;
   bool reported_ = false;
   bool concluding_ = false;

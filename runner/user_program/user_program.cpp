@@ -13,6 +13,7 @@
 
 #include "light/field/image.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/print_line.hpp"
 #include "runner/user_program/python.hpp"
 
 namespace lab::runner {
@@ -105,6 +106,7 @@ UserProcess::UserProcess(const UserProgram& program, const fs::path& run,
 
 void UserProcess::waitForEnd(const std::function<bool()>& in_a_hurry) {
   auto begin = std::chrono::steady_clock::now();
+  bool said = false;
   bool hurry = false;
   bool terminated = false;
   while (!child_->waitFor(kTick)) {
@@ -112,6 +114,10 @@ void UserProcess::waitForEnd(const std::function<bool()>& in_a_hurry) {
     if (!hurry && in_a_hurry()) {
       hurry = true;
       begin = now;
+    }
+    if (!hurry && !said && now - begin >= kSilentWait) {
+      said = true;
+      printLine(fmt::format("waiting for the end of {}: Ctrl-C ends it", name_));
     }
     if (!hurry || now - begin < kGrace) continue;
     child_->signalGroup(terminated ? SIGKILL : SIGTERM);

@@ -1,6 +1,7 @@
 /// A program of the user that takes part in a run (`lab run FILE --with script.py`).
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <filesystem>
 #include <functional>
@@ -33,6 +34,9 @@ void adoptUserProgram(const UserProgram& program, const std::filesystem::path& r
 /// Remark for the record: name, arguments, digest.
 [[nodiscard]] std::string describe(const UserProgram& program);
 
+/// The lab waits for a user program for this long before it says so.
+constexpr std::chrono::seconds kSilentWait{5};
+
 /// The process of a user program. Its output goes to the terminal.
 class UserProcess {
  public:
@@ -43,10 +47,12 @@ class UserProcess {
               std::vector<std::string> environment,
               std::vector<std::pair<int, int>> handed_on = {});
 
+  [[nodiscard]] const std::string& name() const { return name_; }
+
   [[nodiscard]] bool running() { return child_->running(); }
 
   /// Waits for its end, for as long as it takes, unless the user is in a hurry: then it gets
-  /// SIGTERM after 2 s, and SIGKILL after 2 s more.
+  /// SIGTERM after 2 s, and SIGKILL after 2 s more. Says after kSilentWait that it waits.
   void waitForEnd(const std::function<bool()>& in_a_hurry);
 
   /// What went wrong, for the record; empty: it runs, or ended with 0.

@@ -1,6 +1,8 @@
 """Programs of the user in virtual time: `lab run FILE --virtual-time --with script.py`."""
 import math
 import shutil
+import signal
+import subprocess
 import tempfile
 import textwrap
 import unittest
@@ -9,7 +11,7 @@ from pathlib import Path
 import numpy
 
 import active_lab
-from support import experiment, lab, main
+from support import BIN, experiment, lab, main
 
 
 class VirtualLab(unittest.TestCase):
@@ -245,6 +247,41 @@ class VirtualLab(unittest.TestCase):
         self.assertGreater(run.poses.t.max(), 2.9)
         self.assertTrue((run.folder / "user_program" / "script.py").exists())
         self.assertIn("--gain 3", run.events[run.events.kind == "MARK"].text.iloc[0])
+
+    def interrupted_at(self, text, program):
+        """Runs a program that takes too long until the lab prints a line with `text`, then presses Ctrl-C."""
+        script = self.folder / f"{self.id()}.py"
+        script.write_text("import time\n" + textwrap.dedent(program))
+        process = subprocess.Popen([BIN / "lab", "run", experiment("abp"), "--virtual-time", "--no-report", "--runs",
+                                    self.folder / self.id(), "--set", "duration_s=2", "--with", script],
+                                   stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.kill)
+        lines = []
+        for line in process.stdout:
+            lines.append(line)
+            if text in line:
+                break
+        else:
+            self.fail("".join(lines))
+        process.send_signal(signal.SIGINT)
+        lines.append(process.communicate(timeout=120)[0])
+        self.assertEqual("".join(lines).count("waiting "), 1, lines)
+
+    def test_a_long_wait_for_the_program_is_said(self):
+        self.interrupted_at("the run begins when it calls active_lab.Lab()", "time.sleep(600)")
+        self.interrupted_at("virtual time stands still", """
+            import active_lab
+            with active_lab.Lab() as lab:
+                lab.sleep(1)
+                time.sleep(600)
+            """)
+        self.interrupted_at("waiting for the end of", """
+            import active_lab
+            with active_lab.Lab() as lab:
+                lab.run()
+            time.sleep(600)
+            """)
 
     def test_messages_of_the_program_are_counted(self):
         run, _ = self.run_with(self.ALONG_X, seconds=3)
