@@ -20,7 +20,7 @@ export ASAN_OPTIONS="log_path=$reports/asan" TSAN_OPTIONS="log_path=$reports/tsa
 export UBSAN_OPTIONS="print_stacktrace=1" LAB_UBSAN_REPORTS="$reports"
 status=0
 # As in ./lab: -j counts quarter cores.
-ctest --preset "$preset" --no-tests=error -j "$((4 * $(nproc)))" "$@" || status=1
+ctest --preset "$preset" --no-tests=error -j "$((4 * $(nproc) + 2))" "$@" || status=1
 found=$(find "$reports" -type f | wc -l)
 if [ "$found" -gt 0 ]; then
   echo "run_sanitized.sh: $found processes reported a fault; the first report of $reports:" >&2

@@ -10,7 +10,8 @@ includes  every file includes the standard headers whose names it uses
 layout    no folder at the root that is not in docs/architecture.md, no include against the arrow or
           of another service's private header
 programs  no name of a program of programs/ outside the folders that may know programs
-alone     every header compiles without any other header before it
+alone     every header compiles without any other header before it (of those that their own source includes
+          first, style_every_source_alone shows it)
 
 77 is returned where the tool is not installed or is of another version than the one that decides.
 """
@@ -303,6 +304,15 @@ def check_programs(root, _build):
     return found
 
 
+def first_include_of_its_source(root, name):
+    source = os.path.join(root, os.path.splitext(name)[0] + ".cpp")
+    if not os.path.exists(source):
+        return False
+    with open(source, encoding="utf-8") as text:
+        first = re.search(r'^\s*#\s*include\s+[<"]([^">]+)[">]', text.read(), re.M)
+    return first is not None and first.group(1) == name
+
+
 def check_alone(root, build):
     compiler = need("g++")
     flags = compile_flags(build, root)
@@ -314,7 +324,8 @@ def check_alone(root, build):
         return [f"{name}: does not compile alone: {errors[0] if errors else done.stderr[:200]}"] \
             if done.returncode else []
 
-    return [line for lines in in_parallel(check, headers_of(root)) for line in lines]
+    names = [name for name in headers_of(root) if not first_include_of_its_source(root, name)]
+    return [line for lines in in_parallel(check, names) for line in lines]
 
 
 GATES = {"format": check_format, "names": check_names, "spelling": check_spelling,
