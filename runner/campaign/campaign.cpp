@@ -9,6 +9,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/experiment/keys/key_visitor.hpp"
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_values.hpp"
 #include "common/files/toml_document.hpp"
@@ -25,6 +26,18 @@ constexpr std::size_t kRecipeDigits = 16;
 constexpr std::size_t kCodeDigits = 8;
 // TOML has signed integers.
 constexpr std::uint64_t kLargestSeed = std::numeric_limits<std::int64_t>::max();
+// What the experiment file and the command line accept. A campaign may come from a stranger.
+constexpr keys::TextRule kExperimentName{.most = 64, .as_folder = true};
+constexpr keys::Range kSeeds{.low = 1, .high = 100'000, .whole = true};
+constexpr keys::Range kDrawnPoints{
+    .low = 0, .high = static_cast<double>(kMostPoints), .whole = true};
+constexpr keys::Range kTries{.low = 1, .high = 100, .whole = true};
+constexpr keys::Range kRunsPerRound{.low = 1, .high = 1000, .whole = true};
+constexpr keys::Range kPause_s{.low = 0, .high = 86'400};
+constexpr keys::Range kRobotTime_s{.low = 0, .high = 1e9};
+constexpr keys::Range kGoalError{.low = 0, .high = 1e12};
+constexpr keys::Range kGoalLevel{.low = -1e12, .high = 1e12};
+constexpr keys::Range kUntil_us{.low = 0, .high = 253'402'300'799e6};  // the end of the year 9999
 
 constexpr std::array<std::pair<Keep, const char*>, 3> kKeeps{
     {{Keep::kLogs, "logs"}, {Keep::kSummary, "summary"}, {Keep::kNothing, "nothing"}}};
@@ -55,26 +68,35 @@ class RequestReader {
     if (node != nullptr) {
       if (const auto value = node->value_exact<T>()) return *value;
     }
-    fail(key, node);
+    fail(key);
+  }
+
+  template <class T>
+  [[nodiscard]] T get(const char* key, const keys::Range& range) const {
+    const T value = get<T>(key);
+    if (!range.contains(static_cast<double>(value))) fail(key, range.text());
+    return value;
   }
 
   [[nodiscard]] std::vector<std::string> texts(const char* key) const {
     const toml::node* node = root_.get(key);
-    if (node == nullptr || !node->is_array()) fail(key, node);
+    if (node == nullptr || !node->is_array()) fail(key);
     std::vector<std::string> all;
     for (const toml::node& item : *node->as_array()) {
       const auto text = item.value_exact<std::string>();
-      if (!text) fail(key, node);
+      if (!text) fail(key);
       all.push_back(*text);
     }
     return all;
   }
 
-  [[noreturn]] void fail(const char* key, const toml::node* node) const {
+  [[noreturn]] void fail(const char* key,
+                         const std::string& expected = "what lab sweep writes") const {
+    const toml::node* node = root_.get(key);
     throw ExperimentError({fmt::format(
-        "{}: {}: found {}, expected what lab sweep writes; the file was changed or is damaged. lab "
-        "sweep FILE --out FOLDER writes it again, results stay",
-        name_, key, node == nullptr ? "nothing" : keys::displayText(*node))});
+        "{}: {}: found {}, expected {}; the file was changed or is damaged. lab sweep FILE --out "
+        "FOLDER writes it again, results stay",
+        name_, key, node == nullptr ? "nothing" : keys::displayText(*node), expected)});
   }
 
  private:
@@ -97,11 +119,15 @@ std::string liveText(const LivePlan& plan) {
 LivePlan readLivePlan(const RequestReader& read) {
   LivePlan plan;
   plan.rehearsal = read.get<bool>("rehearsal");
-  plan.rest_s = read.get<double>("rest_s");
+  plan.rest_s = read.get<double>("rest_s", kPause_s);
   plan.clear = read.get<std::string>("clear");
-  plan.tries = read.get<std::int64_t>("tries");
-  plan.strikes = read.get<std::int64_t>("strikes");
-  plan.until_us = read.get<std::int64_t>("until_us");
+  // Becomes an argument of lab run, which must not take it for an option.
+  if (!plan.clear.empty() && plan.clear.front() != '/') {
+    read.fail("clear", "an absolute path, or nothing");
+  }
+  plan.tries = read.get<std::int64_t>("tries", kTries);
+  plan.strikes = read.get<std::int64_t>("strikes", kTries);
+  plan.until_us = read.get<std::int64_t>("until_us", kUntil_us);
   for (const std::string& rule : read.texts("known")) plan.known.push_back(parseKnownRule(rule));
   return plan;
 }
@@ -125,11 +151,11 @@ AdaptivePlan readAdaptivePlan(const RequestReader& read) {
   plan.quantity = read.get<std::string>("quantity");
   plan.parameter = read.get<std::string>("parameter");
   plan.relative = read.get<bool>("relative");
-  plan.level = read.get<double>("level");
-  plan.robot_time_s = read.get<double>("robot_time_s");
-  plan.error = read.get<double>("error");
-  plan.runs_per_round = std::max<std::int64_t>(1, read.get<std::int64_t>("runs_per_round"));
-  plan.between_runs_s = read.get<double>("between_runs_s");
+  plan.level = read.get<double>("level", kGoalLevel);
+  plan.robot_time_s = read.get<double>("robot_time_s", kRobotTime_s);
+  plan.error = read.get<double>("error", kGoalError);
+  plan.runs_per_round = read.get<std::int64_t>("runs_per_round", kRunsPerRound);
+  plan.between_runs_s = read.get<double>("between_runs_s", kPause_s);
   return plan;
 }
 
@@ -167,12 +193,14 @@ Request readRequest(std::string_view text, const std::string& name) {
   }
   Request request;
   request.name = read.get<std::string>("name");
+  // Goes into the scripts of engines.
+  if (!kExperimentName.accepts(request.name)) read.fail("name", kExperimentName.text());
   request.file = read.get<std::string>("file");
   request.set = read.texts("set");
   request.over = read.texts("over");
   request.zip = read.get<bool>("zip");
-  request.seeds = std::max<std::int64_t>(1, read.get<std::int64_t>("seeds"));
-  request.random = read.get<std::int64_t>("random");
+  request.seeds = read.get<std::int64_t>("seeds", kSeeds);
+  request.random = read.get<std::int64_t>("random", kDrawnPoints);
   request.sampling =
       read.get<std::string>("sampling") == "sobol" ? Sampling::kSobol : Sampling::kLatin;
   request.seed = static_cast<std::uint64_t>(read.get<std::int64_t>("seed"));
@@ -180,12 +208,21 @@ Request readRequest(std::string_view text, const std::string& name) {
   const auto keep = read.get<std::string>("keep");
   const auto* const known =
       std::ranges::find(kKeeps, keep, [](const auto& pair) { return std::string(pair.second); });
-  if (known == kKeeps.end()) read.fail("keep", document.root().get("keep"));
+  if (known == kKeeps.end()) read.fail("keep");
   request.keep = known->first;
   request.fits = read.get<bool>("fits");
   if (document.root().contains("rest_s")) request.live = readLivePlan(read);
   if (document.root().contains("runs_per_round")) request.adaptive = readAdaptivePlan(read);
   return request;
+}
+
+void requireFewRows(const Request& request, std::size_t points, const std::string& where) {
+  const double rows = static_cast<double>(points) * static_cast<double>(request.seeds);
+  if (rows <= static_cast<double>(kMostRows)) return;
+  throw UserError(
+      fmt::format("{}: found {} points with {} seeds each, allowed {} runs; give fewer values or "
+                  "seeds",
+                  where, points, request.seeds, kMostRows));
 }
 
 Point makePoint(PointValues values, std::string experiment, double duration) {

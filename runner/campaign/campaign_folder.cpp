@@ -15,6 +15,7 @@
 #include <string_view>
 #include <system_error>
 
+#include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/atomic_file.hpp"
 #include "common/files/experiment_error.hpp"
 #include "common/files/file_text.hpp"
@@ -55,7 +56,8 @@ std::string pointsText(const std::vector<Point>& points) {
       file.string(), line, what, file.parent_path().string()));
 }
 
-std::vector<Point> readPoints(const fs::path& file) {
+/// @param axes number of swept keys, which all users of a point's values rely on
+std::vector<Point> readPoints(const fs::path& file, std::size_t axes) {
   const std::string text = readFileText(file, kPointsFile);
   std::vector<Point> points;
   std::size_t expected = 0;
@@ -71,11 +73,24 @@ std::vector<Point> readPoints(const fs::path& file) {
           damagedPoints(file, number, "found another format");
         }
         expected = json.at("points");
+        if (expected > static_cast<std::size_t>(kMostPoints)) {
+          damagedPoints(file, number, fmt::format("found {} points", expected));
+        }
         continue;
+      }
+      if (points.size() == expected) {
+        damagedPoints(file, number, fmt::format("found more than {} points", expected));
       }
       Point point = makePoint(json.at("values"), json.at("experiment"), json.at("duration_s"));
       if (json.at("sha256") != point.hash) {
         damagedPoints(file, number, "found a line without its checksum");
+      }
+      if (point.values.size() != axes) {
+        damagedPoints(file, number,
+                      fmt::format("found {} values for {} swept keys", point.values.size(), axes));
+      }
+      if (!(point.duration > 0 && point.duration <= keys::kLongestRun)) {
+        damagedPoints(file, number, fmt::format("found a run of {} s", point.duration));
       }
       points.push_back(std::move(point));
     } catch (const Json::exception&) {
@@ -156,10 +171,19 @@ RowState staleState(const fs::path& folder, const RunIdentity& run,
 }  // namespace
 
 void refuseCampaignLinks(const fs::path& folder) {
-  for (const char* name : {names::kFiles, names::kResults, names::kSummaries, names::kRuns,
-                           names::kFailures, names::kWork, names::kEarlier, names::kFigures,
-                           names::kMarked, names::kJournal, names::kRounds, names::kLock}) {
+  for (const char* name :
+       {names::kFiles, names::kResults, names::kSummaries, names::kRuns, names::kFailures,
+        names::kWork, names::kEarlier, names::kFigures, names::kMarked, names::kJournal,
+        names::kRounds, names::kLock, names::kSlurm, names::kParallel}) {
     refuseLink(folder / name);
+  }
+  // Slurm and GNU parallel write here themselves, under names that are not known before.
+  for (const char* name : {names::kSlurm, names::kParallel}) {
+    std::error_code error;
+    for (fs::directory_iterator entry(folder / name, error), end; !error && entry != end;
+         entry.increment(error)) {
+      refuseLink(entry->path());
+    }
   }
 }
 
@@ -207,7 +231,10 @@ StoredCampaign readCampaign(const fs::path& folder) {
   }
   campaign.experiment_text =
       readWholeFile(folder / names::kExperiment, file_kinds::kExperiment).value_or("");
-  campaign.points = readPoints(folder / names::kPoints);
+  const std::vector<Axis> axes =
+      parseAxes(campaign.request.over, fmt::format("{}: over", file.string()));
+  campaign.points = readPoints(folder / names::kPoints, axes.size());
+  requireFewRows(campaign.request, campaign.points.size(), file.string());
   for (const char* name : {names::kResults, names::kFailures, names::kWork}) {
     std::error_code ignored;
     fs::create_directories(folder / name, ignored);
@@ -266,7 +293,7 @@ fs::path failureFile(const RunIdentity& run) {
 }
 
 std::optional<FileLock> FileLock::tryLock(const fs::path& file) {
-  FileDescriptor descriptor(open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666));
+  FileDescriptor descriptor(open(file.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0666));
   if (descriptor.get() < 0) {
     throw std::runtime_error(
         fmt::format("cannot write {}: {}", file.string(), std::strerror(errno)));
@@ -304,6 +331,7 @@ WorkFolder::WorkFolder(const fs::path& campaign) {
   const fs::path hidden = all / ("." + path_.filename().string());
   std::error_code ignored;
   fs::remove_all(path_, ignored);
+  fs::remove_all(hidden, ignored);  // also a link that a stranger put there
   fs::create_directories(hidden);
   lock_ = FileLock::tryLock(hidden / "lock");
   fs::rename(hidden, path_);

@@ -38,7 +38,10 @@ inline constexpr const char* kTable = "campaign.csv";
 inline constexpr const char* kPooled = "points.csv";
 inline constexpr const char* kJson = "campaign.json";
 inline constexpr const char* kPage = "index.html";
-inline constexpr const char* kLock = "lock";  ///< of the command that runs the campaign
+inline constexpr const char* kLock = "lock";          ///< of the command that runs the campaign
+inline constexpr const char* kSlurm = "slurm";        ///< scripts and logs of Slurm's jobs
+inline constexpr const char* kParallel = "parallel";  ///< lists and logs of GNU parallel
+inline constexpr const char* kReturned = "returned";  ///< in it: results that hosts send back
 }  // namespace names
 
 inline constexpr FileKind kRoundsFile{"the rounds of a campaign", 64 * file_kinds::kMega};

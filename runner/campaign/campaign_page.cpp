@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -15,9 +14,11 @@
 #include <system_error>
 #include <utility>
 
+#include "analyzer/analyze_run.hpp"
 #include "analyzer/gnuplot_figures.hpp"
 #include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
+#include "common/files/scratch_folder.hpp"
 #include "common/process/installation.hpp"
 #include "common/text/format.hpp"
 #include "runner/campaign/adaptive/adaptive_page.hpp"
@@ -311,26 +312,6 @@ std::vector<report::ScriptedFigure> scriptsOf(const CampaignData& data, const Po
   return scripts;
 }
 
-/// A folder for gnuplot's files.
-class FigureScratch {
- public:
-  explicit FigureScratch(const fs::path& folder)
-      : path_(folder / fmt::format(".figures-{}", getpid())) {
-    fs::create_directories(path_);
-  }
-  ~FigureScratch() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  FigureScratch(const FigureScratch&) = delete;
-  FigureScratch& operator=(const FigureScratch&) = delete;
-
-  [[nodiscard]] const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
 }  // namespace
 
 void writeCsv(const CampaignData& data, const fs::path& folder, const PooledTable& pooled) {
@@ -360,7 +341,7 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
 
   std::vector<report::DrawnFigure> figures;
   if (options.figures) {
-    const FigureScratch scratch(folder);
+    const ScratchFolder scratch(report::makeFolderIn(folder, ".figures"));
     figures = report::drawFigureScripts(scriptsOf(data, pooled, leading), scratch.path());
     writeFigures(folder / names::kFigures, figures);
   }
@@ -403,7 +384,8 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
   if (data.request.live) page += liveSection(folder);
   if (data.request.adaptive) {
     page += roundsSection(
-        data, readRounds(readWholeFile(folder / names::kRounds, kRoundsFile).value_or("")));
+        data, readRounds(readWholeFile(folder / names::kRounds, kRoundsFile).value_or(""),
+                         data.axes.size()));
   }
   page += "<div class=\"figures\">\n";
   for (const report::DrawnFigure& figure : figures) page += figureHtml(figure);

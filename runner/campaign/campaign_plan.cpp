@@ -184,7 +184,9 @@ Plan planCampaign(const Request& request, const std::string& text) {
   FileCollector files(source);
   Plan plan;
   std::set<std::string> hashes;
-  for (PointValues& values : pointsOf(design)) {
+  std::vector<PointValues> points = pointsOf(design);
+  requireFewRows(request, points.size(), request.file);
+  for (PointValues& values : points) {
     Experiment experiment = checkedExperiment(text, request, design.axes, values, source);
     experiment.analysis.twins = 0;
     if (!request.live) leaveOutNetwork(experiment);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <utility>
 
@@ -59,21 +60,25 @@ bool matches(const Point& point, const Fixed& fixed) {
 }
 
 std::vector<Fixed> combinationsOf(const CampaignData& data, const std::vector<std::size_t>& axes) {
-  std::vector<Fixed> all{{}};
+  std::vector<std::map<std::string, std::size_t>> places;  // of each value in its order
   for (const std::size_t axis : axes) {
-    std::vector<Fixed> longer;
-    for (const Fixed& one : all) {
-      for (const std::string& value : valuesOf(data, axis)) {
-        longer.push_back(one);
-        longer.back().emplace_back(axis, value);
-      }
-    }
-    all = std::move(longer);
+    std::map<std::string, std::size_t>& place = places.emplace_back();
+    for (const std::string& value : valuesOf(data, axis)) place.emplace(value, place.size());
   }
-  // With --zip many combinations do not occur.
-  std::erase_if(all, [&](const Fixed& fixed) {
-    return std::ranges::none_of(data.points, [&](const Point& p) { return matches(p, fixed); });
-  });
+  // From the points: if few combinations occur, all others would fill the memory.
+  std::map<std::vector<std::size_t>, Fixed> found;
+  for (const Point& point : data.points) {
+    std::vector<std::size_t> at;
+    Fixed fixed;
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const std::string& value = point.values[axes[i]];
+      at.push_back(places[i].at(value));
+      fixed.emplace_back(axes[i], value);
+    }
+    found.emplace(std::move(at), std::move(fixed));
+  }
+  std::vector<Fixed> all;
+  for (auto& [at, fixed] : found) all.push_back(std::move(fixed));
   return all;
 }
 

@@ -105,8 +105,11 @@ bool hasMap(const CampaignData& data) {
   constexpr std::size_t kFewest = 3;
   const Layout layout = layoutOf(data);
   if (layout.scattered || layout.series.empty()) return false;
-  return data.axes[layout.series[0]].isNumeric() && valuesOf(data, layout.x).size() >= kFewest &&
-         valuesOf(data, layout.series[0]).size() >= kFewest;
+  const std::size_t columns = valuesOf(data, layout.x).size();
+  const std::size_t rows = valuesOf(data, layout.series[0]).size();
+  // In a grid each cell has a point. A map of scattered points could have billions of cells.
+  return data.axes[layout.series[0]].isNumeric() && columns >= kFewest && rows >= kFewest &&
+         columns * rows <= data.points.size();
 }
 
 ScriptedFigure mapFigure(const CampaignData& data, const PooledTable& pooled,

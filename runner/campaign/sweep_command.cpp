@@ -112,6 +112,7 @@ fs::path prepare(const SweepOptions& options) {
   Plan plan = planCampaign(request, text);
   if (request.adaptive) static_cast<void>(goalOf(request, plan.points));
   const fs::path folder = folderFor(options, request);
+  refuseCampaignLinks(folder);
   StoredCampaign campaign{request, runner::utcText(wallClock()), text, std::move(plan.points)};
   if (const auto before = storedBefore(folder)) {
     requireSameOrigin(folder, before->request, request);
@@ -330,6 +331,9 @@ EngineEnd runEngine(CampaignData& data, const fs::path& folder, std::vector<std:
   engine.jobs = static_cast<std::size_t>(options.jobs);
   engine.slurm = options.slurm;
   engine.wait = options.wait;
+  for (const fs::path& path : {fs::absolute(folder), engine.lab}) {
+    requireScriptable(path, options.engine);
+  }
   if (options.engine == "parallel") engine.hosts = hostsOf(options);
   engine.bundle = bundleOf(data, folder, rows, options);
   if (rows.empty()) return {};

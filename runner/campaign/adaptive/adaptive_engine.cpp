@@ -42,7 +42,7 @@ EngineEnd runAdaptively(CampaignData& data, const fs::path& folder,
   const fs::path file = folder / names::kRounds;
   std::string text = readWholeFile(file, kRoundsFile).value_or("");
   if (!text.empty() && !text.ends_with('\n')) text += '\n';
-  std::vector<AdaptiveRound> rounds = readRounds(text);
+  std::vector<AdaptiveRound> rounds = readRounds(text, data.axes.size());
   const AdaptivePlan& plan = *data.request.adaptive;
   sayLine(fmt::format("adaptive {}, {} a round", goalText(plan),
                       countText(plan.runs_per_round, "run")));

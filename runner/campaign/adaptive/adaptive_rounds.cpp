@@ -232,7 +232,7 @@ std::string roundLine(const AdaptiveRound& round) {
          "\n";
 }
 
-std::vector<AdaptiveRound> readRounds(std::string_view text) {
+std::vector<AdaptiveRound> readRounds(std::string_view text, std::size_t axes) {
   std::vector<AdaptiveRound> rounds;
   for (std::size_t begin = 0; begin < text.size();) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
@@ -249,7 +249,9 @@ std::vector<AdaptiveRound> readRounds(std::string_view text) {
         round.runs.push_back({run.at("run"), run.at("row"), run.at("values"),
                               run.at("robot_time_s"), run.at("variance_reduction")});
       }
-      rounds.push_back(std::move(round));
+      const bool complete = std::ranges::all_of(
+          round.runs, [axes](const PlannedRun& run) { return run.values.size() == axes; });
+      if (complete) rounds.push_back(std::move(round));
     } catch (const Json::exception&) {
       continue;
     }

@@ -56,7 +56,8 @@ struct AdaptiveRound {
 [[nodiscard]] std::string roundLine(const AdaptiveRound& round);
 
 /// Rounds in their order. Lines that cannot be read are left out.
-[[nodiscard]] std::vector<AdaptiveRound> readRounds(std::string_view text);
+/// @param axes number of swept keys: a line with another number of values cannot be read
+[[nodiscard]] std::vector<AdaptiveRound> readRounds(std::string_view text, std::size_t axes);
 
 /// Rows that were chosen, and have neither result nor failure: the rest of a round that was
 /// interrupted.

@@ -6,7 +6,9 @@
 #include <cmath>
 #include <string_view>
 
+#include "common/text/printable.hpp"
 #include "runner/campaign/campaign.hpp"
+#include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;
@@ -14,8 +16,21 @@ namespace {
 
 constexpr double kBundle_s = 60;
 
+void requireOneLine(const std::string& text) {
+  const bool plain = std::ranges::all_of(text, [](char letter) {
+    const auto byte = static_cast<unsigned char>(letter);
+    return byte >= 0x20 && byte != 0x7F;
+  });
+  if (plain) return;
+  throw UserError(fmt::format(
+      "{}: found a control character, such as the end of a line, expected a path that a script can "
+      "hold in one line; rename the folder",
+      printable(text)));
+}
+
 /// A string of Python.
 std::string pythonText(const std::string& text) {
+  requireOneLine(text);
   std::string quoted = "\"";
   for (const char letter : text) {
     if (letter == '"' || letter == '\\') quoted += '\\';
@@ -43,7 +58,18 @@ std::size_t bundleSize(std::size_t rows, double seconds, std::size_t most) {
   return std::clamp<std::size_t>(size, 1, std::max<std::size_t>(1, rows));
 }
 
+void requireScriptable(const fs::path& path, const std::string& engine) {
+  requireOneLine(path.string());
+  // In a command, {2} is an argument and {= ... =} is Perl.
+  if (engine != "parallel" || path.string().find('{') == std::string::npos) return;
+  throw UserError(fmt::format(
+      "{}: found a brace, between which GNU parallel replaces and executes text, expected none; "
+      "rename the folder, or choose another --engine",
+      path.string()));
+}
+
 std::string shellWord(const std::string& text) {
+  requireOneLine(text);
   const bool plain = !text.empty() && std::ranges::all_of(text, [](char letter) {
     return (letter >= 'a' && letter <= 'z') || (letter >= 'A' && letter <= 'Z') ||
            (letter >= '0' && letter <= '9') ||
@@ -72,7 +98,7 @@ std::string slurmScript(const std::string& name, const fs::path& lab, const fs::
                         const fs::path& bundles) {
   return fmt::format(
       "#!/bin/sh\n"
-      "# A campaign of lab sweep: the n-th task of the array computes the n-th line of {2}\n"
+      "# A campaign of lab sweep: the n-th task of the array computes the n-th line of its list.\n"
       "#SBATCH --job-name={0}\n"
       "#SBATCH --ntasks=1\n"
       "#SBATCH --cpus-per-task=1\n"

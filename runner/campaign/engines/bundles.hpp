@@ -18,7 +18,13 @@ using Bundle = std::vector<std::size_t>;  ///< rows, rising
 /// @param seconds of one row
 [[nodiscard]] std::size_t bundleSize(std::size_t rows, double seconds, std::size_t most);
 
-/// A word for a POSIX shell.
+/// Checks a path that goes into the scripts and commands of an engine. The folder of a campaign may
+/// come from a stranger.
+/// @throws UserError if it could end a line or, for the engine parallel, be replaced or executed
+void requireScriptable(const std::filesystem::path& path, const std::string& engine);
+
+/// A word for a POSIX shell, on one line.
+/// @throws UserError if it has control characters
 [[nodiscard]] std::string shellWord(const std::string& text);
 
 /// The command that computes the rows, for a POSIX shell.
@@ -29,6 +35,7 @@ using Bundle = std::vector<std::size_t>;  ///< rows, rising
 [[nodiscard]] std::string bundleLines(const std::vector<Bundle>& bundles);
 
 /// The job script of a Slurm array, whose n-th task computes the n-th line of `bundles`.
+/// @param name of an experiment: sbatch takes what follows a space for further options
 [[nodiscard]] std::string slurmScript(const std::string& name, const std::filesystem::path& lab,
                                       const std::filesystem::path& campaign,
                                       const std::filesystem::path& bundles);

@@ -15,12 +15,26 @@
 #include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/engines/bundles.hpp"
 #include "runner/campaign/engines/engine.hpp"
+#include "runner/command_line/exit_code.hpp"
+#include "runner/command_line/output_file.hpp"
 
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;
 namespace {
 
 constexpr FileKind kBundleFile{"results of a host", 4'000'000'000};
+
+/// Snakemake is run in the campaign's folder, which may come from a stranger.
+void refuseSnakemakeSettings(const fs::path& folder) {
+  refuseLink(folder / ".snakemake");  // its notes
+  const fs::path profiles = folder / "profiles";
+  std::error_code error;
+  if (!fs::exists(fs::symlink_status(profiles, error))) return;
+  throw UserError(fmt::format(
+      "{}: found settings that Snakemake would apply, also commands, expected none in a campaign; "
+      "remove them, or choose another --engine",
+      profiles.string()));
+}
 
 }  // namespace
 
@@ -51,6 +65,7 @@ std::vector<std::string> writeSnakefile(const fs::path& folder,
                                         const EngineOptions& options) {
   const fs::path campaign = fs::absolute(folder).lexically_normal();
   const std::vector<Bundle> bundles = bundlesOf(rows, options.bundle);
+  refuseSnakemakeSettings(folder);
   std::error_code ignored;
   fs::remove_all(folder / "snakemake", ignored);  // marks of other bundles
   replaceFile(folder / "Snakefile", snakefileText(options.lab, campaign, bundles));

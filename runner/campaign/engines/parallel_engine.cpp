@@ -23,8 +23,7 @@ namespace lab::runner::campaign {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kParallel = "parallel";  // folder of lists and logs in the campaign's
-constexpr const char* kHere = ":";             // as GNU parallel names this machine
+constexpr const char* kHere = ":";  // as GNU parallel names this machine
 constexpr std::chrono::milliseconds kPollFiles{1000};
 
 /// The words that run a command on a host, from what --sshlogin takes: "4/user@host", "ssh -p 22
@@ -101,7 +100,7 @@ std::string jobLines(const std::vector<Bundle>& bundles) {
 /// The arguments of GNU parallel.
 std::vector<std::string> argumentsFor(const fs::path& campaign, bool shared,
                                       const EngineOptions& options) {
-  const fs::path at = campaign / kParallel;
+  const fs::path at = campaign / names::kParallel;
   std::vector<std::string> arguments{"parallel",   "--will-cite",
                                      "--colsep",   "\t",
                                      "--arg-file", (at / "jobs.txt").string(),
@@ -150,7 +149,7 @@ EngineEnd runByParallel(CampaignData& data, const fs::path& folder,
           "summary");
     }
   }
-  const fs::path at = campaign / kParallel;
+  const fs::path at = campaign / names::kParallel;
   fs::create_directories(at);
   replaceFile(at / "jobs.txt", jobLines(bundlesOf(rows, options.bundle)));
   fmt::print("hosts    {}: {}\n", printable(fmt::format("{}", fmt::join(options.hosts, ", "))),
@@ -158,7 +157,7 @@ EngineEnd runByParallel(CampaignData& data, const fs::path& folder,
                     : "the campaign is copied, results are sent back");
   std::fflush(stdout);
   // Files that are returned lie below its working folder.
-  const fs::path returned = at / "returned";
+  const fs::path returned = at / names::kReturned;
   fs::create_directories(returned);
   ChildProcess parallel({.arguments = argumentsFor(campaign, shared, options),
                          .folder = returned.string(),

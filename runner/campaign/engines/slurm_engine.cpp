@@ -15,6 +15,7 @@
 #include "common/files/file_text.hpp"
 #include "common/text/format.hpp"
 #include "common/text/printable.hpp"
+#include "runner/campaign/campaign_folder.hpp"
 #include "runner/campaign/engines/bundles.hpp"
 #include "runner/campaign/engines/engine.hpp"
 #include "runner/campaign/engines/tool.hpp"
@@ -24,7 +25,6 @@ namespace lab::runner::campaign {
 namespace fs = std::filesystem;
 namespace {
 
-constexpr const char* kSlurm = "slurm";    // folder of scripts and logs in the campaign's
 constexpr const char* kJobs = "jobs.txt";  // ids of the arrays that were submitted
 constexpr int kMostSubmissions = 3;
 constexpr std::chrono::seconds kPoll{2};
@@ -37,7 +37,16 @@ std::vector<std::string> wordsOf(const std::string& text) {
 }
 
 std::vector<std::string> recordedJobs(const fs::path& folder) {
-  return wordsOf(readWholeFile(folder / kSlurm / kJobs, file_kinds::kText).value_or(""));
+  return wordsOf(readWholeFile(folder / names::kSlurm / kJobs, file_kinds::kText).value_or(""));
+}
+
+/// Where the tasks of an array write. sbatch replaces what follows a %.
+std::string outputPattern(const fs::path& folder) {
+  std::string pattern;
+  for (const char letter : folder.string()) {
+    pattern += letter == '%' ? "%%" : std::string(1, letter);
+  }
+  return pattern + "/%A_%a.log";
 }
 
 /// Number of tasks of an array that wait or run; 0 when it has ended.
@@ -63,7 +72,7 @@ std::size_t tasksLeft(const std::string& job) {
 std::string submit(const CampaignData& data, const fs::path& folder,
                    const std::vector<Bundle>& bundles, const EngineOptions& options, int number) {
   const fs::path campaign = fs::absolute(folder).lexically_normal();
-  const fs::path at = campaign / kSlurm;
+  const fs::path at = campaign / names::kSlurm;
   fs::create_directories(at);
   const std::size_t before = recordedJobs(folder).size();
   const fs::path lines = at / fmt::format("bundles-{}.txt", before + 1);
@@ -73,7 +82,7 @@ std::string submit(const CampaignData& data, const fs::path& folder,
   std::string range = fmt::format("--array=0-{}", bundles.size() - 1);
   if (options.jobs > 0) range += fmt::format("%{}", options.jobs);
   std::vector<std::string> arguments{"sbatch", "--parsable", range,
-                                     fmt::format("--output={}", (at / "%A_%a.log").string())};
+                                     "--output=" + outputPattern(at)};
   for (std::string& word : wordsOf(options.slurm)) arguments.push_back(std::move(word));
   arguments.push_back(script.string());
   const ToolEnd end = runTool(arguments);
@@ -140,7 +149,7 @@ EngineEnd runBySlurm(CampaignData& data, const fs::path& folder,
   return {false, false,
           fmt::format("{} have no result after {} submissions; the tasks' messages are in {}",
                       countText(static_cast<std::int64_t>(missing), "run"), kMostSubmissions,
-                      (folder / kSlurm).string())};
+                      (folder / names::kSlurm).string())};
 }
 
 }  // namespace lab::runner::campaign

@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "common/bus/value_checker.hpp"
 #include "common/text/format.hpp"
 #include "common/text/json_text.hpp"
 
@@ -35,6 +36,9 @@ std::optional<JournalEntry> entryOf(const std::string& line) {
     entry.what = known->first;
     entry.begin_us = read.at("begin_us").get<std::int64_t>();
     entry.end_us = read.value("end_us", std::int64_t{0});
+    for (const std::int64_t utime : {entry.begin_us, entry.end_us}) {
+      if (utime < 0 || utime > ValueChecker::kLatestUtime) return {};
+    }
     if (entry.what != What::kRun) return entry;
     entry.row = read.at("row").get<std::size_t>();
     entry.identity = read.at("run").get<std::string>();

@@ -10,11 +10,13 @@
 #include <utility>
 #include <vector>
 
+#include "analyzer/analyze_run.hpp"
 #include "analyzer/report_error.hpp"
 #include "analyzer/twin_facts.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
+#include "common/files/scratch_folder.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/process/version.hpp"
 #include "common/text/printable.hpp"
@@ -25,6 +27,7 @@
 #include "runner/campaign/twins/twin_comparison.hpp"
 #include "runner/campaign/twins/twin_experiment.hpp"
 #include "runner/campaign/twins/twin_page.hpp"
+#include "runner/campaign/twins/twin_simulation.hpp"
 #include "runner/live/launch.hpp"
 #include "runner/runs/run_directory.hpp"
 
@@ -47,7 +50,7 @@ fs::path outOf(const TwinOptions& options, const TwinOrigin& origin) {
 
 std::vector<report::DrawnFigure> drawCurves(const std::string& run,
                                             const std::vector<std::string>& twins,
-                                            const fs::path& scratch) {
+                                            const fs::path& folder) {
   std::vector<report::ScriptedFigure> scripts;
   for (std::size_t program = 0; program < programsOfSummary(run).size(); ++program) {
     for (const char* key : {"msd", "angular_msd"}) {
@@ -56,7 +59,9 @@ std::vector<report::DrawnFigure> drawCurves(const std::string& run,
     }
   }
   if (scripts.empty()) return {};
-  return report::drawFigureScripts(scripts, scratch);
+  // In a folder of its own: gnuplot follows links, and the other one may come from a stranger.
+  const ScratchFolder scratch(report::makeFolderIn(folder, ".figures"));
+  return report::drawFigureScripts(scripts, scratch.path());
 }
 
 /// Puts the section into the report of the run, if there is one.

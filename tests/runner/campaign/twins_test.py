@@ -88,6 +88,20 @@ def main():
         assert 'twins: found a symbolic link' in text and os.listdir(elsewhere) == [], text
         os.unlink(os.path.join(original, 'twins'))
         os.rename(os.path.join(folder, 'moved'), os.path.join(original, 'twins'))
+        # Not even one with the name of a file that gnuplot writes or reads.
+        mine = os.path.join(folder, 'mine')
+        with open(mine, 'w', encoding='ascii') as file:
+            file.write('mine')
+        links = [os.path.join(original, 'twins', name) for name in
+                 ('figures.gp', 'gnuplot.txt', 'twins_msd_abp.svg', 'twins_msd_abp.pdf')]
+        for link in links:
+            os.symlink(mine, link)
+        lab('twin', original, '--count', '12')
+        assert read(mine) == 'mine' and all(os.path.islink(link) for link in links)
+        assert '<svg' in read(original, 'twins.html')
+        assert not glob.glob(os.path.join(original, 'twins', '.figures*'))
+        for link in links:
+            os.unlink(link)
 
         # More twins keep those that are there; the section of the report is replaced.
         before = {name: os.path.getmtime(name) for name in

@@ -131,19 +131,19 @@ TEST(AdaptiveRounds, AreTheSameForTheSameResults) {
 TEST(AdaptiveRounds, GoOnAfterAnInterruptionAsWithoutOne) {
   CampaignData whole = scan(lawPlan(), 5);
   const std::string expected = play(whole);
-  ASSERT_GT(readRounds(expected).size(), 6U);
+  ASSERT_GT(readRounds(expected, whole.axes.size()).size(), 6U);
 
   // Interrupted in every round, after its first run: the rest of it comes first.
   CampaignData data = scan(lawPlan(), 5);
   std::string lines;
   while (true) {
-    const std::vector<AdaptiveRound> rounds = readRounds(lines);
+    const std::vector<AdaptiveRound> rounds = readRounds(lines, data.axes.size());
     for (const std::size_t row : openRows(data, rounds)) run(data, row, kSeed);
     const AdaptiveRound round = nextRound(data, static_cast<std::int64_t>(rounds.size()) + 1);
     if (round.runs.empty()) break;
     lines += roundLine(round);
     run(data, round.runs.front().row, kSeed);
-    EXPECT_EQ(openRows(data, readRounds(lines)).size(), round.runs.size() - 1);
+    EXPECT_EQ(openRows(data, readRounds(lines, data.axes.size())).size(), round.runs.size() - 1);
   }
 
   EXPECT_EQ(lines, expected);
@@ -155,7 +155,7 @@ TEST(AdaptiveRounds, EndWithTheRobotTime) {
   plan.between_runs_s = 60;
   CampaignData data = scan(plan, 5);
 
-  const auto rounds = readRounds(play(data));
+  const auto rounds = readRounds(play(data), data.axes.size());
 
   std::size_t runs = 0;
   for (const AdaptiveRound& round : rounds) runs += round.runs.size();
@@ -169,7 +169,7 @@ TEST(AdaptiveRounds, EndWithTheError) {
   plan.robot_time_s = 0;
   CampaignData data = scan(plan, 50);
 
-  const auto rounds = readRounds(play(data));
+  const auto rounds = readRounds(play(data), data.axes.size());
 
   EXPECT_GT(rounds.back().error, 0.008);
   const AdaptiveRound last = nextRound(data, 99);
@@ -218,7 +218,14 @@ TEST(AdaptiveRounds, AreReadAroundDamagedLines) {
   const AdaptiveRound round = nextRound(data, 1);
   const std::string line = roundLine(round);
 
-  const auto rounds = readRounds(line.substr(0, 40) + "\n{}\n" + line);
+  // The values are shown beside the names of the swept keys.
+  AdaptiveRound more = round;
+  more.runs.front().values.emplace_back("3");
+  AdaptiveRound fewer = round;
+  fewer.runs.back().values.pop_back();
+
+  const auto rounds = readRounds(
+      line.substr(0, 40) + "\n{}\n" + roundLine(more) + roundLine(fewer) + line, data.axes.size());
 
   ASSERT_EQ(rounds.size(), 1U);
   EXPECT_EQ(rounds.front().runs, round.runs);

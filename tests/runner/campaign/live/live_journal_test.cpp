@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <limits>
 #include <string>
 
 namespace lab::runner::campaign {
@@ -47,6 +49,16 @@ TEST(LiveJournal, TheLineOfTheEndReplacesThatOfTheBegin) {
   const Journal journal = readJournal(journalLine(begun) + journalLine(runOf(170, 230, true)));
   ASSERT_EQ(journal.entries.size(), 1U);
   EXPECT_EQ(journal.entries[0], runOf(170, 230, true));
+}
+
+TEST(LiveJournal, ImpossibleTimesAreDamage) {
+  JournalEntry early = entryOf(What::kRest, 10, 20);
+  early.begin_us = std::numeric_limits<std::int64_t>::min();
+  JournalEntry late = entryOf(What::kRest, 10, 20);
+  late.end_us = std::numeric_limits<std::int64_t>::max();
+  const Journal journal = readJournal(journalLine(early) + journalLine(late));
+  EXPECT_EQ(journal.entries.size(), 0U);
+  EXPECT_EQ(journal.damaged_lines, 2U);
 }
 
 TEST(LiveJournal, DamagedLinesAreCountedAndLeftOut) {
