@@ -10,4 +10,6 @@ std::unique_ptr<FilmReader> FilmReader::open(const std::string& source, double f
                                           : cameras::openMovie(source, fps);
 }
 
+std::vector<std::string> movieInput(const std::string& file) { return cameras::inputOfMovie(file); }
+
 }  // namespace lab

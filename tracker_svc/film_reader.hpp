@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "common/camera/cameras.hpp"
 
@@ -53,5 +54,11 @@ class FilmReader {
   /// problem so far.
   [[nodiscard]] virtual std::string problem() const = 0;
 };
+
+/// The arguments by which ffmpeg and ffprobe read a movie on disk, which may come from a stranger.
+/// Its name is taken neither for an option nor for a protocol, and it must be in a container of
+/// movies: a list of other files or addresses is refused.
+/// @throws CameraError if it is no regular file
+[[nodiscard]] std::vector<std::string> movieInput(const std::string& file);
 
 }  // namespace lab

@@ -12,6 +12,8 @@
 #include <system_error>
 #include <utility>
 
+#include "common/bus/value_checker.hpp"
+#include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/atomic_file.hpp"
 #include "common/files/file_text.hpp"
 #include "common/files/json_section.hpp"
@@ -26,6 +28,7 @@ constexpr const char* kTableHeader =
 constexpr const char* kSeveralColumn = ",lost_cameras";
 constexpr std::size_t kTableColumns = 8;
 constexpr double kLargest = 9e15;  // whole numbers up to here are exact
+static_assert(static_cast<double>(kLongestFilm_us) * 1e-6 > keys::kLongestRun);
 
 fs::path filmFolder(const fs::path& run, int number) {
   return run / (number == 1 ? std::string(film_files::kFolder)
@@ -70,6 +73,25 @@ bool parseLine(const std::string& line, FilmTable table, FilmFrame& frame) {
   return numbers && std::isfinite(frame.time) && stream.eof();
 }
 
+/// What is wrong with the times of a frame that comes after these; empty: nothing.
+std::string timeProblem(const FilmFrame& frame, std::span<const FilmFrame> before) {
+  ValueChecker check;
+  check.time("camera_utime", frame.camera_utime);
+  check.time("arrived_utime", frame.arrived_utime);
+  if (check.problem()) return *check.problem();
+  if (before.empty()) return {};
+  if (frame.camera_utime <= before.back().camera_utime) {
+    return fmt::format("camera_utime: found {} after {}, expected times that increase",
+                       frame.camera_utime, before.back().camera_utime);
+  }
+  // A clock that was set back gives earlier ones.
+  if (frame.arrived_utime - before.front().arrived_utime > kLongestFilm_us) {
+    return fmt::format("arrived_utime: found {}, expected at most 11 days after the first, {}",
+                       frame.arrived_utime, before.front().arrived_utime);
+  }
+  return {};
+}
+
 }  // namespace
 
 fs::path filmTableOf(const fs::path& movie) {
@@ -111,6 +133,11 @@ std::vector<FilmFrame> readFilmTable(const fs::path& file) {
       throw CameraError(fmt::format("{}:{}: found \"{}\", expected frame {} and {} more numbers",
                                     file.string(), number, line.substr(0, 80), frames.size(),
                                     columnsOf(table) - 1));
+    }
+    if (const std::string problem = timeProblem(frame, frames); !problem.empty()) {
+      throw CameraError(fmt::format(
+          "{}:{}: {}: the table is damaged; without it, lab track takes the times of the movie",
+          file.string(), number, problem));
     }
     frames.push_back(frame);
   }
@@ -184,6 +211,10 @@ FilmFacts readFilmFacts(const fs::path& file) {
   const auto whole = [&](const char* key) {
     return static_cast<std::int64_t>(section.number(key, 0, kLargest));
   };
+  const auto time = [&](const char* key) {
+    constexpr auto kLatest = static_cast<double>(ValueChecker::kLatestUtime);
+    return static_cast<std::int64_t>(section.number(key, 0, kLatest));
+  };
   FilmFacts facts;
   if (json.contains("camera")) facts.camera = section.text("camera");
   facts.codec = section.text("codec");
@@ -196,9 +227,9 @@ FilmFacts readFilmFacts(const fs::path& file) {
   facts.format.pixels = section.text("pixels");
   facts.format.locked = flag("locked");
   facts.format.compressed = flag("compressed");
-  facts.start_utime = whole("start_utime");
-  facts.first_utime = whole("first_utime");
-  facts.last_utime = whole("last_utime");
+  facts.start_utime = time("start_utime");
+  facts.first_utime = time("first_utime");
+  facts.last_utime = time("last_utime");
   facts.frames = whole("frames");
   facts.lost = whole("lost");
   facts.after_end = whole("after_end");

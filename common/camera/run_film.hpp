@@ -44,8 +44,14 @@ enum class FilmTable {
 [[nodiscard]] std::string filmTableHeader(FilmTable table);
 [[nodiscard]] std::string filmTableLine(const FilmFrame& frame, FilmTable table);
 
+/// No film lasts longer [us]: ten days, as the longest run, and a day for what is before and after
+/// it. A tracker whose timers run from frame to frame has done so in a minute.
+inline constexpr std::int64_t kLongestFilm_us = 11 * std::int64_t{86'400'000'000};
+
 /// Reads a table. A line that is cut off at the end is left out.
-/// @throws CameraError that names the file and the line
+/// @throws CameraError that names the file and the line: of a number that is none; of a time before
+///   1970 or after the year 2100; of a camera_utime that does not increase; of an arrived_utime
+///   more than kLongestFilm_us after the first
 [[nodiscard]] std::vector<FilmFrame> readFilmTable(const std::filesystem::path& file);
 
 /// Merges the frames of the films of several cameras to the order in which the tracker received

@@ -24,14 +24,23 @@ fs::path shortened(const ClipFilm& part, const fs::path& folder) {
   if (part.stride == 1) return part.movie;
   const std::string& camera = part.facts.camera;
   fs::path out = folder / (camera.empty() ? "shown.mkv" : "shown_" + camera + ".mkv");
-  ChildProcess copy(
-      {.arguments = {"ffmpeg", "-hide_banner", "-loglevel", "fatal", "-nostdin", "-y", "-i",
-                     "file:" + part.movie.string(), "-map", "0:v:0", "-c", "copy", "-bsf:v",
-                     fmt::format("noise=amount=0:drop='mod(n,{})'", part.stride),
-                     "file:" + out.string()}});
+  std::vector<std::string> command{"ffmpeg", "-hide_banner", "-loglevel",
+                                   "fatal",  "-nostdin",     "-y"};
+  const auto add = [&](const std::vector<std::string>& words) {
+    command.insert(command.end(), words.begin(), words.end());
+  };
+  add(movieInput(part.movie.string()));
+  add({"-map", "0:v:0", "-c", "copy", "-bsf:v",
+       fmt::format("noise=amount=0:drop='mod(n,{})'", part.stride), "file:" + out.string()});
+  fs::remove(out);  // of an earlier start
+  ChildProcess copy({.arguments = command});
   copy.wait();
   // The end of a film of a killed run is damaged; what could be copied is shown.
-  if (!fs::exists(out)) throw std::runtime_error("ffmpeg could not read " + part.movie.string());
+  if (!fs::exists(out)) {
+    throw std::runtime_error(part.movie.string() +
+                             ": ffmpeg cannot copy its frames, expected a film of lab run: lists "
+                             "of other files are not followed");
+  }
   return out;
 }
 

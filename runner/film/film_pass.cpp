@@ -17,6 +17,21 @@ namespace fs = std::filesystem;
 
 /// A message that the log lacks is not searched for longer than this in it [us].
 constexpr std::int64_t kReportMargin_us = 1'000'000;
+/// So long after its last frame, a tracker reports the same for ever [us].
+constexpr std::int64_t kAfterFilms_us = 3'600'000'000;
+
+/// The tracker's timers run from its start to the first frame, for years if one of these times is
+/// far from the other.
+/// @throws CameraError
+void requireNearStart(const fs::path& folder, std::int64_t start_utime,
+                      const std::vector<FilmFrame>& table) {
+  if (table.empty() || table.front().arrived_utime - start_utime <= kLongestFilm_us) return;
+  throw CameraError(fmt::format(
+      "{}: start_utime: found {}, expected at most 11 days before the first arrived_utime of {}, "
+      "{}: one of them is damaged; lab track {} takes the times of the movie",
+      (folder / film_files::kFacts).string(), start_utime, filmTableOf(film_files::kMovie).string(),
+      table.front().arrived_utime, (folder / film_files::kMovie).string()));
+}
 
 }  // namespace
 
@@ -69,8 +84,16 @@ std::vector<FilmPass::Film> FilmPass::openFilms(const std::vector<fs::path>& fol
   std::vector<Film> films;
   for (const Camera& camera : camerasOf(experiment)) films.emplace_back().camera = camera.name;
   bool any = false;
+  std::optional<std::int64_t> start_utime;
   for (const fs::path& folder : folders) {
     FilmFacts facts = readFilmFacts(folder / film_files::kFacts);
+    if (facts.start_utime != start_utime.value_or(facts.start_utime)) {
+      throw CameraError(fmt::format(
+          "{}: start_utime: found {}, expected {} as in {}: the films are not of one start",
+          (folder / film_files::kFacts).string(), facts.start_utime, *start_utime,
+          (folders.front() / film_files::kFacts).string()));
+    }
+    start_utime = facts.start_utime;
     const auto film = std::ranges::find(films, facts.camera, &Film::camera);
     if (film == films.end()) {
       throw CameraError(fmt::format(
@@ -83,6 +106,7 @@ std::vector<FilmPass::Film> FilmPass::openFilms(const std::vector<fs::path>& fol
     const fs::path movie = folder / film_files::kMovie;
     try {
       film->table = readFilmTable(filmTableOf(movie));
+      requireNearStart(folder, *start_utime, film->table);
       film->reader = FilmReader::open(movie.string());
       any = true;
     } catch (const CameraError& error) {
@@ -109,6 +133,7 @@ FilmPass::FilmPass(const std::vector<fs::path>& films, const Experiment& experim
                    const fs::path& directory, const std::vector<fs::path>& log)
     : films_(openFilms(films, experiment)),
       order_(orderOf(films_)),
+      shown_utime_(startUtime()),
       log_(log),
       loop_(startUtime()),
       bus_([this] { return loop_.now(); }),
@@ -146,6 +171,7 @@ bool FilmPass::next() {
     const FilmFrame& frame = film.table[film.position++];
     feedReports(frame);
     loop_.runUntil(frame.arrived_utime);
+    shown_utime_ = frame.arrived_utime;
     picture_.number = frame.number;
     picture_.utime = frame.camera_utime;
     picture_.search = frame.searched;
@@ -158,13 +184,14 @@ bool FilmPass::next() {
 }
 
 void FilmPass::passTime(std::int64_t utime) {
+  std::int64_t latest = shown_utime_ + kAfterFilms_us;
   for (std::size_t i = position_; i < order_.size(); ++i) {
     const Film& film = films_[order_[i]];
     if (film.position == film.table.size()) continue;
-    utime = std::min(utime, film.table[film.position].arrived_utime);
+    latest = film.table[film.position].arrived_utime;
     break;
   }
-  loop_.runUntil(utime);
+  loop_.runUntil(std::min(utime, latest));
 }
 
 /// The next ROBOT_STATUS that the tracker can have received; none at the end of the log.

@@ -41,7 +41,8 @@ class FilmPass {
   /// Shows the next frame to the tracker. @return false at the end of the films
   [[nodiscard]] bool next();
 
-  /// Lets the tracker's time pass up to `utime`, but not beyond the next frame.
+  /// Lets the tracker's time pass up to `utime`, but not beyond the next frame, or an hour after
+  /// the last one.
   void passTime(std::int64_t utime);
 
   /// What the tracker published.
@@ -99,6 +100,7 @@ class FilmPass {
   std::vector<Film> films_;         ///< by camera of the experiment
   std::vector<std::size_t> order_;  ///< of the films
   std::size_t position_ = 0;        ///< in it
+  std::int64_t shown_utime_;        ///< arrival of the last frame that was shown; before: the start
   LogReader log_;
   std::optional<Report> report_;  ///< the next in the log, if it was looked at
   std::int64_t fed_instance_ = 0;

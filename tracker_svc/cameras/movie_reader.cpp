@@ -32,13 +32,10 @@ constexpr const char* kMovieFormats =
     "jpegls_pipe,jpegxl_pipe,pam_pipe,pbm_pipe,pgm_pipe,png_pipe,ppm_pipe,qoi_pipe,sgi_pipe,"
     "sunrast_pipe,tiff_pipe,webp_pipe,tty";
 
-/// The arguments that name the input; a file name cannot be taken for an option or a protocol. What
-/// an address names in turn is opened by the listed protocols only.
+/// The arguments that name the input. What an address names in turn is opened by the listed
+/// protocols only.
 std::vector<std::string> inputOf(const std::string& source) {
-  if (!isCameraAddress(source)) {
-    return {"-protocol_whitelist", "file", "-format_whitelist",
-            kMovieFormats,         "-i",   "file:" + source};
-  }
+  if (!isCameraAddress(source)) return inputOfMovie(source);
   const std::string protocols = protocolsOf(source);
   if (protocols.empty()) throw CameraError(source + ": " + cameraSourceProblem(source));
   std::vector<std::string> words{"-protocol_whitelist", protocols};
@@ -234,11 +231,15 @@ const char* hintFor(const std::string& errors) {
 
 }  // namespace
 
+std::vector<std::string> inputOfMovie(const std::string& file) {
+  const std::string problem = regularFileProblem(file, file_kinds::kMovie);
+  if (!problem.empty()) throw CameraError(file + ": " + problem);
+  return {"-protocol_whitelist", "file", "-format_whitelist", kMovieFormats, "-i", "file:" + file};
+}
+
 MovieInfo probeMovie(const std::string& source, bool packets) {
-  if (!isCameraAddress(source)) {
-    if (!std::filesystem::exists(source)) throw CameraError(source + ": no such file");
-    const std::string problem = regularFileProblem(source, file_kinds::kMovie);
-    if (!problem.empty()) throw CameraError(source + ": " + problem);
+  if (!isCameraAddress(source) && !std::filesystem::exists(source)) {
+    throw CameraError(source + ": no such file");
   }
   std::vector<std::string> command = {
       "ffprobe",

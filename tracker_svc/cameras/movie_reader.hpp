@@ -26,6 +26,9 @@ struct MovieInfo {
   std::string warning;               ///< a problem that ffprobe reported
 };
 
+/// As lab::movieInput().
+[[nodiscard]] std::vector<std::string> inputOfMovie(const std::string& file);
+
 /// Runs ffprobe.
 /// @param packets read the whole file for the times of its frames
 /// @throws CameraError if there is no such file, it is no movie, or ffprobe is missing

@@ -231,10 +231,13 @@ Decoded decode(const fs::path& path) {
 /// The EXIF orientation of a JPEG; 1 is upright.
 std::string markOf(const fs::path& picture) {
   if (!endingOf(picture).starts_with(".jp")) return "";
+  if (!regularFileProblem(picture, file_kinds::kPicture).empty()) return "";
   try {
-    MediaProcess probe({"ffprobe", "-v", "error", "-of", "csv=p=0", "-show_entries",
-                        "frame_tags=Orientation", "-i", "file:" + picture.string()},
-                       picture.string() + ": its orientation is read by", "ffmpeg");
+    // As one JPEG, whatever it holds and whatever pattern its name could be.
+    MediaProcess probe(
+        {"ffprobe", "-v", "error", "-of", "csv=p=0", "-show_entries", "frame_tags=Orientation",
+         "-protocol_whitelist", "file", "-f", "jpeg_pipe", "-i", "file:" + picture.string()},
+        picture.string() + ": its orientation is read by", "ffmpeg");
     const int orientation = std::atoi(probe.readAll().c_str());
     static_cast<void>(probe.finish());
     return orientation > 1 ? "EXIF orientation " + std::to_string(orientation) : "";
@@ -276,7 +279,7 @@ class PictureReader final : public FilmReader {
   }
   [[nodiscard]] CameraFormat format() const override { return format_; }
   [[nodiscard]] std::string table() const override { return pictures_.front().utime ? kTable : ""; }
-  [[nodiscard]] std::string mark() const override { return markOf(pictures_.front().path); }
+  [[nodiscard]] std::string mark() const override { return markOf(pictures_[first_whole_].path); }
   [[nodiscard]] std::int64_t dropped() const override { return dropped_; }
   [[nodiscard]] std::string problem() const override {
     if (bad_ <= 1) return problem_;
@@ -284,12 +287,12 @@ class PictureReader final : public FilmReader {
   }
 
  private:
-  /// The reference for size and type.
+  /// The reference for size, type and orientation.
   /// @throws CameraError with the first picture's problem if none can be read
-  [[nodiscard]] Decoded firstWhole() const {
+  [[nodiscard]] Decoded firstWhole() {
     std::string error;
-    for (const PictureFile& picture : pictures_) {
-      Decoded decoded = decode(picture.path);
+    for (first_whole_ = 0; first_whole_ < pictures_.size(); ++first_whole_) {
+      Decoded decoded = decode(pictures_[first_whole_].path);
       if (decoded.error.empty()) return decoded;
       if (error.empty()) error = decoded.error;
     }
@@ -334,6 +337,7 @@ class PictureReader final : public FilmReader {
   std::int64_t step_us_ = 0;
   double assumed_us_ = 0;
   CameraFormat format_;
+  std::size_t first_whole_ = 0;  ///< the first picture that can be read
   std::size_t position_ = 0;
   optics::GreyImage image_;
   std::optional<std::pair<std::int64_t, std::int64_t>> before_;  ///< number, utime

@@ -259,9 +259,7 @@ class Reader {
   void readWideRow() {
     const std::int64_t frame = file_.rows - 1;
     const double time = time_ ? number(time_) : static_cast<double>(frame) / *options_.fps;
-    if (!std::isfinite(time)) {
-      fail(line_, fmt::format("{}: found no number, expected a time in s", time_.name));
-    }
+    requireTime(time);
     for (std::size_t i = 0; i < wide_.size(); ++i) {
       PoseRow row;
       row.line = line_;
@@ -299,6 +297,19 @@ class Reader {
   [[nodiscard]] std::string timeName() const { return time_ ? time_.name : "--fps"; }
   [[nodiscard]] const char* timeHint() const {
     return time_ ? "; times in other units: leave the column out and give --fps" : "";
+  }
+
+  void requireTime(double time) const {
+    if (!std::isfinite(time)) {
+      fail(line_, fmt::format("{}: found no number, expected a time in s", timeName()));
+    }
+    // About fifty times the seconds since 1970, so it excludes milliseconds and microseconds since
+    // 1970.
+    constexpr double kLatest = 1e11;
+    if (!(std::abs(time) < kLatest)) {
+      fail(line_, fmt::format("{}: found {} s, expected less than 1e11 s{}", timeName(), time,
+                              timeHint()));
+    }
   }
 
   /// nan for an empty field, for "nan" and for "inf".
@@ -351,20 +362,11 @@ class Reader {
     row.frame = whole(frame_);
     const bool seen = !missing_ || number(missing_) == 0;
     row.time = time_ ? number(time_) : static_cast<double>(row.frame) / *options_.fps;
-    if (!std::isfinite(row.time)) {
-      if (!seen) {
-        ++file_.without_pose;
-        return;
-      }
-      fail(line_, fmt::format("{}: found no number, expected a time in s", time_.name));
+    if (!seen && !std::isfinite(row.time)) {
+      ++file_.without_pose;
+      return;
     }
-    // About fifty times the seconds since 1970, so it excludes milliseconds and microseconds since
-    // 1970.
-    constexpr double kLatest = 1e11;
-    if (!(std::abs(row.time) < kLatest)) {
-      fail(line_, fmt::format("{}: found {} s, expected less than 1e11 s{}", timeName(), row.time,
-                              timeHint()));
-    }
+    requireTime(row.time);
     const std::int64_t id = id_ ? whole(id_) : default_robot_;
     if (id < std::numeric_limits<int>::min() || id > std::numeric_limits<int>::max()) {
       fail(line_, fmt::format("{}: found {}, expected a smaller number", id_.name, id));

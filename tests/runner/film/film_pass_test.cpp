@@ -1,6 +1,7 @@
 // Films of several cameras, one of which is lost for a while, give the poses of the run again.
 #include "runner/film/film_pass.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -14,7 +15,9 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
+#include "common/bus/value_checker.hpp"
 #include "common/camera/memory_cameras.hpp"
+#include "common/camera/run_film.hpp"
 #include "common/loop/virtual_loop.hpp"
 #include "common/service/node.hpp"
 #include "sim_svc/camera/painted_camera.hpp"
@@ -183,6 +186,48 @@ TEST_F(FilmPassTest, NamesACameraThatTheExperimentDoesNotHave) {
               std::string::npos)
         << error.what();
   }
+}
+
+/// The tracker's timers would run for years.
+TEST_F(FilmPassTest, RefusesAStartThatIsFarFromTheFrames) {
+  static_cast<void>(runAndFilm());
+  const fs::path log = folder_.path() / "log.lcmlog";
+  std::ofstream{log};
+  const fs::path east = folder_.path() / "film/east";
+  const fs::path west = folder_.path() / "film/west";
+  FilmFacts facts = readFilmFacts(east / film_files::kFacts);
+  facts.start_utime = 0;
+  ASSERT_TRUE(writeFilmFacts(east / film_files::kFacts, facts));
+  const auto problem = [&](const std::vector<fs::path>& films) -> std::string {
+    try {
+      FilmPass(films, experiment_, folder_.path(), {log});
+    } catch (const CameraError& error) {
+      return error.what();
+    }
+    return "none";
+  };
+
+  EXPECT_THAT(problem({east}), testing::HasSubstr("film/east/film.json: start_utime: found 0, "
+                                                  "expected at most 11 days before the first"));
+  EXPECT_THAT(problem({east, west}),
+              testing::HasSubstr("film/west/film.json: start_utime: found 946684800"));
+  EXPECT_EQ(problem({west}), "none");
+}
+
+/// The log has times to the year 2100.
+TEST_F(FilmPassTest, LetsAnHourPassAfterTheLastFrame) {
+  static_cast<void>(runAndFilm());
+  const fs::path log = folder_.path() / "log.lcmlog";
+  std::ofstream{log};
+  FilmPass dut({folder_.path() / "film/west"}, experiment_, folder_.path(), {log});
+  while (dut.next()) {
+  }
+  const std::int64_t end = loop_.now();
+
+  dut.passTime(ValueChecker::kLatestUtime);
+
+  ASSERT_TRUE(dut.status());
+  EXPECT_NEAR(static_cast<double>(dut.status()->utime - end), 3.6e9, 2e6);
 }
 
 }  // namespace

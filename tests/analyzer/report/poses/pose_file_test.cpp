@@ -180,6 +180,10 @@ TEST(PoseFile, RejectsTimesThatCannotBeSeconds) {
       problemOf("frame,id,x_cm,y_cm\n2,1,2,3\n3,1,2,3\n", {.scale = std::nullopt, .fps = 1e-12}),
       "poses.csv:2: --fps: found 2000000000000 s, expected less than 1e11 s");
   EXPECT_EQ(
+      problemOf("time,x1,y1\n0,1,2\n1.76e12,1,2\n", {.scale = 0.001, .fps = std::nullopt}),
+      "poses.csv:3: time: found 1760000000000 s, expected less than 1e11 s; times in other units: "
+      "leave the column out and give --fps");
+  EXPECT_EQ(
       problemOf(head + "0,1,2,3,0\n1,1,2,3,1e-9\n"),
       "poses.csv:1: t_s: found 1e-09 s from frame to frame, expected 1e-6 s or more; times in "
       "other units: leave the column out and give --fps");
