@@ -4,14 +4,11 @@
 
 namespace lab {
 namespace fs = std::filesystem;
-namespace {
 
 bool isLink(const fs::path& path) {
   std::error_code ignored;
   return fs::is_symlink(fs::symlink_status(path, ignored));
 }
-
-}  // namespace
 
 std::string explainLink(const fs::path& path) {
   if (!isLink(path)) return "";

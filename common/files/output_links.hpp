@@ -1,11 +1,14 @@
-/// Links where the lab writes. The folder of a run or of a campaign may come from a stranger: a
-/// link in it must not lead what the lab writes to another place.
+/// Links where the lab writes, or what it passes on. The folder of a run or of a campaign may come
+/// from a stranger: a link in it must not lead the lab to another place.
 #pragma once
 
 #include <filesystem>
 #include <string>
 
 namespace lab {
+
+/// Whether a symbolic link is at this path.
+[[nodiscard]] bool isLink(const std::filesystem::path& path);
 
 /// What to say if a symbolic link stands where the lab writes a folder or file of its own; empty if
 /// none does.

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "common/files/file_text.hpp"
+#include "common/files/output_links.hpp"
 #include "common/text/json_text.hpp"
 #include "dashboard/library/served_file.hpp"
 #include "dashboard/web/json.hpp"
@@ -103,7 +104,9 @@ std::optional<fs::path> CampaignList::file(std::string_view campaign, std::strin
     name.remove_prefix(kRuns.size());
     const std::string_view run = name.substr(0, name.find('/'));
     if (!isPlainName(run) || run.size() == name.size()) return std::nullopt;
-    folder = folder / "runs" / run;
+    folder /= "runs";
+    if (isLink(folder) || isLink(folder / run)) return std::nullopt;
+    folder /= run;
     name.remove_prefix(run.size() + 1);
   }
   return servedFile(folder, name);

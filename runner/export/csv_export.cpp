@@ -32,6 +32,7 @@ namespace {
 using schema::Kind;
 
 constexpr std::size_t kRows = 4096;  // that are collected before they are written
+constexpr const char* kColumns = "columns";
 
 /// RFC 4180.
 std::string quoted(const std::string& text) {
@@ -113,7 +114,7 @@ void append(fmt::memory_buffer& out, const schema::Column& column, std::size_t r
 class TableFile {
  public:
   TableFile(const fs::path& folder, const schema::LoggedChannel& logged, const std::string& path)
-      : name_(logged.channel + (path.empty() ? "" : "." + path)),
+      : name_(tableTitle(logged.channel, path)),
         table_(*logged.type, path),
         file_(folder / (name_ + ".csv")) {
     const char* separator = "";
@@ -199,16 +200,15 @@ std::int64_t timeZero(const std::vector<fs::path>& log) {
   return message;
 }
 
-std::int64_t writeCsv(const std::vector<fs::path>& log, const fs::path& folder) {
-  const schema::LogIndex contents(log);
+LeftOut writeCsv(const std::vector<fs::path>& log, const fs::path& folder) {
+  TableChannels channels = tableChannels(schema::LogIndex(log), {kColumns});
+  LeftOut left_out = std::move(channels.left_out);
   std::map<std::string, std::vector<std::unique_ptr<TableFile>>, std::less<>> tables;
-  for (const schema::LoggedChannel& logged : contents.channels()) {
-    if (logged.type == nullptr || contents.find(logged.channel)->type != logged.type) continue;
+  for (const schema::LoggedChannel& logged : channels.kept) {
     for (const std::string& path : schema::tablePaths(*logged.type)) {
       tables[logged.channel].push_back(std::make_unique<TableFile>(folder, logged, path));
     }
   }
-  std::int64_t left_out = 0;
   std::int64_t number = 0;
   readLog(log, [&](const Packet& packet) {
     const std::int64_t event = number++;
@@ -217,9 +217,9 @@ std::int64_t writeCsv(const std::vector<fs::path>& log, const fs::path& folder) 
     if (taken) {
       for (const auto& table : found->second) taken = table->take(event, packet) && taken;
     }
-    left_out += taken ? 0 : 1;
+    if (!taken) left_out.count(packet.channel);
   });
-  CsvFile columns(folder / "columns.csv");
+  CsvFile columns(folder / fmt::format("{}.csv", kColumns));
   fmt::format_to(std::back_inserter(columns.buffer()), "table,column,unit,description");
   columns.endRow();
   for (const auto& [channel, files] : tables) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "runner/export/table_channels.hpp"
+
 namespace lab::runner {
 
 /// Time 0 of a run, as in its report: the command of the first step of the light script, else the
@@ -16,10 +18,10 @@ namespace lab::runner {
 /// CHANNEL.robots.csv with a row per element of the list `robots`; and columns.csv with unit and
 /// meaning of every column. Numbers have as many digits as they need to be read back exactly.
 /// @param folder exists
-/// @return number of messages that are not in the files: damaged ones, and those of unknown types
+/// @return the messages that are not in the files
 /// @throws std::runtime_error if a file cannot be written
-std::int64_t writeCsv(const std::vector<std::filesystem::path>& log,
-                      const std::filesystem::path& folder);
+LeftOut writeCsv(const std::vector<std::filesystem::path>& log,
+                 const std::filesystem::path& folder);
 
 /// The poses for trackpy: frame, particle, x, y [cm], t [s since time 0], theta [rad].
 /// @throws std::runtime_error if the file cannot be written

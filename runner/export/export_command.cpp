@@ -4,9 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdint>
-#include <fstream>
 #include <functional>
-#include <iterator>
 #include <lab/tracked_frame_t.hpp>
 #include <map>
 #include <memory>
@@ -16,6 +14,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/message_values.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/output_links.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
@@ -26,10 +25,13 @@
 #include "runner/export/film_pictures.hpp"
 #include "runner/export/hdf5_export.hpp"
 #include "runner/export/mcap_export.hpp"
+#include "runner/export/table_channels.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
+
+constexpr FileKind kAttachment{"a summary", 64U << 20U};
 
 /// Thrown to stop reading a log early.
 struct Found {};
@@ -126,34 +128,35 @@ class Exporter {
     if (options_.trackpy) {
       one("-trackpy.csv", false, [this](const fs::path& file) {
         writeTrackpy(log_, file);
-        return 0;
+        return LeftOut{};
       });
     }
     if (options_.trex) {
       one("-trex", true, [this](const fs::path& folder) {
         writeTrex(log_, folder, name_);
-        return 0;
+        return LeftOut{};
       });
     }
   }
 
  private:
   void one(const std::string& ending, bool folder,
-           const std::function<std::int64_t(const fs::path&)>& write) {
+           const std::function<LeftOut(const fs::path&)>& write) {
     Output output(out_ / (name_ + ending), options_.force, folder);
-    const std::int64_t left_out = write(output.part());
+    const LeftOut left_out = write(output.part());
     output.keep();
     tell(output.path(), left_out, "");
   }
 
-  static void tell(const fs::path& path, std::int64_t left_out, const std::string& more) {
+  static void tell(const fs::path& path, const LeftOut& left_out, const std::string& more) {
     fmt::print("{}{}\n", printable(path.string()), more);
-    if (left_out > 0) {
+    if (left_out.messages > 0) {
       fmt::print(
           "         {} message{} left out: damaged, or of a type that this version does not "
           "know\n",
-          left_out, left_out == 1 ? "" : "s");
+          left_out.messages, left_out.messages == 1 ? "" : "s");
     }
+    if (!left_out.channels.empty()) fmt::print("         {}\n", channelsText(left_out));
   }
 
   void writeMcapFile() {
@@ -178,7 +181,7 @@ class Exporter {
     Output output(out_ / (name_ + ".mcap"), options_.force, false);
     const McapResult result = writeMcap(log_, folder_, output.part(), how);
     output.keep();
-    tell(output.path(), result.left_out,
+    tell(output.path(), {.messages = result.left_out},
          result.pictures > 0 ? fmt::format(", with {} pictures of {}", result.pictures, film) : "");
   }
 
@@ -187,10 +190,9 @@ class Exporter {
     if (const auto start = report::findStart(log_)) texts["experiment.toml"] = start->text;
     for (const char* name : {"summary.json", "provenance.json"}) {
       const fs::path file = folder_ / name;
-      if (fs::is_directory(options_.input) && fs::is_regular_file(file)) {
-        std::ifstream stream(file, std::ios::binary);
-        texts[name] = {std::istreambuf_iterator<char>(stream), {}};
-      }
+      // The export is passed on: it holds no other file to which the folder of a stranger links.
+      if (!fs::is_directory(options_.input) || isLink(file)) continue;
+      if (auto text = readWholeFile(file, kAttachment)) texts[name] = std::move(*text);
     }
     return texts;
   }

@@ -1,10 +1,12 @@
 #include "runner/export/hdf5_export.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -176,21 +178,21 @@ class TableWriter {
 
 }  // namespace
 
-std::int64_t writeHdf5(const std::vector<fs::path>& log, const fs::path& file,
-                       const std::map<std::string, std::string>& about) {
+LeftOut writeHdf5(const std::vector<fs::path>& log, const fs::path& file,
+                  const std::map<std::string, std::string>& about) {
   hdf5::silence();
-  const schema::LogIndex contents(log);
+  std::set<std::string> names;
+  for (const auto& [target, name] : kNames) names.emplace(name + 1);  // without the slash
+  TableChannels channels = tableChannels(schema::LogIndex(log), std::move(names));
+  LeftOut left_out = std::move(channels.left_out);
   std::vector<std::unique_ptr<TableWriter>> tables;
   std::map<std::string, std::vector<TableWriter*>, std::less<>> by_channel;
-  for (const schema::LoggedChannel& logged : contents.channels()) {
-    // A channel has one type; messages of another type on it are a stranger's.
-    if (logged.type == nullptr || contents.find(logged.channel)->type != logged.type) continue;
+  for (const schema::LoggedChannel& logged : channels.kept) {
     for (const std::string& path : schema::tablePaths(*logged.type)) {
       tables.push_back(std::make_unique<TableWriter>(logged, path));
       by_channel[logged.channel].push_back(tables.back().get());
     }
   }
-  std::int64_t left_out = 0;
   std::int64_t number = 0;
   readLog(log, [&](const Packet& packet) {
     const std::int64_t event = number++;
@@ -199,7 +201,7 @@ std::int64_t writeHdf5(const std::vector<fs::path>& log, const fs::path& file,
     if (taken) {
       for (TableWriter* table : found->second) taken = table->measure(event, packet) && taken;
     }
-    left_out += taken ? 0 : 1;
+    if (!taken) left_out.count(packet.channel);
   });
 
   const Handle out(H5Fcreate(file.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), &H5Fclose,

@@ -1,11 +1,12 @@
 /// Writes a log as an HDF5 file that h5py, pandas, MATLAB and R read.
 #pragma once
 
-#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
+
+#include "runner/export/table_channels.hpp"
 
 namespace lab::runner {
 
@@ -16,10 +17,9 @@ namespace lab::runner {
 /// /poses, /states, /truth, /light, /events, /analysis and /collective are further names of the
 /// datasets that most users want.
 /// @param about attributes of the file
-/// @return number of messages that are not in the file: damaged ones, and those of unknown types
+/// @return the messages that are not in the file
 /// @throws std::runtime_error if the file cannot be written
-std::int64_t writeHdf5(const std::vector<std::filesystem::path>& log,
-                       const std::filesystem::path& file,
-                       const std::map<std::string, std::string>& about);
+LeftOut writeHdf5(const std::vector<std::filesystem::path>& log, const std::filesystem::path& file,
+                  const std::map<std::string, std::string>& about);
 
 }  // namespace lab::runner

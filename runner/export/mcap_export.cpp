@@ -1,5 +1,8 @@
 #include "runner/export/mcap_export.hpp"
 
+#include <fmt/format.h>
+
+#include <cstdint>
 #include <lab/analysis_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_status_t.hpp>
@@ -30,6 +33,7 @@ namespace {
 constexpr std::string_view kBusTopics = "/bus/";
 constexpr const char* kRosSchema = "ros2msg";
 constexpr const char* kCdr = "cdr";
+constexpr std::uintmax_t kMostExpansion = 300;  // a log of the lab: about 2
 
 /// Of sensor_msgs, which the gateway does not publish.
 constexpr const char* kCompressedImage = "sensor_msgs/msg/CompressedImage";
@@ -184,6 +188,8 @@ McapResult writeMcap(const std::vector<fs::path>& log, const fs::path& directory
 }
 
 std::int64_t writeLogOfMcap(const fs::path& file, const fs::path& log) {
+  const std::uintmax_t most_bytes = kMostExpansion * fs::file_size(file);
+  std::uintmax_t bytes = 0;
   std::unique_ptr<LogWriter> writer;
   std::int64_t count = 0;
   const mcap::ReadResult read = mcap::read(file, [&](const mcap::Message& message) {
@@ -196,6 +202,13 @@ std::int64_t writeLogOfMcap(const fs::path& file, const fs::path& log) {
       throw UserError(file.string() + ": a message on " + std::string(message.topic) + " is no " +
                       std::string(message.schema) +
                       " of this version: it was written by another version, or is damaged");
+    }
+    bytes += encoding->size();
+    if (bytes > most_bytes) {
+      throw UserError(fmt::format(
+          "{}: found messages of more than {} times the size of the file, expected measurements, "
+          "which Zstandard does not compress like that: it may be made to fill the disk",
+          file.string(), kMostExpansion));
     }
     if (!writer) writer = std::make_unique<LogWriter>(log);
     writer->write({message.topic.substr(kBusTopics.size()), *encoding,

@@ -147,6 +147,19 @@ class Exports(RunTestCase):
         self.assertEqual((self.folder / "own.csv" / "trajectories.csv").read_bytes(),
                          (self.folder / "owns.h5" / "trajectories.csv").read_bytes())
 
+    def test_no_file_is_attached_to_which_the_folder_of_a_run_links(self):
+        folder = self.beside / "with_link"
+        shutil.copytree(self.path, folder)
+        self.addCleanup(shutil.rmtree, folder)
+        secret = self.beside / "secret"
+        secret.write_text("what nobody else may read")
+        (folder / "provenance.json").unlink()
+        (folder / "provenance.json").symlink_to(secret)
+        lab("export", folder, "--mcap", "--out", folder)
+        written = (folder / "with_link.mcap").read_bytes()
+        self.assertIn((folder / "summary.json").read_bytes(), written)
+        self.assertNotIn(secret.read_bytes(), written)
+
     def test_nothing_is_replaced_without_force(self):
         output = lab("export", self.path, "--hdf5", expect=2)
         self.assertIn("is there already", output)

@@ -86,6 +86,12 @@ TEST_F(Campaigns, OnlyFilesOfThePageAndOfReportsAreSent) {
                            "figures/../../secret.csv", "runs/ab-12/../../campaign.toml"}) {
     EXPECT_FALSE(list_.file("scan", name)) << name;
   }
+  support::writeFile(temporary_ / "elsewhere" / "report.html", "private");
+  fs::create_directory_symlink(temporary_ / "elsewhere", folder / "runs" / "link");
+  EXPECT_FALSE(list_.file("scan", "runs/link/report.html"));
+  fs::rename(folder / "runs", temporary_ / "moved");
+  fs::create_directory_symlink(temporary_ / "moved", folder / "runs");
+  EXPECT_FALSE(list_.file("scan", "runs/ab-12/report.html"));
   EXPECT_FALSE(list_.file("..", "secret.csv"));
   EXPECT_FALSE(list_.file("nothing", "index.html"));
 }

@@ -1,4 +1,5 @@
 // MCAP and HDF5: what is written is read back, byte for byte.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include "runner/export/mcap_export.hpp"
 #include "runner/export/mcap_reader.hpp"
 #include "runner/export/mcap_writer.hpp"
+#include "runner/export/table_channels.hpp"
 #include "tests/lcmtypes/contract.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/text_file.hpp"
@@ -69,7 +71,9 @@ TEST_F(OpenFormats, McapGivesTheLogBack) {
 
 TEST_F(OpenFormats, Hdf5GivesTheLogBack) {
   const fs::path h5 = folder.path() / "run.h5";
-  EXPECT_EQ(writeHdf5({log}, h5, {{"run", "test"}}), 0);
+  const LeftOut left_out = writeHdf5({log}, h5, {{"run", "test"}});
+  EXPECT_EQ(left_out.messages, 0);
+  EXPECT_EQ(channelsText(left_out), "");
   ASSERT_TRUE(isHdf5(h5));
 
   EXPECT_EQ(importHdf5(h5, folder.path() / "back.lcmlog", folder.path() / "poses.csv"),
@@ -91,15 +95,106 @@ TEST_F(OpenFormats, CountsWhatIsLeftOut) {
 
   const McapResult result =
       writeMcap({worse}, folder.path(), folder.path() / "worse.mcap", McapOptions{});
-  const std::int64_t left_out = writeHdf5({worse}, folder.path() / "worse.h5", {});
+  const LeftOut left_out = writeHdf5({worse}, folder.path() / "worse.h5", {});
   fs::create_directory(folder.path() / "csv");
-  const std::int64_t not_in_csv = writeCsv({worse}, folder.path() / "csv");
+  const LeftOut not_in_csv = writeCsv({worse}, folder.path() / "csv");
 
   EXPECT_EQ(result.messages, 3);
   EXPECT_EQ(result.left_out, 2);
-  EXPECT_EQ(left_out, 2);
-  EXPECT_EQ(not_in_csv, 2);
+  EXPECT_EQ(left_out.messages, 2);
+  EXPECT_EQ(not_in_csv.messages, 2);
   EXPECT_EQ(writeLogOfMcap(folder.path() / "worse.mcap", folder.path() / "back.lcmlog"), 1);
+}
+
+std::vector<std::string> filesIn(const fs::path& folder) {
+  std::vector<std::string> names;
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
+    names.push_back(entry.path().lexically_relative(folder).string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+/// A stranger's log has channels of any bytes: "/home/me/.bashrc\0" would be a file there.
+TEST_F(OpenFormats, TablesLieInTheirFolderWhateverTheChannels) {
+  using std::string_literals::operator""s;
+  const fs::path strange = folder.path() / "strange.lcmlog";
+  const std::vector<std::string> refused{folder.path() / "absolute\0"s,
+                                         "../up",
+                                         ".hidden",
+                                         "in/folder",
+                                         "CLOCK\0"s,
+                                         "columns",  // columns.csv is there already
+                                         "\x1b[2J",
+                                         std::string(64, 'x')};
+  {
+    LogWriter writer(strange);
+    const std::vector<std::uint8_t> message = encode(sample<clock_t>(0));
+    for (const std::string& channel : refused) writer.write({channel, message, 1});
+    writer.write({"CLOCK", message, 2});
+    writer.write({"A-b_1.c", message, 3});
+  }
+  const fs::path results = folder.path() / "results";
+  fs::create_directories(results / "csv/in");
+
+  const LeftOut not_in_csv = writeCsv({strange}, results / "csv");
+  const LeftOut not_in_hdf5 = writeHdf5({strange}, results / "strange.h5", {});
+
+  EXPECT_THAT(filesIn(results), testing::ElementsAre("csv", "csv/A-b_1.c.csv", "csv/CLOCK.csv",
+                                                     "csv/columns.csv", "csv/in", "strange.h5"));
+  EXPECT_THAT(filesIn(folder.path()), testing::Not(testing::Contains("absolute")));
+  EXPECT_EQ(not_in_csv.messages, 0);
+  EXPECT_EQ(not_in_csv.channels.size(), refused.size());
+  EXPECT_EQ(not_in_hdf5.messages, 0);
+  EXPECT_EQ(not_in_hdf5.channels.size(), refused.size() - 1);  // "columns" is a name like others
+  EXPECT_TRUE(fs::exists(results / "strange.h5"));
+  const std::string text = channelsText(not_in_csv);
+  EXPECT_THAT(text, testing::StartsWith("8 messages on 8 channels left out: found the names "));
+  EXPECT_THAT(text, testing::HasSubstr("\"\\x1b[2J\", \"../up\", \".hidden\""));
+  EXPECT_THAT(text, testing::HasSubstr("\"CLOCK\\x00\" and 3 more, expected 1 to 63 letters"));
+}
+
+/// "A.robots" would be the name of two tables.
+TEST_F(OpenFormats, NoTwoTablesHaveOneName) {
+  const fs::path twice = folder.path() / "twice.lcmlog";
+  {
+    LogWriter writer(twice);
+    writer.write({"A.robots", encode(sample<clock_t>(0)), 1});
+    writer.write({"A", encode(sample<tracked_frame_t>(3)), 2});
+    writer.write({"poses", encode(sample<clock_t>(0)), 3});
+  }
+  const fs::path csv = folder.path() / "csv";
+  fs::create_directory(csv);
+
+  const LeftOut not_in_csv = writeCsv({twice}, csv);
+  const LeftOut not_in_hdf5 = writeHdf5({twice}, folder.path() / "twice.h5", {});
+
+  EXPECT_EQ(std::ranges::count(bytesOf(csv / "A.robots.csv"), '\n'), 1 + 3);
+  EXPECT_THAT(not_in_csv.channels, testing::ElementsAre(testing::Pair("A.robots", 1)));
+  EXPECT_THAT(not_in_hdf5.channels,
+              testing::ElementsAre(testing::Pair("A.robots", 1), testing::Pair("poses", 1)));
+}
+
+/// A file of 100 kB could make a log of any size.
+TEST_F(OpenFormats, McapThatExpandsWithoutEndIsRefused) {
+  const fs::path huge = folder.path() / "huge.lcmlog";
+  {
+    experiment_event_t event{};
+    event.text = std::string(1'000'000, 'a');
+    const std::vector<std::uint8_t> message = encode(event);
+    LogWriter writer(huge);
+    for (std::int64_t i = 1; i <= 100; ++i) writer.write({"EXPERIMENT_EVENT", message, i});
+  }
+  const fs::path mcap = folder.path() / "huge.mcap";
+  McapOptions options;
+  options.ros = false;
+  static_cast<void>(writeMcap({huge}, folder.path(), mcap, options));
+  ASSERT_LT(fs::file_size(mcap), 300'000U);
+
+  EXPECT_THAT(
+      [&] { static_cast<void>(writeLogOfMcap(mcap, folder.path() / "back.lcmlog")); },
+      testing::ThrowsMessage<UserError>(testing::HasSubstr("more than 300 times the size of")));
+  EXPECT_LT(fs::file_size(folder.path() / "back.lcmlog"), 91'000'000U);
 }
 
 /// Where the middle byte of the first chunk is. A record is an opcode of one byte (6: chunk), a
@@ -170,7 +265,7 @@ TEST_F(OpenFormats, CsvHasEveryTable) {
   const fs::path csv = folder.path() / "csv";
   fs::create_directory(csv);
 
-  EXPECT_EQ(writeCsv({log}, csv), 0);
+  EXPECT_EQ(writeCsv({log}, csv).messages, 0);
 
   const std::string frames = bytesOf(csv / "CHANNEL_tracked_frame_t.robots.csv");
   EXPECT_EQ(frames.substr(0, frames.find('\n')),
