@@ -99,6 +99,13 @@ class TopicMappingReader {
         problems_.add(path + ".rename", "found " + keys::displayText(*node) +
                                             ", expected the new name of the topic, as "
                                             "\"/fleet/$1/pose\" ($1: the first group of topic)");
+      } else if (const std::string unknown =
+                     rule.pattern ? unknownGroup(*rename, rule.pattern->groups()) : "";
+                 !unknown.empty()) {
+        problems_.add(path + ".rename",
+                      fmt::format("found {} in {}, expected $1 to $9: topic has {} groups in (...)",
+                                  keys::displayText(std::string_view(unknown)),
+                                  keys::displayText(*node), rule.pattern->groups()));
       } else {
         rule.rename = *rename;
         rule.place = document_.place(path + ".rename").text + ": " + path + ".rename";
@@ -127,10 +134,10 @@ class TopicMappingReader {
     }
     rule.text = *text;
     try {
-      rule.pattern = std::regex(*text, std::regex::ECMAScript | std::regex::optimize);
-    } catch (const std::regex_error& error) {
+      rule.pattern.emplace(*text);
+    } catch (const std::invalid_argument& error) {
       problems_.add(path, "found " + keys::displayText(std::string_view(*text)) +
-                              ", expected a regular expression (ECMAScript): " + error.what());
+                              ", expected a regular expression (RE2): " + error.what());
     }
   }
 
@@ -150,11 +157,11 @@ std::optional<Route> TopicMapping::route(const std::string& topic) {
   std::string place;
   bool decided = false;
   for (const Rule& rule : rules_) {
-    if (!std::regex_match(topic, rule.pattern)) continue;
+    if (!rule.pattern->matches(topic)) continue;
     if (!decided) {
       if (!rule.allow) return std::nullopt;
       if (!rule.rename.empty()) {
-        route.topic = std::regex_replace(topic, rule.pattern, rule.rename);
+        route.topic = rule.pattern->expand(rule.rename, topic);
         place = rule.place;
         if (!isTopicName(route.topic)) {
           throw std::runtime_error(fmt::format(

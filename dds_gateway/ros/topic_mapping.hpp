@@ -4,10 +4,11 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <regex>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "dds_gateway/ros/name_pattern.hpp"
 
 namespace lab::gateway {
 
@@ -37,8 +38,8 @@ class TopicMapping {
 
  private:
   struct Rule {
-    std::regex pattern;
-    std::string text;  ///< of the pattern, for messages
+    std::optional<NamePattern> pattern;  ///< always, once it is read
+    std::string text;                    ///< of the pattern, for messages
     bool allow = true;
     std::string rename;  ///< with $1 ..., empty: unchanged
     std::string place;   ///< of rename in the file: "m.toml:4: rules[0].rename"

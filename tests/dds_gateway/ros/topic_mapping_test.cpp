@@ -143,6 +143,33 @@ rename = "x"
   EXPECT_THAT(problemsOf("fileversion = "), ElementsAre(StartsWith("m.toml:1")));
 }
 
+TEST(TopicMapping, ARenameNamesGroupsThatTopicHas) {
+  EXPECT_THAT(problemsOf("fileversion = 1\n[[rules]]\ntopic = \"/lab/(.*)\"\nrename = \"/a$2\"\n"),
+              ElementsAre("m.toml:4: rules[0].rename: found \"$2\" in \"/a$2\", expected $1 to $9: "
+                          "topic has 1 groups in (...)"));
+  EXPECT_THAT(problemsOf("fileversion = 1\n[[rules]]\ntopic = \"/lab/(.*)\"\nrename = \"/a$\"\n"),
+              ElementsAre(HasSubstr("found \"$\" in")));
+  TopicMapping dut(
+      "fileversion = 1\n[[rules]]\ntopic = \"/lab/(a)?robot([0-9]+)/(.*)\"\n"
+      "rename = \"/$3/x$1$2\"\n",
+      "m.toml");
+  EXPECT_EQ(dut.route("/lab/robot12/pose")->topic, "/pose/x12");
+}
+
+/// The regular expressions of the C++ library recurse for each bracket, and try each way to divide
+/// a name. Such a file ended `lab check` with a fault, or never.
+TEST(TopicMapping, PatternsOfAnyFormTakeBoundedTimeAndMemory) {
+  const auto file = [](const std::string& pattern) {
+    return "fileversion = 1\n[[rules]]\ntopic = \"" + pattern + "\"\nallow = false\n";
+  };
+  EXPECT_THAT(problemsOf(file(std::string(100'000, '('))),
+              ElementsAre(HasSubstr("expected a regular expression (RE2)")));
+  EXPECT_THAT(problemsOf(file("((((x{500}){500}){500}){500})")),
+              ElementsAre(HasSubstr("expected a regular expression (RE2)")));
+  TopicMapping dut(file("(/?[a-z]+)+!"), "m.toml");
+  EXPECT_TRUE(dut.route("/" + std::string(200, 'a')));
+}
+
 TEST(TopicMapping, AMissingFileIsNamed) {
   EXPECT_THROW(static_cast<void>(readTopicMappingFile("/nowhere/m.toml")), ExperimentError);
 }
