@@ -42,14 +42,16 @@ fs::path experimentFolder(const ServiceContext& context) {
 WebOptions webOptions(const ServiceContext& context, const DashboardOptions& options) {
   const Experiment& experiment = context.experiment;
   WebOptions web;
-  if (!experiment.dashboard.address.empty()) web.address = experiment.dashboard.address;
   web.port = options.port != 0 ? options.port : experiment.dashboard.port;
   web.token = newToken();
-  web.control_from_elsewhere = experiment.dashboard.control_from_elsewhere;
   web.runs = options.runs;
   web.programs = context.programs;
   web.experiments = options.experiments.empty() ? installation().experiments : options.experiments;
-  web.camera_port = experiment.camera.debug_port;
+  if (!options.this_machine_only) {
+    if (!experiment.dashboard.address.empty()) web.address = experiment.dashboard.address;
+    web.control_from_elsewhere = experiment.dashboard.control_from_elsewhere;
+    web.camera_port = experiment.camera.debug_port;
+  }
   if (options.address_file.empty()) return web;
   if (const auto before = readAddressFile(options.address_file)) {
     web.port = before->port;
@@ -181,6 +183,8 @@ ServiceDescription serviceDescription() {
     app.add_option(
         "--address-file", options->address_file,
         "File for the page's address; port and token of an existing file are used again");
+    app.add_flag("--this-machine-only", options->this_machine_only,
+                 "Serve this machine only, whatever the experiment file says");
   };
   description.make = [options](const ServiceContext& context) -> std::unique_ptr<Service> {
     return std::make_unique<DashboardService>(context, *options);

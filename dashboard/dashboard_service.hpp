@@ -26,6 +26,8 @@ struct DashboardOptions {
   std::filesystem::path runs = "runs";
   std::filesystem::path experiments;   ///< empty: as installed
   std::filesystem::path address_file;  ///< empty: none is written
+  /// The experiment file decides nothing about who may use the page, and names no camera picture.
+  bool this_machine_only = false;
 };
 
 /// The part between bus and hub. It has no web server, so that it also runs in virtual time.

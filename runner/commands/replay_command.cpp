@@ -160,7 +160,8 @@ void startPage(std::optional<DashboardProcess>& page, const ReplayOptions& optio
                                 .experiment = fs::exists(experiment) ? experiment : fs::path(),
                                 .runs = run.parent_path(),
                                 .address_file = registryFile(kPageFile),
-                                .output = output});
+                                .output = output,
+                                .this_machine_only = true});  // the run may be a stranger's
   page->start([](const std::string& what) { printLine("web      " + what); });
 }
 

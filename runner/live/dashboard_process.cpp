@@ -62,6 +62,7 @@ void DashboardProcess::startProcess() {
   if (options_.port != 0) {
     arguments.insert(arguments.end(), {"--port", std::to_string(options_.port)});
   }
+  if (options_.this_machine_only) arguments.emplace_back("--this-machine-only");
   process_ = std::make_unique<LocalProcess>(arguments, options_.output, LocalProcess::Death::kKill);
 }
 

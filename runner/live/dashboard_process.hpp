@@ -24,6 +24,7 @@ struct DashboardOptions {
   std::filesystem::path address_file;    ///< readable by the user only, removed at the end
   std::filesystem::path address_copy{};  ///< second file for the address, empty: none
   std::filesystem::path output;          ///< file for its output
+  bool this_machine_only = false;        ///< whatever the experiment file says
 };
 
 /// Starts the dashboard, prints its address, restarts it when it dies, and gives it up after too

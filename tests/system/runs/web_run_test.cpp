@@ -24,6 +24,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::Not;
+using testing::StartsWith;
 namespace fs = std::filesystem;
 
 class WebRun : public testing::Test {
@@ -202,6 +203,17 @@ TEST_F(WebRun, ReplaysAnOlderRunWithADashboard) {
   EXPECT_EQ(run("lab check " + file.string()).exit_code, 2);
   Background replay("exec lab replay " + onlyRun(runs()).string() + " --web");
   EXPECT_TRUE(answers(addressOf(replay))) << replay.output();
+  replay.signal(SIGINT);
+  EXPECT_EQ(replay.wait(seconds(10)).exit_code, 0);
+}
+
+TEST_F(WebRun, ReplaysARunForThisMachineOnlyWhateverItsFileSays) {
+  ASSERT_EQ(run(labRun("--virtual-time --no-report --set duration_s=20")).exit_code, 0);
+  const fs::path file = onlyRun(runs()) / "experiment.toml";
+  run("sed -i '/^.dashboard.$/,/^$/ s/^address = .*/address = \"127.0.0.2\"/' " + file.string());
+  ASSERT_THAT(readFile(file), HasSubstr("[dashboard]\naddress = \"127.0.0.2\""));
+  Background replay("exec lab replay " + onlyRun(runs()).string() + " --web");
+  EXPECT_THAT(addressOf(replay), StartsWith("http://127.0.0.1:")) << replay.output();
   replay.signal(SIGINT);
   EXPECT_EQ(replay.wait(seconds(10)).exit_code, 0);
 }
