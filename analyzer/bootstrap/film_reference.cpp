@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kMostFrames = 4e7;   // of all films
 constexpr double kLongestFilm = 5e5;  // frames
+constexpr double kMostDraws = 1e8;    // of all films: about 20 s of a core
 constexpr int kFewestFilms = 80;
 constexpr int kMostFilms = 400;
 constexpr double kLeastShare = 0.9;  // of films; those with windows of a lag are a selection
@@ -27,6 +28,11 @@ void setFilms(FilmPlan& plan, double track) {
 }
 
 FilmReference::FilmReference(FilmPlan plan) : plan_(std::move(plan)) {
+  // Frames may be hours apart, and each of them costs all draws since the one before.
+  const double draw = plan_.law->drawTime() / plan_.law->changesPerDraw();
+  if (draw > 0) {
+    plan_.duration = std::min(plan_.duration, kMostDraws / std::max(plan_.films, 1) * draw);
+  }
   for (const int lag : plan_.lags) {
     if (kFilmsPerLag * lag * plan_.frame_period > plan_.duration) break;
     lags_.push_back(lag);

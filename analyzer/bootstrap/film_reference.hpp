@@ -28,6 +28,7 @@ void setFilms(FilmPlan& plan, double track);
 /// The films of a plan, made one after the other. The same plan gives the same bits.
 class FilmReference {
  public:
+  /// @param plan its films get shorter if they would have more than 1e8 draws together
   explicit FilmReference(FilmPlan plan);
 
   /// Simulates up to `films` more.

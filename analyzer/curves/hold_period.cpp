@@ -13,7 +13,9 @@ namespace {
 
 constexpr double kHoldsPerBlock = 16;
 constexpr double kFramesPerHold = 4;  // at least; below, lines of other orders lie near
-constexpr double kLeastSeen = 0.7;    // share of a block's differences
+// Headings of a hold are kept for every robot and program: 200 kB.
+constexpr double kMostFramesPerHold = 20'000;
+constexpr double kLeastSeen = 0.7;  // share of a block's differences
 // The noise of the heading does not grow with the distance of its differences, what they show does.
 constexpr double kPartOfHold = 3;
 constexpr double kDifferencesPerHold = 12;
@@ -106,7 +108,8 @@ void HoldSpectra::pool(const HoldSpectra& other) {
 }
 
 bool HoldPeriodFinder::resolves(double hold, double frame_period) {
-  return frame_period > 0 && hold >= kFramesPerHold * frame_period && std::isfinite(hold);
+  return frame_period > 0 && hold >= kFramesPerHold * frame_period &&
+         hold <= kMostFramesPerHold * frame_period;
 }
 
 HoldPeriodFinder::HoldPeriodFinder(double hold, double frame_period)

@@ -40,7 +40,8 @@ struct HoldPeriod {
 /// frequency, whatever is drawn. Their phase is not used beyond a block: clocks may drift.
 class HoldPeriodFinder {
  public:
-  /// Whether the frames are close enough together.
+  /// Whether the frames are close enough together, and not so close that a hold has more than
+  /// 20 000 of them.
   [[nodiscard]] static bool resolves(double hold, double frame_period);
 
   /// @param hold as programmed, s; every hold has this duration

@@ -16,7 +16,10 @@ std::size_t afterString(std::string_view toml, std::size_t at) {
     if (toml[i] == '\\' && quote == '"') {
       ++i;
     } else if (toml[i] == quote && toml.substr(i, width) == toml.substr(at, width)) {
-      return i + width;
+      // A text of many lines may end with one or two quotes of its own before the three.
+      const std::size_t latest = std::min(i + width + (many_lines ? 2 : 0), toml.size());
+      for (i += width; i < latest && toml[i] == quote;) ++i;
+      return i;
     } else if (toml[i] == '\n' && !many_lines) {
       return i;
     }

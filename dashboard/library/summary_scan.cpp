@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "common/math/saturated.hpp"
 
@@ -33,16 +34,21 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
 
   bool string(string_t& value) override {
     if (isDeep()) return goesOn();
-    if (path_ == "/experiment") facts_.experiment = value;
-    if (isInProgram() && path_ == "/programs[]/name") facts_.programs.back().name = value;
-    if (isInProgram() && path_ == "/programs[]/pool/verdict")
-      facts_.programs.back().verdict = value;
-    return goesOn();
+    std::string* kept = nullptr;
+    if (path_ == "/experiment") kept = &facts_.experiment;
+    if (isInProgram() && path_ == "/programs[]/name") kept = &facts_.programs.back().name;
+    if (isInProgram() && path_ == "/programs[]/pool/verdict") {
+      kept = &facts_.programs.back().verdict;
+    }
+    if (kept == nullptr) return goesOn();
+    *kept = value;
+    return goesOn() && value.size() <= kLongestText;
   }
 
   bool start_object(std::size_t) override {
     ends_.push_back(path_.size());
     if (path_ == "/programs[]") facts_.programs.emplace_back();
+    if (facts_.programs.size() > kMostPrograms) return false;
     if (path_ == "/faults[]") ++facts_.faults;
     return goesOn() && ends_.size() <= kDeepest;
   }
@@ -87,6 +93,8 @@ class Scanner final : public nlohmann::json_sax<nlohmann::json> {
   }
 
   static constexpr std::size_t kMostValues = 4'000'000;
+  static constexpr std::size_t kMostPrograms = 1000;  // an experiment file may have 100
+  static constexpr std::size_t kLongestText = 1000;   // of texts in the list of runs
   static constexpr std::size_t kDeepest = 50;
 
   SummaryFacts facts_;

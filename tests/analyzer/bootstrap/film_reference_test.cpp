@@ -35,6 +35,20 @@ TEST(FilmReference, ALagWithoutWindowsCostsOnlyItself) {
   EXPECT_TRUE(std::isnan(dut.expected(false, dut.curves().lags.size() - 1)));
 }
 
+TEST(FilmReference, FramesThatAreFarApartDoNotCostAllDrawsBetweenThem) {
+  FilmPlan plan = planWithCuts();
+  plan.gaps = {};
+  plan.frame_period = 1e6;
+  setFilms(plan, 6e7);
+  EXPECT_EQ(plan.duration, 6e7);
+  const FilmReference dut(plan);
+  EXPECT_LE(dut.plan().films * dut.plan().duration / plan.law->drawTime(), 1.001e8);
+  EXPECT_TRUE(dut.curves().lags.empty());
+
+  const FilmPlan usual = planWithCuts();
+  EXPECT_EQ(FilmReference(usual).plan().duration, usual.duration);
+}
+
 TEST(FilmReference, CutsDoNotChangeTheExpectedCurve) {
   FilmPlan plan = planWithCuts();
   FilmReference cut(plan);

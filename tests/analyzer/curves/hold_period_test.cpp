@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -115,6 +116,9 @@ TEST(HoldPeriod, IsNotMeasuredWithoutALine) {
   // Two frames a hold.
   EXPECT_FALSE(HoldPeriodFinder::resolves(0.1, 0.05));
   EXPECT_TRUE(HoldPeriodFinder::resolves(0.5, 0.05));
+  // An hour at 10 000 frames/s: 24 million headings for each robot.
+  EXPECT_FALSE(HoldPeriodFinder::resolves(3600, 1e-4));
+  EXPECT_FALSE(HoldPeriodFinder::resolves(std::numeric_limits<double>::infinity(), 0.05));
 }
 
 TEST(HoldPeriod, DecidesTheVerdict) {

@@ -34,6 +34,11 @@ TEST(ParseToml, RefusesKeysAndHeadersOfManyNames) {
   EXPECT_EQ(lineOfDeepKey("\n\n[" + repeated(kMostNames, "a.") + "a]"), 3U);
   EXPECT_EQ(lineOfDeepKey("x = {" + repeated(kMostNames, "\"b\" . ") + "a = 1}"), 1U);
   EXPECT_EQ(lineOfDeepKey(repeated(kMostNames, "'#'.") + "a = 1"), 1U);
+  for (const std::string text :
+       {"\"\"\"\"a\"\"\"\"", "\"\"\"a\"\"\"\"\"", "'''a''''", "\"\"\"\"\"\""}) {
+    EXPECT_EQ(lineOfDeepKey("x = {y = " + text + ", " + repeated(kMostNames, "a.") + "a = 1}"), 1U)
+        << text;
+  }
 }
 
 TEST(ParseToml, ReadsDotsOfNumbersTextsAndComments) {

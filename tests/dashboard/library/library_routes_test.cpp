@@ -134,8 +134,17 @@ TEST(RunList, DoesNotReadHostileSummaries) {
   for (int i = 0; i < 5'000'000; ++i) numbers += ",1";
   std::ofstream(runs / "long/summary.json") << numbers << "]}";
 
+  // What the list keeps of a run is sent with every answer.
+  std::string programs = R"({"format": 1, "programs": [{})";
+  for (int i = 0; i < 1000; ++i) programs += ",{}";
+  support::writeFile(runs / "many/summary.json", programs + "]}");
+  support::writeFile(runs / "wordy/summary.json",
+                     R"({"format": 1, "experiment": ")" + std::string(1001, 'a') + R"("})");
+
   EXPECT_THAT(readRun(runs / "large").problem, HasSubstr("larger than 64 MB"));
-  EXPECT_THAT(readRun(runs / "long").problem, HasSubstr("cannot be read"));
+  for (const char* name : {"long", "many", "wordy"}) {
+    EXPECT_THAT(readRun(runs / name).problem, HasSubstr("cannot be read")) << name;
+  }
 }
 
 TEST(RunList, NoticesChangedAndRemovedRuns) {
