@@ -222,6 +222,12 @@ FilmFacts readFilmFacts(const fs::path& file) {
   facts.format.width = section.pixels("width_px");
   facts.format.height = section.pixels("height_px");
   facts.format.fps = section.number("fps", 0, 1e6);
+  // The time between frames must be a number of microseconds.
+  constexpr double kLeastFps = 1e-3;
+  if (facts.format.fps > 0 && facts.format.fps < kLeastFps) {
+    section.fail("fps", fmt::format("found {:g}, expected 0 (not known) or at least {:g}",
+                                    facts.format.fps, kLeastFps));
+  }
   facts.format.exposure = section.number("exposure_s", 0, 1e6);
   facts.format.gain = section.number("gain", -1e9, 1e9);
   facts.format.pixels = section.text("pixels");

@@ -182,7 +182,9 @@ class Exporter {
     const McapResult result = writeMcap(log_, folder_, output.part(), how);
     output.keep();
     tell(output.path(), {.messages = result.left_out},
-         result.pictures > 0 ? fmt::format(", with {} pictures of {}", result.pictures, film) : "");
+         result.pictures > 0
+             ? fmt::format(", with {} pictures of {}", result.pictures, printable(film))
+             : "");
   }
 
   [[nodiscard]] std::map<std::string, std::string> attachments() const {

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/message_values.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/files/file_text.hpp"
@@ -155,6 +156,15 @@ class Retracking {
     return true;
   }
 
+  /// A frame cannot be sent before it was exposed. A forged or damaged time far ahead would play
+  /// the films to their end, and no frame after it would be found.
+  template <class Message>
+  static bool hasItsTime(const Packet& packet, const Message& message) {
+    constexpr std::int64_t kClocksDiffer_us = 60'000'000;  // between hosts, at most
+    return !impossibleHeader(packet.channel, message.utime, message.seq) &&
+           message.utime - packet.received_utime < kClocksDiffer_us;
+  }
+
   void write(const Packet& packet) {
     if (writer_ != nullptr) writer_->write(packet);
   }
@@ -171,7 +181,9 @@ class Retracking {
       rewriteFrame(packet);
     } else if (packet.channel == channels::kTrackedDetails) {
       tracked_details_t old{};
-      if (!decode(packet.data, old) || old.sender != kTrackerName) return write(packet);
+      if (!decode(packet.data, old) || old.sender != kTrackerName || !hasItsTime(packet, old)) {
+        return write(packet);
+      }
       if (!reach(old.utime)) return;
       writeInPlaceOf(packet, inPlaceOf(old, round_->details));
     } else if (packet.channel == channels::kTrackerStatus) {
@@ -188,6 +200,10 @@ class Retracking {
   void rewriteFrame(const Packet& packet) {
     tracked_frame_t old{};
     if (!decode(packet.data, old) || old.sender != kTrackerName) return write(packet);
+    if (!hasItsTime(packet, old)) {
+      ++counts_.missing;
+      return write(packet);
+    }
     if (!reach(old.utime)) {
       ++counts_.missing;
       return;

@@ -18,6 +18,7 @@
 
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
+#include "common/bus/message_values.hpp"
 #include "common/calibration/camera_file.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/files/atomic_file.hpp"
@@ -57,7 +58,10 @@ std::int64_t readPoses(const fs::path& log, std::int64_t near_us,
                        std::map<std::int64_t, Seen>& shown) {
   const auto keep = [&]<class Message>(const Packet& packet, Message Seen::*member) {
     Message message{};
-    if (!decode(packet.data, message)) return;
+    if (!decode(packet.data, message) ||
+        impossibleHeader(packet.channel, message.utime, message.seq)) {
+      return;
+    }
     const auto end = shown.upper_bound(message.utime + near_us);
     for (auto at = shown.lower_bound(message.utime - near_us); at != end; ++at) {
       Message& known = at->second.*member;

@@ -12,8 +12,8 @@ namespace lab::report::html {
 namespace {
 
 std::string codecText(const FilmFacts& film) {
-  return film.lossless() ? film.codec + ", lossless"
-                         : fmt::format("{}, crf {}", film.codec, film.crf);
+  const std::string codec = escapeHtml(film.codec);
+  return film.lossless() ? codec + ", lossless" : fmt::format("{}, crf {}", codec, film.crf);
 }
 
 /// [s] that the films of the other cameras go on for after it

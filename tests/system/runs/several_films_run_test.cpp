@@ -3,10 +3,18 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <lab/tracked_frame_t.hpp>
+#include <limits>
+#include <optional>
 #include <string>
+#include <vector>
 
+#include "common/bus/bus.hpp"
+#include "common/bus/channels.hpp"
+#include "common/bus/log_file.hpp"
 #include "tests/support/lab_process.hpp"
 
 namespace lab::system_test {
@@ -123,6 +131,54 @@ TEST_F(SeveralFilmsRun, AreShownSideBySideAndExported) {
   EXPECT_THAT(
       readFile(folder_.path() / (run.filename().string() + ".mcap")),
       AllOf(HasSubstr("/lab/camera/east/compressed"), HasSubstr("/lab/camera/west/compressed")));
+}
+
+/// Frames whose times no tracker can have measured, from another program on the bus.
+void addForgedFrames(const fs::path& log) {
+  const fs::path whole = fs::path(log) += ".whole";
+  fs::rename(log, whole);
+  LogReader reader({whole});
+  LogWriter writer(log);
+  bool forged = false;
+  while (const std::optional<Packet> packet = reader.next()) {
+    writer.write(*packet);
+    tracked_frame_t frame{};
+    if (forged || packet->channel != channels::kTrackedFrame || !decode(packet->data, frame)) {
+      continue;
+    }
+    forged = true;
+    constexpr std::int64_t kYear_us = 365 * std::int64_t{86'400'000'000};
+    for (const std::int64_t utime :
+         {std::numeric_limits<std::int64_t>::max(), std::numeric_limits<std::int64_t>::min(),
+          frame.utime + kYear_us}) {
+      frame.utime = utime;
+      const std::vector<std::uint8_t> message = encode(frame);
+      writer.write({packet->channel, message, packet->received_utime});
+    }
+  }
+  writer.flush();
+  fs::remove(whole);
+}
+
+TEST_F(SeveralFilmsRun, AreShownAndTrackedWhateverAStrangerPutsIntoTheRun) {
+  const fs::path run = labRun();
+  addForgedFrames(run / "log.lcmlog");
+  nlohmann::json film = readJson(run / "film/east/film.json");
+  film["codec"] = "<script>alert(1)</script>";
+  std::ofstream(run / "film/east/film.json") << film.dump();
+
+  static_cast<void>(labOutput("analyze --no-bootstrap " + run.string()));
+
+  EXPECT_GT(fs::file_size(run / "film.mp4"), 10'000U);
+  EXPECT_THAT(readFile(run / "report.html"),
+              AllOf(HasSubstr("(&lt;script&gt;alert(1)"), Not(HasSubstr("<script>alert(1)"))));
+  static_cast<void>(labOutput("analyze --retrack --no-bootstrap --no-figures " + run.string()));
+  EXPECT_TRUE(readFile(run / "retracked/log.lcmlog") == readFile(run / "log.lcmlog"));
+
+  film["fps"] = 1e-300;
+  std::ofstream(run / "film/east/film.json") << film.dump();
+  EXPECT_THAT(labOutput("track " + run.string(), 2),
+              HasSubstr("fps: found 1e-300, expected 0 (not known) or at least 0.001"));
 }
 
 TEST_F(SeveralFilmsRun, TakeOtherCalibrationsBySetAndNoSingleOne) {
