@@ -26,6 +26,15 @@ std::string hostName() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
+/// An error may contain texts of any length from other hosts. Cuts no UTF-8 character in two.
+std::string shortenedError(const std::string& what) {
+  if (what.size() <= kLongestErrors) return what;
+  std::size_t size = kLongestErrors;
+  const auto continues = [&] { return (static_cast<unsigned char>(what[size]) & 0xC0U) == 0x80U; };
+  while (size > kLongestErrors - 3 && continues()) --size;
+  return what.substr(0, size);
+}
+
 }  // namespace
 
 Node::Node(Bus& bus, Loop& loop, NodeIdentity identity)
@@ -46,15 +55,16 @@ void Node::ready() {
 
 void Node::noteError(const std::string& what, std::string_view subject) {
   if (what.empty()) return;
+  const std::string text = shortenedError(what);
   const auto same = std::find_if(errors_.begin(), errors_.end(), [&](const WaitingError& waiting) {
-    return subject.empty() ? waiting.text == what : waiting.subject == subject;
+    return subject.empty() ? waiting.text == text : waiting.subject == subject;
   });
   if (same != errors_.end()) {
-    same->text = what;
+    same->text = text;
     return;
   }
   if (errors_.size() == kMostWaitingErrors) errors_.pop_back();
-  errors_.push_back({what, std::string(subject)});
+  errors_.push_back({text, std::string(subject)});
 }
 
 /// @return what the next heartbeat reports, empty if nothing is new
@@ -69,7 +79,7 @@ std::string Node::nextErrors() {
 }
 
 void Node::fault(const std::string& what) {
-  fault_ = what;
+  fault_ = shortenedError(what);
   if (state_ == service_status_t::FAULT || state_ == service_status_t::ENDED) return;
   state_ = service_status_t::FAULT;
   beat();

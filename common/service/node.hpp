@@ -103,7 +103,8 @@ class Node {
 
   /// Reports an error with the next heartbeat without changing the state. A heartbeat has all
   /// errors since the one before it, joined by "; ", up to a thousand bytes; the others follow with
-  /// later heartbeats. Without new errors a heartbeat repeats the text of the one before it.
+  /// later heartbeats, and a longer one is cut. Without new errors a heartbeat repeats the text of
+  /// the one before it.
   /// @param subject of an error whose text changes, such as a growing count: a text that no
   /// heartbeat has reported yet is replaced by the next one of the same subject
   void noteError(const std::string& what, std::string_view subject = {});

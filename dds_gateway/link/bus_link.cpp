@@ -3,13 +3,14 @@
 #include <spdlog/spdlog.h>
 
 #include <cmath>
-#include <deque>
+#include <cstring>
 #include <lab/link_status_t.hpp>
 #include <lab/service_status_t.hpp>
 #include <map>
 #include <optional>
 #include <utility>
 
+#include "common/bus/bus_error.hpp"
 #include "common/bus/channels.hpp"
 #include "common/math/saturated.hpp"
 #include "common/math/units.hpp"
@@ -17,6 +18,8 @@
 #include "dds_gateway/dds/configuration.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/endpoint.hpp"
+#include "dds_gateway/dds/error.hpp"
+#include "dds_gateway/link/held_packets.hpp"
 #include "dds_gateway/link/link.h"
 #include "dds_gateway/link/link_core.hpp"
 #include "dds_gateway/link/link_peers.hpp"
@@ -38,9 +41,6 @@ constexpr int kKept = 1000;
 /// Maximal duration of a write, after which it is counted and given up. A peer that has stopped
 /// reading delays the others by this at most.
 constexpr double kMostBlocking = 0.002;  // [s]
-/// Limits of the packets that are held until the clock of their peer is known.
-constexpr std::size_t kMostHeld = 2000;
-constexpr std::size_t kMostHeldBytes = 16'000'000;
 
 dds::Qos packetQos() {
   dds::Qos qos;
@@ -71,14 +71,15 @@ std::string packetTopic(const BusLinkOptions& options) {
 /// Cyclone's C structs take char* but do not write to it.
 char* text(const std::string& words) { return const_cast<char*>(words.c_str()); }
 
-struct Held {
-  std::int64_t gateway;
-  std::int32_t stream;
-  std::int64_t number;
-  std::int64_t heard;
-  std::string channel;
-  std::vector<std::uint8_t> data;
-};
+/// Whether a text of another host has at most this length [byte]. Reads no further.
+bool isWithin(const char* words, std::size_t longest) {
+  return strnlen(words, longest + 1) <= longest;
+}
+
+bool hasShortTexts(const WirePacket& packed) {
+  return isWithin(packed.host, LinkHeartbeat::kLongestName) &&
+         isWithin(packed.channel, kLongestChannelName);
+}
 
 void logState(const LinkPeer& peer) {
   switch (peer.state) {
@@ -126,7 +127,8 @@ struct BusLink::Implementation {
   void takeAll();
   void take(const WirePacket& packed);
   void take(const WireHeartbeat& heartbeat);
-  void deliver(const std::string& host, const ClockOffset& clock, const Held& packet, Bytes data);
+  void deliver(const std::string& host, const ClockOffset& clock, const HeldPacket& packet,
+               Bytes data);
   void release();
   void send(const LinkHeartbeat& heartbeat);
   void tick();
@@ -140,10 +142,10 @@ struct BusLink::Implementation {
   std::int64_t started;
   LinkCore core;
   LinkPeers peers;
-  std::map<std::string, std::int64_t> sent;      ///< packets, by host
-  std::map<std::string, PeerState> logged;       ///< last logged state, by host
-  std::map<std::string, std::deque<Held>> held;  ///< by host
-  std::size_t held_bytes = 0;
+  std::map<std::string, std::int64_t> sent;  ///< packets, by host
+  std::map<std::string, PeerState> logged;   ///< last logged state, by host
+  HeldPackets held{LinkPeers::kMostPeers};
+  std::int64_t too_long = 0;  ///< samples with texts that no gateway sends
   std::vector<std::pair<std::string, std::vector<std::uint8_t>>> early;  ///< channel, message
   bool all_peers_found = false;
   bool reported_missing = false;
@@ -180,6 +182,11 @@ BusLink::Implementation::Implementation(Node& its_node, Loop& its_loop,
       heartbeats_out(domain, lab_link_Sign_desc, topicOf(options, "signs"), heartbeatQos()),
       packets_in(domain, lab_link_Packet_desc, packetTopic(options), packetQos(), waker),
       heartbeats_in(domain, lab_link_Sign_desc, topicOf(options, "signs"), heartbeatQos(), waker) {
+  if (options.host.size() > LinkHeartbeat::kLongestName) {
+    throw dds::DdsError("found " + options.host + " as the name of this host, expected at most " +
+                        std::to_string(LinkHeartbeat::kLongestName) +
+                        " characters (--link-host, [hosts.NAME])");
+  }
   watch = descriptors.watch(waker.get(), [this] { takeAll(); });
   node.subscribeAll([this](const Packet& packet) { forwardPacket(packet); });
   loop.every(kPingPeriod, loop.now(), [this] { send(peers.ping(now())); });
@@ -271,15 +278,23 @@ void BusLink::Implementation::take(const WireHeartbeat& sample) {
       sample.host,     sample.gateway, {sample.contract, sample.fingerprints, sample.version},
       sample.to,       sample.sent,    sample.there,
       sample.answered, sample.refusal};
+  if (!heartbeat.hasShortTexts()) {
+    ++too_long;
+    return;
+  }
   LinkHeartbeat answer;
   if (peers.hear(now(), heartbeat, answer)) send(answer);
 }
 
 void BusLink::Implementation::take(const WirePacket& packed) {
+  if (!hasShortTexts(packed)) {
+    ++too_long;
+    return;
+  }
   const std::string host = packed.host;
   peers.alive(now(), host, packed.gateway);
   const LinkPeer* peer = peers.find(host, packed.gateway);
-  Held packet{packed.gateway, packed.stream, packed.number, packed.heard, packed.channel, {}};
+  HeldPacket packet{packed.gateway, packed.stream, packed.number, packed.heard, packed.channel, {}};
   const Bytes data{packed.data._buffer, packed.data._length};
   const bool joined = peer != nullptr && peer->state == PeerState::kJoined;
   if (joined || LinkCore::isStop(packet.channel, data)) {
@@ -287,21 +302,14 @@ void BusLink::Implementation::take(const WirePacket& packed) {
     return;
   }
   if (peer != nullptr && peer->state == PeerState::kRefused) return;
-  if (held.size() >= LinkPeers::kMostPeers && !held.contains(host)) return;
-  if (data.size() > kMostHeldBytes) return;
-  auto& waiting = held[host];
+  if (data.size() > HeldPackets::kMostBytes) return;
   packet.data.assign(data.begin(), data.end());
-  held_bytes += data.size();
-  waiting.push_back(std::move(packet));
-  // Drops the oldest packets. The gaps in their streams count as losses.
-  while (waiting.size() > 1 && (waiting.size() > kMostHeld || held_bytes > kMostHeldBytes)) {
-    held_bytes -= waiting.front().data.size();
-    waiting.pop_front();
-  }
+  // It may drop older ones. The gaps in their streams count as losses.
+  held.add(host, std::move(packet));
 }
 
 void BusLink::Implementation::deliver(const std::string& host, const ClockOffset& clock,
-                                      const Held& packet, Bytes data) {
+                                      const HeldPacket& packet, Bytes data) {
   // A stop is obeyed at any age, even if the clock of its host is not known.
   const double offset = std::isnan(clock.offset) ? 0 : clock.offset;
   const std::int64_t apart = saturatedDifference(now(), packet.heard);
@@ -313,21 +321,14 @@ void BusLink::Implementation::deliver(const std::string& host, const ClockOffset
 }
 
 void BusLink::Implementation::release() {
-  for (auto entry = held.begin(); entry != held.end();) {
-    const auto peer = peers.all().find(entry->first);
-    if (peer == peers.all().end() || peer->second.state == PeerState::kNew ||
-        peer->second.state == PeerState::kSilent) {
-      ++entry;
-      continue;
-    }
-    const LinkPeer& from = peer->second;
-    for (const Held& packet : entry->second) {
-      held_bytes -= packet.data.size();
+  if (held.bytes() == 0) return;
+  for (const auto& [host, from] : peers.all()) {
+    if (from.state == PeerState::kNew || from.state == PeerState::kSilent) continue;
+    for (const HeldPacket& packet : held.take(host)) {
       // Skips packets of an earlier start of that gateway, whose numbers are no longer valid.
       if (packet.gateway != from.gateway || from.state != PeerState::kJoined) continue;
       deliver(from.host, from.clock, packet, packet.data);
     }
-    entry = held.erase(entry);
   }
 }
 
@@ -381,7 +382,7 @@ void BusLink::Implementation::publishStatus() {
   link_status_t status{};
   status.host = options.host;
   status.allowed_clock_offset = options.max_offset;
-  status.foreign = core.foreign();
+  status.foreign = core.foreign() + too_long;
   status.timeouts = packets_out.timeouts();
   for (const auto& [host, peer] : peers.all()) {
     const LinkCounts counts = core.counts(host);

@@ -46,6 +46,11 @@ ProtocolVersion ProtocolVersion::own() {
   return {kContractVersion, digest(fingerprintList()), kVersion};
 }
 
+bool LinkHeartbeat::hasShortTexts() const {
+  return host.size() <= kLongestName && protocol.fingerprints.size() <= kLongestName &&
+         protocol.version.size() <= kLongestName && refusal.size() <= kLongestRefusal;
+}
+
 LinkPeers::LinkPeers(std::string host, std::int64_t gateway, ProtocolVersion protocol,
                      double max_offset)
     : host_(std::move(host)),
@@ -84,6 +89,7 @@ LinkPeer* LinkPeers::admit(std::int64_t now, const LinkHeartbeat& heartbeat) {
 
 bool LinkPeers::hear(std::int64_t now, const LinkHeartbeat& heartbeat, LinkHeartbeat& answer) {
   if (heartbeat.gateway == gateway_ && heartbeat.host == host_) return false;  // ourselves
+  if (!heartbeat.hasShortTexts()) return false;
   LinkPeer* peer = admit(now, heartbeat);
   if (peer == nullptr) return false;
   peer->heard = now;

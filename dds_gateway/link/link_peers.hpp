@@ -2,6 +2,7 @@
 /// Without DDS, bus and clock.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -34,6 +35,11 @@ struct LinkHeartbeat {
   std::int64_t there = 0;  ///< of a pong: arrival of the ping, by the clock of the answering host
   std::int64_t answered = 0;  ///< of a pong: when it left
   std::string refusal;        ///< of a pong: why messages are refused; empty: they pass
+
+  static constexpr std::size_t kLongestName = 64;  ///< [byte] of host, fingerprints and version
+  static constexpr std::size_t kLongestRefusal = 1000;  ///< [byte]
+  /// Whether all texts are within these limits. They are stored, and repeated each second.
+  [[nodiscard]] bool hasShortTexts() const;
 };
 
 enum class PeerState : std::int8_t { kNew, kJoined, kSilent, kRefused };
@@ -64,7 +70,7 @@ class LinkPeers {
   /// The ping to send to all others, a few times a second.
   [[nodiscard]] LinkHeartbeat ping(std::int64_t now) const;
 
-  /// A heartbeat of another gateway.
+  /// A heartbeat of another gateway. One with longer texts than allowed is ignored.
   /// @param answer the pong to send, if the result is true
   /// @return whether there is an answer
   [[nodiscard]] bool hear(std::int64_t now, const LinkHeartbeat& heartbeat, LinkHeartbeat& answer);

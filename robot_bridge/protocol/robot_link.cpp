@@ -74,6 +74,7 @@ void RobotLink::restart() {
   clock_.reset();
   pings_ = 0;
   pinged_utime_ = 0;
+  ping_open_ = false;
   seeded_ = false;
   params_set_ = 0;
   wheel_base_ = 0;
@@ -190,7 +191,9 @@ void RobotLink::handle(const wire::Telemetry& telemetry, const wire::Frame& fram
 void RobotLink::handle(const wire::Pong& pong, std::int64_t now) {
   const std::uint64_t token = std::uint64_t{pong.token_high} << 32U | pong.token_low;
   const auto sent = static_cast<std::int64_t>(token);
-  if (sent != pinged_utime_) return;  // the answer to another PING
+  // The answer to another PING, or a second one: each PING gives one sample of the clock.
+  if (!ping_open_ || sent != pinged_utime_) return;
+  ping_open_ = false;
   counters_.round_trip_us = now - sent;
   clock_.add(sent, now, std::uint64_t{pong.t_ms} * 1000U + pong.t_us,
              wire_us(wire::payloadSize<wire::Ping>()), wire_us(wire::payloadSize<wire::Pong>()));
@@ -484,6 +487,7 @@ void RobotLink::sendPing(std::int64_t now) {
   if (now - pinged_utime_ < period) return;
   ++pings_;
   pinged_utime_ = now;
+  ping_open_ = true;
   const auto token = static_cast<std::uint64_t>(now);
   wire::Ping ping;
   ping.token_high = static_cast<std::uint32_t>(token >> 32U);

@@ -202,6 +202,7 @@ class RobotLink {
   ClockEstimate clock_;
   std::int64_t heard_utime_ = 0;
   std::int64_t pinged_utime_ = 0;
+  bool ping_open_ = false;  ///< the last PING is not answered yet
   int pings_ = 0;
   bool seeded_ = false;
   std::size_t params_set_ = 0;

@@ -50,13 +50,12 @@ void JsonLines::flush() {
 }
 
 void JsonLines::receive(const std::function<void(const nlohmann::json&)>& take,
-                        const std::function<void(const std::string&)>& noise) {
+                        const std::function<void(const std::string&)>& noise, std::size_t most) {
   std::array<char, 65536> buffer;
-  for (;;) {
+  while (in_.size() <= kLongestLine) {
     const ssize_t got = read(input_, buffer.data(), buffer.size());
     if (got > 0) {
       in_.append(buffer.data(), static_cast<std::size_t>(got));
-      if (in_.size() > kLongestLine) break;
     } else {
       if (got < 0 && errno == EINTR) continue;
       closed_ = closed_ || got == 0 || (errno != EAGAIN && errno != EWOULDBLOCK);
@@ -64,10 +63,15 @@ void JsonLines::receive(const std::function<void(const nlohmann::json&)>& take,
     }
   }
   // Removed before the handlers run, so that an exception does not cause a line to be read twice.
-  const std::size_t last = in_.rfind('\n');
-  const std::string lines = last == std::string::npos ? "" : in_.substr(0, last + 1);
-  in_.erase(0, lines.size());
-  if (in_.size() > kLongestLine) in_.clear();
+  std::size_t size = 0;
+  for (std::size_t count = 0; count < most; ++count) {
+    const std::size_t last = in_.find('\n', size);
+    if (last == std::string::npos) break;
+    size = last + 1;
+  }
+  const std::string lines = in_.substr(0, size);
+  in_.erase(0, size);
+  if (in_.size() > kLongestLine && !hasLine()) in_.clear();
   std::size_t begin = 0;
   for (std::size_t end = 0; (end = lines.find('\n', begin)) != std::string::npos; begin = end + 1) {
     const std::string line = lines.substr(begin, end - begin);

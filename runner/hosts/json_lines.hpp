@@ -1,7 +1,9 @@
 /// Non-blocking exchange of JSON objects, one per line.
 #pragma once
 
+#include <cstddef>
 #include <functional>
+#include <limits>
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
@@ -20,8 +22,13 @@ class JsonLines {
 
   /// Calls `take` with every complete line that has arrived. Calls `noise` with lines that are not
   /// JSON objects and with those for which `take` throws a json::exception.
+  /// @param most lines of one call; the others stay for the next one
   void receive(const std::function<void(const nlohmann::json&)>& take,
-               const std::function<void(const std::string&)>& noise);
+               const std::function<void(const std::string&)>& noise,
+               std::size_t most = std::numeric_limits<std::size_t>::max());
+
+  /// Whether a complete line has stayed for the next call of receive().
+  [[nodiscard]] bool hasLine() const { return in_.find('\n') != std::string::npos; }
 
   /// Whether the other side has closed one of the descriptors.
   [[nodiscard]] bool closed() const { return closed_; }

@@ -36,6 +36,8 @@ constexpr milliseconds kSshEnds{1000};
 constexpr double kUnresponsive = 2.0;       // [s] of silence; after it no answer is awaited
 constexpr std::size_t kChunk = 256 * 1024;  // [byte] of a file per message
 constexpr std::size_t kMostRequestBytes = 8 * kChunk;
+constexpr std::size_t kMostLines = 1000;            // per attend(), which must not take long
+constexpr std::size_t kMostLogBytes = 100'000'000;  // of the output of one service
 
 }  // namespace
 
@@ -169,7 +171,8 @@ double RemoteHost::silentFor() const {
 void RemoteHost::attend() {
   if (!lines_) return;
   errors_.take();
-  lines_->receive([this](const Json& message) { handle(message); }, [](const std::string&) {});
+  lines_->receive([this](const Json& message) { handle(message); }, [](const std::string&) {},
+                  kMostLines);
   if (!lines_) return;
   const auto now = Steady::now();
   if (now - last_alive_ >= milliseconds(kHostHeartbeat_ms) && state_ != State::kRefused) {
@@ -178,7 +181,8 @@ void RemoteHost::attend() {
   }
   sendQueued();
   lines_->flush();
-  if (state_ == State::kRefused || ssh_->running()) return;
+  // The last lines may have the reason of the end.
+  if (state_ == State::kRefused || ssh_->running() || lines_->hasLine()) return;
   state_ = State::kGone;
   errors_.take();
   if (trouble_.empty()) trouble_ = sshTrouble(spec_, errors_.text(), ssh_->ending());
@@ -305,7 +309,17 @@ void RemoteHost::request(const char* what, const std::string& service) {
 
 void RemoteHost::write(const std::string& service, const std::string& text) const {
   if (logs_.empty() || service.empty() || service.find('/') != std::string::npos) return;
-  std::ofstream(logs_ / (service + ".txt"), std::ios::app) << text << '\n';
+  std::ofstream file(logs_ / (service + ".txt"), std::ios::app);
+  file.seekp(0, std::ios::end);
+  const auto size = static_cast<std::streamoff>(file.tellp());
+  if (size < 0 || static_cast<std::size_t>(size) >= kMostLogBytes) return;
+  const std::size_t left = kMostLogBytes - static_cast<std::size_t>(size);
+  if (text.size() + 1 < left) {
+    file << text << '\n';
+  } else {  // filled to the limit, so that this is said once
+    file << text.substr(0, left) << "\n[further output is left out: this file has "
+         << kMostLogBytes / 1'000'000 << " MB]\n";
+  }
 }
 
 void RemoteHost::disconnect() {

@@ -250,6 +250,17 @@ TEST_F(NodeTest, SpreadsManyErrorsOverHeartbeats) {
   EXPECT_EQ(got, expected);
 }
 
+/// They may contain texts of other hosts.
+TEST_F(NodeTest, CutsALongErrorBetweenCharacters) {
+  dut_.start();
+  std::string text = "link: x";
+  while (text.size() < 300'000) text += "\u00B0";
+  dut_.noteError(text);
+  EXPECT_EQ(nextBeat().last_error, text.substr(0, 999)) << "the next character has two bytes";
+  dut_.fault(text);
+  EXPECT_EQ(nextBeat().last_error, text.substr(0, 999));
+}
+
 TEST_F(NodeTest, AFloodOfErrorsIsBounded) {
   dut_.start();
   for (int i = 0; i < 100'000; ++i) dut_.noteError("error " + std::to_string(i));

@@ -2,6 +2,9 @@
 
 #include <gmock/gmock.h>
 
+#include <string>
+#include <vector>
+
 namespace lab::gateway::link_peers_test {
 namespace {
 
@@ -181,6 +184,27 @@ TEST(LinkPeers, OurOwnHeartbeatsAndThousandsOfNamesAreIgnored) {
     static_cast<void>(peers.hear(kStart, other.ping(kStart), answer));
   }
   EXPECT_EQ(peers.all().size(), LinkPeers::kMostPeers);
+}
+
+/// A version of 300 kB was part of LINK_STATUS, once a second.
+TEST(LinkPeers, AHeartbeatWithALongTextIsIgnored) {
+  LinkPeers peers("desk", 1, ProtocolVersion::own(), 0.005);
+  const LinkPeers bench("bench", 2, ProtocolVersion::own(), 0.005);
+  LinkHeartbeat answer;
+  const std::string name(LinkHeartbeat::kLongestName + 1, 'x');
+  std::vector<LinkHeartbeat> wrong(4, bench.ping(kStart));
+  wrong[0].host = name;
+  wrong[1].protocol.fingerprints = name;
+  wrong[2].protocol.version = name;
+  wrong[3].refusal.assign(LinkHeartbeat::kLongestRefusal + 1, 'x');
+  for (const LinkHeartbeat& heartbeat : wrong) {
+    EXPECT_FALSE(peers.hear(kStart, heartbeat, answer));
+    EXPECT_TRUE(peers.all().empty());
+  }
+  LinkHeartbeat longest = bench.ping(kStart);
+  longest.protocol.version.assign(LinkHeartbeat::kLongestName, 'x');
+  EXPECT_TRUE(peers.hear(kStart, longest, answer));
+  EXPECT_TRUE(answer.hasShortTexts()) << "also what we answer: " << answer.refusal;
 }
 
 }  // namespace

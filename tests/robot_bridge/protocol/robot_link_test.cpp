@@ -3,6 +3,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <optional>
+#include <vector>
+
 #include "common/experiment/program_messages.hpp"
 #include "common/programs/shipped_programs.hpp"
 #include "robot/wire/config.hpp"
@@ -115,6 +118,47 @@ class RobotLinkTest : public testing::Test {
   std::int64_t now = kStartTime;
   RobotLink dut{LinkSettings{}};
 };
+
+/// The answer to the last PING that was sent, if any. To be called before takeSent().
+std::optional<wire::Pong> pongFor(const std::vector<std::uint8_t>& sent) {
+  std::optional<wire::Pong> pong;
+  wire::Decoder decoder;
+  wire::Ping ping;
+  for (const std::uint8_t byte : sent) {
+    if (!decoder.push(byte) || !wire::unpack(decoder.frame(), ping)) continue;
+    pong.emplace();
+    pong->token_high = ping.token_high;
+    pong->token_low = ping.token_low;
+  }
+  return pong;
+}
+
+TEST_F(RobotLinkTest, AnAnswerBeforeTheFirstPingIsIgnored) {
+  receive(wire::Pong(), 0);
+  EXPECT_EQ(dut.counters().round_trip_us, 0);
+  EXPECT_FALSE(dut.clock().known());
+}
+
+/// A robot that repeated its PONG added a sample of its clock each time, until the bridge stood.
+TEST_F(RobotLinkTest, APingIsAnsweredOnce) {
+  plug();
+  std::optional<wire::Pong> pong = pongFor(dut.outgoing());
+  ASSERT_TRUE(pong);
+  answerAll();
+  now += 10'000;
+  receive(*pong, 0);
+  EXPECT_EQ(dut.counters().round_trip_us, 10'000);
+  now += 5'000;
+  receive(*pong, 0);
+  EXPECT_EQ(dut.counters().round_trip_us, 10'000) << "the repetition counts for nothing";
+  now += 200'000;
+  dut.tick(now);
+  pong = pongFor(dut.outgoing());
+  ASSERT_TRUE(pong);
+  now += 7'000;
+  receive(*pong, 0);
+  EXPECT_EQ(dut.counters().round_trip_us, 7'000) << "the next PING is answered as before";
+}
 
 TEST_F(RobotLinkTest, SetsSeedAndParametersAndReadsTheWheelBaseFirst) {
   plug();

@@ -83,6 +83,37 @@ TEST(JsonLines, WaitsForTheRestOfALineAndSeparatesNoise) {
   EXPECT_EQ(received.messages[0]["a"], 1);
 }
 
+TEST(JsonLines, LinesBeyondTheLimitOfACallStayForTheNext) {
+  Pipe data;
+  Pipe unused;
+  JsonLines dut(data.ends[0], unused.ends[1]);
+  std::string text;
+  for (int i = 0; i < 2500; ++i) text += "{\"n\":" + std::to_string(i) + "}\n";
+  ASSERT_EQ(write(data.ends[1], text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  std::vector<int> numbers;
+  for (const std::size_t expected : {1000U, 2000U, 2500U, 2500U}) {
+    dut.receive([&](const auto& message) { numbers.push_back(message.value("n", -1)); },
+                [](const auto&) {}, 1000);
+    ASSERT_EQ(numbers.size(), expected);
+    EXPECT_EQ(numbers.back(), static_cast<int>(expected) - 1);
+    EXPECT_EQ(dut.hasLine(), expected < 2500);
+  }
+}
+
+/// Lines that come faster than they are handled wait in the pipe, not in memory.
+TEST(JsonLines, ReadsNoMoreWhileManyLinesWait) {
+  Pipe data;
+  Pipe unused;
+  JsonLines sender(unused.ends[0], data.ends[1]);
+  JsonLines dut(data.ends[0], unused.ends[1]);
+  for (int i = 0; i < 10'000; ++i) sender.send({{"data", std::string(1000, 'x')}});
+  for (int i = 0; i < 300; ++i) {
+    dut.receive([](const auto&) {}, [](const auto&) {}, 1);
+    sender.flush();
+  }
+  EXPECT_GT(sender.waiting(), 5'000'000U);
+}
+
 TEST(JsonLines, NeverBlocksOnASlowReader) {
   Pipe data;
   Pipe unused;
