@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::int64_t kStale_us = 3'000'000;  // services publish their status once a second
 constexpr std::size_t kMostTopics = 300;       // limits the size of the message
+constexpr std::size_t kMostServices = 500;     // likewise, and the memory
 
 std::int64_t lostBy(const service_status_t& status) {
   std::int64_t lost = 0;
@@ -24,7 +25,8 @@ std::int64_t lostBy(const service_status_t& status) {
 void GatewayDiagnostics::take(const service_status_t& status, std::int64_t now) {
   // A command by hand (`lab mark`) publishes only its last counts; it is no service.
   const bool ended = status.state == service_status_t::ENDED;
-  if (ended && !services_.contains(status.sender)) return;
+  const bool refused = ended || services_.size() >= kMostServices;
+  if (refused && !services_.contains(status.sender)) return;
   services_[status.sender] = {status, now};
 }
 

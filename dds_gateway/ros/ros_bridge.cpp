@@ -83,6 +83,7 @@ void RosBridge::openTopics() {
   // Finds rules that make an invalid name now, not when the robot appears.
   std::vector<std::string> later{"pose", "odom", "light"};
   for (const auto& [name, program] : experiment_.programs) {
+    analyzed_.insert(namePart(name));
     later.push_back("analysis/" + namePart(name));
     static_cast<void>(mapping_.route(names_.topic(later.back())));
   }
@@ -208,8 +209,26 @@ void RosBridge::take(const light_status_t& status) {
   shown_ = std::move(field);
 }
 
+/// Whether a program gets topics for its ANALYSIS: those of the experiment, and others up to
+/// kMostAnalyzed. Each takes a DDS writer for each robot.
+bool RosBridge::mayAnalyze(const std::string& part) {
+  if (analyzed_.contains(part)) return true;
+  if (analyzed_.size() < kMostAnalyzed && part.size() <= kLongestTopicName) {
+    analyzed_.insert(part);
+    return true;
+  }
+  if (!std::exchange(analysis_limit_noted_, true)) {
+    node_.noteError(
+        fmt::format("ANALYSIS of more than {} programs, or of a name longer than {} "
+                    "characters: further ones are not published for ROS 2",
+                    kMostAnalyzed, kLongestTopicName));
+  }
+  return false;
+}
+
 void RosBridge::take(const analysis_t& analysis) {
   const std::string part = namePart(analysis.program.name);
+  if (!mayAnalyze(part)) return;
   RosPublishers::Handle* publisher = nullptr;
   std::string topic;
   if (analysis.robot_id == analysis_t::POOL) {

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,7 @@ class RosBridge {
  public:
   static constexpr std::int64_t kForget_us = 60'000'000;
   static constexpr std::size_t kMostRobots = 500;
+  static constexpr std::size_t kMostAnalyzed = 100;  ///< programs with topics of their ANALYSIS
 
   /// @throws ExperimentError if the topic mapping, the configuration or the certificates are
   /// invalid
@@ -65,6 +67,7 @@ class RosBridge {
   void forgetRobots();
   void sendDiagnostics();
   Robot* robot(std::int32_t id);
+  bool mayAnalyze(const std::string& part);
 
   Node& node_;
   Loop& loop_;
@@ -79,6 +82,8 @@ class RosBridge {
   std::map<std::int32_t, Robot> robots_;
   std::int64_t refused_robots_ = 0;
   std::map<std::string, RosPublishers::Handle> pool_analysis_;
+  std::set<std::string> analyzed_;  ///< programs in ANALYSIS, as parts of topic names
+  bool analysis_limit_noted_ = false;
   RosPublishers::Handle tf_, poses_, light_field_, robot_list_, diagnostics_, clock_;
   std::vector<ros::TransformStamped> transforms_;
   std::vector<ros::Pose> pose_array_;

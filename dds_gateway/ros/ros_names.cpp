@@ -3,8 +3,6 @@
 namespace lab::gateway {
 namespace {
 
-constexpr std::size_t kLongest = 200;
-
 bool isDigit(char c) { return c >= '0' && c <= '9'; }
 bool isNameCharacter(char c) {
   return isDigit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
@@ -13,7 +11,7 @@ bool isNameCharacter(char c) {
 }  // namespace
 
 bool isTopicName(std::string_view name) {
-  if (name.size() < 2 || name.size() > kLongest || name.front() != '/') return false;
+  if (name.size() < 2 || name.size() > kLongestTopicName || name.front() != '/') return false;
   char before = 0;
   for (const char c : name) {
     if (c != '/' && !isNameCharacter(c)) return false;

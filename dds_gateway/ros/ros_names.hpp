@@ -1,15 +1,18 @@
 /// Names of topics and frames in ROS 2.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
 
 namespace lab::gateway {
 
+/// Some rmw layers limit the length of the DDS name.
+inline constexpr std::size_t kLongestTopicName = 200;
+
 /// True if `name` is a valid full ROS 2 topic name: parts of [A-Za-z0-9_] after each "/", which do
-/// not begin with a digit and do not contain "__". At most 200 characters are allowed, because some
-/// rmw layers limit the length of the DDS name.
+/// not begin with a digit and do not contain "__", of at most kLongestTopicName characters.
 [[nodiscard]] bool isTopicName(std::string_view name);
 
 /// Makes one part of a name from any text. Each run of characters outside [A-Za-z0-9] becomes one

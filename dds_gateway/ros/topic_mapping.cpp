@@ -182,6 +182,12 @@ std::optional<Route> TopicMapping::route(const std::string& topic) {
 }
 
 void TopicMapping::take(const std::string& name, const Taken& wanted) {
+  if (taken_.size() >= kMostTopics && !taken_.contains(name)) {
+    throw std::runtime_error(fmt::format(
+        "more than {} topics: further ones are not published; end the programs that do not belong "
+        "to this lab, then start the gateway again",
+        kMostTopics));
+  }
   const Taken& owner = taken_.try_emplace(name, wanted).first->second;
   if (owner.by == wanted.by) return;
   throw std::runtime_error(fmt::format(

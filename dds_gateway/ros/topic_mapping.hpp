@@ -23,6 +23,9 @@ struct Route {
 /// built-in rules: the light field at 5 Hz. Two topics cannot have the same name.
 class TopicMapping {
  public:
+  /// Names in all; also names of robots that have gone count.
+  static constexpr std::size_t kMostTopics = 100'000;
+
   /// Only the built-in rules.
   TopicMapping();
 
@@ -33,7 +36,7 @@ class TopicMapping {
   /// @param topic the gateway's own name, "/lab/robot1/pose"
   /// @return nothing if the topic is denied
   /// @throws std::runtime_error if a rename gives a name that ROS 2 does not accept, or the name of
-  /// an earlier topic
+  /// an earlier topic, or for new topics beyond kMostTopics
   [[nodiscard]] std::optional<Route> route(const std::string& topic);
 
  private:

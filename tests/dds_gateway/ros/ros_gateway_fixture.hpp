@@ -249,6 +249,9 @@ class RosGatewayFixture {
   /// Publishes a closing SERVICE_STATUS as `lab mark` does.
   void endCommandByHand() { Node(bus_, loop_, {"lab_mark", 0, loop_.now()}).close(); }
 
+  /// Publishes a SERVICE_STATUS of another service.
+  void reportService(const std::string& name) { Node(bus_, loop_, {name, 0, loop_.now()}).ready(); }
+
   [[nodiscard]] const dds::Domain& domain() const { return domain_; }
   [[nodiscard]] Node& node() { return node_; }
   [[nodiscard]] std::int64_t now() const { return loop_.now(); }

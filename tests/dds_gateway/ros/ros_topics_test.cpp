@@ -116,6 +116,39 @@ TEST(RosTopics, ALateReaderGetsTheLastAnalysis) {
   EXPECT_THAT(ids, testing::UnorderedElementsAre(-1, 2)) << "one each";
 }
 
+/// Each program had a topic, and each sender of SERVICE_STATUS an entry, without end.
+TEST(RosTopics, ProgramsAndServicesWithoutEndAreBounded) {
+  RosGatewayFixture dut;
+  bool noted = false;
+  for (int i = 0; i < 600; ++i) {
+    if (i < 150) {
+      analysis_t analysis = analysisOf(-1, 0.5);
+      analysis.program.name = "flood" + std::to_string(i);
+      dut.node().publish(channels::kAnalysis, analysis);
+    }
+    dut.reportService("flood" + std::to_string(i));
+    if (i % 10 != 0) continue;
+    dut.spin(0.05);  // the socket's buffer is not what bounds them
+    noted =
+        noted || dut.lastError().find("ANALYSIS of more than 100 programs") != std::string::npos;
+  }
+  analysis_t own = analysisOf(-1, 0.5);
+  own.program.name = "straight";
+  dut.node().publish(channels::kAnalysis, own);
+  const std::string text = dut.diagnostics();
+  const auto count = [&text](const std::string& words) {
+    int found = 0;
+    for (std::size_t at = text.find(words); at != std::string::npos; at = text.find(words, at + 1))
+      ++found;
+    return found;
+  };
+  EXPECT_EQ(count("  /lab/analysis/flood"), 98) << "and the two of the experiment";
+  EXPECT_EQ(count("  /lab/analysis/straight"), 1);
+  EXPECT_GT(count("lab: flood"), 490);
+  EXPECT_LE(count("lab: flood"), 500);
+  EXPECT_TRUE(noted);
+}
+
 TEST(RosTopics, TheMappingDeniesRenamesAndThins) {
   RosGatewayFixture dut(withGatewayLine("mapping = \"mapping.toml\""), false, R"(
 fileversion = 1

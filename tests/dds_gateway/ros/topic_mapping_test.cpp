@@ -170,6 +170,15 @@ TEST(TopicMapping, PatternsOfAnyFormTakeBoundedTimeAndMemory) {
   EXPECT_TRUE(dut.route("/" + std::string(200, 'a')));
 }
 
+TEST(TopicMapping, TheNumberOfTopicsIsBounded) {
+  TopicMapping dut;
+  for (std::size_t i = 0; i < TopicMapping::kMostTopics; ++i) {
+    ASSERT_TRUE(dut.route("/lab/robot" + std::to_string(i) + "/pose"));
+  }
+  EXPECT_THROW(static_cast<void>(dut.route("/lab/one_more")), std::runtime_error);
+  EXPECT_TRUE(dut.route("/lab/robot7/pose")) << "known ones pass";
+}
+
 TEST(TopicMapping, AMissingFileIsNamed) {
   EXPECT_THROW(static_cast<void>(readTopicMappingFile("/nowhere/m.toml")), ExperimentError);
 }
