@@ -24,7 +24,7 @@ inline constexpr std::int64_t kImpossibleHash = -1;
 [[nodiscard]] program_t toMessage(const Program& program);
 
 /// The program of a definition.
-/// @throws ExperimentError if its text is none, or is not the text of its byte code
+/// @throws ExperimentError if its text is none, is too long, or is not the text of its byte code
 [[nodiscard]] Program toProgram(const program_t& message);
 
 /// The experiment's program with this byte code; null if it has none.

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "common/files/experiment_error.hpp"
+#include "common/files/file_text.hpp"
 #include "common/files/file_values.hpp"
 #include "common/files/toml_document.hpp"
 #include "common/programs/program_reader.hpp"
@@ -69,6 +70,12 @@ std::string inLine(const std::vector<language::NamedText>& texts) {
 
 ProgramFile readProgram(std::string_view text, const std::string& file, const std::string& name,
                         const dynamics::WheelLimits& limits, const LawCheck& check_law) {
+  // The check of the program's own text comes after the reading, whose time grows with the text.
+  if (text.size() > file_kinds::kProgram.most_bytes) {
+    throw ExperimentError({file + ": found a text of " + std::to_string(text.size()) +
+                           " bytes, allowed at most " +
+                           std::to_string(file_kinds::kProgram.most_bytes)});
+  }
   const keys::TomlDocument document(text, file, {});
   keys::Problems problems([&](const std::string& path) { return document.place(path); });
   ProgramFile program =

@@ -29,7 +29,7 @@ struct ProgramFile {
 using ModelLookup = std::function<std::optional<language::ProgramText>(const std::string& model)>;
 
 /// Reads and compiles a program (docs/programs.md).
-/// @param text the TOML document
+/// @param text the TOML document, at most 100 kB
 /// @param file its name, for messages
 /// @param name of the program
 /// @param check_law of the program's law; empty: it is not checked

@@ -55,13 +55,14 @@ class ProgramReader {
     }
     program.text.name = name;
     if (failed_) return program;
-    program.compiled = language::compile(program.text, context.limits, meant);
+    // Before it is compiled: the time of that grows with the square of the number of names.
     if (const std::size_t size = programToml(program.text).size(); size > kLongestProgramText) {
       problem("", "found a text of " + std::to_string(size) + " bytes, allowed at most " +
                       std::to_string(kLongestProgramText) +
                       ": shorten the description or the names");
       return program;
     }
+    program.compiled = language::compile(program.text, context.limits, meant);
     if (!unitsAreThoseOfTheModel(program.compiled)) return program;
     report(program.compiled.errors, name);
     if (program.compiled.ok() && context.check_law) {

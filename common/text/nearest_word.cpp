@@ -11,6 +11,10 @@ char lower(char letter) {
   return letter >= 'A' && letter <= 'Z' ? static_cast<char>(letter - 'A' + 'a') : letter;
 }
 
+// Words that somebody types are shorter. The time of editDistance() is the product of both lengths,
+// and names in the file of a stranger have any length.
+constexpr std::size_t kLongestWord = 64;
+
 bool equal(char a, char b) { return lower(a) == lower(b); }
 
 /// The most changes with which two words still count as similar. In words of up to three letters
@@ -42,8 +46,10 @@ std::size_t editDistance(std::string_view a, std::string_view b) {
 
 std::string nearestWord(std::string_view word, const std::vector<std::string>& words) {
   std::string nearest;
+  if (word.size() > kLongestWord) return nearest;
   std::size_t least = mostChanges(word) + 1;
   for (const std::string& candidate : words) {
+    if (candidate.size() > kLongestWord) continue;
     const std::size_t distance = editDistance(word, candidate);
     if (distance < least) {
       least = distance;

@@ -12,7 +12,8 @@ namespace lab {
 /// one word the other: the optimal string alignment distance. Upper and lower case are equal.
 [[nodiscard]] std::size_t editDistance(std::string_view a, std::string_view b);
 
-/// The element of `words` that is most similar to `word`; empty if none is similar.
+/// The element of `words` that is most similar to `word`; empty if none is similar. Words
+/// above 64 bytes are similar to none.
 [[nodiscard]] std::string nearestWord(std::string_view word, const std::vector<std::string>& words);
 
 /// "; did you mean X?" with the nearest word as `shown` prints it; empty if none is similar.

@@ -1,6 +1,7 @@
 // Programs of motion in experiment files (docs/programs.md).
 #include <gmock/gmock.h>
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -207,6 +208,20 @@ TEST(ProgramMessages, RefuseATextThatIsNotThatOfTheByteCode) {
   EXPECT_THROW(static_cast<void>(toProgram(message)), ExperimentError);
   message.text = "no TOML";
   EXPECT_THROW(static_cast<void>(toProgram(message)), ExperimentError);
+}
+
+TEST(ProgramMessages, RefuseATextThatIsTooLong) {
+  program_t message = toMessage(test::abp(0.03, 0.5, 3));
+  const std::string text = message.text;
+  const auto fill = [&](std::size_t size) {
+    message.text = text + "#" + std::string(size - text.size() - 1, 'x');
+  };
+  fill(100'000);
+  EXPECT_NO_THROW(static_cast<void>(toProgram(message)));
+  fill(100'001);
+  EXPECT_THAT([&message] { static_cast<void>(toProgram(message)); },
+              testing::ThrowsMessage<ExperimentError>(
+                  HasSubstr("found a text of 100001 bytes, allowed at most 100000")));
 }
 
 TEST(ProgramMessages, NameAProgramAsTheExperimentDoes) {

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+#include <vector>
+
 namespace lab {
 namespace {
 
@@ -19,6 +22,15 @@ TEST(NearestWord, FindsNothingWhereNothingIsSimilar) {
   EXPECT_EQ(nearestWord("x", {"bp"}), "");
   EXPECT_EQ(nearestWord("", {"bp"}), "");
   EXPECT_EQ(nearestWord("x", {}), "");
+}
+
+TEST(NearestWord, LeavesOutLongWords) {  // they would take hours
+  const std::string longest(64, 'a');
+  EXPECT_EQ(nearestWord(longest, {longest}), longest);
+  EXPECT_EQ(nearestWord(longest + "a", {longest}), "");
+  EXPECT_EQ(nearestWord(longest, {longest + "a"}), "");
+  const std::string endless(1'000'000, 'a');
+  EXPECT_EQ(didYouMean(endless, {endless, "abp"}), "");
 }
 
 TEST(NearestWord, EditDistanceCountsInsertedRemovedReplacedAndSwappedLetters) {
