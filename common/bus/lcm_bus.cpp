@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -73,10 +74,11 @@ struct LcmBus::Subscription {
 
 LcmBus::LcmBus(const std::string& url)
     : url_(url.empty() ? defaultLcmUrl() : url), lcm_(nullptr, &lcm_destroy) {
-  if (providerOf(url_) == "mpudpm") {
-    throw BusError("the LCM bus " + url_ +
-                   " cannot be opened: LCM would receive from every machine; expected "
-                   "udpm://GROUP:PORT?ttl=0");
+  // Of the others, file writes to any file, and mpudpm and tcpq receive from every machine.
+  const std::string_view provider = providerOf(url_);
+  if (provider != "udpm" && provider != "memq") {
+    throw BusError("the LCM bus " + url_ + " cannot be opened: found the provider \"" +
+                   std::string(provider) + "\", expected udpm://GROUP:PORT?ttl=0");
   }
   lcm_.reset(lcm_create(url_.c_str()));
   const std::optional<UdpmUrl> udpm = parseUdpmUrl(url_);

@@ -32,8 +32,8 @@ std::string lcmUrl(int port, int ttl = 0);
 std::string defaultLcmUrl();
 
 /// Sends with liblcm, and receives UDP multicast (udpm://) with UdpmReceiver, because liblcm takes
-/// datagrams of every sender and can be made to write out of bounds. Other URLs (memq://, file://)
-/// are received with liblcm, too.
+/// datagrams of every sender and can be made to write out of bounds. memq:// (within a
+/// process) is received with liblcm, too; all other providers are refused.
 ///
 /// The constructor detects a network without multicast, which LCM does not report. A queue holds
 /// 64 MB instead of LCM's 31 messages. Channel names are matched literally, not as regular
@@ -42,20 +42,20 @@ std::string defaultLcmUrl();
 class LcmBus final : public Bus {
  public:
   /// @param url empty: defaultLcmUrl()
-  /// @throws BusError with the command that repairs the network
+  /// @throws BusError with the command that repairs the network, or the provider that is refused
   explicit LcmBus(const std::string& url);
   ~LcmBus() override;
 
   void publish(std::string_view channel, Bytes data) override;
   void subscribe(std::string_view channel, PacketHandler handler) override;
   void subscribeAll(PacketHandler handler) override;
-  /// 0 with memq:// and file://.
+  /// 0 with memq://.
   [[nodiscard]] std::int64_t backlog() const override;
 
   /// Readable while messages are waiting.
   [[nodiscard]] int fileDescriptor() const;
 
-  /// What was received and refused, or lost; nothing with memq:// and file://.
+  /// What was received and refused, or lost; nothing with memq://.
   [[nodiscard]] RefusedDatagrams refused() const;
 
   /// Handles all waiting messages, at most 10 000 and for at most about 0.1 s in one call, so that

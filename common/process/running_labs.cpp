@@ -6,17 +6,23 @@
 #include <cerrno>
 #include <charconv>
 #include <cstdlib>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+
+#include "common/files/file_text.hpp"
+#include "common/files/own_folder.hpp"
+#include "common/text/json_text.hpp"
 
 namespace lab {
 namespace fs = std::filesystem;
 namespace {
 
+constexpr FileKind kRegistration{"the registration of a lab", 64'000};
+
 std::optional<RunningLab> read(const fs::path& file) {
-  std::ifstream stream(file);
-  const auto json = nlohmann::json::parse(stream, nullptr, false);
+  const std::optional<std::string> text = readWholeFile(file, kRegistration);
+  if (!text) return std::nullopt;
+  const nlohmann::json json = parseJsonText(*text);
   try {
     return RunningLab{json.at("name"), json.at("url"), json.at("pid"), json.at("directory"),
                       json.at("replay")};
@@ -47,8 +53,10 @@ bool processLives(int pid) { return pid > 0 && (kill(pid, 0) == 0 || errno == EP
 
 std::vector<RunningLab> runningLabs() {
   std::vector<RunningLab> labs;
+  const fs::path folder = registryDirectory();
+  if (!isOwnFolder(folder)) return labs;
   std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(registryDirectory(), error)) {
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
     if (isLeftOver(entry.path())) fs::remove(entry.path(), error);
     if (entry.path().extension() != ".json") continue;
     const auto lab = read(entry.path());
@@ -62,10 +70,11 @@ std::vector<RunningLab> runningLabs() {
 }
 
 std::string pageOf(const RunningLab& lab) {
-  std::ifstream file(registryDirectory() / (std::to_string(lab.pid) + kPageFile));
-  std::string address;
-  std::getline(file, address);
-  return address.starts_with("http://") ? address : "";
+  const fs::path folder = registryDirectory();
+  if (!isOwnFolder(folder)) return "";
+  const std::string text =
+      readWholeFile(folder / (std::to_string(lab.pid) + kPageFile), kRegistration).value_or("");
+  return text.starts_with("http://") ? text.substr(0, text.find('\n')) : "";
 }
 
 }  // namespace lab

@@ -23,13 +23,15 @@ struct RunningLab {
 /// Whether a process has this id.
 [[nodiscard]] bool processLives(int pid);
 
-/// Every registered lab whose runner lives. Removes the files of dead runners.
+/// Every registered lab whose runner lives. Removes the files of dead runners. None if the folder
+/// belongs to another user, who could name any bus.
 [[nodiscard]] std::vector<RunningLab> runningLabs();
 
 /// The ending of the file, beside the registration, with the address of a lab's page.
 inline constexpr const char* kPageFile = ".web";
 
-/// The address of the lab's page with its token; empty: it has none.
+/// The address of the lab's page with its token; empty: it has none, or the folder belongs to
+/// another user.
 [[nodiscard]] std::string pageOf(const RunningLab& lab);
 
 }  // namespace lab

@@ -16,6 +16,7 @@
 #include <sstream>
 #include <utility>
 
+#include "common/files/own_folder.hpp"
 #include "common/serial/serial_line.hpp"
 
 namespace lab {
@@ -39,7 +40,7 @@ struct flock wholeFile(short kind) {
 
 /// Whether a link has a lock file that no process has locked: its process has ended.
 bool isLeftBehind(const fs::path& link) {
-  const FileDescriptor file(::open(lockFile(link).c_str(), O_RDONLY | O_CLOEXEC));
+  const FileDescriptor file(::open(lockFile(link).c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC));
   if (file.get() < 0) return false;
   struct flock lock = wholeFile(F_RDLCK);
   return fcntl(file.get(), F_OFD_GETLK, &lock) == 0 && lock.l_type == F_UNLCK;
@@ -50,7 +51,8 @@ bool isLeftBehind(const fs::path& link) {
 }
 
 FileDescriptor takeLock(const fs::path& link) {
-  FileDescriptor file(::open(lockFile(link).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600));
+  FileDescriptor file(
+      ::open(lockFile(link).c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600));
   if (file.get() < 0) failToOffer(link, std::strerror(errno));
   struct flock lock = wholeFile(F_WRLCK);
   if (fcntl(file.get(), F_OFD_SETLK, &lock) != 0) {
@@ -223,6 +225,7 @@ SerialDevices::~SerialDevices() = default;
 
 std::vector<std::string> SerialDevices::offered() const {
   std::vector<std::string> lines;
+  if (!isOwnFolder(offers_)) return lines;  // another user could have put any line there
   std::error_code none;
   for (const auto& entry : fs::directory_iterator(offers_, none)) {
     if (entry.path().filename().string().starts_with('.')) continue;
@@ -260,6 +263,11 @@ std::unique_ptr<SerialPort> SerialDevices::offer(const std::string& name) {
   std::error_code error;
   fs::create_directories(offers_, error);
   if (error) failToOffer(offers_ / name, error.message());
+  if (!isOwnFolder(offers_)) {
+    failToOffer(offers_ / name,
+                "found a folder of another user, or a link, expected a folder of "
+                "yours; take another --ports folder");
+  }
   return std::make_unique<Offer>(loop_, monitor_, offers_ / name);
 }
 

@@ -13,7 +13,8 @@ namespace lab {
 
 /// Lines are offered as symbolic links to pseudo terminals in a folder. Next to each link is a lock
 /// file that the offering process keeps locked. A link that outlived its process is recognised by
-/// its unlocked file, because its terminal may by now belong to another program.
+/// its unlocked file, because its terminal may by now belong to another program. A folder of
+/// another user, who could lead to any device, is not used.
 class SerialDevices final : public SerialPorts {
  public:
   /// @param loop must outlive every port

@@ -9,8 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <lab/light_command_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <limits>
@@ -27,6 +25,7 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/layer_texts.hpp"
 #include "common/experiment/light_messages.hpp"
+#include "common/files/image_file.hpp"
 #include "light/field/field.hpp"
 #include "light/field/image.hpp"
 #include "python/native/module.hpp"
@@ -44,11 +43,7 @@ light::ImageStore imagesOf(const std::optional<fs::path>& folder) {
   light::ImageStore store;
   if (!folder || !fs::is_directory(*folder)) return store;
   for (const auto& entry : fs::directory_iterator(*folder)) {
-    if (!entry.is_regular_file()) continue;  // a pipe would wait for ever
-    std::ifstream file(entry.path(), std::ios::binary);
-    const std::vector<char> bytes{std::istreambuf_iterator<char>(file), {}};
-    const light::DecodedImage image =
-        light::decodeImage({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()});
+    const light::DecodedImage image = loadImage(entry.path());  // no pipe, at most 64 MB
     if (image.image) store[image.image->sha256] = image.image;
   }
   return store;

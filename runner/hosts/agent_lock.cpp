@@ -25,8 +25,7 @@ constexpr int kTermTimeout_ms = 10000;  // the other agent ends its services one
 
 }  // namespace
 
-AgentLock::AgentLock(const std::string& name)
-    : file_(registryDirectory() / ("agent-" + name + ".lock")) {
+AgentLock::AgentLock(const std::string& name) : file_(ownRegistry() / ("agent-" + name + ".lock")) {
   open();
   for (int waited = 0; !holds(); waited += kPollPeriod_ms) {
     const pid_t other = holder();
@@ -55,7 +54,8 @@ AgentLock::~AgentLock() {
 }
 
 void AgentLock::open() {
-  close(std::exchange(descriptor_, ::open(file_.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600)));
+  close(std::exchange(descriptor_,
+                      ::open(file_.c_str(), O_RDWR | O_CREAT | O_NOFOLLOW | O_CLOEXEC, 0600)));
   if (descriptor_ < 0) throw UserError("cannot write " + file_.string());
 }
 

@@ -10,6 +10,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "common/files/own_folder.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner {
@@ -57,23 +58,22 @@ class NamesLock {
   int descriptor_ = -1;
 };
 
-/// Another user may have made the folder in /tmp first, so owner and permissions are checked.
-void claim(const fs::path& folder) {
+}  // namespace
+
+fs::path ownRegistry() {
+  const fs::path folder = registryDirectory();
   std::error_code error;
   fs::create_directories(folder.parent_path(), error);
   if (mkdir(folder.c_str(), 0700) != 0 && errno != EEXIST) {
     throw UserError("cannot make " + folder.string() +
                     ": set XDG_RUNTIME_DIR to a folder of yours");
   }
-  struct stat status {};
-  if (lstat(folder.c_str(), &status) != 0 || !S_ISDIR(status.st_mode) ||
-      status.st_uid != geteuid()) {
+  if (!isOwnFolder(folder)) {
     throw UserError(folder.string() +
                     " belongs to somebody else: set XDG_RUNTIME_DIR to a folder of yours");
   }
+  return folder;
 }
-
-}  // namespace
 
 RunningLab findLab(const std::string& name) {
   const std::vector<RunningLab> labs = runningLabs();
@@ -95,8 +95,7 @@ RunningLab findLab(const std::string& name) {
 }
 
 fs::path registryFile(const std::string& ending) {
-  claim(registryDirectory());
-  return registryDirectory() / (std::to_string(getpid()) + ending);
+  return ownRegistry() / (std::to_string(getpid()) + ending);
 }
 
 RegistryFile::~RegistryFile() {
@@ -105,8 +104,7 @@ RegistryFile::~RegistryFile() {
 }
 
 PortLock::PortLock(int port) {
-  claim(registryDirectory());
-  const fs::path file = registryDirectory() / ("port-" + std::to_string(port) + ".lock");
+  const fs::path file = ownRegistry() / ("port-" + std::to_string(port) + ".lock");
   descriptor_ = open(file.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
   if (descriptor_ < 0) throw UserError("cannot write " + file.string());
   if (flock(descriptor_, LOCK_EX | LOCK_NB) == 0) return;
@@ -118,8 +116,7 @@ PortLock::PortLock(int port) {
 PortLock::~PortLock() { close(descriptor_); }
 
 Registration::Registration(const RunningLab& lab)
-    : file_(registryDirectory() / (std::to_string(lab.pid) + ".json")) {
-  claim(registryDirectory());
+    : file_(ownRegistry() / (std::to_string(lab.pid) + ".json")) {
   const NamesLock lock;
   name_ = freeName(lab.name, lab.pid);
   std::ofstream stream(file_);

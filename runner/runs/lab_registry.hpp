@@ -10,6 +10,11 @@
 
 namespace lab::runner {
 
+/// The folder of the registry, which is made if it is not there. Another user may have made it in
+/// /tmp first, so its owner is checked.
+/// @throws UserError if it cannot be made, or is not of this user
+[[nodiscard]] std::filesystem::path ownRegistry();
+
 /// The lab of that name or run folder; if `name` is empty, the only running one.
 /// @throws UserError when there is none, or several, with their names
 [[nodiscard]] RunningLab findLab(const std::string& name);

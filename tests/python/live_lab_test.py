@@ -1,4 +1,5 @@
 """A live lab in a program: found by its registration, or started with the run. In a private network."""
+import json
 import math
 import os
 import shutil
@@ -34,6 +35,19 @@ class LiveLab(unittest.TestCase):
         self.assertEqual(process.returncode, 0, output)
         (made,) = (self.folder / "runs").glob("*")
         return active_lab.open(made), output
+
+    def test_a_bus_that_is_a_file_is_refused(self):
+        thesis = self.folder / "thesis.tex"
+        thesis.write_text("kept", encoding="utf-8")
+        url = f"file://{thesis}?mode=w"
+        registry = self.folder / "active-lab"
+        registry.mkdir(mode=0o700)
+        (registry / "a.json").write_text(json.dumps({"name": "a", "url": url, "pid": os.getpid(), "directory": "",
+                                                     "replay": False}), encoding="utf-8")
+        for named in ({}, {"name": "a"}, {"url": url}):
+            with self.assertRaisesRegex(OSError, 'found the provider "file", expected udpm://'):
+                active_lab.Lab(**named)
+        self.assertEqual(thesis.read_text(encoding="utf-8"), "kept")
 
     def test_a_program_beside_the_lab_sets_light_drives_and_ends(self):
         process = self.start("light_switching", 60)

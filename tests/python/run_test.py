@@ -4,6 +4,7 @@ import lzma
 import math
 import os
 import re
+import resource
 import struct
 import unittest
 
@@ -373,6 +374,17 @@ class DamagedLogs(RunTestCase):
         os.mkfifo(folder / "pipe.lcmlog")
         with self.assertRaisesRegex(ValueError, "not an LCM log"):
             active_lab.Log(folder / "pipe.lcmlog")
+
+    def test_images_above_the_limit_are_not_read(self):
+        folder = self.folder / "large_image"
+        (folder / "images").mkdir(parents=True)
+        (folder / "log.lcmlog").write_bytes(self.log.read_bytes())
+        with open(folder / "images" / "large.png", "wb") as image:
+            image.truncate(1 << 30)
+        run = active_lab.open(folder)
+        before_kb = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        self.assertEqual(run.light.field(5).at(0.6, 0.45), 0.2)
+        self.assertLess(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before_kb, 500_000)
 
 
 def event(utime, channel, encoding):

@@ -16,8 +16,10 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -25,6 +27,7 @@
 #include "common/loop/asio_loop.hpp"
 #include "common/process/file_descriptor.hpp"
 #include "tests/common/bus/udpm_datagrams.hpp"
+#include "tests/support/temporary_folder.hpp"
 #include "tests/support/wait_until.hpp"
 
 namespace lab {
@@ -370,6 +373,16 @@ TEST(LcmBus, BoundsAndCountsWhatWaits) {
 
 TEST(LcmBus, TakesNoProviderThatReceivesFromEverybody) {
   EXPECT_THROW(LcmBus("mpudpm://239.255.76.67:7811"), BusError);
+}
+
+TEST(LcmBus, TakesNoProviderThatWritesFiles) {
+  const TemporaryFolder folder;
+  const std::string file = folder / "thesis.tex";
+  std::ofstream(file) << "kept";
+  EXPECT_THAT([&file] { const LcmBus dut("file://" + file + "?mode=w"); },
+              testing::ThrowsMessage<BusError>(
+                  HasSubstr("found the provider \"file\", expected udpm://GROUP:PORT")));
+  EXPECT_EQ(std::filesystem::file_size(file), 4U);
 }
 
 TEST(LcmBus, ReceivesInMemoryWithLcm) {

@@ -207,6 +207,32 @@ TEST_F(SerialDevicesTest, IgnoresAndReplacesLinksOfAKilledProcess) {
   EXPECT_THAT(dut.offered(), ElementsAre(EndsWith("robot_1"), EndsWith("robot_2")));
 }
 
+TEST_F(SerialDevicesTest, UsesNoFolderOfAnotherUser) {
+  constexpr uid_t kNobody = 65534;
+  const fs::path ports = folder / "ports";
+  const auto robot = dut.offer("robot_1");
+  // Only root may give a folder away. Others test the link, which may lead to any folder.
+  if (chown(ports.c_str(), kNobody, static_cast<gid_t>(-1)) != 0) {
+    fs::rename(ports, folder / "theirs");
+    fs::create_directory_symlink(folder / "theirs", ports);
+  }
+  EXPECT_THAT(dut.offered(), IsEmpty());
+  try {
+    static_cast<void>(dut.offer("robot_2"));
+    FAIL() << "offers a line in a folder of another user";
+  } catch (const SerialError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("take another --ports folder"));
+  }
+  EXPECT_FALSE(fs::is_symlink(ports / "robot_2"));
+}
+
+TEST_F(SerialDevicesTest, FollowsNoLinkAtTheNameOfALock) {
+  fs::create_directories(folder / "ports");
+  fs::create_symlink(folder / "made", folder / "ports" / ".robot_1.lock");
+  EXPECT_THROW(static_cast<void>(dut.offer("robot_1")), SerialError);
+  EXPECT_FALSE(fs::exists(folder / "made"));
+}
+
 TEST_F(SerialDevicesTest, FindsLinksOfOtherProcesses) {
   fs::create_directories(folder / "ports");
   const int master = posix_openpt(O_RDWR | O_NOCTTY);

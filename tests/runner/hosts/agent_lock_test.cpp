@@ -9,6 +9,7 @@
 #include <future>
 #include <memory>
 
+#include "runner/command_line/exit_code.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/wait_until.hpp"
 
@@ -45,6 +46,17 @@ TEST_F(AgentLockTest, EndsThePreviousAgentAndWaitsForIt) {
   EXPECT_GT(asked_to_end, 0);
   first.reset();
   EXPECT_NE(second.get(), nullptr);
+}
+
+/// A file of another user would name the process that is ended.
+TEST_F(AgentLockTest, FollowsNoLinks) {
+  fs::create_symlink(folder / "elsewhere", folder / "active-lab/agent-run-bench.lock");
+  EXPECT_THROW(another().get(), UserError);
+  EXPECT_FALSE(fs::exists(folder / "elsewhere"));
+
+  fs::rename(folder / "active-lab", folder / "moved");
+  fs::create_directory_symlink(folder / "moved", folder / "active-lab");
+  EXPECT_THROW(another().get(), UserError);
 }
 
 TEST_F(AgentLockTest, AThirdAgentWaitsForTheSecondThatHasWaitedForTheFirst) {
