@@ -266,7 +266,10 @@ class VirtualLab(unittest.TestCase):
             self.fail("".join(lines))
         process.send_signal(signal.SIGINT)
         lines.append(process.communicate(timeout=120)[0])
-        self.assertEqual("".join(lines).count("waiting "), 1, lines)
+        # On a loaded machine, Python may take so long to start that this is said, too.
+        waits = [line for line in "".join(lines).splitlines() if line.startswith("waiting ")]
+        self.assertEqual(len(waits), len(set(waits)), lines)
+        self.assertEqual(sum(text in line for line in waits), 1, lines)
 
     def test_a_long_wait_for_the_program_is_said(self):
         self.interrupted_at("the run begins when it calls active_lab.Lab()", "time.sleep(600)")
