@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "common/math/units.hpp"
+
 namespace lab::analysis {
 namespace {
 
@@ -19,6 +21,11 @@ static_assert(analysis_t::UNDECIDED == static_cast<int>(VerdictKind::kUndecided)
 static_assert(analysis_t::AGREES == static_cast<int>(VerdictKind::kAgrees));
 static_assert(analysis_t::DISAGREES == static_cast<int>(VerdictKind::kDisagrees));
 static_assert(analysis_t::POOL == kPool);
+
+/// Receivers refuse infinite errors and curves (common/bus/message_values.hpp).
+double withoutInfinity(double number) { return std::isinf(number) ? units::kNan : number; }
+
+float inCurve(double number) { return static_cast<float>(withoutInfinity(number)); }
 
 /// Indices of the lags to keep: at most `most` of `count`, evenly distributed, with the first and
 /// the last.
@@ -53,9 +60,9 @@ curve_t toMessage(const std::vector<CurvePoint>& curve, const std::string& name,
     const CurvePoint& point = *seen[i];
     message.lag.push_back(static_cast<float>(point.tau));
     message.value.push_back(static_cast<float>(point.value));
-    message.sigma.push_back(static_cast<float>(point.sigma));
-    message.exact.push_back(static_cast<float>(point.exact + point.noise));
-    message.paper.push_back(static_cast<float>(point.paper));
+    message.sigma.push_back(inCurve(point.sigma));
+    message.exact.push_back(inCurve(point.exact + point.noise));
+    message.paper.push_back(inCurve(point.paper));
     constexpr double kMost = std::numeric_limits<std::int32_t>::max();
     message.windows.push_back(static_cast<std::int32_t>(std::min(point.windows, kMost)));
     message.biased.push_back(point.selection_biased ? 1 : 0);
@@ -69,7 +76,7 @@ estimate_t toMessage(const Estimate& estimate) {
   message.name = estimate.name;
   message.unit = estimate.unit;
   message.value = estimate.value;
-  message.sigma = estimate.sigma;
+  message.sigma = withoutInfinity(estimate.sigma);
   message.low = estimate.low95;
   message.high = estimate.high95;
   message.theory = estimate.theory;

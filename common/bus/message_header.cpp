@@ -1,11 +1,11 @@
 #include "common/bus/message_header.hpp"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 namespace lab {
 namespace {
-
-constexpr std::int64_t kLongestSender = 64;
 
 /// LCM is big endian on the wire.
 std::int64_t bigEndian(Bytes data) {
@@ -21,8 +21,9 @@ std::optional<MessageHeader> peekHeader(Bytes data) {
   constexpr std::size_t kSender = 20;
   if (data.size() < kSender) return std::nullopt;
   const std::int64_t length = bigEndian(data.subspan(kSenderLength, 4));  // includes the final 0
-  if (length < 1 || length > kLongestSender) return std::nullopt;
+  if (length < 1) return std::nullopt;
   const auto size = static_cast<std::size_t>(length);
+  if (size > kLongestSender + 1) return std::nullopt;
   if (data.size() < kSender + size + 16) return std::nullopt;
   const Bytes sender = data.subspan(kSender, size);
   if (std::ranges::find(sender, 0) != sender.end() - 1) return std::nullopt;

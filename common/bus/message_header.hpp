@@ -1,6 +1,7 @@
 /// The common header of all messages.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -8,6 +9,9 @@
 #include "common/bus/bus.hpp"
 
 namespace lab {
+
+/// Of the name of a sender [bytes].
+inline constexpr std::size_t kLongestSender = 63;
 
 /// Every type that is sent on a channel begins with utime, sender, instance, seq. A receiver that
 /// does not know the type can still tell who sent it and count lost messages.

@@ -1,8 +1,12 @@
 #include "common/bus/message_values.hpp"
 
 #include <cstdint>
+#include <lab/analysis_t.hpp>
+#include <lab/collective_t.hpp>
 #include <lab/experiment_event_t.hpp>
+#include <lab/experiment_status_t.hpp>
 #include <lab/light_delivery_t.hpp>
+#include <lab/light_seen_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/link_status_t.hpp>
 #include <lab/robot_calibration_t.hpp>
@@ -124,6 +128,14 @@ void checkValues(ValueChecker& check, const tracked_details_t& details) {
   check.list("caps", details.caps);
 }
 
+void checkValues(ValueChecker& check, const light_seen_t& seen) {
+  check.whole("frame", seen.frame, -1, kMostCounted);
+  // Other light in the patch may be far brighter than the patch.
+  constexpr double kBrightest = std::numeric_limits<float>::max();
+  check.number("level", seen.level, -kBrightest, kBrightest);
+  check.whole("sync", seen.sync, -1, 1);
+}
+
 static void checkValues(ValueChecker& check, const light_layer_t& layer) {
   for (const double value : {layer.x, layer.y, layer.angle, layer.size, layer.inner, layer.softness,
                              layer.intensity, layer.intensity2, layer.phase}) {
@@ -192,6 +204,11 @@ void checkValues(ValueChecker& check, const experiment_event_t& event) {
   check.time("last_acted_utime", event.last_acted_utime);
 }
 
+// The simulator computes the begin of the script from it. The other numbers are only shown.
+void checkValues(ValueChecker& check, const experiment_status_t& status) {
+  check.number("elapsed", status.elapsed, -kLongestTime, kLongestTime);
+}
+
 static void checkValues(ValueChecker& check, const link_peer_t& peer) {
   check.time("heard_utime", peer.heard_utime);
   for (const std::int64_t count :
@@ -220,6 +237,66 @@ void checkValues(ValueChecker& check, const service_status_t& status) {
   check.time("start_utime", status.start_utime);
   check.list("sent", status.sent);
   check.list("received", status.received);
+}
+
+static void checkValues(ValueChecker& check, const curve_t& curve) {
+  for (const float lag : curve.lag) check.number("lag", lag, 0, kLongestTime);
+  check.results("value", curve.value);
+  check.results("sigma", curve.sigma, 0);
+  check.results("exact", curve.exact);
+  check.results("paper", curve.paper);
+  for (const std::int32_t windows : curve.windows) check.whole("windows", windows, 0, kMost32);
+  for (const std::int8_t biased : curve.biased) check.whole("biased", biased, 0, 1);
+}
+
+/// The analyzer's intervals are open (infinite) if there is too little data, and D and L_s are
+/// infinite, in theory and as measured, if a robot does not turn. Such a value has no error.
+static void checkValues(ValueChecker& check, const estimate_t& estimate) {
+  check.result("sigma", estimate.sigma, 0);
+  if (estimate.sigma > 0) check.result("value", estimate.value);
+}
+
+void checkValues(ValueChecker& check, const analysis_t& analysis) {
+  check.whole("robot_id", analysis.robot_id, analysis_t::POOL, kMost32);
+  check.part("program", analysis.program);
+  check.result("observed", analysis.observed, 0);
+  check.whole("segments", analysis.segments, 0, kMost32);
+  check.whole("reversals", analysis.reversals, 0, kMost32);
+  check.number("contact_share", analysis.contact_share, 0, 1);
+  check.whole("verdict", analysis.verdict, analysis_t::UNDECIDED, analysis_t::DISAGREES);
+  check.result("max_z", analysis.max_z, 0);
+  check.list("curves", analysis.curves);
+  check.list("estimates", analysis.estimates);
+}
+
+static void checkValues(ValueChecker& check, const observable_t& observable) {
+  check.result("now", observable.now);
+  check.result("mean", observable.mean);
+  check.result("sigma", observable.sigma, 0);
+  check.result("low", observable.low);
+  check.result("high", observable.high);
+}
+
+static void checkValues(ValueChecker& check, const observable_curve_t& curve) {
+  for (const float x : curve.x) check.number("x", x, -kLargest, kLargest);
+  check.results("value", curve.value);
+  check.results("low", curve.low);
+  check.results("high", curve.high);
+}
+
+static void checkValues(ValueChecker& check, const crowd_member_t& member) {
+  check.whole("cluster", member.cluster, 0, std::numeric_limits<std::int16_t>::max());
+  check.result("density", static_cast<double>(member.density), 0);
+  check.result("hexatic", static_cast<double>(member.hexatic), 0);
+}
+
+void checkValues(ValueChecker& check, const collective_t& crowd) {
+  check.part("program", crowd.program);
+  check.result("observed", crowd.observed, 0);
+  check.number("robots", crowd.robots, 0, kLargest);
+  check.list("observables", crowd.observables);
+  check.list("curves", crowd.curves);
+  check.list("members", crowd.members);
 }
 
 /// @param size the field with the length of the list, which LCM's encoder trusts

@@ -12,8 +12,12 @@
 
 namespace lab {
 
+class analysis_t;
+class collective_t;
 class experiment_event_t;
+class experiment_status_t;
 class light_delivery_t;
+class light_seen_t;
 class light_status_t;
 class link_status_t;
 class robot_calibration_t;
@@ -31,8 +35,12 @@ class tracker_status_t;
 // the code behind them cannot compute with. What a receiver allows of these is its own affair. So a
 // program that no robot can run passes here, for the robot may still report that it has stopped:
 // the analysis refuses it.
+void checkValues(ValueChecker& check, const analysis_t& analysis);
+void checkValues(ValueChecker& check, const collective_t& crowd);
 void checkValues(ValueChecker& check, const experiment_event_t& event);
+void checkValues(ValueChecker& check, const experiment_status_t& status);
 void checkValues(ValueChecker& check, const light_delivery_t& delivery);
+void checkValues(ValueChecker& check, const light_seen_t& seen);
 void checkValues(ValueChecker& check, const light_status_t& status);
 void checkValues(ValueChecker& check, const link_status_t& status);
 void checkValues(ValueChecker& check, const robot_calibration_t& calibration);
@@ -46,7 +54,7 @@ void checkValues(ValueChecker& check, const tracked_frame_t& frame);
 void checkValues(ValueChecker& check, const tracker_status_t& status);
 
 /// The other types have only their header: their receivers answer an order with the reason of its
-/// refusal (ROBOT_COMMAND, LIGHT_COMMAND, EXPERIMENT_COMMAND), or only show the numbers (ANALYSIS).
+/// refusal (ROBOT_COMMAND, LIGHT_COMMAND, EXPERIMENT_COMMAND), or use the header alone (CLOCK).
 template <class Message>
 void checkValues(ValueChecker& /*check*/, const Message& /*message*/) {}
 

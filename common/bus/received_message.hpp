@@ -4,8 +4,10 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/message_sizes.hpp"
 #include "common/bus/message_values.hpp"
 
 namespace lab {
@@ -15,6 +17,8 @@ template <class Message>
 struct ReceivedMessage {
   bool decoded = false;
   Message message{};
+  /// What was removed, or why the message must not be used: it may be decoded, but has impossible
+  /// numbers, or it is too large to be decoded.
   std::optional<ImpossibleNumbers> removed;
 };
 
@@ -25,8 +29,12 @@ template <class Message>
   thread_local std::shared_ptr<const ReceivedMessage<Message>> last;
   if (packet.number != 0 && packet.number == number) return last;
   auto received = std::make_shared<ReceivedMessage<Message>>();
-  received->decoded = decode(packet.data, received->message);
-  if (received->decoded) received->removed = removeImpossible(received->message);
+  if (auto problem = tooLarge<Message>(packet.data)) {
+    received->removed = ImpossibleNumbers{std::move(*problem)};
+  } else {
+    received->decoded = decode(packet.data, received->message);
+    if (received->decoded) received->removed = removeImpossible(received->message);
+  }
   if (packet.number != 0) {
     number = packet.number;
     last = received;

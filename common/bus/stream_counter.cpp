@@ -1,5 +1,7 @@
 #include "common/bus/stream_counter.hpp"
 
+#include <utility>
+
 #include "common/bus/channels.hpp"
 #include "common/bus/count_limits.hpp"
 #include "common/math/saturated.hpp"
@@ -58,6 +60,12 @@ void StreamCounter::count(std::string_view channel, std::string_view sender, std
   } else if (seq >= stream.first_seq) {
     track(stream, seq, seqCountsMessages(channel));
   }
+}
+
+void StreamCounter::countDecodeError(std::string_view channel, std::int64_t count) {
+  std::string name(channel);
+  const bool has_place = decode_errors_.size() < kMostChannels || decode_errors_.contains(name);
+  (has_place ? decode_errors_[std::move(name)] : further_decode_errors_) += count;
 }
 
 bool StreamCounter::makePlace() {

@@ -40,6 +40,8 @@ class StreamCounter {
   /// A lab of many hosts has a hundred streams at one receiver. With this many, a heartbeat still
   /// fits into a message of 60 KB.
   static constexpr std::size_t kMostStreams = 256;
+  /// A lab has 23 channels. A program may publish on any.
+  static constexpr std::size_t kMostChannels = 100;
 
   /// @param most streams that are counted. A new one takes the place of a stream of few messages
   /// that has been silent for long, such as a command of the shell; where there is none, its
@@ -48,14 +50,14 @@ class StreamCounter {
 
   void count(std::string_view channel, std::string_view sender, std::int64_t instance,
              std::int64_t seq, std::int64_t utime);
-  void countDecodeError(std::string_view channel, std::int64_t count = 1) {
-    decode_errors_[std::string(channel)] += count;
-  }
+  void countDecodeError(std::string_view channel, std::int64_t count = 1);
 
   [[nodiscard]] const std::map<StreamKey, StreamCount>& streams() const { return streams_; }
   [[nodiscard]] const std::map<std::string, std::int64_t>& decodeErrors() const {
     return decode_errors_;
   }
+  /// Those on channels beyond the limit.
+  [[nodiscard]] std::int64_t furtherDecodeErrors() const { return further_decode_errors_; }
   [[nodiscard]] std::int64_t lost() const;
 
   /// Messages of streams beyond the limit, which found no place.
@@ -68,6 +70,7 @@ class StreamCounter {
   std::int64_t counted_ = 0;
   std::map<StreamKey, StreamCount> streams_;
   std::map<std::string, std::int64_t> decode_errors_;
+  std::int64_t further_decode_errors_ = 0;
   std::int64_t uncounted_ = 0;
   // The stream of the last message. Messages often come in sequences of one stream, and this saves
   // building a key for each.

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +27,15 @@ class ValueChecker {
   }
   void number(const char* name, float value, double low, double high) {
     number(name, static_cast<double>(value), low, high);
+  }
+
+  /// What was computed from measurements: any finite number from `low` on, or nan: not known.
+  void result(const char* name, double value, double low = std::numeric_limits<double>::lowest()) {
+    if (!std::isnan(value)) number(name, value, low, std::numeric_limits<double>::max());
+  }
+  void results(const char* name, const std::vector<float>& values,
+               double low = std::numeric_limits<double>::lowest()) {
+    for (const float value : values) result(name, static_cast<double>(value), low);
   }
 
   void whole(const char* name, std::int64_t value, std::int64_t low, std::int64_t high) {

@@ -7,9 +7,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/message_header.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
 #include "common/text/utf8.hpp"
@@ -26,13 +28,9 @@ std::string hostName() {
   return gethostname(name.data(), name.size() - 1) == 0 ? name.data() : "";
 }
 
-/// An error may contain texts of any length from other hosts. Cuts no UTF-8 character in two.
+/// An error may contain texts of any length from other hosts.
 std::string shortenedError(const std::string& what) {
-  if (what.size() <= kLongestErrors) return what;
-  std::size_t size = kLongestErrors;
-  const auto continues = [&] { return (static_cast<unsigned char>(what[size]) & 0xC0U) == 0x80U; };
-  while (size > kLongestErrors - 3 && continues()) --size;
-  return what.substr(0, size);
+  return std::string(utf8Prefix(what, kLongestErrors));
 }
 
 }  // namespace
@@ -93,12 +91,16 @@ void Node::close() {
     beat();
 }
 
-void Node::refuse(std::string_view channel, const std::string& sender, const std::string& problem,
+std::string_view Node::countedName(std::string_view sender) {
+  return utf8Prefix(sender, kLongestSender);
+}
+
+void Node::refuse(std::string_view channel, std::string_view sender, const std::string& problem,
                   std::int64_t count) {
   streams_.countDecodeError(channel, count);
   // Once for each channel: a flood must not hide what else is reported.
   if (!refused_on_.emplace(channel).second) return;
-  std::string text = std::string(channel) + " from " + sender + " refused: " + problem;
+  std::string text = std::string(channel) + " from " + std::string(sender) + " refused: " + problem;
   repairUtf8(text);
   noteError(text);
 }

@@ -10,11 +10,13 @@
 #include <set>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
 #include "common/bus/arrival_clock.hpp"
 #include "common/bus/bus.hpp"
+#include "common/bus/message_header.hpp"
 #include "common/bus/message_values.hpp"
 #include "common/bus/received_message.hpp"
 #include "common/bus/stream_counter.hpp"
@@ -58,30 +60,37 @@ class Node {
 
   /// Calls `handler` with every message of this channel whose numbers are possible
   /// (message_values.hpp) and whose time continues that of its stream (arrival_clock.hpp). The
-  /// others, undecodable ones, and robots that were removed from a message are counted as decode
-  /// errors; the reason is in the heartbeat.
+  /// others, undecodable ones, those that are too large (message_sizes.hpp), and robots that were
+  /// removed from a message are counted as decode errors; the reason is in the heartbeat. So are
+  /// those without a possible header: heartbeats repeat the name of each sender. A stop is handled
+  /// and counted whatever its header holds.
   template <class Message>
   void subscribe(std::string_view channel, std::function<void(const Message&)> handler) {
     std::optional<ArrivalClock> clock;
     if (timesFollowClock(channel)) clock.emplace();
     bus_.subscribe(channel, [this, handler = std::move(handler),
                              clock = std::move(clock)](const Packet& packet) mutable {
-      const auto received = receive<Message>(packet);
-      if (!received->decoded) {
+      const std::optional<MessageHeader> header = peekHeader(packet.data);
+      if (!header && !std::is_same_v<Message, robot_stop_t>) {
         streams_.countDecodeError(packet.channel);
         return;
       }
+      const auto received = receive<Message>(packet);
       const Message& message = received->message;
+      const std::string_view sender = header ? header->sender : countedName(message.sender);
       if (const auto& found = received->removed) {
-        refuse(packet.channel, message.sender, found->first, found->count);
+        refuse(packet.channel, sender, found->first, found->count);
         if (!found->usable) return;
-      }
-      const std::int64_t now = loop_.now();
-      if (clock && !clock->accepts(message.sender, message.instance, message.utime, now)) {
-        refuse(packet.channel, message.sender, lateOrEarly(message.utime, now), 1);
+      } else if (!received->decoded) {
+        streams_.countDecodeError(packet.channel);
         return;
       }
-      streams_.count(packet.channel, message.sender, message.instance, message.seq, message.utime);
+      const std::int64_t now = loop_.now();
+      if (clock && !clock->accepts(sender, message.instance, message.utime, now)) {
+        refuse(packet.channel, sender, lateOrEarly(message.utime, now), 1);
+        return;
+      }
+      streams_.count(packet.channel, sender, message.instance, message.seq, message.utime);
       if (streams_.uncounted() > 0) noteStreamLimit();
       handler(message);
     });
@@ -135,8 +144,10 @@ class Node {
 
   void beat();
   [[nodiscard]] std::string nextErrors();
-  void refuse(std::string_view channel, const std::string& sender, const std::string& problem,
+  void refuse(std::string_view channel, std::string_view sender, const std::string& problem,
               std::int64_t count);
+  /// The beginning of a name that may be too long for a header.
+  static std::string_view countedName(std::string_view sender);
   void noteStreamLimit();
   static std::string lateOrEarly(std::int64_t utime, std::int64_t now);
   std::int64_t& sentOn(std::string_view channel);

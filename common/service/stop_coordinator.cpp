@@ -36,7 +36,9 @@ void StopCoordinator::begin(const robot_stop_t& request, std::string by, bool ow
 
 void StopCoordinator::take(const robot_stop_t& stop, std::int64_t now) {
   if (std::ranges::find(known_, stop.seq) != known_.end()) return;
-  begin(stop, stop.sender, false, now);
+  robot_stop_t request = stop;
+  std::ranges::sort(request.robot_ids);
+  begin(request, stop.sender, false, now);
 }
 
 void StopCoordinator::take(const robot_status_t& status, std::int64_t now) {
@@ -46,7 +48,8 @@ void StopCoordinator::take(const robot_status_t& status, std::int64_t now) {
       complies_.erase(robot.robot_id);
       continue;
     }
-    complies_[robot.robot_id] = compliesWithRequest(robot);
+    const bool has_place = complies_.size() < kMostRobots || complies_.contains(robot.robot_id);
+    if (has_place) complies_[robot.robot_id] = compliesWithRequest(robot);
   }
   if (!response_time_us_ && !inferred_ && confirmed()) response_time_us_ = now - begun_utime_;
   const auto complies = [](const auto& robot) { return robot.second; };
@@ -85,8 +88,9 @@ bool StopCoordinator::compliesWithRequest(const robot_state_t& robot) const {
 }
 
 bool StopCoordinator::isAddressed(std::int32_t robot) const {
+  // A message may name millions.
   const auto& ids = request_.robot_ids;
-  return ids.empty() || std::ranges::find(ids, robot) != ids.end();
+  return ids.empty() || std::ranges::binary_search(ids, robot);
 }
 
 std::vector<std::int32_t> StopCoordinator::unconfirmed() const {

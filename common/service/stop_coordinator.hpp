@@ -1,6 +1,7 @@
 /// Requests that robots stop or continue (ROBOT_STOP), and tracks which robots have complied.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <deque>
 #include <lab/robot_status_t.hpp>
@@ -26,6 +27,8 @@ class StopCoordinator {
   static constexpr std::int64_t kTimeout_us = 5'000'000;
   /// Every robot reports within this time, because robots report at 20 Hz or faster.
   static constexpr std::int64_t kDiscovery_us = 300'000;
+  /// Twice as many as a lab has in virtual time. Of more, only those of expect() are tracked.
+  static constexpr std::size_t kMostRobots = 20'000;
 
   /// Adds a robot that must comply, even if it has not reported yet.
   void expect(std::int32_t robot) { complies_.try_emplace(robot, false); }

@@ -202,4 +202,6 @@ std::string sanitizedFileName(std::string_view text) {
   return word.empty() ? "program" : word;
 }
 
+bool isSpreadsheetFormula(std::string_view text) { return text.find_first_of("=+-@\t\r") == 0; }
+
 }  // namespace lab

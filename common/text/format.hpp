@@ -52,4 +52,8 @@ struct DisplayUnit {
 /// "program" if nothing is left.
 [[nodiscard]] std::string sanitizedFileName(std::string_view text);
 
+/// Whether a spreadsheet takes a text in a CSV file for a formula, which may send data elsewhere.
+/// Such a text gets a ' before it.
+[[nodiscard]] bool isSpreadsheetFormula(std::string_view text);
+
 }  // namespace lab

@@ -62,4 +62,15 @@ void repairUtf8(std::string& text) {
   text = std::move(repaired);
 }
 
+std::string_view utf8Prefix(std::string_view text, std::size_t most) {
+  constexpr std::size_t kLongestCharacter = 4;
+  if (text.size() <= most) return text;
+  const auto continues = [text](std::size_t at) {
+    return (static_cast<std::uint8_t>(text[at]) & 0xC0U) == 0x80U;
+  };
+  std::size_t size = most;
+  while (size > 0 && size + kLongestCharacter > most + 1 && continues(size)) --size;
+  return text.substr(0, size);
+}
+
 }  // namespace lab

@@ -350,7 +350,7 @@ TEST_F(ProjectorServiceTest, RefusesTooManyLayersAndNonFiniteNumbersWithOneMessa
   start();
   light_command_t command{};
   command.seq = 1;
-  command.layers.assign(1'000'000, toMessage(light::Layer{}));
+  command.layers.assign(20'000, toMessage(light::Layer{}));
   send(command);
   runTo(2.1);
   EXPECT_EQ(statuses.back().last_refusal,
@@ -365,6 +365,17 @@ TEST_F(ProjectorServiceTest, RefusesTooManyLayersAndNonFiniteNumbersWithOneMessa
   send(second);
   runTo(3);
   EXPECT_THAT(statuses.back().last_refusal, HasSubstr("layers[0].stale = nan s"));
+  EXPECT_EQ(statuses.back().commander, "");
+}
+
+TEST_F(ProjectorServiceTest, DoesNotDecodeACommandOfAMillionLayers) {
+  start();
+  light_command_t command{};
+  command.seq = 1;
+  command.layers.assign(1'000'000, toMessage(light::Layer{}));
+  send(command);
+  runTo(2.1);
+  EXPECT_THAT(heartbeat.last_error, HasSubstr("LIGHT_COMMAND from lab refused: size: found "));
   EXPECT_EQ(statuses.back().commander, "");
 }
 

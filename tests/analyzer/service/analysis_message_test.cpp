@@ -5,8 +5,15 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <optional>
+#include <string>
+#include <vector>
 
+#include "analyzer/service/analysis.hpp"
 #include "common/bus/bus.hpp"
+#include "common/bus/message_values.hpp"
+#include "tests/analyzer/paper_programs.hpp"
+#include "tests/analyzer/walker.hpp"
 
 namespace lab::analysis {
 namespace {
@@ -83,6 +90,74 @@ TEST(AnalysisMessage, KeepsAllLagsOfAnOrdinaryCurve) {
 
   EXPECT_EQ(dut.curves[0].num_lags, 60);
   EXPECT_EQ(dut.estimates[0].note.size(), 80U);
+}
+
+/// The messages about one robot that was seen for some seconds.
+std::vector<analysis_t> analysesOf(const ProgramLaw& law, double duration) {
+  WalkerRecording recording;
+  recording.law = law;
+  recording.duration = duration;
+  AnalysisConfig settings;
+  settings.frame_period = 1 / recording.fps;
+  settings.max_lag = 20;
+  Analysis analysis(settings);
+  Walker walker(recording);
+  walker.on_frame = [&](const TrackPoint& point) {
+    analysis.addFrame({point.time, point.frame, {{1, point.x, point.y, point.theta, 0, 0, true}}});
+  };
+  walker.on_telemetry = [&](const RobotTelemetry& telemetry) {
+    analysis.addTelemetry(1, law, telemetry);
+  };
+  walker.run();
+  analysis.flush();
+  std::vector<analysis_t> messages;
+  for (const ProgramResult& result : analysis.results()) {
+    FeedResult of_robot;
+    of_robot.result = result;
+    messages.push_back(toMessage(of_robot, "law"));
+  }
+  return messages;
+}
+
+/// Little data, and programs whose law or estimates have no finite value.
+TEST(AnalysisMessage, HasNoNumberThatReceiversRefuse) {
+  int open_intervals = 0;
+  int infinite_values = 0;
+  int infinite_laws = 0;
+  for (const double duration : {0.3, 5.0, 60.0}) {
+    for (const ProgramLaw& law :
+         {abpLaw(3, 0.5), abpLaw(0, 0.5), abpLaw(1e-9, 0.5), abpLaw(3, 0.5, 0),
+          noisyLaw(0, 0.07, 0.2), noisyLaw(0.01, 0, 0.2), rtpLaw(0.01, 0.5), rtpLaw(2, 1.5)}) {
+      for (const analysis_t& dut : analysesOf(law, duration)) {
+        EXPECT_EQ(impossibleValue(dut), std::nullopt) << law->name() << ", " << duration << " s";
+        for (const estimate_t& one : dut.estimates) {
+          open_intervals += std::isfinite(one.value) && std::isinf(one.high) ? 1 : 0;
+          infinite_values += std::isinf(one.value) ? 1 : 0;
+          infinite_laws += std::isinf(one.theory) ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(open_intervals, 0);
+  EXPECT_GT(infinite_values, 0);
+  EXPECT_GT(infinite_laws, 0);
+}
+
+TEST(AnalysisMessage, AnInfiniteErrorIsNotKnown) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  FeedResult result = resultWith(5, 10);
+  result.result.estimates[2].sigma = kInfinity;
+  result.result.curves.msd[1].sigma = kInfinity;
+  result.result.curves.msd[2].paper = kInfinity;
+  result.result.curves.msd[3].exact = kInfinity;
+
+  const analysis_t dut = toMessage(result, "rtp");
+
+  EXPECT_TRUE(std::isnan(dut.estimates[2].sigma));
+  EXPECT_TRUE(std::isnan(dut.curves[0].sigma[1]));
+  EXPECT_TRUE(std::isnan(dut.curves[0].paper[2]));
+  EXPECT_TRUE(std::isnan(dut.curves[0].exact[3]));
+  EXPECT_EQ(impossibleValue(dut), std::nullopt);
 }
 
 }  // namespace

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "common/bus/bus.hpp"
+#include "common/bus/message_values.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "tests/support/programs.hpp"
 
@@ -112,6 +114,32 @@ TEST_F(CollectiveFeedTest, SurvivesTheRoundTripAndStaysBelowItsLimit) {
   EXPECT_LT(bytes.size(), kLargestCollective);
   EXPECT_EQ(heard.curves.size(), message.curves.size());
   EXPECT_EQ(heard.curves[0].name, "pair_distribution");
+}
+
+/// Cells without an area to speak of, a first frame, one robot that remains.
+TEST_F(CollectiveFeedTest, HasNoNumberThatReceiversRefuse) {
+  run(8, 1);
+  for (const int together : {2, 7, 40, 1}) {
+    for (int k = 0; k < 50; ++k) {
+      tracked_frame_t frame{};
+      frame.utime = kStart + 1'000'000 * (together + 1) + 20'000 * k;
+      frame.frame_period = 0.02;
+      for (int i = 0; i < together; ++i) {
+        tracked_pose_t pose{};
+        pose.robot_id = i + 1;
+        pose.x = i % 2 == 0 ? 0 : 1.2;  // on two points of the walls
+        pose.y = 0.9;
+        pose.confidence = 1;
+        frame.robots.push_back(pose);
+      }
+      dut_.take(frame);
+    }
+    const std::vector<collective_t> messages = collectiveMessages(dut_);
+    EXPECT_EQ(messages.size(), 3U);
+    for (const collective_t& message : messages) {
+      EXPECT_EQ(impossibleValue(message), std::nullopt) << together;
+    }
+  }
 }
 
 TEST_F(CollectiveFeedTest, LeavesOutUnsurePosesAndForgetsSilentRobots) {

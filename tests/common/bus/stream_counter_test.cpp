@@ -120,5 +120,16 @@ TEST(StreamCounter, CountsDecodeErrorsPerChannel) {
   EXPECT_TRUE(dut.streams().empty());
 }
 
+TEST(StreamCounter, CountsDecodeErrorsOfFurtherChannelsTogether) {
+  StreamCounter dut;
+  for (int channel = 0; channel < 1000; ++channel) {
+    dut.countDecodeError("CHANNEL_" + std::to_string(channel), 2);
+  }
+  dut.countDecodeError("CHANNEL_0");
+  EXPECT_EQ(dut.decodeErrors().size(), StreamCounter::kMostChannels);
+  EXPECT_EQ(dut.decodeErrors().at("CHANNEL_0"), 3);
+  EXPECT_EQ(dut.furtherDecodeErrors(), 2 * 900);
+}
+
 }  // namespace
 }  // namespace lab

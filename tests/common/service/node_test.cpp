@@ -6,6 +6,7 @@
 #include <unistd.h>
 
 #include <cstdint>
+#include <lab/experiment_command_t.hpp>
 #include <lab/robot_command_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/robot_stop_t.hpp>
@@ -13,6 +14,8 @@
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/memory_bus.hpp"
@@ -134,6 +137,62 @@ TEST_F(NodeTest, CountsAStopWhateverItsHeaderIs) {
   EXPECT_EQ(heard, 4);
   EXPECT_EQ(dut_.streams().streams().begin()->second.received, 4);
   EXPECT_EQ(dut_.streams().lost(), 0);
+}
+
+/// Each heartbeat has the names of all senders.
+TEST_F(NodeTest, TakesNoMessageWhoseSenderHasALongName) {
+  int heard = 0;
+  dut_.subscribe<robot_status_t>(channels::kRobotStatus, [&](const auto&) { ++heard; });
+  dut_.start();
+  const std::string longest(63, 'x');
+  sendStatus(1, longest);
+  sendStatus(1, longest + "x");
+  sendStatus(1, std::string(1'000'000, 'x'));
+
+  const service_status_t& beat = nextBeat();
+
+  EXPECT_EQ(heard, 1);
+  ASSERT_EQ(beat.received.size(), 2U);
+  EXPECT_EQ(beat.received[0].sender, longest);
+  EXPECT_EQ(beat.received[1].decode_errors, 2);
+  EXPECT_LT(encode(beat).size(), 1000U);
+}
+
+TEST_F(NodeTest, CountsAStopUnderTheBeginningOfALongName) {
+  int heard = 0;
+  dut_.subscribe<robot_stop_t>(channels::kRobotStop, [&](const robot_stop_t&) { ++heard; });
+  dut_.start();
+  const std::string begin(62, 'x');
+  robot_stop_t stop{};
+  stop.sender = begin + "\u00B0" + std::string(1'000'000, 'y');
+  bus_.publish(channels::kRobotStop, encode(stop));
+
+  const service_status_t& beat = nextBeat();
+
+  EXPECT_EQ(heard, 1);
+  ASSERT_EQ(beat.received.size(), 1U);
+  EXPECT_EQ(beat.received[0].sender, begin) << "the next character has two bytes";
+  EXPECT_EQ(beat.received[0].received, 1);
+  EXPECT_LT(encode(beat).size(), 1000U);
+}
+
+TEST_F(NodeTest, DecodesNoMessageThatIsTooLarge) {
+  int heard = 0;
+  dut_.subscribe<experiment_command_t>(channels::kExperimentCommand, [&](const auto&) { ++heard; });
+  dut_.start();
+  experiment_command_t command{};
+  command.sender = "forger";
+  command.text.assign(300'000, 'x');
+  const std::vector<std::uint8_t> data = encode(command);
+  bus_.publish(channels::kExperimentCommand, data);
+
+  const service_status_t& beat = nextBeat();
+
+  EXPECT_EQ(heard, 0);
+  EXPECT_EQ(beat.last_error, "EXPERIMENT_COMMAND from forger refused: size: found " +
+                                 std::to_string(data.size()) + " bytes, expected at most 256000");
+  ASSERT_EQ(beat.received.size(), 1U);
+  EXPECT_EQ(beat.received[0].decode_errors, 1);
 }
 
 TEST_F(NodeTest, NumbersEveryChannelFromOne) {

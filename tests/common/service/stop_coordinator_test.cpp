@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
 namespace lab {
 namespace {
 
@@ -209,6 +213,38 @@ TEST(StopCoordinator, ANewRunKeepsOnlyItsOwnStop) {
   dut.take(other, kNow + 1300 * kMs);
   dut.newRun();
   EXPECT_EQ(dut.state(), StopCoordinator::State::kFree);
+}
+
+TEST(StopCoordinator, TracksABoundedNumberOfRobotsAndThoseThatItExpects) {
+  StopCoordinator dut;
+  dut.stop("me", "", 77, kNow);
+  std::vector<std::int32_t> ids(2 * StopCoordinator::kMostRobots);
+  std::iota(ids.begin(), ids.end(), 1);
+  dut.take(status(ids, 77, true), kNow);
+  EXPECT_EQ(dut.total(), StopCoordinator::kMostRobots);
+  dut.expect(-5);
+  EXPECT_EQ(dut.unconfirmed(), std::vector<std::int32_t>{-5});
+  dut.take(status({-5}, 77, true), kNow);
+  EXPECT_TRUE(dut.confirmed());
+}
+
+TEST(StopCoordinator, FindsRobotsInAStopOfAMillionInAnyOrder) {
+  StopCoordinator dut;
+  dut.take(status({1, 2, 3}, 0, false), kNow);
+  robot_stop_t stop{};
+  stop.seq = 77;
+  stop.robot_ids = {3, 900, 1};
+  dut.take(stop, kNow);
+  EXPECT_EQ(dut.unconfirmed(), (std::vector<std::int32_t>{1, 3}));
+  // A walk along the list for each robot would take 2e11 comparisons.
+  std::vector<std::int32_t> ids(10'000);
+  std::iota(ids.begin(), ids.end(), 1);
+  dut.take(status(ids, 0, false), kNow);
+  stop.seq = 78;
+  stop.robot_ids.resize(1'000'000);
+  std::iota(stop.robot_ids.rbegin(), stop.robot_ids.rend(), 5'001);
+  dut.take(stop, kNow);
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(dut.total(), 5'000U);
 }
 
 }  // namespace

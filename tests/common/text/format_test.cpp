@@ -74,6 +74,14 @@ TEST(Format, MakesFileNames) {
   EXPECT_EQ(sanitizedFileName("///"), "program");
 }
 
+TEST(Format, KnowsWhatASpreadsheetComputes) {
+  for (const char* text : {"=1", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1"}) {
+    EXPECT_TRUE(isSpreadsheetFormula(text)) << text;
+  }
+  for (const char* text : {"", "abp", "a=1", " =1", "'=1"})
+    EXPECT_FALSE(isSpreadsheetFormula(text)) << text;
+}
+
 TEST(Format, GroupsLargeCounts) {
   EXPECT_EQ(groupedText(999), "999");
   EXPECT_EQ(groupedText(1234567), "1\u202f234\u202f567");

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <string>
+
 namespace lab {
 namespace {
 
@@ -29,6 +31,16 @@ TEST(Utf8, ReplacesInvalidBytes) {
   EXPECT_EQ(repaired("caf\xE9 au lait"), "caf\uFFFD au lait") << "Latin-1";
   EXPECT_EQ(repaired("\xE2\x82"), "\uFFFD") << "a truncated character";
   EXPECT_EQ(repaired("\xF0\x9F\x98z"), "\uFFFDz");
+}
+
+TEST(Utf8, EndsThePrefixBetweenTwoCharacters) {
+  EXPECT_EQ(utf8Prefix("abc", 3), "abc");
+  EXPECT_EQ(utf8Prefix("abcd", 3), "abc");
+  EXPECT_EQ(utf8Prefix("a\xC2\xB2", 2), "a");
+  EXPECT_EQ(utf8Prefix("a\xC2\xB2z", 3), "a\xC2\xB2");
+  EXPECT_EQ(utf8Prefix("\xF0\x9F\x98\x80", 3), "");
+  EXPECT_EQ(utf8Prefix("x", 0), "");
+  EXPECT_EQ(utf8Prefix(std::string(10, '\x80'), 8).size(), 5U) << "no character has so many bytes";
 }
 
 TEST(Utf8, GivesTheResultOfTheStandardsExample) {
