@@ -39,6 +39,8 @@ fs::path experimentFolder(const ServiceContext& context) {
   return context.experiment.name.empty() ? fs::path() : fs::absolute(context.directory / "");
 }
 
+}  // namespace
+
 WebOptions webOptions(const ServiceContext& context, const DashboardOptions& options) {
   const Experiment& experiment = context.experiment;
   WebOptions web;
@@ -59,8 +61,6 @@ WebOptions webOptions(const ServiceContext& context, const DashboardOptions& opt
   }
   return web;
 }
-
-}  // namespace
 
 DashboardBus::DashboardBus(const ServiceContext& context, Hub& hub, const fs::path& runs,
                            Server server)

@@ -30,6 +30,10 @@ struct DashboardOptions {
   bool this_machine_only = false;
 };
 
+/// What the web server does, by the experiment file and the command line, with a new token or that
+/// of the address file.
+[[nodiscard]] WebOptions webOptions(const ServiceContext& context, const DashboardOptions& options);
+
 /// The part between bus and hub. It has no web server, so that it also runs in virtual time.
 class DashboardBus {
  public:

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <mutex>
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
@@ -78,10 +79,16 @@ std::string labsJson(bool control) {
 }  // namespace
 
 LibraryRoutes::LibraryRoutes(RunLauncher::Folders folders)
+    : LibraryRoutes(std::move(folders), [](const fs::path& summary) {
+        return readWholeFile(summary, kSummaries).value_or("");
+      }) {}
+
+LibraryRoutes::LibraryRoutes(RunLauncher::Folders folders, ReadSummary read_summary)
     : runs_(folders.runs),
       // lab sweep makes the folder `campaigns` beside `runs`.
       campaigns_(fs::absolute(folders.runs).lexically_normal().parent_path() / "campaigns"),
-      launcher_(std::move(folders)) {}
+      launcher_(std::move(folders)),
+      read_summary_(std::move(read_summary)) {}
 
 Decision LibraryRoutes::get(const HttpRequest& request, bool control, HttpResponse& response) {
   constexpr std::string_view kRuns = "/api/runs/";
@@ -113,6 +120,11 @@ void LibraryRoutes::post(const HttpRequest& request, HttpResponse& response) {
 }
 
 Decision LibraryRoutes::compare(const HttpRequest& request, HttpResponse& response) {
+  const std::lock_guard lock(comparing_);
+  if (closing_) {
+    respondError(response, 503, "the server ends");
+    return {};
+  }
   Json all = Json::array();
   std::istringstream names(request.query("runs"));
   std::size_t count = 0;
@@ -136,7 +148,7 @@ Decision LibraryRoutes::compare(const HttpRequest& request, HttpResponse& respon
                                name, bytes, kSummaries.most_bytes));
       return {};
     }
-    const std::string text = readWholeFile(*summary, kSummaries).value_or("");
+    const std::string text = read_summary_(*summary);
     try {
       for (auto& program : curvesOf(name, text)) all.push_back(std::move(program));
     } catch (const std::runtime_error& error) {

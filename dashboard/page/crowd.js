@@ -19,7 +19,7 @@ const density = window.d3.scale.linear()
                     .clamp(true);
 const heading = (angle) => window.d3.hsl((angle * 180) / Math.PI, 0.6, 0.55).toString();
 
-const WORDS = {
+const WORDS = new Map(Object.entries({
   polar_order: "polar order",
   nematic_order: "nematic order",
   hexatic_order: "hexatic order",
@@ -38,10 +38,10 @@ const WORDS = {
   wall_time: "mean stay at a wall",
   bimodality: "bimodality of the local density",
   number_fluctuation_exponent: "exponent of number fluctuations",
-};
+}));
 
 const COLUMNS = [
-  {head: "number", text: (row) => WORDS[row.name] ?? row.name.replaceAll("_", " ")},
+  {head: "number", text: (row) => WORDS.get(row.name) ?? row.name.replaceAll("_", " ")},
   {head: "now", right: true, text: (row) => number(row.now)},
   {head: "average", right: true, text: (row) => withError(row.mean, row.sigma)},
   {head: "unit", text: (row) => unit(row.unit)},

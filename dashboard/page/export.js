@@ -37,11 +37,15 @@ export function standaloneSvg(svg) {
   return `<?xml version="1.0" encoding="UTF-8"?>\n${new XMLSerializer().serializeToString(copy)}\n`;
 }
 
-/** @param table {columns: [name with unit], rows: [[value]]}; unknown values become empty cells */
+/**
+ * @param table {columns: [name with unit], rows: [[value]]}; unknown values become empty cells. Names
+ *     come from the lab: a text that a spreadsheet would take for a formula gets a ' before it.
+ */
 export function csvText(table) {
   const cell = (value) => {
     if (value === null || value === undefined || Number.isNaN(value)) return "";
-    const text = String(value);
+    const formula = typeof value === "string" && /^[=+\-@\t\r]/.test(value);
+    const text = formula ? `'${value}` : String(value);
     return /[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
   };
   return [table.columns, ...table.rows].map((row) => row.map(cell).join(",")).join("\n") + "\n";

@@ -151,9 +151,10 @@ function picture(cell, run) {
 
 function verdicts(cell, run) {
   // summary.json has "disagrees" for what pages and reports call "deviates".
-  const words = {agrees: ["good", "agrees"], disagrees: ["bad", "deviates"]};
+  // A map: the verdict is any text of a file, such as "constructor", which every object has.
+  const words = new Map([["agrees", ["good", "agrees"]], ["disagrees", ["bad", "deviates"]]]);
   const word = ({verdict, restricted}) => {
-    const [kind, text] = words[verdict] ?? ["quiet", verdict ?? DASH];
+    const [kind, text] = words.get(verdict) ?? ["quiet", verdict ?? DASH];
     const reserve = restricted && verdict === "agrees";
     return el("span", {
       class: reserve ? "warn" : kind,

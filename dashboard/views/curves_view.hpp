@@ -32,7 +32,7 @@ struct LengthCurve {
 class CurvesView {
  public:
   static constexpr std::size_t kMaxPools = 64;
-  static constexpr std::size_t kMaxOfRobots = 2000;  ///< about 8 KB each
+  static constexpr std::size_t kMaxOfRobots = 2000;  ///< about 8 KB each, 50 KB at most
 
   void take(const analysis_t& analysis);
   void clear();

@@ -5,10 +5,12 @@
 #include <utility>
 
 #include "common/bus/channels.hpp"
+#include "common/bus/message_sizes.hpp"
 #include "common/bus/message_values.hpp"
 #include "common/experiment/experiment_messages.hpp"
 #include "common/math/units.hpp"
 #include "dashboard/health/advice.hpp"
+#include "dashboard/views/bounded_messages.hpp"
 
 namespace lab::dashboard {
 namespace {
@@ -52,9 +54,12 @@ void LabView::on(std::string_view channel,
                  std::function<void(const Message&, std::int64_t)> handler) {
   takes_[std::string(channel)] = [handler = std::move(handler)](Bytes data, std::int64_t now) {
     Message message{};
-    if (!decode(data, message)) return std::int64_t{1};
+    if (tooLarge<Message>(data) || !decode(data, message)) return std::int64_t{1};
     const auto found = removeImpossible(message);
-    if (!found || found->usable) handler(message, now);
+    if (!found || found->usable) {
+      bound(message);
+      handler(message, now);
+    }
     return found ? found->count : 0;
   };
 }

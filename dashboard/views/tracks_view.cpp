@@ -40,16 +40,26 @@ void TracksView::take(const tracked_frame_t& frame) {
 std::string TracksView::trailsJson() const {
   struct Trail {
     std::string text;
-    std::int64_t next = 0;  ///< step that follows the last one written
+    std::int64_t next = -1;  ///< step that follows the last one written, -1: none yet
   };
+  // A trail lasts until the newest step. With ever new ids, all trails would be far larger than the
+  // steps. The robots of the newest steps come first.
   std::map<std::int32_t, Trail> trails;
+  for (auto step = steps_.rbegin(); step != steps_.rend() && trails.size() < kMaxRobots; ++step) {
+    for (const Place& place : step->places) {
+      if (trails.size() < kMaxRobots) trails.try_emplace(place.robot);
+    }
+  }
   const std::int64_t end = steps_.empty() ? 0 : steps_.back().number + 1;
   const auto fill = [](Trail& trail, std::int64_t until) {
     for (; trail.next < until; ++trail.next) trail.text += "null,null,";
   };
   for (const Step& step : steps_) {
     for (const Place& place : step.places) {
-      Trail& trail = trails.try_emplace(place.robot, Trail{{}, step.number}).first->second;
+      const auto found = trails.find(place.robot);
+      if (found == trails.end()) continue;
+      Trail& trail = found->second;
+      if (trail.next < 0) trail.next = step.number;
       fill(trail, step.number);
       trail.next = step.number + 1;
       fmt::format_to(std::back_inserter(trail.text), "{:.1f},{:.1f},", place.x * kCm,

@@ -20,7 +20,8 @@ class TracksView {
   void clear() { steps_.clear(); }
 
   /// The response to the query `trails`: `{"step_s", "robots": {"ID": [x_cm, y_cm, ...]}}`, the
-  /// newest last, null while a robot was not detected.
+  /// newest last, null while a robot was not detected. It has at most kMaxRobots robots: those of
+  /// the newest steps.
   [[nodiscard]] std::string trailsJson() const;
 
   /// The response to the query `speeds`: `{"t_s": [], "speed_cm_s": []}`. Each speed is the mean

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <string>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/fingerprints.hpp"
@@ -15,6 +17,12 @@ namespace {
 
 // Far above what the services of a lab report.
 constexpr std::size_t kMostErrors = 1000;
+// [bytes] A remark of 500 characters has up to 2000, the errors in a heartbeat up to 1000, and
+// names are added.
+constexpr std::size_t kLongestText = 3000;
+
+/// Texts of the bus may have any length, and each is sent three times.
+std::string cut(const std::string& text) { return std::string(utf8Prefix(text, kLongestText)); }
 
 experiment_event_t eventOf(std::int8_t kind, const std::string& text) {
   experiment_event_t event{};
@@ -42,22 +50,24 @@ void ExperimentRecord::write(experiment_event_t event) {
   for (int copy = 0; copy < kCopies; ++copy) node_.publish(channels::kExperimentEvent, event);
 }
 
-void ExperimentRecord::fault(const std::string& what) {
+void ExperimentRecord::fault(const std::string& text) {
+  const std::string what = cut(text);
   faults_.push_back(what);
   node_.noteError(what);
   write(eventOf(experiment_event_t::FAULT, what));
 }
 
 void ExperimentRecord::mark(const std::string& what) {
-  write(eventOf(experiment_event_t::MARK, what));
+  write(eventOf(experiment_event_t::MARK, cut(what)));
 }
 
 void ExperimentRecord::markRequest(const std::string& what, const std::string& way_out) {
   markAndAnnounce("request", what, way_out);
 }
 
-void ExperimentRecord::markAndAnnounce(const std::string& label, const std::string& what,
+void ExperimentRecord::markAndAnnounce(const std::string& label, const std::string& text,
                                        const std::string& way_out) {
+  const std::string what = cut(text);
   mark(what);
   if (!announce_) return;
   std::string line = what + (way_out.empty() ? "" : " (" + way_out + ")");
@@ -72,7 +82,8 @@ void ExperimentRecord::limitReached(const std::string& what) {
   if (limits_reached_.insert(what).second) fault(what);
 }
 
-void ExperimentRecord::serviceError(const std::string& what, bool costs_data) {
+void ExperimentRecord::serviceError(const std::string& text, bool costs_data) {
+  const std::string what = cut(text);
   if (service_errors_.contains(what)) return;
   if (service_errors_.size() >= kMostErrors) {
     limitReached(
@@ -85,6 +96,8 @@ void ExperimentRecord::serviceError(const std::string& what, bool costs_data) {
   costs_data ? fault(what) : markAndAnnounce("warning", what, {});
 }
 
-void ExperimentRecord::end(const std::string& why) { write(eventOf(experiment_event_t::END, why)); }
+void ExperimentRecord::end(const std::string& why) {
+  write(eventOf(experiment_event_t::END, cut(why)));
+}
 
 }  // namespace lab::runner

@@ -15,7 +15,7 @@
 namespace lab::runner {
 
 /// Sends START, faults, remarks and END. Its memory and what it sends stay bounded, whatever others
-/// publish on the bus.
+/// publish on the bus: of faults, remarks and END it takes the first 3000 bytes.
 class ExperimentRecord {
  public:
   /// Each event is sent so often, because LCM may drop messages.
@@ -41,7 +41,7 @@ class ExperimentRecord {
   void write(experiment_event_t event);
 
   /// Writes a fault, and keeps it for faults().
-  void fault(const std::string& what);
+  void fault(const std::string& text);
 
   void mark(const std::string& what);
 
@@ -53,14 +53,14 @@ class ExperimentRecord {
 
   /// Writes an error that a service reports, once.
   /// @param costs_data whether it is a fault; otherwise it is a warning, which is announced
-  void serviceError(const std::string& what, bool costs_data);
+  void serviceError(const std::string& text, bool costs_data);
 
   void end(const std::string& why);
 
   [[nodiscard]] const std::vector<std::string>& faults() const { return faults_; }
 
  private:
-  void markAndAnnounce(const std::string& label, const std::string& what,
+  void markAndAnnounce(const std::string& label, const std::string& text,
                        const std::string& way_out);
 
   Node& node_;

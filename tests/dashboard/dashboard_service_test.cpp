@@ -94,6 +94,28 @@ TEST(DashboardBus, AStopReachesEveryRobotWithin200msAndItsTopicShowsTheConfirmat
   EXPECT_EQ(bench.robots[0].flags, 0);
 }
 
+// A replay starts the page in this way: the run may be a stranger's.
+TEST(DashboardOptions, ForThisMachineOnlyLeaveOpeningThePageToNoFile) {
+  Bench bench;
+  Experiment experiment;
+  experiment.dashboard.address = "0.0.0.0";
+  experiment.dashboard.control_from_elsewhere = true;
+  experiment.camera.debug_port = 8081;
+  const ServiceContext context{bench.node, bench.loop, experiment, ""};
+  DashboardOptions options;
+  const WebOptions open = webOptions(context, options);
+  EXPECT_EQ(open.address, "0.0.0.0");
+  EXPECT_TRUE(open.control_from_elsewhere);
+  EXPECT_EQ(open.camera_port, 8081);
+
+  options.this_machine_only = true;
+  const WebOptions dut = webOptions(context, options);
+
+  EXPECT_EQ(dut.address, "127.0.0.1");
+  EXPECT_FALSE(dut.control_from_elsewhere);
+  EXPECT_EQ(dut.camera_port, 0);
+}
+
 TEST(DashboardBus, RepeatsAStopThatARobotDoesNotConfirm) {
   Bench bench;
   bench.deaf = true;

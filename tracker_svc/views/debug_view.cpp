@@ -42,6 +42,9 @@ HttpResponse response(int status, std::string_view type, std::string body) {
   HttpResponse made;
   made.status = status;
   made.setHeader("Cache-Control", "no-store");
+  // Pages of other sites show none of this, not even in a frame.
+  made.setHeader("Cross-Origin-Resource-Policy", "same-origin");
+  made.setHeader("Content-Security-Policy", "frame-ancestors 'none'");
   made.setBody(type, std::move(body));
   return made;
 }
@@ -58,6 +61,15 @@ bool isOwnHost(const HttpRequest& request) {
   std::string_view host = request.header("Host");
   host = host.substr(0, host.find(':'));  // a tunnel may have another port
   return host == "127.0.0.1" || host == "localhost";
+}
+
+/// Whether a page of another site, or of another port, makes the browser send the request. The user
+/// may follow a link from there to the page. Programs send no such header; the dashboard, which
+/// fetches pictures for its page, is one of them.
+bool isForeign(const HttpRequest& request, std::string_view path) {
+  const std::string_view site = request.header("Sec-Fetch-Site");
+  if (site.empty() || site == "none" || site == "same-origin") return false;
+  return path != "/" || request.header("Sec-Fetch-Mode") != "navigate";
 }
 
 }  // namespace
@@ -88,6 +100,10 @@ void DebugView::Server::serve(HttpExchange& exchange) {
   }
   if (!isOwnHost(request)) {
     exchange.respond(response(403, kPlainText, "use the host name localhost or 127.0.0.1\n"));
+    return;
+  }
+  if (isForeign(request, path)) {
+    exchange.respond(response(403, kPlainText, "a page of another site asks; open this address\n"));
     return;
   }
   http.identify(exchange);

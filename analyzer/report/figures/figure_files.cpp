@@ -3,11 +3,13 @@
 #include <cmath>
 #include <fstream>
 #include <iterator>
+#include <string_view>
 
 #include "analyzer/report/figures/gnuplot.hpp"
 #include "analyzer/report/figures/undated_pdf.hpp"
 #include "analyzer/report_error.hpp"
 #include "common/files/file_text.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace fs = std::filesystem;
@@ -68,14 +70,17 @@ void CsvText::cell(double value, bool first) {
 
 void CsvText::cell(std::string_view word, bool first) {
   separate(first);
-  if (word.find_first_of(",\"\n") == std::string_view::npos) {
+  const std::string_view mark = isSpreadsheetFormula(word) ? "'" : "";
+  if (word.find_first_of(",\"\r\n") == std::string_view::npos) {
+    text_.append(mark);
     text_.append(word);
     return;
   }
   text_.push_back('"');
+  text_.append(mark);
   for (const char letter : word) {
     if (letter == '"') text_.push_back('"');
-    text_.push_back(letter == '\n' ? ' ' : letter);
+    text_.push_back(letter == '\n' || letter == '\r' ? ' ' : letter);
   }
   text_.push_back('"');
 }

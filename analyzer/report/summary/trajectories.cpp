@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "common/math/units.hpp"
+#include "common/text/format.hpp"
 
 namespace lab::report {
 namespace {
@@ -66,7 +67,8 @@ std::string_view contactText(const TrackRow& row) {
 
 }  // namespace
 
-std::string csvField(const std::string& text) {
+std::string csvField(const std::string& content) {
+  const std::string text = (isSpreadsheetFormula(content) ? "'" : "") + content;
   if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
   std::string field = "\"";
   for (const char letter : text)

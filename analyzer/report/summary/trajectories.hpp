@@ -12,7 +12,8 @@ namespace lab::report {
 /// of the run and theta in rad. The columns that trackpy reads come first.
 void writeTrajectories(const RunRecord& record, std::ostream& out);
 
-/// A field of a CSV file, quoted if necessary (RFC 4180).
-[[nodiscard]] std::string csvField(const std::string& text);
+/// A text as a field of a CSV file, quoted if necessary (RFC 4180). Names come from logs: one that
+/// a spreadsheet would take for a formula gets a ' before it.
+[[nodiscard]] std::string csvField(const std::string& content);
 
 }  // namespace lab::report

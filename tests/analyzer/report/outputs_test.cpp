@@ -205,6 +205,22 @@ TEST(Trajectories, QuotesProgramNamesThatNeedIt) {
   EXPECT_THAT(trajectoriesOf(record), HasSubstr(",\"a,\"\"b\"\"\",2,contact,both,"));
 }
 
+/// Names come from logs, and `program` is a column of text: a spreadsheet would compute it.
+TEST(Trajectories, WriteNoNameThatASpreadsheetComputes) {
+  RunRecord record;
+  record.programs.push_back({{}, "=HYPERLINK(\"http://x\",1)"});
+  record.tracks.frames.push_back({0, 1, 0});
+  TrackRow& row = record.tracks.rows.push_back(rowOf(1, -0.5F, 0, 0));
+  row.program = 0;
+
+  EXPECT_THAT(trajectoriesOf(record), HasSubstr("\n1,1,-50.0000,0.0000,0.000000,0.000000,"
+                                                "\"'=HYPERLINK(\"\"http://x\"\",1)\","));
+  for (const char* name : {"=1", "+1", "-1", "@SUM(A1)", "\t=1"}) {
+    EXPECT_EQ(csvField(name), std::string("'") + name);
+  }
+  EXPECT_EQ(csvField("abp-2 = @x"), "abp-2 = @x");
+}
+
 TEST(Summary, HasTheResultsOfTheRun) {
   const auto dut = nlohmann::json::parse(summaryJson(smallRun()));
 

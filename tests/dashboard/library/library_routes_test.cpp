@@ -4,9 +4,13 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
+#include <cstddef>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <string>
+#include <thread>
 #include <vector>
 
 #include "tests/dashboard/web/web_fixture.hpp"
@@ -266,6 +270,56 @@ TEST_F(LibraryTest, ComparesNotMoreThan20Megabytes) {
   EXPECT_EQ(statusOf(answer), "409");
   EXPECT_THAT(answer, HasSubstr("two: up to this run, the files summary.json have 20000032 bytes, "
                                 "expected at most 20000000; compare fewer runs"));
+}
+
+TEST(LibraryRoutes, ComparesForOneClientAfterTheOther) {
+  constexpr std::size_t kClients = 4;
+  const TemporaryFolder folder;
+  for (const char* name : {"one", "two", "three"}) makeRun(folder / "runs" / name);
+  std::vector<std::thread::id> readers;
+  std::atomic<bool> reading = false;
+  std::atomic<bool> together = false;
+  LibraryRoutes dut({.programs = {}, .experiments = {}, .runs = folder / "runs", .own = {}},
+                    [&](const fs::path&) -> std::string {
+                      if (reading.exchange(true)) together = true;
+                      // Gives another thread the time to enter, if it could.
+                      for (int i = 0; i < 1000; ++i) std::this_thread::yield();
+                      readers.push_back(std::this_thread::get_id());
+                      reading = false;
+                      return kSummary;
+                    });
+  HttpRequest request;
+  request.method = "GET";
+  request.target = "/api/compare?runs=one,two,three";
+
+  std::vector<HttpResponse> responses(kClients);
+  std::vector<std::thread> clients;
+  for (HttpResponse& response : responses) {
+    clients.emplace_back([&] { EXPECT_TRUE(dut.get(request, false, response).yes()); });
+  }
+  for (std::thread& client : clients) client.join();
+
+  EXPECT_FALSE(together);
+  for (const HttpResponse& response : responses) EXPECT_EQ(response.status, 200);
+  ASSERT_THAT(readers, SizeIs(3 * kClients));
+  for (std::size_t i = 0; i < readers.size(); ++i) {
+    EXPECT_EQ(readers[i], readers[i / 3 * 3]) << "a comparison is read at a stretch";
+  }
+}
+
+TEST(LibraryRoutes, ComparesNothingWhenTheServerEnds) {
+  const TemporaryFolder folder;
+  makeRun(folder / "runs/one");
+  LibraryRoutes dut({.programs = {}, .experiments = {}, .runs = folder / "runs", .own = {}});
+  HttpRequest request;
+  request.method = "GET";
+  request.target = "/api/compare?runs=one";
+  HttpResponse response;
+  dut.close();
+
+  EXPECT_TRUE(dut.get(request, false, response).yes());
+
+  EXPECT_EQ(response.status, 503);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 import time
 
+import mock_topics
 from page_case import Keys, PageTest, browser, main
 
 
@@ -224,6 +225,22 @@ class PastRuns(PageTest):
                                ".forEach((box) => box.click())")
         browser.execute_script("document.getElementById('runs-compare').click()")
         self.until("labPage.charts.compare.pointsDrawn() === 48")
+
+    def test_lists_the_runs_after_one_with_a_verdict_that_is_no_verdict(self):
+        # Each object of JavaScript has these names.
+        names = ["constructor", "toString", "__proto__", "agrees"]
+        self.open(robots=2, size=(1280, 4000))
+        runs = [dict(mock_topics.RUNS[0], name=f"run-{name}",
+                     verdicts=[{"program": "abp", "verdict": name, "max_z": 1.9}])
+                for name in names]
+        self.until("document.querySelectorAll('#runs tbody tr').length === 3")
+        self.lab.world.runs = lambda: runs
+        browser.execute_script("document.getElementById('runs-refresh').click()")
+        self.until("document.querySelectorAll('#runs tbody tr').length === 4")
+        for name in names:
+            self.assertIn(f"abp: {name} (max |z| 1.9)", self.text("runs"))
+        self.assertEqual(["agrees"], self.js(
+            "[...document.querySelectorAll('#runs .good')].map((one) => one.textContent)"))
 
     def test_checks_and_starts_an_experiment(self):
         self.open(robots=2, size=(1280, 4000))

@@ -107,6 +107,23 @@ class Live(PageTest):
                                "s.dispatchEvent(new Event('change'))")
         self.says("crowd-text", "7.00 robots on average")
 
+    def test_shows_numbers_of_the_crowd_under_any_name(self):
+        self.open(robots=3, size=(1280, 3600))
+        crowd = self.lab.world.crowd
+
+        def with_names_of_objects(program=None):
+            made = crowd(program)
+            first = made["observables"][0]
+            made["observables"] += [dict(first, name=name) for name in ("constructor", "__proto__")]
+            return made
+
+        self.lab.world.crowd = with_names_of_objects
+        self.live()
+        self.until("document.querySelectorAll('#crowd-numbers tbody tr').length === 8")
+        self.assertEqual(["polar order", "constructor", "  proto  "], self.js(
+            "[0, 6, 7].map((row) => document.querySelectorAll('#crowd-numbers tbody tr')[row]"
+            ".cells[0].textContent)"))
+
     def test_the_crowd_is_hidden_without_results(self):
         self.open(robots=3, pools=0)
         self.live()

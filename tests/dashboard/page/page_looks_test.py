@@ -72,6 +72,20 @@ class Files(PageTest):
         curve = next(p for p in [self.js("labPage.stream.topics.get('pool/abp')")])["curves"][0]
         self.assertEqual(curve["lag"], [float(row[1]) for row in rows[1:25]])
 
+    def test_no_text_in_a_csv_file_is_a_formula(self):
+        # Names come from the lab, and a spreadsheet would compute them.
+        self.open(robots=2)
+        self.live()
+        text = browser.execute_async_script("""
+            const [table, done] = arguments;
+            import('/page/export.js').then(({csvText}) => done(csvText(table)));""", {
+                "columns": ["program", "=v (cm/s)"],
+                "rows": [['=HYPERLINK("http://x",1)', -1.5], ["+1", -2], ["-1", None], ["@x", 3],
+                         ["\t=1", 4], ["a=b", 5]]})
+        self.assertEqual([["program", "'=v (cm/s)"], ["'=HYPERLINK(\"http://x\",1)", "-1.5"],
+                          ["'+1", "-2"], ["'-1", ""], ["'@x", "3"], ["'\t=1", "4"], ["a=b", "5"]],
+                         list(csv.reader(io.StringIO(text))))
+
     def test_a_click_downloads_a_file(self):
         self.open(robots=2, size=(1280, 2200))
         self.live()

@@ -170,6 +170,28 @@ TEST(TracksView, KeepsOnePositionPer200msForAMinute) {
   EXPECT_NEAR(speeds["t_s"].back().get<double>(), -0.1, 1e-9);
 }
 
+/// Whoever can send on the bus may use new ids in each frame.
+TEST(TracksView, HasTrailsOfTheRobotsOfTheNewestFrames) {
+  TracksView dut;
+  constexpr auto kMost = static_cast<std::int32_t>(TracksView::kMaxRobots);
+  for (std::int32_t step = 0; step < 300; ++step) {
+    std::vector<tracked_pose_t> poses;
+    for (std::int32_t robot = 0; robot < kMost; ++robot) {
+      poses.push_back(poseOf(step < 298 ? 1000 + step * kMost + robot : robot, 0.1, 0.2));
+    }
+    if (step == 299) poses.resize(20);
+    dut.take(frameOf(kNow + step * TracksView::kStep_us, poses));
+  }
+
+  const std::string text = dut.trailsJson();
+
+  EXPECT_LT(text.size(), 50'000U);
+  const Json trails = Json::parse(text)["robots"];
+  EXPECT_EQ(trails.size(), TracksView::kMaxRobots);
+  EXPECT_EQ(trails["0"], Json::parse("[10.0,20.0,10.0,20.0]"));
+  EXPECT_EQ(trails["499"], Json::parse("[10.0,20.0,null,null]"));
+}
+
 TEST(TracksView, HasGapsWhereARobotWasNotDetected) {
   TracksView dut;
   dut.take(frameOf(kNow, {poseOf(3, 0.1, 0.1)}));

@@ -149,5 +149,33 @@ TEST_F(ExperimentControllerFlood, ErrorsOfServicesAreRecordedUpToABound) {
   EXPECT_THAT(controller_->faults().back(), HasSubstr("more than 1000 different errors"));
 }
 
+/// Each is sent three times.
+TEST_F(ExperimentControllerFlood, LongTextsOfOthersAreRecordedUpToTheirBeginning) {
+  std::vector<std::string> texts;
+  Node reader(bus_, loop_, {"reader", 0, 1});
+  reader.subscribe<experiment_event_t>(channels::kExperimentEvent, [&](const auto& event) {
+    const bool has_text =
+        event.kind == experiment_event_t::FAULT || event.kind == experiment_event_t::MARK;
+    if (has_text) texts.push_back(event.text);
+  });
+  service_status_t status{};
+  for (const char letter : {'a', 'b'}) {
+    // Another end would be another error.
+    status.last_error = std::string(100'000, 'x') + letter;
+    foreign_.publish(channels::kServiceStatus, status);
+  }
+  robot_stop_t message{};
+  message.seq = ++seq_;
+  message.reason.assign(8'000'000, 'r');
+  foreign_.publishCommand(channels::kRobotStop, message);
+  bus_.deliver();
+
+  EXPECT_THAT(texts, SizeIs(6));
+  for (const std::string& text : texts) EXPECT_THAT(text, SizeIs(3000));
+  EXPECT_THAT(texts.front(), HasSubstr("foreign: xxx"));
+  EXPECT_THAT(texts.back(), HasSubstr("robots stopped by foreign: rrr"));
+  EXPECT_THAT(controller_->faults(), ElementsAre(SizeIs(3000)));
+}
+
 }  // namespace
 }  // namespace lab::runner::controller_flood_test

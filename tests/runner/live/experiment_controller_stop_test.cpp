@@ -1,9 +1,12 @@
-// stop_when in the controller: the run ends by an estimate of the analyzer or by its duration.
+// stop_when in the controller: the run ends by a result of the analyzer or by its duration.
 #include <gmock/gmock.h>
 
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <lab/analysis_t.hpp>
+#include <lab/collective_t.hpp>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -32,7 +35,37 @@ program = "abp"
 relative_error_percent = 10
 )";
 
-/// A controller and an analyzer whose relative error falls as 1 / sqrt(t).
+constexpr const char* kStopByCrowd = R"([[stop_when]]
+observable = "largest_cluster"
+relative_error_percent = 10
+)";
+
+/// The pooled D_r of the experiment's program.
+analysis_t estimateOf(const Experiment& experiment, double value, double sigma) {
+  analysis_t message{};
+  message.robot_id = analysis_t::POOL;
+  message.program = toId(experiment.programs.at("abp"));
+  message.estimates.resize(1);
+  message.num_estimates = 1;
+  message.estimates[0].name = "D_r";
+  message.estimates[0].value = value;
+  message.estimates[0].sigma = sigma;
+  return message;
+}
+
+collective_t crowdOf(double mean, double sigma) {
+  collective_t message{};
+  message.robots = 2;
+  message.observables.resize(1);
+  message.num_observables = 1;
+  message.observables[0].name = "largest_cluster";
+  message.observables[0].unit = "1";
+  message.observables[0].mean = mean;
+  message.observables[0].sigma = sigma;
+  return message;
+}
+
+/// A controller and an analyzer that publishes once a second.
 class ExperimentControllerStop : public testing::Test {
  protected:
   struct End {
@@ -41,9 +74,11 @@ class ExperimentControllerStop : public testing::Test {
     double at = 0;  ///< [s] since begin()
   };
 
-  /// @param first relative error after one second
-  End play(double first) {
-    const Experiment experiment = small(kStopWhen);
+  /// @param stop_when added to the small experiment
+  /// @param publish called every second with the seconds since begin()
+  End play(const char* stop_when,
+           const std::function<void(const Experiment&, Node& analyzer, double)>& publish) {
+    const Experiment experiment = small(stop_when);
     VirtualLoop loop;
     MemoryBus bus([&loop] { return loop.now(); });
     loop.drainWith([&bus] { bus.deliver(); });
@@ -58,16 +93,7 @@ class ExperimentControllerStop : public testing::Test {
                                       loop.stop();
                                     });
     loop.every(kSecond_us, begin + kSecond_us, [&] {
-      analysis_t message{};
-      message.utime = loop.now();
-      message.robot_id = analysis_t::POOL;
-      message.program = toId(experiment.programs.at("abp"));
-      message.estimates.resize(1);
-      message.num_estimates = 1;
-      message.estimates[0].name = "D_r";
-      message.estimates[0].value = 0.75;
-      message.estimates[0].sigma = 0.75 * first / std::sqrt(units::seconds(message.utime - begin));
-      analyzer.publish(channels::kAnalysis, message);
+      publish(experiment, analyzer, units::seconds(loop.now() - begin));
       progress_ = controller.progress();
     });
     node.start();
@@ -76,6 +102,15 @@ class ExperimentControllerStop : public testing::Test {
     loop.run();
     faults_ = controller.faults();
     return end.value_or(End{});
+  }
+
+  /// The relative error falls as 1 / sqrt(t).
+  /// @param first relative error after one second
+  End play(double first) {
+    return play(kStopWhen, [first](const Experiment& experiment, Node& analyzer, double seconds) {
+      analysis_t message = estimateOf(experiment, 0.75, 0.75 * first / std::sqrt(seconds));
+      analyzer.publish(channels::kAnalysis, message);
+    });
   }
 
   Progress progress_;  ///< the last one before the end
@@ -101,6 +136,36 @@ TEST_F(ExperimentControllerStop, MarksARunThatDoesNotMeetTheRule) {
               StartsWith("stop_when was not reached; D_r of abp is known to 10 %: relative "
                          "error 0.2"));
   EXPECT_EQ(faults_.back(), end.why);
+}
+
+TEST_F(ExperimentControllerStop, EndsTheRunWhenTheAverageOfTheCrowdIsKnown) {
+  const End end = play(kStopByCrowd, [](const Experiment&, Node& analyzer, double seconds) {
+    collective_t message = crowdOf(4, seconds < 30 ? 1 : 0.2);
+    analyzer.publish(channels::kCollective, message);
+  });
+  EXPECT_EQ(end.ending, Ending::kDone);
+  EXPECT_DOUBLE_EQ(end.at, 30);
+  EXPECT_THAT(end.why, StartsWith("stop_when: largest_cluster is known to 10 %"));
+}
+
+/// Its relative error would be 0.
+TEST_F(ExperimentControllerStop, AnInfiniteAverageOrEstimateEndsNoRun) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  for (const double value : {kInfinity, -kInfinity}) {
+    const End crowd = play(kStopByCrowd, [value](const Experiment&, Node& analyzer, double) {
+      collective_t message = crowdOf(value, 1);
+      analyzer.publish(channels::kCollective, message);
+    });
+    EXPECT_EQ(crowd.ending, Ending::kUnmet) << value;
+    EXPECT_GE(crowd.at, 60);
+    const End estimate =
+        play(kStopWhen, [value](const Experiment& experiment, Node& analyzer, double) {
+          analysis_t message = estimateOf(experiment, value, 1);
+          analyzer.publish(channels::kAnalysis, message);
+        });
+    EXPECT_EQ(estimate.ending, Ending::kUnmet) << value;
+    EXPECT_GE(estimate.at, 60);
+  }
 }
 
 }  // namespace

@@ -130,6 +130,8 @@ TEST(StepCondition, UsesOnlyTheEstimateOfItsProgramAndPool) {
   dut.take(analysis(experiment, "slow", analysis_t::POOL, 1, 0.01));
   dut.take(analysis(experiment, "abp", 1, 1, 0.01));
   dut.take(analysis(experiment, "abp", analysis_t::POOL, nan, 0.01));
+  const double infinite = std::numeric_limits<double>::infinity();
+  dut.take(analysis(experiment, "abp", analysis_t::POOL, infinite, 0.01));
   dut.take(analysis(experiment, "abp", analysis_t::POOL, 0, 0));
   EXPECT_EQ(dut.met(), std::nullopt);
   dut.take(analysis(experiment, "abp", analysis_t::POOL, -1, 0.123));

@@ -174,6 +174,44 @@ TEST(DebugView, RefusesUnknownPathsMethodsAndHosts) {
   }
 }
 
+/// As a browser sends it.
+std::string fetched(const std::string& path, const std::string& site, const std::string& mode) {
+  return "GET " + path + " HTTP/1.1\r\nHost: 127.0.0.1:8081\r\nSec-Fetch-Site: " + site +
+         "\r\nSec-Fetch-Mode: " + mode + "\r\n\r\n";
+}
+
+TEST(DebugView, ShowsNothingToPagesOfOtherSites) {
+  DebugView view(0);
+
+  for (const char* site : {"cross-site", "same-site"}) {
+    for (const char* path : {"/frame.jpg", "/frame.png", "/stream.mjpg", "/"}) {
+      EXPECT_EQ(Client(view.port(), fetched(path, site, "no-cors")).all().substr(9, 3), "403")
+          << path << " for " << site;
+    }
+    EXPECT_EQ(Client(view.port(), fetched("/frame.png", site, "navigate")).all().substr(9, 3),
+              "403");
+    // The user follows a link.
+    EXPECT_EQ(Client(view.port(), fetched("/", site, "navigate")).all().substr(9, 3), "200");
+  }
+  EXPECT_FALSE(view.wanted());
+  const std::string page = Client(view.port(), fetched("/", "none", "navigate")).all();
+  EXPECT_EQ(page.substr(9, 3), "200");
+  EXPECT_NE(page.find("Cross-Origin-Resource-Policy: same-origin\r\n"), std::string::npos);
+  EXPECT_NE(page.find("Content-Security-Policy: frame-ancestors 'none'\r\n"), std::string::npos);
+}
+
+TEST(DebugView, ShowsItsOwnPageThePictures) {
+  DebugView view(0);
+  Client client(view.port(), fetched("/frame.jpg", "same-origin", "no-cors"));
+  ASSERT_TRUE(becomesWanted(view));
+
+  view.show([] { return flat(40, 30); });
+
+  const std::string answer = client.all();
+  EXPECT_EQ(answer.substr(9, 3), "200");
+  EXPECT_NE(answer.find("Cross-Origin-Resource-Policy: same-origin\r\n"), std::string::npos);
+}
+
 TEST(DebugView, ThrowsIfItsPortIsTaken) {
   const DebugView first(0);
   try {

@@ -179,8 +179,11 @@ TEST(Figures, QuoteTextInTheirData) {
   CsvText dut("name,value_cm,judged");
   dut.row("a \"b\", c", 1.5, true);
   dut.row("x", std::nan(""), false);
+  dut.row("=A1", -2, false);  // a spreadsheet would compute it
+  dut.row("=A1,\r2", -2, false);
 
-  EXPECT_EQ(dut.text(), "name,value_cm,judged\n\"a \"\"b\"\", c\",1.5,1\nx,,0\n");
+  EXPECT_EQ(dut.text(),
+            "name,value_cm,judged\n\"a \"\"b\"\", c\",1.5,1\nx,,0\n'=A1,-2,0\n\"'=A1, 2\",-2,0\n");
 }
 
 TEST(Figures, RemoveMarkupFromNames) {
