@@ -13,8 +13,8 @@ namespace lab {
 bool isFilm(const std::string& source) {
   // The file of a run names its pipeline "pipeline"; the tracker gets that name when it tracks the
   // run's film again.
-  return source != kSimulatedCamera && source != kPipelineCamera &&
-         !cameras::isVideoDeviceSource(source) && !cameras::isStreamSource(source);
+  return source != kSimulatedCamera && source != kPipelineCamera && !isVideoDeviceSource(source) &&
+         !cameras::isStreamSource(source);
 }
 
 CameraFormat wantedFormat(const Camera& camera) {
@@ -42,7 +42,7 @@ std::unique_ptr<FrameSource> CameraDevices::open(const std::string& source,
   if (source == "sim") {
     return cameras::openSharedCamera(loop_, folder_, wanted, std::move(handlers));
   }
-  if (cameras::isVideoDeviceSource(source)) {
+  if (isVideoDeviceSource(source)) {
     return cameras::openVideoDevice(loop_, cameras::systemV4l2Calls(), source, wanted,
                                     std::move(handlers));
   }

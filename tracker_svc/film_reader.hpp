@@ -25,7 +25,8 @@ class FilmReader {
   /// @param fps [1/s] for pictures: the rate if they have no time stamps, 0: kAssumedFps. For a
   ///   movie: replaces its own time stamps, which are wrong in slow motion; 0: keep them.
   /// @throws CameraError, one line, if it does not exist, is empty, is no movie, or ffmpeg is
-  ///   missing
+  ///   missing; if its pictures have more than 200 million pixels; for a movie of more than 20
+  ///   million frames, and one whose times are beyond the year 2100 or 11 days apart
   [[nodiscard]] static std::unique_ptr<FilmReader> open(const std::string& source, double fps = 0);
 
   /// Reads the next frame. Its number is the number in the picture's name, or the position in the

@@ -9,6 +9,8 @@
 namespace lab {
 namespace {
 
+constexpr std::string_view kVideoDevicePrefix = "v4l2:";
+
 struct Scheme {
   std::string_view begin;
   std::string_view protocols;
@@ -29,6 +31,14 @@ constexpr std::array<Scheme, 9> kSchemes{{{"rtsp://", kRtsp},
                                           {"srt://", "srt,udp"}}};
 
 }  // namespace
+
+bool isVideoDeviceSource(const std::string& source) {
+  return source.starts_with(kVideoDevicePrefix) || source.starts_with("/dev/");
+}
+
+std::string videoDevicePath(const std::string& source) {
+  return source.starts_with(kVideoDevicePrefix) ? source.substr(kVideoDevicePrefix.size()) : source;
+}
 
 bool isCameraAddress(const std::string& source) { return source.find("://") != std::string::npos; }
 

@@ -12,6 +12,12 @@ inline constexpr const char* kPipelineCamera = "pipeline";
 /// Begins a GStreamer pipeline, on command lines only.
 inline constexpr const char* kPipelinePrefix = "gst:";
 
+/// Whether the source is a video device, "/dev/video0" or "v4l2:/dev/video0".
+[[nodiscard]] bool isVideoDeviceSource(const std::string& source);
+
+/// The path of such a device.
+[[nodiscard]] std::string videoDevicePath(const std::string& source);
+
 /// Whether ffmpeg reads the source through a protocol: it has "://".
 [[nodiscard]] bool isCameraAddress(const std::string& source);
 

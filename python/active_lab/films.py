@@ -4,11 +4,15 @@ import json
 import re
 import shutil
 import subprocess
+import threading
+from array import array
 from functools import cached_property
 from pathlib import Path
-from typing import Iterator, List, Optional, Tuple
+from typing import IO, Iterator, List, Optional, Tuple
 
 import numpy
+
+from . import _core
 
 # As tracker_svc/cameras/movie_reader.cpp: no playlists (hls, dash, concat, imf, sdp), which name other files.
 _FORMATS = ("matroska,webm,mov,mp4,avi,mpegts,mpeg,mpegvideo,flv,live_flv,asf,ogg,nut,mxf,gxf,rm,wtv,dv,dirac,"
@@ -17,6 +21,14 @@ _FORMATS = ("matroska,webm,mov,mp4,avi,mpegts,mpeg,mpegvideo,flv,live_flv,asf,og
             "jpegls_pipe,jpegxl_pipe,pam_pipe,pbm_pipe,pgm_pipe,png_pipe,ppm_pipe,qoi_pipe,sgi_pipe,"
             "sunrast_pipe,tiff_pipe,webp_pipe,tty")
 _INPUT = ("-protocol_whitelist", "file", "-format_whitelist", _FORMATS, "-i")
+
+# As picture_size.hpp and packet_times.hpp there. A movie of 300 bytes can state any size, and one of 200 kB can
+# have 200 000 frames.
+_MOST_PIXELS = 200_000_000
+_MOST_FRAMES = 20_000_000
+_LATEST_S = 4_102_444_800.0  # the year 2100
+_LONGEST_GAP_S = 11 * 86_400.0
+_MOST_ANSWER = 1_000_000  # of ffprobe, and of one line of it [characters]
 
 MOVIES = (".mkv", ".mp4", ".avi", ".mov")
 PICTURES = (".pgm", ".png", ".jpg", ".jpeg", ".bmp")
@@ -53,10 +65,7 @@ class Film:
             with open(table, encoding="utf-8-sig", newline="") as rows:
                 known = {int(row["frame"]): float(row["t_s"]) for row in csv.DictReader(rows)}
             return numpy.array([known[_number(file)] for file in self._files])
-        entries = json.loads(_output("ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
-                                     "frame=best_effort_timestamp_time", "-of", "json", *_INPUT, f"file:{self.path}"))
-        times = numpy.array([float(frame["best_effort_timestamp_time"]) for frame in entries["frames"]])
-        return times - times[0] if len(times) else times
+        return _movie_times(self.path)
 
     @cached_property
     def size(self) -> Tuple[int, int]:
@@ -64,7 +73,11 @@ class Film:
         source = self._files[0] if self.path.is_dir() else self.path
         entries = json.loads(_output("ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
                                      "stream=width,height", "-of", "json", *_INPUT, f"file:{source}"))
-        return int(entries["streams"][0]["width"]), int(entries["streams"][0]["height"])
+        width, height = int(entries["streams"][0]["width"]), int(entries["streams"][0]["height"])
+        if width * height > _MOST_PIXELS:
+            raise ValueError(f"{source}: found {width} x {height} pixels, expected at most 200 million: make it "
+                             "smaller with ffmpeg (-vf scale=W:H)")
+        return width, height
 
     def __len__(self) -> int:
         if self.path.is_dir():
@@ -106,7 +119,7 @@ class Film:
                 process.stdout.close()
 
     def __repr__(self) -> str:
-        return f"<Film {self.path}>"
+        return f"<Film {_core.printable(str(self.path))}>"
 
 
 def films_in(folder: Path) -> List[Film]:
@@ -135,8 +148,68 @@ def _program(name: str) -> str:
     return path
 
 
+def _movie_times(movie: Path) -> numpy.ndarray:
+    times = array("d")
+    key = "best_effort_timestamp_time="
+    for line in _lines("ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
+                       "frame=best_effort_timestamp_time", "-of", "compact=p=0", *_INPUT, f"file:{movie}"):
+        if not line.startswith(key):
+            continue  # an empty line of side data
+        if len(times) == _MOST_FRAMES:
+            raise ValueError(f"{movie}: found more than {_MOST_FRAMES} frames, expected at most that many: cut it with "
+                             "ffmpeg (-ss, -t)")
+        time = line[len(key):].partition("|")[0]
+        if time == "N/A":
+            raise ValueError(f"{movie}: found a frame without a time, expected one for each: convert it to MKV with "
+                             "ffmpeg")
+        times.append(float(time))
+    if not times:
+        return numpy.array([])
+    seconds = numpy.frombuffer(times)
+    first, last = seconds.min(), seconds.max()
+    if not (first >= -_LONGEST_GAP_S and last <= _LATEST_S):
+        raise ValueError(f"{movie}: found frames at {first:g} s to {last:g} s, expected {-_LONGEST_GAP_S:g} s to "
+                         f"{_LATEST_S:g} s (the year 2100): give them other times with ffmpeg (-r RATE -i FILE)")
+    gap = numpy.diff(seconds).max(initial=0)
+    if gap > _LONGEST_GAP_S:
+        raise ValueError(f"{movie}: found {gap:g} s between two frames, expected at most {_LONGEST_GAP_S:g} s "
+                         "(11 days): give them other times with ffmpeg (-r RATE -i FILE)")
+    return seconds - seconds[0]
+
+
+def _lines(program: str, *arguments: str) -> Iterator[str]:
+    """What a program prints, line by line while it runs: the last argument, its input, may be of any length.
+
+    Raises ValueError with the end of its errors if it fails."""
+    errors = [b""]
+
+    def keep_the_end(pipe: IO[bytes]) -> None:
+        while piece := pipe.read(4096):
+            errors[0] = (errors[0] + piece)[-4096:]
+
+    command = [_program(program), *arguments]
+    with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+        assert process.stdout is not None and process.stderr is not None
+        reader = threading.Thread(target=keep_the_end, args=(process.stderr,), daemon=True)
+        reader.start()
+        try:
+            while line := process.stdout.readline(_MOST_ANSWER):
+                yield line.decode("utf-8", "replace").rstrip("\r\n")
+            process.wait()
+        finally:
+            process.kill()
+            process.stdout.close()
+            reader.join()
+    if process.returncode != 0:
+        why = errors[0].decode("utf-8", "replace").strip() or "cannot be read"
+        raise ValueError(f"{arguments[-1]}: {why}")
+
+
 def _output(program: str, *arguments: str) -> str:
-    done = subprocess.run([_program(program), *arguments], capture_output=True, text=True)
-    if done.returncode != 0:
-        raise ValueError(f"{arguments[-1]}: {done.stderr.strip() or 'cannot be read'}")
-    return done.stdout
+    output = ""
+    for line in _lines(program, *arguments):
+        output += line + "\n"
+        if len(output) > _MOST_ANSWER:
+            raise ValueError(f"{arguments[-1]}: found more than 1 MB in the answer of {program}, expected less: is the "
+                             "file damaged?")
+    return output

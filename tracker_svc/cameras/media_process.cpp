@@ -8,6 +8,8 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <functional>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
@@ -19,11 +21,13 @@ namespace {
 
 constexpr int kPipeBytes = 1 << 20;  // the limit for unprivileged users
 constexpr std::chrono::milliseconds kTakePeriod{20};
+constexpr std::size_t kPieceBytes = 1 << 16;
 
 }  // namespace
 
 MediaProcess::MediaProcess(const std::vector<std::string>& command, const std::string& for_what,
-                           const std::string& package) {
+                           const std::string& package)
+    : reader_(for_what + " " + command[0]) {
   try {
     Pipe output = makePipe();
     Pipe errors = makePipe();
@@ -36,8 +40,7 @@ MediaProcess::MediaProcess(const std::vector<std::string>& command, const std::s
     throw CameraError(error.code() == std::errc::no_such_file_or_directory
                           ? for_what + " the program " + command[0] +
                                 ", which is not installed: sudo apt install " + package
-                          : for_what + " " + command[0] +
-                                ", which does not start: " + error.code().message());
+                          : reader_ + ", which does not start: " + error.code().message());
   }
 }
 
@@ -65,12 +68,44 @@ std::size_t MediaProcess::read(std::span<std::uint8_t> bytes) {
 
 std::string MediaProcess::readAll() {
   std::string all;
-  std::vector<std::uint8_t> piece(1 << 16);
+  readPieces([&](std::string_view piece) {
+    all += piece;
+    requireFew(all.size(), "its answer");
+    return true;
+  });
+  return all;
+}
+
+void MediaProcess::readLines(const std::function<bool(std::string_view)>& take) {
+  std::string begun;  // the line whose end has not come yet
+  bool more = true;
+  readPieces([&](std::string_view piece) {
+    for (std::size_t end = piece.find('\n'); more && end != std::string_view::npos;
+         end = piece.find('\n')) {
+      begun += piece.substr(0, end);
+      more = take(begun);
+      begun.clear();
+      piece.remove_prefix(end + 1);
+    }
+    begun += piece;
+    requireFew(begun.size(), "a line of its answer");
+    return more;
+  });
+  if (more && !begun.empty()) take(begun);
+}
+
+void MediaProcess::readPieces(const std::function<bool(std::string_view)>& take) {
+  std::vector<std::uint8_t> piece(kPieceBytes);
   for (std::size_t count = piece.size(); count == piece.size();) {
     count = read(piece);
-    all.append(piece.begin(), piece.begin() + static_cast<std::ptrdiff_t>(count));
+    if (!take({reinterpret_cast<const char*>(piece.data()), count})) return;
   }
-  return all;
+}
+
+void MediaProcess::requireFew(std::size_t bytes, const char* what) const {
+  if (bytes <= kMostAnswerBytes) return;
+  throw CameraError(reader_ + ": found more than 1 MB in " + what +
+                    ", expected less: is the file damaged?");
 }
 
 int MediaProcess::finish() {

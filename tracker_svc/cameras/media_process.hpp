@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/process/child_process.hpp"
@@ -32,8 +34,18 @@ class MediaProcess {
   /// Reads until `bytes` is full. @return number of bytes read; fewer only at the end
   [[nodiscard]] std::size_t read(std::span<std::uint8_t> bytes);
 
+  /// The longest text that readAll() returns, and the longest line of readLines() [byte].
+  static constexpr std::size_t kMostAnswerBytes = 1'000'000;
+
   /// Reads the rest of the output.
+  /// @throws CameraError if it is longer than kMostAnswerBytes
   [[nodiscard]] std::string readAll();
+
+  /// Reads the rest of the output line by line, and keeps one line at a time.
+  /// @param take gets each line without its end; false: no more is read. finish() would then wait
+  ///   for a process that goes on writing
+  /// @throws CameraError if a line is longer than kMostAnswerBytes
+  void readLines(const std::function<bool(std::string_view)>& take);
 
   /// Waits for its end. @return its exit status, or 128 + signal number
   int finish();
@@ -48,6 +60,10 @@ class MediaProcess {
   [[nodiscard]] std::string lastErrorLine() const;
 
  private:
+  void readPieces(const std::function<bool(std::string_view)>& take);
+  void requireFew(std::size_t bytes, const char* what) const;
+
+  std::string reader_;  ///< "film.mkv: movies are read by ffprobe"
   FileDescriptor output_;
   OutputTail errors_{4096};
   std::optional<ChildProcess> child_;

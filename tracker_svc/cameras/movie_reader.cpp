@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <span>
+#include <string_view>
 #include <utility>
 
 #include "common/camera/camera_source.hpp"
@@ -16,6 +17,8 @@
 #include "light/median.hpp"
 #include "tracker_svc/cameras/grey.hpp"
 #include "tracker_svc/cameras/media_process.hpp"
+#include "tracker_svc/cameras/packet_times.hpp"
+#include "tracker_svc/cameras/picture_size.hpp"
 
 namespace lab::cameras {
 namespace {
@@ -56,29 +59,15 @@ std::string textOf(const json& object, const char* key) {
   return entry != object.end() && entry->is_string() ? entry->get<std::string>() : "";
 }
 
-/// Parses "30000/1001".
-double ratio(const std::string& text) {
+/// Parses "30000/1001". 0 if it is no rate of pictures.
+double rateOf(const std::string& text) {
+  constexpr double kLeast = 1e-3;  // as in film.json
+  constexpr double kMost = 1e6;
   const std::size_t slash = text.find('/');
   const double above = std::atof(text.c_str());
   const double below = slash == std::string::npos ? 1 : std::atof(text.c_str() + slash + 1);
-  return below > 0 && above > 0 ? above / below : 0;
-}
-
-/// Presentation times of the packets in order [us since the first]; the decoding time for packets
-/// without one (AVI).
-std::vector<std::int64_t> timesOf(const json& packets) {
-  std::vector<double> times;
-  for (const json& packet : packets) {
-    if (textOf(packet, "flags").find('D') != std::string::npos)
-      continue;  // decoded but not displayed
-    const std::string shown = textOf(packet, "pts_time");
-    times.push_back(std::atof((shown.empty() ? textOf(packet, "dts_time") : shown).c_str()));
-  }
-  std::sort(times.begin(), times.end());
-  std::vector<std::int64_t> utimes;
-  utimes.reserve(times.size());
-  for (const double time : times) utimes.push_back(std::llround((time - times.front()) * 1e6));
-  return utimes;
+  const double rate = below > 0 ? above / below : 0;
+  return rate >= kLeast && rate <= kMost ? rate : 0;
 }
 
 /// Lossless codecs in common use.
@@ -96,7 +85,7 @@ class MovieReader final : public FilmReader {
  public:
   MovieReader(std::string source, double fps)
       : source_(std::move(source)),
-        facts_(probeMovie(source_, true)),
+        facts_(probeMovie(source_, kMostPackets)),
         decoder_(decodeCommand(source_, facts_.grey), source_ + ": movies are read by", "ffmpeg"),
         image_(facts_.width, facts_.height),
         colour_(facts_.grey ? 0 : image_.pixels.size() * 3) {
@@ -150,13 +139,23 @@ class MovieReader final : public FilmReader {
   /// A film of a run has the exact times of its frames in a table; containers round them.
   void readTable() {
     const std::filesystem::path table = filmTableOf(source_);
-    if (isCameraAddress(source_) || !std::filesystem::exists(table)) return;
+    if (isCameraAddress(source_) || !std::filesystem::exists(table)) {
+      requireTimes();
+      return;
+    }
     const std::vector<FilmFrame> frames = readFilmTable(table);
     const std::size_t known = std::min(frames.size(), facts_.utimes.size());
     for (std::size_t i = 0; i < known; ++i) {
       facts_.utimes[i] = frames[i].camera_utime - frames.front().camera_utime;
     }
     table_ = table.filename().string();
+    if (known < facts_.utimes.size()) requireTimes();
+  }
+
+  void requireTimes() const {
+    if (facts_.time_problem.empty()) return;
+    throw CameraError(source_ + ": " + facts_.time_problem +
+                      ": give the rate of its frames instead (lab track --fps, camera.fps)");
   }
 
   [[nodiscard]] std::int64_t utime(std::int64_t number) const {
@@ -229,6 +228,43 @@ const char* hintFor(const std::string& errors) {
              : ": an MP4 that was not closed has no index; record MKV";
 }
 
+/// Starts ffprobe.
+/// @param entries, form as for its options -show_entries and -of
+MediaProcess probeOf(const std::string& source, const char* entries, const char* form) {
+  std::vector<std::string> command{
+      "ffprobe", "-v", "error", "-select_streams", "v:0", "-of", form, "-show_entries", entries};
+  for (const std::string& word : inputOf(source)) command.push_back(word);
+  return MediaProcess(command, source + ": movies are read by", "ffmpeg");
+}
+
+/// Waits for the end of ffprobe.
+/// @throws CameraError if it could not read the movie
+void requireRead(const std::string& source, MediaProcess& probe) {
+  const int status = probe.finish();
+  if (probe.errors().find("Format not on whitelist") != std::string::npos) {
+    noMovie(source, "it is a playlist, or of a kind that is not used for movies",
+            ": convert it to MKV with ffmpeg");
+  }
+  if (status != 0) noMovie(source, probe.lastErrorLine(), hintFor(probe.errors()));
+}
+
+/// Reads the times of the frames.
+void readPackets(const std::string& source, std::size_t most, MovieInfo& found) {
+  MediaProcess probe = probeOf(source, PacketTimes::kEntries, PacketTimes::kForm);
+  PacketTimes times(most);
+  bool few = true;
+  probe.readLines([&](std::string_view line) { return few = times.add(line); });
+  if (!few) {
+    throw CameraError(source + ": found more than " + std::to_string(most) +
+                      " frames, expected at most that many: cut it with ffmpeg (-ss, -t)");
+  }
+  requireRead(source, probe);
+  found.utimes = times.take();
+  found.time_problem = times.problem();
+  found.never_shown = times.neverShown();
+  if (const std::string warning = probe.lastErrorLine(); !warning.empty()) found.warning = warning;
+}
+
 }  // namespace
 
 std::vector<std::string> inputOfMovie(const std::string& file) {
@@ -237,45 +273,32 @@ std::vector<std::string> inputOfMovie(const std::string& file) {
   return {"-protocol_whitelist", "file", "-format_whitelist", kMovieFormats, "-i", "file:" + file};
 }
 
-MovieInfo probeMovie(const std::string& source, bool packets) {
+MovieInfo probeMovie(const std::string& source, std::size_t most_packets) {
   if (!isCameraAddress(source) && !std::filesystem::exists(source)) {
     throw CameraError(source + ": no such file");
   }
-  std::vector<std::string> command = {
-      "ffprobe",
-      "-v",
-      "error",
-      "-select_streams",
-      "v:0",
-      "-of",
-      "json=compact=1",
-      "-show_entries",
-      std::string("stream=codec_name,pix_fmt,width,height,avg_frame_rate,nb_frames"
-                  ":stream_side_data=rotation") +
-          (packets ? ":packet=pts_time,dts_time,flags" : "")};
-  for (const std::string& word : inputOf(source)) command.push_back(word);
-  MediaProcess probe(command, source + ": movies are read by", "ffmpeg");
+  MediaProcess probe = probeOf(source,
+                               "stream=codec_name,pix_fmt,width,height,avg_frame_rate,nb_frames"
+                               ":stream_side_data=rotation",
+                               "json=compact=1");
   const std::string answer = probe.readAll();
-  const int status = probe.finish();
+  requireRead(source, probe);
   const json facts = json::parse(answer, nullptr, false);
-  if (probe.errors().find("Format not on whitelist") != std::string::npos) {
-    noMovie(source, "it is a playlist, or of a kind that is not used for movies",
-            ": convert it to MKV with ffmpeg");
-  }
-  if (status != 0 || !facts.is_object()) {
-    noMovie(source, probe.lastErrorLine(), hintFor(probe.errors()));
-  }
+  if (!facts.is_object()) noMovie(source, probe.lastErrorLine(), hintFor(probe.errors()));
   const auto streams = facts.find("streams");
   if (streams == facts.end() || streams->empty()) noMovie(source, "it has no pictures");
   const json& stream = streams->front();
   MovieInfo found;
   found.width = stream.value("width", 0);
   found.height = stream.value("height", 0);
-  found.fps = ratio(textOf(stream, "avg_frame_rate"));
+  found.fps = rateOf(textOf(stream, "avg_frame_rate"));
   const std::string codec = textOf(stream, "codec_name");
   const std::string pixels = textOf(stream, "pix_fmt");
   if (codec == "ansi" || codec == "bintext") noMovie(source, "it is a text file");
   if (found.width <= 0 || found.height <= 0) noMovie(source, "its pictures have no size");
+  if (const std::string problem = pictureSizeProblem(found.width, found.height); !problem.empty()) {
+    throw CameraError(source + ": " + problem);
+  }
   found.pixels = pixels + " (" + codec + ")";
   found.compressed = !losesNothing(codec);
   found.grey = pixels.starts_with("gray");
@@ -283,12 +306,8 @@ MovieInfo probeMovie(const std::string& source, bool packets) {
   for (const json& side : stream.value("side_data_list", json::array())) {
     found.rotation = side.value("rotation", found.rotation);
   }
-  if (packets) {
-    const json listed = facts.value("packets", json::array());
-    found.utimes = timesOf(listed);
-    found.never_shown = static_cast<std::int64_t>(listed.size() - found.utimes.size());
-  }
   found.warning = probe.lastErrorLine();
+  if (most_packets > 0) readPackets(source, most_packets, found);
   return found;
 }
 

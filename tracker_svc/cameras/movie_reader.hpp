@@ -1,6 +1,7 @@
 /// Movies, read by the program ffmpeg as a child process.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -23,6 +24,7 @@ struct MovieInfo {
   /// number of those that are not displayed, as in a movie cut without re-encoding
   std::int64_t never_shown = 0;
   std::vector<std::int64_t> utimes;  ///< [us] of each frame since the first, in order
+  std::string time_problem;          ///< what is wrong with `utimes`, as PacketTimes::problem()
   std::string warning;               ///< a problem that ffprobe reported
 };
 
@@ -30,9 +32,11 @@ struct MovieInfo {
 [[nodiscard]] std::vector<std::string> inputOfMovie(const std::string& file);
 
 /// Runs ffprobe.
-/// @param packets read the whole file for the times of its frames
-/// @throws CameraError if there is no such file, it is no movie, or ffprobe is missing
-[[nodiscard]] MovieInfo probeMovie(const std::string& source, bool packets);
+/// @param most_packets reads the whole file for the times of its frames, at most so many
+///   (kMostPackets); 0: does not read it
+/// @throws CameraError if there is no such file, it is no movie, its pictures are larger than
+///   kMostPicturePixels, it has more packets, or ffprobe is missing
+[[nodiscard]] MovieInfo probeMovie(const std::string& source, std::size_t most_packets);
 
 /// The command that decodes every frame once, to grey or RGB bytes on its output.
 [[nodiscard]] std::vector<std::string> decodeCommand(const std::string& source, bool grey);

@@ -20,6 +20,7 @@
 #include "tracker_svc/cameras/frame_table.hpp"
 #include "tracker_svc/cameras/grey.hpp"
 #include "tracker_svc/cameras/media_process.hpp"
+#include "tracker_svc/cameras/picture_size.hpp"
 #include "tracker_svc/cameras/stb_pixels.hpp"
 
 namespace lab::cameras {
@@ -28,7 +29,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t kMostDigits = 15;
-constexpr std::int64_t kMostPixels = 200'000'000;
 constexpr const char* kTable = "frames.csv";
 constexpr std::array<const char*, 8> kEndings = {".png", ".jpg", ".jpeg", ".bmp",
                                                  ".pgm", ".ppm", ".tga",  ".pnm"};
@@ -206,9 +206,8 @@ Decoded decode(const fs::path& path) {
     result.error = name + ": is not a picture of a known format (PNG, JPEG, BMP, PGM, TGA)";
     return result;
   }
-  if (std::int64_t{width} * height > kMostPixels) {
-    result.error = name + ": found " + std::to_string(width) + " x " + std::to_string(height) +
-                   " pixels, expected at most 200 million";
+  if (const std::string problem = pictureSizeProblem(width, height); !problem.empty()) {
+    result.error = name + ": " + problem;
     return result;
   }
   const int wanted = result.channels >= 3 ? 3 : 1;

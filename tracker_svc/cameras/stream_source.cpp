@@ -36,7 +36,7 @@ struct StreamCommand {
 };
 
 StreamCommand networkCommand(const std::string& source, const CameraFormat& wanted) {
-  const MovieInfo facts = probeMovie(source, false);
+  const MovieInfo facts = probeMovie(source, 0);
   StreamCommand command{source, decodeCommand(source, facts.grey), "ffmpeg", {}, 1, facts.width};
   command.format.width = facts.width;
   command.format.height = facts.height;

@@ -3,25 +3,21 @@
 #include <fcntl.h>
 #include <sys/ioctl.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
-#include <sys/sysmacros.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <ctime>
 
+#include "common/camera/camera_place.hpp"
+
 namespace lab::cameras {
 namespace {
-
-constexpr unsigned kVideoMajor = 81;  // of all video devices (linux/major.h: VIDEO_MAJOR)
 
 class SystemCalls final : public V4l2Calls {
  public:
   [[nodiscard]] int open(const std::string& path) override {
     // Opening another device can already have an effect.
-    struct stat facts {};
-    if (stat(path.c_str(), &facts) != 0) return -errno;
-    if (!S_ISCHR(facts.st_mode) || major(facts.st_rdev) != kVideoMajor) return -ENOTTY;
+    if (const int error = videoDeviceError(path); error != 0) return -error;
     const int device = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
     return device < 0 ? -errno : device;
   }

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "common/camera/camera_source.hpp"
 #include "common/camera/sim_camera.hpp"
 #include "tracker_svc/cameras/v4l2_device.hpp"
 
@@ -13,14 +14,9 @@ namespace {
 
 // marks the state "gone", which is not reported again
 constexpr const char* kNotThere = ": no camera there";
-constexpr const char* kPrefix = "v4l2:";
 constexpr std::int64_t kDeviceLook_us = 1'000'000;
 constexpr std::int64_t kSilence_us = 2'000'000;
 constexpr int kMostEmptyCalls = 1000;  // readable but empty: the descriptor is broken
-
-std::string pathOf(const std::string& source) {
-  return source.starts_with(kPrefix) ? source.substr(std::string(kPrefix).size()) : source;
-}
 
 /// Frame numbers from the driver's 32-bit sequence, which restarts with each stream.
 class Numbering {
@@ -47,7 +43,7 @@ class Capture : public std::enable_shared_from_this<Capture> {
           CameraHandlers handlers)
       : loop_(loop),
         calls_(calls),
-        path_(pathOf(source)),
+        path_(videoDevicePath(source)),
         wanted_(wanted),
         handlers_(std::move(handlers)) {}
 
@@ -179,10 +175,6 @@ class V4l2Source final : public FrameSource {
 };
 
 }  // namespace
-
-bool isVideoDeviceSource(const std::string& source) {
-  return source.starts_with(kPrefix) || source.starts_with("/dev/");
-}
 
 std::unique_ptr<FrameSource> openVideoDevice(AsioLoop& loop, V4l2Calls& calls,
                                              const std::string& source, const CameraFormat& wanted,

@@ -10,9 +10,6 @@
 
 namespace lab::cameras {
 
-/// Whether the source is a video device, "/dev/video0" or "v4l2:/dev/video0".
-[[nodiscard]] bool isVideoDeviceSource(const std::string& source);
-
 /// Opens a device. If it disappears, it is looked up once a second under the same path. A camera
 /// that delivers nothing for two seconds is reported too.
 /// @param calls must outlive the source

@@ -1,6 +1,8 @@
-// The orientation of pictures, which ffprobe reads. Their folder may come from a stranger.
+// The formats of pictures, and their orientation, which ffprobe reads. Their folder may come from a
+// stranger.
 #include "tracker_svc/cameras/picture_reader.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <stb/stb_image_write.h>
 #include <sys/stat.h>
@@ -51,6 +53,20 @@ TEST_F(PictureMark, IsThatOfTheFirstReadablePicture) {
   fs::remove(folder_ / "1.jpg");
   ASSERT_EQ(mkfifo((folder_ / "1.jpg").c_str(), 0600), 0);
   EXPECT_EQ(dut->mark(), "");
+}
+
+// docs/cameras.md lists the formats of pictures, whatever else stb has decoders for.
+TEST(PictureFormat, ThatIsNotListedIsRefused) {
+  using namespace std::string_literals;
+  const TemporaryFolder folder;
+  support::writeFile(folder / "a.png",
+                     "GIF89a\1\0\1\0\x80\0\0\0\0\0\xff\xff\xff,\0\0\0\0\1\0\1\0\0\2\2\x44\1\0;"s);
+  support::writeFile(folder / "b.tga", "\0\0\3\0\0\0\0\0\0\0\0\0\1\0\1\0\x08\0\x7f"s);
+
+  EXPECT_THAT([&] { static_cast<void>(openPictures(folder / "a.png", 0)); },
+              testing::ThrowsMessage<CameraError>(
+                  testing::HasSubstr("a.png: is not a picture of a known format")));
+  EXPECT_EQ(openPictures(folder / "b.tga", 0)->format().width, 1);
 }
 
 TEST_F(PictureMark, IsOfOnePictureEvenIfItsNameIsAPattern) {

@@ -114,6 +114,12 @@ TEST_F(Streams, ThatCannotBeReachedAreRejected) {
   EXPECT_THAT(refusal("rtsp://camera/1", 4, 2), HasSubstr("found 2 x 2 pixels, wanted 4 x 2"));
 }
 
+TEST_F(Streams, OfHugePicturesAreRejected) {
+  program("ffprobe", R"(echo '{"streams":[{"codec_name":"h264","width":60000,"height":60000}]}')");
+  EXPECT_THAT(refusal("rtsp://camera/1", 0, 0),
+              HasSubstr("rtsp://camera/1: found 60000 x 60000 pixels, expected at most 200"));
+}
+
 TEST_F(Streams, OpenTheProtocolsOfACameraOnly) {
   program("ffprobe", kFacts);
   EXPECT_THAT(refusal("concat:file:///etc/passwd|http://a", 2, 2), HasSubstr("allowed rtsp://"));
