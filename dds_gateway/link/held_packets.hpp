@@ -34,17 +34,19 @@ class HeldPackets {
   static constexpr std::size_t kMostBytes = 16'000'000;  ///< of all hosts
 
   /// @param most_hosts packets of further hosts are dropped
-  explicit HeldPackets(std::size_t most_hosts) : most_hosts_(most_hosts) {}
+  /// @param most_bytes of all hosts
+  explicit HeldPackets(std::size_t most_hosts, std::size_t most_bytes = kMostBytes)
+      : most_hosts_(most_hosts), most_bytes_(most_bytes) {}
 
   void add(const std::string& host, HeldPacket packet) {
-    if (packet.bytes() > kMostBytes) return;
+    if (packet.bytes() > most_bytes_) return;
     if (hosts_.size() >= most_hosts_ && !hosts_.contains(host)) return;
     Waiting& waiting = hosts_[host];
     waiting.bytes += packet.bytes();
     bytes_ += packet.bytes();
     waiting.packets.push_back(std::move(packet));
     if (waiting.packets.size() > kMostPackets) dropOldest(waiting);
-    while (bytes_ > kMostBytes) {
+    while (bytes_ > most_bytes_) {
       dropOldest(std::ranges::max_element(hosts_, {}, [](const auto& entry) {
                    return entry.second.bytes;
                  })->second);
@@ -78,6 +80,7 @@ class HeldPackets {
   }
 
   std::size_t most_hosts_;
+  std::size_t most_bytes_;
   std::map<std::string, Waiting> hosts_;
   std::size_t bytes_ = 0;
 };

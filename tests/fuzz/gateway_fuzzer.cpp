@@ -2,6 +2,7 @@
 // to ROS 2, packets and heartbeats of other gateways, rules for topics.
 #include <array>
 #include <cstdint>
+#include <cstdlib>
 #include <lab/analysis_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_command_t.hpp>
@@ -10,11 +11,13 @@
 #include <lab/tracked_frame_t.hpp>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/bus/message_header.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "common/files/experiment_error.hpp"
+#include "dds_gateway/link/held_packets.hpp"
 #include "dds_gateway/link/link_core.hpp"
 #include "dds_gateway/link/link_peers.hpp"
 #include "dds_gateway/ros/command_arbiter.hpp"
@@ -112,9 +115,44 @@ void convert(Input& input) {
   static_cast<void>(sanitizedText(text));
 }
 
+void require(bool condition) {
+  if (!condition) std::abort();
+}
+
+/// The packets of hosts whose clock is not known, with bounds that inputs reach.
+class Held {
+ public:
+  void add(const std::string& host, HeldPacket packet) {
+    packets_.add(host, std::move(packet));
+    require(packets_.bytes() <= kMostBytes);
+  }
+
+  /// As BusLink does: what is left of a host is passed on once its clock is known.
+  void release(std::int64_t now, const LinkPeers& peers, LinkCore& core) {
+    for (const auto& [host, peer] : peers.all()) {
+      if (peer.state == PeerState::kNew || peer.state == PeerState::kSilent) continue;
+      for (const HeldPacket& packet : packets_.take(host)) {
+        static_cast<void>(core.receive(now, host, packet.gateway, packet.stream, packet.number,
+                                       now - packet.heard, packet.channel, packet.data));
+      }
+    }
+  }
+
+  void takeAll() {
+    for (const char* host : {"a", "b", "c", "d"}) static_cast<void>(packets_.take(host));
+    require(packets_.bytes() == 0);
+  }
+
+ private:
+  static constexpr std::size_t kMostBytes = 2000;
+  static constexpr std::size_t kMostHosts = 3;
+  HeldPackets packets_{kMostHosts, kMostBytes};
+};
+
 void runLink(Input& input) {
   LinkCore core(7);
   LinkPeers peers("here", 7, ProtocolVersion::own(), 0.01);
+  Held held;
   std::int64_t now = kStart;
   for (int step = 0; step < kMostSteps && !input.empty(); ++step) {
     const auto what = input.number<std::uint8_t>();
@@ -142,12 +180,15 @@ void runLink(Input& input) {
                                        input.number<std::int32_t>(), message.channel,
                                        message.data));
         peers.alive(now, host, gateway);
+        held.add(host, {gateway, stream, number, now, std::string(message.channel), message.data});
       }
       static_cast<void>(core.counts(host));
     }
     now += input.number<std::uint8_t>() * std::int64_t{10'000};
     static_cast<void>(peers.tick(now));
+    held.release(now, peers, core);
   }
+  held.takeAll();
 }
 
 void readRules(Input& input) {

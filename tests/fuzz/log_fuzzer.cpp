@@ -1,5 +1,6 @@
 // Logs: the report of a run without its figures, and what a replay would send. An input that begins
 // with LCM's sync word is a log, any other one is a sequence of messages as in messages_fuzzer.cpp.
+// If its first byte is not 0, two numbers follow: the place [s] and the speed of the replay.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -37,12 +38,25 @@ void append(Log& log, Number value) {
   }
 }
 
+/// Values of SEEK and SPEED.
+struct Wanted {
+  double seek = 2;
+  double speed = 2;
+};
+
+Wanted wantedOf(Input& input) {
+  Wanted wanted;
+  if (input.number<std::uint8_t>() == 0) return wanted;
+  wanted.seek = input.number<double>();
+  wanted.speed = input.number<double>();
+  return wanted;
+}
+
 /// The events as lcm-logger writes them.
 Log logOf(Input& input) {
   constexpr std::uint32_t kSync = 0xEDA1DA01;
   Log log;
   std::int64_t utime = 946'684'800'000'000;
-  static_cast<void>(input.number<std::uint8_t>());  // the services, in messages_fuzzer.cpp
   for (std::int64_t number = 0; !input.empty(); ++number) {
     const TimedMessage message = nextMessage(input);
     append(log, kSync);
@@ -73,7 +87,7 @@ void report(const std::vector<std::filesystem::path>& files) {
   }
 }
 
-void replay(const std::vector<std::filesystem::path>& files) {
+void replay(const std::vector<std::filesystem::path>& files, const Wanted& wanted) {
   runner::LogEvents events(files);
   if (events.all().empty()) return;
   std::int64_t now = 0;
@@ -81,10 +95,10 @@ void replay(const std::vector<std::filesystem::path>& files) {
   const auto send = [](std::string_view channel, Bytes message) {
     static_cast<void>(runner::asReplay(channel, message));
   };
-  for (const int action : {experiment_command_t::SEEK, experiment_command_t::SPEED}) {
+  for (const std::int8_t action : {experiment_command_t::SEEK, experiment_command_t::SPEED}) {
     experiment_command_t command{};
-    command.action = static_cast<std::int8_t>(action);
-    command.value = 2;
+    command.action = action;
+    command.value = action == experiment_command_t::SEEK ? wanted.seek : wanted.speed;
     static_cast<void>(playback.execute(command, now));
     for (int i = 0; i < 20; ++i) {
       now += 500'000;
@@ -102,9 +116,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
   constexpr std::array<std::uint8_t, 4> kSync{0xED, 0xA1, 0xDA, 0x01};
   lab::fuzz::Input input(bytes, size);
   const bool is_log = size >= kSync.size() && std::equal(kSync.begin(), kSync.end(), bytes);
+  const lab::fuzz::Wanted wanted = is_log ? lab::fuzz::Wanted{} : lab::fuzz::wantedOf(input);
   const lab::fuzz::Log log = is_log ? lab::fuzz::Log(bytes, bytes + size) : lab::fuzz::logOf(input);
   const lab::fuzz::MemoryFile file(log.data(), log.size());
   lab::fuzz::report({file.path()});
-  lab::fuzz::replay({file.path()});
+  lab::fuzz::replay({file.path()}, wanted);
   return 0;
 }

@@ -40,7 +40,7 @@ def main():
         if taken[channel] <= most and channel in numbers and len(message) < 65536:
             chosen.append((utime, numbers[channel], message[8:]))  # without its fingerprint
     with open(out, 'wb') as file:
-        file.write(bytes([0]))  # all services but the tracker
+        file.write(bytes([0]))  # all services, without tracker and runner; a replay at its usual place and speed
         for (utime, number, fields), later in zip(chosen, chosen[1:] + chosen[-1:]):
             wait = min((later[0] - utime) // 4000, 255)
             file.write(struct.pack('=BBH', number, wait, len(fields)) + fields)
