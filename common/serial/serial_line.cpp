@@ -60,8 +60,8 @@ bool mayBeTerminal(const std::string& path) {
   constexpr unsigned kLastPts = 143;
   struct stat facts {};
   if (stat(path.c_str(), &facts) != 0) return true;  // open() reports why
-  if (S_ISBLK(facts.st_mode)) return false;
-  if (!S_ISCHR(facts.st_mode)) return true;  // has no effect: isatty() refuses it
+  // Opening a file or a folder has no effect, and isatty() refuses it.
+  if (!S_ISCHR(facts.st_mode)) return S_ISREG(facts.st_mode) || S_ISDIR(facts.st_mode);
   const unsigned type = major(facts.st_rdev);
   if (type >= kFirstPts && type <= kLastPts) return true;
   std::error_code error;
@@ -201,6 +201,17 @@ FileDescriptor openSerialLine(const std::string& path, int baud) {
   tcflush(line.get(), TCIOFLUSH);
   askForLowLatency(line.get());
   return line;
+}
+
+std::string firstThatIsNoTerminal(const std::string& names) {
+  std::istringstream words(names);
+  for (std::string name; words >> name;) {
+    if (name.find_first_of("*?[\\") != std::string::npos) continue;
+    std::error_code error;
+    const bool there = fs::exists(name, error) && !error;
+    if (there && !(fs::is_character_file(name, error) && mayBeTerminal(name))) return name;
+  }
+  return {};
 }
 
 std::string lineHolder(const std::string& path) {

@@ -17,6 +17,11 @@ namespace lab {
 /// @return 0 or an errno: ENOTTY no terminal, EINVAL speed not supported
 [[nodiscard]] int makeRaw(int descriptor, int baud);
 
+/// The first of the names, which are separated by spaces, that leads to something other than a
+/// terminal; empty if there is none. It opens nothing. Patterns (with * ? [ or \) are not looked
+/// up, because that may take long: what they match is refused when it is opened.
+[[nodiscard]] std::string firstThatIsNoTerminal(const std::string& names);
+
 /// The process that has opened the line, as "minicom (pid 1234)"; empty if there is none, or none
 /// that is visible to this user.
 [[nodiscard]] std::string lineHolder(const std::string& path);

@@ -4,7 +4,9 @@
 
 #include <array>
 #include <filesystem>
+#include <string_view>
 
+#include "common/files/certificate_folder.hpp"
 #include "dds_gateway/dds/error.hpp"
 
 namespace lab::dds {
@@ -19,8 +21,9 @@ std::string indices(int most) {
 }
 
 void requireAddress(const std::string& text) {
-  std::array<unsigned char, sizeof(in6_addr)> bytes{};
-  if (inet_pton(AF_INET, text.c_str(), bytes.data()) == 1) return;
+  std::array<unsigned char, sizeof(in_addr)> bytes{};
+  const bool is_whole = text.find('\0') == std::string::npos;
+  if (is_whole && inet_pton(AF_INET, text.c_str(), bytes.data()) == 1) return;
   throw DdsError("found the address \"" + text +
                  "\", expected an IPv4 address as 192.168.1.20 (see ip -brief address)");
 }
@@ -41,21 +44,9 @@ std::string plugin(const std::string& element, const std::string& file,
          functions + R"("/>)";
 }
 
-/// The folder may be named in a file of a stranger. Its name becomes part of an XML document, in
-/// which Cyclone also expands $NAME, and a document can load libraries.
-void requirePlainName(const std::string& folder) {
-  if (folder.find_first_of("<>&\"'$`\n\r\t") == std::string::npos) return;
-  throw DdsError("found the folder of certificates \"" + folder.substr(0, 80) +
-                 "\", expected a path without < > & \" ' $ `; rename it");
-}
-
 std::string securityElement(const fs::path& folder) {
-  requirePlainName(fs::absolute(folder).string());
-  for (const std::string_view file : kSecurityFiles) {
-    if (fs::is_regular_file(folder / file)) continue;
-    throw DdsError((folder / file).string() +
-                   ": not found, or no regular file, expected a certificate folder as "
-                   "docs/security.md makes it");
+  if (const std::string problem = securityFolderProblem(folder); !problem.empty()) {
+    throw DdsError(problem);
   }
   const auto& [identity_ca, certificate, key, permissions_ca, governance, permissions] =
       kSecurityFiles;

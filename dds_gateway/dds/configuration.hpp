@@ -1,17 +1,10 @@
 /// The lab's Cyclone DDS configurations, as XML.
 #pragma once
 
-#include <array>
 #include <string>
-#include <string_view>
 #include <vector>
 
 namespace lab::dds {
-
-/// The files of a folder of certificates (docs/security.md), in the order of securityElement().
-inline constexpr std::array<std::string_view, 6> kSecurityFiles{
-    "identity_ca.pem",    "cert.pem",       "key.pem",
-    "permissions_ca.pem", "governance.p7s", "permissions.p7s"};
 
 /// Uses the loopback interface only: nothing leaves this machine or is received from others. Finds
 /// ROS 2 nodes on this machine that use the loopback interface (Humble's ROS_LOCALHOST_ONLY, the
@@ -31,7 +24,7 @@ struct NetworkOptions {
 
 /// Uses one interface: multicast only for discovery, data by unicast, no message larger than an
 /// Ethernet frame.
-/// @throws DdsError if an address is invalid, or the folder of certificates lacks a file
+/// @throws DdsError if an address is invalid, or the folder of certificates cannot be used
 [[nodiscard]] std::string networkConfiguration(const NetworkOptions& options);
 
 }  // namespace lab::dds

@@ -82,19 +82,8 @@ bool hasShortTexts(const WirePacket& packed) {
 }
 
 void logState(const LinkPeer& peer) {
-  switch (peer.state) {
-    case PeerState::kJoined:
-      spdlog::info("link: joined with {}, whose clock is {:+.3f} ms off ours (+-{:.3f} ms)",
-                   peer.host, 1e3 * peer.clock.offset, 1e3 * peer.clock.error);
-      break;
-    case PeerState::kSilent:
-    case PeerState::kRefused:
-      spdlog::warn("link: {}", peer.trouble);
-      break;
-    case PeerState::kNew:
-      spdlog::info("link: {} is there", peer.host);
-      break;
-  }
+  const bool bad = peer.state == PeerState::kSilent || peer.state == PeerState::kRefused;
+  spdlog::log(bad ? spdlog::level::warn : spdlog::level::info, "link: {}", stateText(peer));
 }
 
 std::int8_t stateOf(const LinkPeer& peer) {

@@ -1,5 +1,7 @@
 #include "dds_gateway/link/link_peers.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +11,7 @@
 #include "common/bus/fingerprints.hpp"
 #include "common/process/version.hpp"
 #include "common/text/fnv1a.hpp"
+#include "common/text/printable.hpp"
 
 namespace lab::gateway {
 namespace {
@@ -49,6 +52,20 @@ ProtocolVersion ProtocolVersion::own() {
 bool LinkHeartbeat::hasShortTexts() const {
   return host.size() <= kLongestName && protocol.fingerprints.size() <= kLongestName &&
          protocol.version.size() <= kLongestName && refusal.size() <= kLongestRefusal;
+}
+
+std::string stateText(const LinkPeer& peer) {
+  switch (peer.state) {
+    case PeerState::kJoined:
+      return fmt::format("joined with {}, whose clock is {:+.3f} ms off ours (+-{:.3f} ms)",
+                         printable(peer.host), 1e3 * peer.clock.offset, 1e3 * peer.clock.error);
+    case PeerState::kSilent:
+    case PeerState::kRefused:
+      return printable(peer.trouble);
+    case PeerState::kNew:
+      break;
+  }
+  return printable(peer.host) + " is there";
 }
 
 LinkPeers::LinkPeers(std::string host, std::int64_t gateway, ProtocolVersion protocol,

@@ -58,6 +58,10 @@ struct LinkPeer {
   ClockOffsetEstimator round_trips;
 };
 
+/// The state of a peer for a log: one line, in which control characters of its texts are shown as
+/// text.
+[[nodiscard]] std::string stateText(const LinkPeer& peer);
+
 class LinkPeers {
  public:
   /// A peer without a heartbeat or packet for this time is silent [us].

@@ -6,8 +6,10 @@
 #include <stb/stb_image_write.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <stdexcept>
+#include <string_view>
 
 namespace lab::light {
 
@@ -15,6 +17,20 @@ namespace {
 
 constexpr std::size_t kMostFileBytes = 64U << 20U;
 constexpr double kMostPixels = 1e8;
+
+/// How files of PNG, JPEG, BMP, PGM and PPM begin. stb also has a decoder of TGA, for pictures of
+/// cameras, and that format has no such mark.
+constexpr std::array<std::string_view, 5> kBeginnings{"\x89PNG", "\xff\xd8", "BM", "P5", "P6"};
+
+bool hasKnownBeginning(std::span<const std::uint8_t> file) {
+  return std::ranges::any_of(kBeginnings, [&](std::string_view beginning) {
+    return file.size() >= beginning.size() &&
+           std::equal(beginning.begin(), beginning.end(), file.begin(),
+                      [](char mark, std::uint8_t byte) {
+                        return static_cast<std::uint8_t>(mark) == byte;
+                      });
+  });
+}
 
 struct StbFree {
   void operator()(stbi_uc* pixels) const { stbi_image_free(pixels); }
@@ -59,8 +75,9 @@ DecodedImage decodeImage(std::span<const std::uint8_t> file) {
   int width = 0;
   int height = 0;
   int channels = 0;
-  if (stbi_info_from_memory(file.data(), length, &width, &height, &channels) == 0) {
-    return {nullptr, "is not an image of a known format (PNG, JPEG, BMP, PGM)"};
+  if (!hasKnownBeginning(file) ||
+      stbi_info_from_memory(file.data(), length, &width, &height, &channels) == 0) {
+    return {nullptr, "is not an image of a known format (PNG, JPEG, BMP, PGM, PPM)"};
   }
   if (static_cast<double>(width) * height > kMostPixels) {
     return {nullptr, "has more than 100 million pixels"};

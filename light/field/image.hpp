@@ -37,8 +37,9 @@ struct DecodedImage {
   std::string error;
 };
 
-/// Decodes PNG, JPEG, BMP, PGM, ... (whatever stb_image reads) to 8-bit grey. An image above
-/// 160 x 120 is shrunk to fit, keeping its proportions to the nearest pixel, by a triangle filter.
+/// Decodes PNG, JPEG, BMP, PGM and PPM of at most 64 MB and 100 million pixels to 8-bit grey. An
+/// image above 160 x 120 is shrunk to fit, keeping its proportions to the nearest pixel, by a
+/// triangle filter.
 [[nodiscard]] DecodedImage decodeImage(std::span<const std::uint8_t> file);
 
 /// Images by their SHA-256.

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "dds_gateway/dds/configuration.hpp"
+#include "common/files/certificate_folder.hpp"
 #include "runner/runs/run_directory.hpp"
 
 namespace lab::runner {
@@ -27,10 +27,11 @@ void addFolder(const fs::path& folder, const std::string& name, std::vector<Host
 }
 
 /// Adds only the files that DDS Security needs, because the folder may also hold the private key of
-/// the certificate authority. The gateway reports a file that is missing.
+/// the certificate authority. checkCertificates() has verified that they are files of this folder;
+/// the gateway reports a file that is missing.
 void addCertificates(const fs::path& folder, const std::string& name,
                      std::vector<HostFile>& files) {
-  for (const std::string_view file : dds::kSecurityFiles) {
+  for (const std::string_view file : kSecurityFiles) {
     if (!fs::exists(folder / file)) continue;
     files.push_back({(fs::path(name) / file).string(), folder / file, {}});
   }

@@ -26,6 +26,7 @@
 #include "projector_ctl/projector_messages.hpp"
 #include "projector_ctl/scene.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "runner/runs/place_checks.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
@@ -200,7 +201,8 @@ std::string utcText(std::int64_t utime) {
                      fmt::gmtime(static_cast<std::time_t>(utime / 1'000'000)));
 }
 
-fs::path makeRunDirectory(const fs::path& parent, const std::string& name, std::int64_t utime) {
+fs::path makeRunDirectory(const fs::path& parent, const std::string& name, std::int64_t utime,
+                          const char* option) {
   std::error_code error;
   fs::create_directories(parent, error);
   const std::string stem = name + "-" + compactUtc(utime);
@@ -208,8 +210,8 @@ fs::path makeRunDirectory(const fs::path& parent, const std::string& name, std::
     const fs::path path = parent / (number == 1 ? stem : fmt::format("{}-{}", stem, number));
     if (fs::create_directory(path, error)) return path;
   }
-  throw UserError(fmt::format("cannot make a folder in {}: {}; choose another with --out",
-                              parent.string(), error.message()));
+  throw UserError(fmt::format("cannot make a folder in {}: {}; choose another with {}",
+                              parent.string(), error.message(), option));
 }
 
 void checkScenes(const Experiment& experiment, const fs::path& source) {
@@ -291,10 +293,12 @@ void checkFiles(const Experiment& experiment, const fs::path& source) {
                [&] { static_cast<void>(activeLightCalibration(experiment, source)); });
   checkScenes(experiment, source);
   static_cast<void>(readNetworkFiles(experiment.gateway, source));
+  checkCertificates(experiment, source);
+  checkDevices(experiment);
 }
 
 PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::path& parent,
-                       std::int64_t utime) {
+                       std::int64_t utime, const char* option) {
   checkFiles(experiment, source);
   PreparedRun run;
   const std::vector<fs::path> recordings = findRecordings(experiment, source);
@@ -306,7 +310,7 @@ PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::
   const fs::path light = experiment.projector.light_calibration;
   const fs::path frames = experiment.camera.frames;
   const NetworkFiles network = readNetworkFiles(experiment.gateway, source);
-  run.directory = makeRunDirectory(parent, experiment.name, utime);
+  run.directory = makeRunDirectory(parent, experiment.name, utime, option);
   if (!motors.empty()) adoptMotors(experiment, source / motors, run.directory);
   adoptCameras(experiment, cameras, run.directory);
   if (!projector.empty()) adoptProjector(experiment, source / projector, run.directory);

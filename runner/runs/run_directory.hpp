@@ -22,19 +22,25 @@ inline constexpr const char* kServiceLogs = "logs";
 inline constexpr const char* kPorts = "ports";  ///< while it runs: serial lines of simulated robots
 }  // namespace files
 
+/// The option of `lab run` and others that names the folder of runs.
+inline constexpr const char* kRunsOption = "--runs";
+
 /// Makes `parent`/<name>-<UTC time>, with a number appended if that exists: nothing is overwritten.
+/// @param option that chooses another `parent`, for the message
 /// @throws UserError when it cannot be made
 [[nodiscard]] std::filesystem::path makeRunDirectory(const std::filesystem::path& parent,
-                                                     const std::string& name, std::int64_t utime);
+                                                     const std::string& name, std::int64_t utime,
+                                                     const char* option = kRunsOption);
 
 /// Checks that the projector can show every step of the script, with one copy of a layer per
 /// followed robot.
 /// @throws UserError that names the step
 void checkScenes(const Experiment& experiment, const std::filesystem::path& source);
 
-/// Checks all files that the experiment names, as prepareRun() does, without making anything.
+/// Checks all files, folders and devices that the experiment names, as prepareRun() does, without
+/// making anything.
 /// @param source folder to which the paths are relative
-/// @throws ExperimentError, UserError for a file that cannot be used
+/// @throws ExperimentError, UserError for one that cannot be used
 void checkFiles(const Experiment& experiment, const std::filesystem::path& source);
 
 /// Copies the images of the light script into the run, named by their SHA-256, and changes their
@@ -78,7 +84,9 @@ struct PreparedRun {
 };
 
 /// Makes the folder with experiment.toml, images and calibrations.
+/// @param option see makeRunDirectory()
 [[nodiscard]] PreparedRun prepareRun(Experiment experiment, const std::filesystem::path& source,
-                                     const std::filesystem::path& parent, std::int64_t utime);
+                                     const std::filesystem::path& parent, std::int64_t utime,
+                                     const char* option = kRunsOption);
 
 }  // namespace lab::runner

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -133,6 +134,35 @@ void checkLink(const Experiment& e, Problems& problems) {
   }
 }
 
+bool isIpv4Address(const std::string& address) {
+  std::array<unsigned char, sizeof(in_addr)> bytes{};
+  return inet_pton(AF_INET, address.c_str(), bytes.data()) == 1 &&
+         address.find('\0') == std::string::npos;
+}
+
+/// The gateway writes addresses into the configuration of Cyclone DDS, an XML document
+/// (dds_gateway/dds/configuration.cpp), and takes no other ones.
+void checkDdsAddress(const std::string& path, const std::string& address, Problems& problems) {
+  if (isIpv4Address(address) || problems.concern(path)) return;
+  problems.add(path, "found " + tomlString(address) +
+                         ", allowed an IPv4 address in numbers, as \"192.168.1.20\"; \"ip addr\" "
+                         "lists those of a machine");
+}
+
+void checkDdsAddresses(const Experiment& e, Problems& problems) {
+  const auto check_if_given = [&](const std::string& path, const std::string& address) {
+    if (!address.empty()) checkDdsAddress(path, address, problems);
+  };
+  check_if_given("gateway.address", e.gateway.address);
+  for (std::size_t i = 0; i < e.gateway.peers.size(); ++i) {
+    checkDdsAddress("gateway.peers[" + std::to_string(i) + "]", e.gateway.peers[i], problems);
+  }
+  check_if_given("link.address", e.link.address);
+  for (const auto& [name, host] : e.hosts) {
+    check_if_given("hosts." + name + ".address", host.address);
+  }
+}
+
 void checkOwnConfiguration(const Gateway& gateway, Problems& problems) {
   if (gateway.configuration.empty()) return;
   const char* other = !gateway.address.empty()    ? "gateway.address"
@@ -181,8 +211,7 @@ namespace {
 
 bool isNumericAddress(const std::string& address) {
   std::array<unsigned char, sizeof(in6_addr)> bytes{};
-  return inet_pton(AF_INET, address.c_str(), bytes.data()) == 1 ||
-         inet_pton(AF_INET6, address.c_str(), bytes.data()) == 1;
+  return isIpv4Address(address) || inet_pton(AF_INET6, address.c_str(), bytes.data()) == 1;
 }
 
 void checkDashboard(const Dashboard& dashboard, Problems& problems) {
@@ -211,16 +240,7 @@ void checkCommandRobots(const ExperimentForm& form, Problems& problems) {
   }
 }
 
-}  // namespace
-
-void checkNetworks(const ExperimentForm& form,
-                   const std::optional<std::filesystem::path>& directory, Problems& problems) {
-  if (directory) refuseConfigurationInFile(form.common.gateway, problems);
-  if (!problems.concern("gateway")) {
-    checkGateway(form.common, problems);
-    if (!problems.concern("robots")) checkCommandRobots(form, problems);
-  }
-  if (!problems.concern("dashboard")) checkDashboard(form.common.dashboard, problems);
+void checkPlacesAndLink(const ExperimentForm& form, Problems& problems) {
   if (problems.concern("hosts") || problems.concern("services")) return;
   // The form has entries of robots; checkPlaces() needs only their bodies.
   Experiment e = form.common;
@@ -231,6 +251,20 @@ void checkNetworks(const ExperimentForm& form,
   }
   checkPlaces(e, problems);
   if (!problems.concern("link") && !problems.concern("services")) checkLink(e, problems);
+}
+
+}  // namespace
+
+void checkNetworks(const ExperimentForm& form,
+                   const std::optional<std::filesystem::path>& directory, Problems& problems) {
+  if (directory) refuseConfigurationInFile(form.common.gateway, problems);
+  if (!problems.concern("gateway")) {
+    checkGateway(form.common, problems);
+    if (!problems.concern("robots")) checkCommandRobots(form, problems);
+  }
+  if (!problems.concern("dashboard")) checkDashboard(form.common.dashboard, problems);
+  checkPlacesAndLink(form, problems);
+  checkDdsAddresses(form.common, problems);
 }
 
 }  // namespace lab::keys

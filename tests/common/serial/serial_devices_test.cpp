@@ -4,8 +4,10 @@
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <poll.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <termios.h>
 #include <unistd.h>
@@ -159,6 +161,29 @@ TEST_F(SerialDevicesTest, RefusesOtherFiles) {
   EXPECT_EQ(complaint(file), file + ": not a serial device");
   EXPECT_THAT(complaint(folder / "."), HasSubstr("not a serial device"));
   EXPECT_EQ(complaint("/dev/null"), "/dev/null: not a serial device");
+}
+
+TEST_F(SerialDevicesTest, OpensNoPipe) {
+  const std::string pipe = folder / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  const int reader = ::open(pipe.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  EXPECT_EQ(complaint(pipe), pipe + ": not a serial device");
+  pollfd end{reader, POLLIN, 0};
+  EXPECT_EQ(poll(&end, 1, 0), 0) << "a writer that was there would leave a hang-up";
+  close(reader);
+}
+
+TEST_F(SerialDevicesTest, FindsNamesOfOtherThingsWithoutOpeningThem) {
+  const auto robot = dut.offer("robot_1");
+  const std::string line = dut.offered().at(0);
+  ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
+  std::ofstream(folder / "file") << "text";
+
+  EXPECT_EQ(firstThatIsNoTerminal("/dev/none " + line + " /dev/nul?"), "");
+  for (const std::string& name : {std::string("/dev/null"), (folder / "pipe").string(),
+                                  (folder / "file").string(), (folder / ".").string()}) {
+    EXPECT_EQ(firstThatIsNoTerminal(line + " " + name + " /dev/zero"), name);
+  }
 }
 
 TEST_F(SerialDevicesTest, RefusesAnUnknownSpeed) {

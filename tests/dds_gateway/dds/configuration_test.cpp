@@ -9,6 +9,7 @@
 #include <string>
 #include <string_view>
 
+#include "common/files/certificate_folder.hpp"
 #include "dds_gateway/dds/domain.hpp"
 #include "dds_gateway/dds/endpoint.hpp"
 #include "dds_gateway/dds/error.hpp"
@@ -101,6 +102,21 @@ TEST(Configuration, CertificatesAreRegularFiles) {
       HasSubstr("identity_ca.pem: not found, or no regular file"));
 }
 
+TEST(Configuration, CertificatesAreFilesOfTheirFolder) {
+  const TemporaryFolder parent;
+  const std::filesystem::path folder = parent / "keys";
+  std::filesystem::create_directories(folder);
+  for (const std::string_view file : kSecurityFiles) std::ofstream(folder / file) << "x";
+  const auto error = [&] {
+    return errorOf(
+        [&] { (void)networkConfiguration({.address = "127.0.0.1", .security = folder.string()}); });
+  };
+  EXPECT_EQ(error(), "no error");
+  std::filesystem::rename(folder / "key.pem", parent / "key.pem");
+  std::filesystem::create_symlink("../key.pem", folder / "key.pem");
+  EXPECT_THAT(error(), HasSubstr("key.pem: found a link to "));
+}
+
 TEST(Configuration, AnAddressThatThisHostDoesNotHaveIsNamed) {
   EXPECT_THAT(errorOfConfiguration(networkConfiguration({.address = "192.0.2.7"})),
               HasSubstr("192.0.2.7"));
@@ -114,6 +130,10 @@ TEST(Configuration, AnInvalidAddressIsRefused) {
         errorOf([&] { (void)networkConfiguration({.address = "127.0.0.1", .peers = {address}}); }),
         HasSubstr('"' + address + '"'));
   }
+  // inet_pton() reads up to the zero only.
+  const std::string longer("1.2.3.4\0\"/>", 11);
+  EXPECT_THAT(errorOf([&] { (void)networkConfiguration({.address = longer}); }),
+              HasSubstr("found the address \"1.2.3.4"));
 }
 
 TEST(Configuration, AMissingCertificateFileIsNamed) {

@@ -207,5 +207,22 @@ TEST(LinkPeers, AHeartbeatWithALongTextIsIgnored) {
   EXPECT_TRUE(answer.hasShortTexts()) << "also what we answer: " << answer.refusal;
 }
 
+// A gateway writes the states of its peers into a log that people look at on a terminal.
+TEST(LinkPeers, ThatSendControlCharactersAreLoggedInOneLine) {
+  LinkPeer peer;
+  peer.host = "bench\n\x1b[2J";
+  EXPECT_EQ(stateText(peer), "bench\\x0a\\x1b[2J is there");
+  peer.state = PeerState::kJoined;
+  peer.clock.offset = 1e-3;
+  peer.clock.error = 2e-4;
+  EXPECT_EQ(stateText(peer),
+            "joined with bench\\x0a\\x1b[2J, whose clock is +1.000 ms off ours (+-0.200 ms)");
+  peer.trouble = peer.host + " refuses us: \xff\r";
+  for (const PeerState state : {PeerState::kSilent, PeerState::kRefused}) {
+    peer.state = state;
+    EXPECT_EQ(stateText(peer), "bench\\x0a\\x1b[2J refuses us: \xEF\xBF\xBD\\x0d");
+  }
+}
+
 }  // namespace
 }  // namespace lab::gateway::link_peers_test

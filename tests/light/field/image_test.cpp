@@ -48,6 +48,29 @@ TEST(LightImage, ThatIsInvalidNamesTheExpectedFormats) {
   EXPECT_THAT(dut.error, HasSubstr("not an image of a known format"));
 }
 
+TEST(LightImage, OfAFormatThatIsNotNeededIsRefused) {
+  using namespace std::string_view_literals;
+  const auto gif = "GIF89a\1\0\1\0\x80\0\0\0\0\0\xff\xff\xff,\0\0\0\0\1\0\1\0\0\2\2\x44\1\0;"sv;
+  const auto tga = "\0\0\3\0\0\0\0\0\0\0\0\0\1\0\1\0\x08\0\x7f"sv;
+  for (const std::string_view file : {gif, tga}) {
+    const DecodedImage dut = decodeImage(bytesOf(file));
+    EXPECT_FALSE(dut.image);
+    EXPECT_EQ(dut.error, "is not an image of a known format (PNG, JPEG, BMP, PGM, PPM)");
+  }
+}
+
+TEST(LightImage, ThatClaimsTooManyPixelsIsRefusedBeforeItIsDecoded) {
+  using namespace std::string_view_literals;
+  const auto png = "\x89PNG\r\n\x1a\n\0\0\0\x0dIHDR\0\0\x4e\x20\0\0\x4e\x20\x08\0\0\0\0\0\0\0\0"sv;
+  const auto jpeg = "\xff\xd8\xff\xc0\0\x0b\x08\xff\xff\xff\xff\1\1\x11\0"sv;
+  // The decoder itself, which asks for memory first, would name another reason.
+  for (const std::string_view file : {png, jpeg, "P5 20000 20000 255\n"sv}) {
+    const DecodedImage dut = decodeImage(bytesOf(file));
+    EXPECT_FALSE(dut.image);
+    EXPECT_EQ(dut.error, "has more than 100 million pixels");
+  }
+}
+
 TEST(LightImage, ThatIsTruncatedIsRejected) {
   std::vector<std::uint8_t> png = encodePng(64, 64, std::vector<std::uint8_t>(64 * 64, 77));
   png.resize(png.size() / 2);

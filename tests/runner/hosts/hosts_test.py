@@ -253,6 +253,13 @@ def unreachable(hosts):
     hosts.daemons['bench'].kill()
     hosts.daemons['bench'].wait()
     refuse(experiment(), r'no ssh server answers there')
+    # Certificates are checked before a host is asked.
+    folder = certificates(hosts)
+    os.remove(folder + '/key.pem')
+    os.symlink(hosts.path('key'), folder + '/key.pem')
+    refuse(experiment(security=f'security = "{folder}"'),
+           r'link\.security: .*/key\.pem: found a link to .*outside of the folder')
+    refuse(experiment(security='security = "/nowhere"'), r'link\.security: /nowhere: not found')
 
 
 def three(hosts):

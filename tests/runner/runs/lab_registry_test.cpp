@@ -95,6 +95,38 @@ TEST_F(LabRegistry, ForgetsLabsWhoseRunnerDied) {
   EXPECT_FALSE(fs::exists(file));
 }
 
+// The folder of a replayed run may come from a stranger.
+TEST_F(LabRegistry, NamesAreShownWithoutControlCharacters) {
+  const Registration dut({"replay-\x1b[2J\nlab", "udpm://x", getpid(), "/runs/\x1b[2J", true});
+
+  EXPECT_EQ(dut.name(), "replay-\\x1b[2J\\x0alab");
+  EXPECT_EQ(findLab("").name, dut.name());
+  EXPECT_EQ(findLab(dut.name()).url, "udpm://x");
+}
+
+TEST_F(LabRegistry, TakesFoldersWhoseNamesAreNoText) {
+  {
+    const Registration dut({"run-\xff", "udpm://x", getpid(), "/runs/run-\xff", false});
+    EXPECT_EQ(findLab("").name, "run-\xEF\xBF\xBD");
+    EXPECT_EQ(findLab("").directory, "/runs/run-\xEF\xBF\xBD");
+  }
+  EXPECT_THAT(runningLabs(), testing::IsEmpty());
+}
+
+TEST_F(LabRegistry, RemovesFilesOfDeadRunnersThatCannotBeRead) {
+  fs::create_directories(registryDirectory());
+  const fs::path dead = registryDirectory() / "999999999.json";
+  const fs::path mine = registryDirectory() / (std::to_string(getpid()) + ".json");
+  const fs::path unknown = registryDirectory() / "notes.json";
+  for (const fs::path& file : {dead, mine, unknown}) std::ofstream(file) << "";
+
+  EXPECT_THAT(runningLabs(), testing::IsEmpty());
+
+  EXPECT_FALSE(fs::exists(dead));
+  EXPECT_TRUE(fs::exists(mine)) << "it may be about to be written";
+  EXPECT_TRUE(fs::exists(unknown));
+}
+
 TEST_F(LabRegistry, RemovesFilesOfDeadRunners) {
   fs::create_directories(registryDirectory());
   const fs::path mine = registryFile(".web.txt");

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "runner/command_line/exit_code.hpp"
 #include "tests/support/experiment_samples.hpp"
 #include "tests/support/temporary_folder.hpp"
 #include "tests/support/text_file.hpp"
@@ -107,6 +108,22 @@ TEST_F(PreparedRunTest, WaitsForNoPipe) {
   experiment = small();
   experiment.projector.calibration = "pipe";
   EXPECT_THAT(problemOf(experiment), HasSubstr("pipe: found a pipe"));
+}
+
+TEST(MakeRunDirectory, NamesTheOptionThatChoosesAnotherFolder) {
+  const TemporaryFolder folder;
+  support::writeFile(folder / "file", "x");
+  const auto problemWith = [&](auto... option) -> std::string {
+    try {
+      static_cast<void>(makeRunDirectory(folder / "file", "abp", 0, option...));
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "made";
+  };
+  EXPECT_EQ(problemWith(), "cannot make a folder in " + (folder / "file").string() +
+                               ": Not a directory; choose another with --runs");
+  EXPECT_THAT(problemWith("--out"), testing::EndsWith("; choose another with --out"));
 }
 
 }  // namespace
