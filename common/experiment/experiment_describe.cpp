@@ -2,18 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <cstdio>
 #include <initializer_list>
 #include <map>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "common/experiment/description_line.hpp"
 #include "common/experiment/experiment_log_size.hpp"
+#include "common/experiment/experiment_reach.hpp"
 #include "common/experiment/light_messages.hpp"
 #include "common/experiment/script_plan.hpp"
-#include "common/experiment/service_placement.hpp"
 #include "common/files/file_values.hpp"
 #include "common/text/format.hpp"
 #include "light/field/field.hpp"
@@ -21,18 +20,13 @@
 namespace lab {
 namespace {
 
+using description::line;
 using keys::centimetreText;
 using keys::fileText;
 using keys::numberText;
 using keys::unitOf;
 
 constexpr int kParameterDigits = 6;
-constexpr std::size_t kLabel = 14;  // columns before the text of a line
-
-std::string line(std::string label, const std::string& text) {
-  label.resize(std::max(kLabel, label.size() + 1), ' ');
-  return label + text + "\n";
-}
 
 std::string rounded(double value) {
   char text[32];
@@ -301,55 +295,6 @@ std::string describeStop(const Experiment& e) {
   return text;
 }
 
-/// How far the ROS 2 gateway reaches, and what it may command.
-std::string describeRos(const Experiment& e) {
-  const Gateway& gateway = e.gateway;
-  if (!gateway.ros) return {};
-  const std::string reach = !gateway.configuration.empty() ? "as " + gateway.configuration + " says"
-                            : gateway.address.empty()      ? "on this machine only"
-                                                           : "by " + gateway.address;
-  std::string who = gateway.command_robots.empty() ? " all" : "";
-  for (const std::int32_t id : gateway.command_robots) who += " " + std::to_string(id);
-  return line("ROS 2", "topics /" + gateway.name + "/..., domain " +
-                           std::to_string(gateway.domain) + ", " + reach +
-                           (gateway.security.empty() ? "" : ", secured")) +
-         line("", gateway.commands ? "may set the light and drive robots:" + who
-                                   : std::string("may observe, but not drive"));
-}
-
-/// Who else can open the page, and use its buttons.
-std::string describeDashboard(const Dashboard& dashboard) {
-  if (isLocalOnly(dashboard)) return {};
-  return line("dashboard",
-              "listens on " + dashboard.address +
-                  ", unencrypted: everyone who can reach it sees the lab and its runs") +
-         line("", dashboard.control_from_elsewhere
-                      ? "warning: everyone who has the printed address, or can read the traffic of "
-                        "that network, may drive robots and light"
-                      : "and cannot control it: buttons work on this machine only");
-}
-
-/// "bench: sim_svc, robot_bridge (ssh pi@robot-bench)"
-std::string describeHosts(const Experiment& e) {
-  const std::vector<std::string> hosts = otherHosts(e);
-  std::string text;
-  for (const std::string& host : hosts) {
-    std::string services;
-    for (const std::string_view service : kServiceNames) {
-      if (hostOf(e, service) == host)
-        services += (services.empty() ? "" : ", ") + std::string(service);
-    }
-    text += line(text.empty() ? "hosts" : "",
-                 host + ": " + services + " (ssh " + hostSpec(e, host).ssh + ")");
-  }
-  if (hosts.empty()) return text;
-  if (e.link.join == JoinBy::kMulticast) {
-    return text + line("", "joined by LCM multicast, ttl " + std::to_string(e.network.ttl));
-  }
-  return text + line("", std::string("joined by DDS, domain ") + std::to_string(e.link.domain) +
-                             (e.link.security.empty() ? ", unsecured" : ", secured"));
-}
-
 }  // namespace
 
 std::string senseText(const SenseSpec& sense) {
@@ -398,9 +343,7 @@ std::string describeExperiment(const Experiment& e, const ProgramCoefficients& c
   text += describeLight(e);
   text += describeReversal(e.reversal);
   text += describeCamera(e);
-  text += describeRos(e);
-  text += describeDashboard(e.dashboard);
-  text += describeHosts(e);
+  text += describeReach(e);
   text += line("log", at_most + "about " + describeSize(expectedLogBytes(e)));
   return text;
 }

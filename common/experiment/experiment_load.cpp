@@ -3,16 +3,21 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstddef>
+#include <functional>
+#include <iterator>
+#include <string>
 #include <string_view>
+#include <vector>
 
 #include "common/experiment/service_placement.hpp"
 
 namespace lab {
 namespace {
 
-constexpr double kPicture = 1280.0 * 720.0;  // [px] of the measured pictures
-constexpr double kListed = 0.01;             // [1] processes below this are not listed
+constexpr double kPicture = 1280.0 * 720.0;       // [px] of the measured pictures
+constexpr double kFilmPicture = 1920.0 * 1080.0;  // [px] of the measured films
+constexpr double kListed = 0.01;                  // [1] processes below this are not listed
+constexpr const char* kEncoder = "ffmpeg";
 
 /// The cost of a process: cores = fixed + robots * robot + frames/s * (frame + robots * both).
 struct Cost {
@@ -38,6 +43,22 @@ constexpr Cost kGateway{0.0034, 1.57e-4, 16e-6, 3.5e-6};
 constexpr Cost kBridge{0, 15.5e-4, 0, 0};    // robot_bridge_benchmark.sh
 constexpr Cost kChips{0.036, 100e-4, 0, 0};  // robot_emulator: sim_bodies_benchmark
 constexpr double kNativeDevice = 0.95e-4;    // [1] in sim_svc: sim_bodies_benchmark
+constexpr double kDashboard = 0.03;          // [1] dashboard_clients.py, 100 robots at 20 frames/s
+
+/// The processor time of a frame of a film [s], measured by film_recorder_benchmark (docs/films.md)
+/// with pictures of kFilmPicture.
+constexpr double filmedFrame(FilmCodec codec) {
+  switch (codec) {
+    case FilmCodec::kFfvhuff:
+      return 5.1e-3;
+    case FilmCodec::kH264:
+      return 9.0e-3;
+    case FilmCodec::kFfv1:
+      break;
+  }
+  return 33e-3;
+}
+constexpr int kFfv1Slices = 4;  // of a picture, by encodeCommand(): a thread encodes a slice
 
 double count(const Experiment& experiment, Body body) {
   return static_cast<double>(std::ranges::count(experiment.robots, body, &RobotSpec::body));
@@ -67,9 +88,25 @@ double simulatorCores(const Experiment& experiment) {
   return cores + kNativeDevice * count(experiment, Body::kWire);
 }
 
+/// The encoder of each camera's film is a process of its own.
+std::vector<ProcessLoad> filmLoad(const Experiment& experiment) {
+  std::vector<ProcessLoad> encoders;
+  if (!isFilmed(experiment.camera)) return encoders;
+  for (const Camera& camera : camerasOf(experiment)) {
+    const FilmSpec& film = camera.film;
+    encoders.push_back(
+        {.process = kEncoder + (camera.name.empty() ? "" : " of " + camera.name),
+         .cores =
+             camera.fps * filmedFrame(film.codec) * camera.width * camera.height / kFilmPicture,
+         .threads =
+             film.codec == FilmCodec::kFfv1 ? std::min(film.threads, kFfv1Slices) : film.threads});
+  }
+  return encoders;
+}
+
 }  // namespace
 
-std::vector<ProcessLoad> expectedLoad(const Experiment& experiment) {
+std::vector<ProcessLoad> expectedLoad(const Experiment& experiment, bool dashboard) {
   const auto robots = static_cast<double>(experiment.robots.size());
   const Camera& camera = experiment.camera;
   const double chips = count(experiment, Body::kFirmware);
@@ -90,32 +127,40 @@ std::vector<ProcessLoad> expectedLoad(const Experiment& experiment) {
   if (chips > 0 && hostOf(experiment, "sim_svc").empty()) {
     all.push_back({"robot_emulator", kChips.cores(chips, 0)});
   }
+  std::ranges::copy(filmLoad(experiment), std::back_inserter(all));
+  if (dashboard) all.push_back({std::string(kObserverService), kDashboard});
   std::ranges::sort(all, std::ranges::greater(), &ProcessLoad::cores);
   return all;
 }
 
-std::string loadProblem(const Experiment& experiment, unsigned cores) {
+std::string loadProblem(const Experiment& experiment, unsigned cores, bool dashboard) {
   double sum = 0;
   std::string list;
-  const std::vector<ProcessLoad> processes = expectedLoad(experiment);
+  const std::vector<ProcessLoad> processes = expectedLoad(experiment, dashboard);
   for (const ProcessLoad& process : processes) {
     sum += process.cores;
     if (process.cores < kListed) continue;
     list += fmt::format("{}{} {:.2f}", list.empty() ? "" : ", ", process.process, process.cores);
   }
-  const ProcessLoad& busiest = processes.front();
+  const auto slow = std::ranges::find_if(
+      processes, [](const ProcessLoad& process) { return process.cores > process.threads; });
   std::string problem;
   if (cores > 0 && sum > cores) {
     problem = fmt::format("needs about {:.1f} of {} core{} in real time", sum, cores,
                           cores == 1 ? "" : "s");
-  } else if (busiest.cores > 1) {
-    problem = fmt::format("needs about {:.1f} cores for {} in real time, which can use only one",
-                          busiest.cores, busiest.process);
+  } else if (slow != processes.end()) {
+    problem = fmt::format("needs about {:.1f} cores for {} in real time, which can use only {}{}",
+                          slow->cores, slow->process,
+                          slow->threads == 1 ? "one" : std::to_string(slow->threads),
+                          slow->process.starts_with(kEncoder) ? " (camera.record_threads)" : "");
   }
   if (problem.empty()) return {};
+  const bool other_codec =
+      isFilmed(experiment.camera) && experiment.camera.film.codec != FilmCodec::kFfvhuff;
   return problem + ": " + list +
-         "; lower camera.fps, the size of the pictures or the number of robots, place services on "
-         "other hosts, or use --virtual-time";
+         "; lower camera.fps, the size of the pictures or the number of robots, " +
+         (other_codec ? "set camera.record_codec = \"ffvhuff\", " : "") +
+         "place services on other hosts, or use --virtual-time";
 }
 
 }  // namespace lab

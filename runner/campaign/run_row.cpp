@@ -65,7 +65,7 @@ void runRow(const RunTask& task) {
   fs::create_directories(scratch.path());
   Experiment experiment = experimentOf(*task.point, task.row->seed, task.campaign);
   const bool live = logs || needsLiveAnalysis(experiment);
-  PreparedRun run = prepareRun(std::move(experiment), task.campaign, scratch.path(), 0);
+  PreparedRun run = prepareRun(std::move(experiment), task.campaign, scratch.path(), 0, "--out");
   run.live_analysis = live;
   const RunOutcome outcome = execute(run);
 

@@ -75,7 +75,7 @@ fs::path folderFor(const SweepOptions& options, const Request& request) {
   if (!options.fresh) {
     if (const auto known = findCampaign(options.campaigns, request)) return *known;
   }
-  return makeRunDirectory(options.campaigns, request.name, wallClock());
+  return makeRunDirectory(options.campaigns, request.name, wallClock(), "--out");
 }
 
 /// What the numbers of a campaign come from.

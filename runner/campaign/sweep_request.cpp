@@ -1,6 +1,7 @@
 #include "runner/campaign/sweep_request.hpp"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -12,6 +13,7 @@
 #include "common/experiment/sweep.hpp"
 #include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
+#include "runner/command_line/command_line_parts.hpp"
 
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;
@@ -33,9 +35,42 @@ LivePlan livePlanOf(const SweepOptions& options) {
   return plan;
 }
 
+/// Options that stand for a key, and settings of the same key.
+void refuseContradictions(const SweepOptions& options) {
+  const auto number = [&](const char* option, const char* key, const auto& value) {
+    if (!value) return;
+    refuseContradiction(options.set, fmt::format("{} {}", option, *value), key,
+                        fmt::format("{}", *value));
+  };
+  number("--seed", "seed", options.seed);
+  number("--seeds", "sweep.seeds", options.seeds);
+  number("--random", "sweep.random", options.random);
+  if (!options.sampling.empty()) {
+    refuseContradiction(options.set, "--sampling " + options.sampling, "sweep.sampling",
+                        options.sampling);
+  }
+  if (options.zip) {
+    refuseContradiction(options.set, *options.zip ? "--zip" : "--no-zip", "sweep.zip",
+                        *options.zip ? "true" : "false");
+  }
+  for (const std::string& over : options.over) {
+    refuseContradiction(options.set, "--over " + over, "sweep.over", over);
+  }
+}
+
+/// Swept keys, and settings of the same key.
+void refuseSettingsOfAxes(const Request& request, const Design& design, const std::string& option) {
+  for (std::size_t i = 0; i < design.axes.size(); ++i) {
+    refuseContradiction(request.set, fmt::format("{} {}", option, request.over[i]),
+                        design.axes[i].key,
+                        fmt::format("{}", fmt::join(design.axes[i].values, ",")));
+  }
+}
+
 }  // namespace
 
 Request requestOf(const SweepOptions& options, const std::string& text) {
+  refuseContradictions(options);
   const SweepTable table = readSweepTable(text, options.input.string(), options.set);
   Request request;
   request.file = fs::absolute(options.input).lexically_normal().string();
@@ -68,6 +103,7 @@ Request requestOf(const SweepOptions& options, const std::string& text) {
   // The first point's experiment is valid, if any is; its name and seed are those of all.
   std::vector<std::string> settings = request.set;
   const Design design = request.design();
+  refuseSettingsOfAxes(request, design, options.over.empty() ? "[sweep] over" : "--over");
   if (!design.axes.empty()) {
     Design first = design;
     for (Axis& axis : first.axes) {

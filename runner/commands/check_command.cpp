@@ -1,6 +1,8 @@
 #include <fmt/format.h>
 
+#include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -16,6 +18,9 @@
 #include "common/experiment/experiment_messages.hpp"
 #include "common/text/printable.hpp"
 #include "runner/commands/commands.hpp"
+#include "runner/commands/run_command.hpp"
+#include "runner/live/dashboard_process.hpp"
+#include "runner/live/launch.hpp"
 #include "runner/runs/run_directory.hpp"
 
 namespace lab::runner {
@@ -30,8 +35,12 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
     return measured + (measured.empty() ? "" : "; ") + analysis::referenceText(program, wheel_base);
   };
   fmt::print("{}", printableLines(describeExperiment(experiment, coefficients)));
-  const std::string problem = loadProblem(experiment, std::thread::hardware_concurrency());
-  if (!problem.empty()) fmt::print("warning       {}\n", printable(problem));
+  const bool dashboard = wantsDashboard(std::nullopt, false, std::getenv("CI"));
+  for (const std::string& problem :
+       {loadProblem(experiment, std::thread::hardware_concurrency(), dashboard),
+        diskProblem(experiment, RunOptions().out)}) {
+    if (!problem.empty()) fmt::print("warning       {}\n", printable(problem));
+  }
   return kDone;
 }
 

@@ -13,6 +13,7 @@
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/experiment/command_line_sources.hpp"
+#include "common/experiment/experiment_reach.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/math/units.hpp"
@@ -24,23 +25,13 @@
 #include "runner/hosts/remote_hosts.hpp"
 #include "runner/runs/lab_registry.hpp"
 #include "runner/runs/network.hpp"
+#include "runner/runs/place_checks.hpp"
 
 namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
 volatile std::sig_atomic_t interrupted = 0;
-
-void requireDisk(const Experiment& experiment, const fs::path& folder) {
-  const std::int64_t need = diskNeed_bytes(experiment);
-  const std::int64_t have = freeBytes(folder);
-  if (have >= need) return;
-  throw UserError(
-      fmt::format("too little disk in {}: this run needs about {} MB, {} MB are free; make room, "
-                  "choose another "
-                  "folder with --runs, or shorten duration_s",
-                  folder.string(), need / 1'000'000, have / 1'000'000));
-}
 
 /// Packages leave out programs that only some experiments need, and `./lab` builds only those that
 /// the command needs.
@@ -58,10 +49,10 @@ void requireParts(const Experiment& experiment, bool virtual_time) {
 }
 
 /// With ttl 0 the kernel keeps messages on this machine only while the interface does not change.
-void warnUnpinned() {
-  if (const std::string warning = unpinnedWarning(); !warning.empty()) {
-    fmt::print(stderr, "warn     {}\n", printable(warning));
-  }
+void warnOfReach(const Network& network) {
+  const std::string warning =
+      network.ttl == 0 ? unpinnedWarning() : "the bus is " + openBusText(network);
+  if (!warning.empty()) fmt::print(stderr, "warn     {}\n", printable(warning));
 }
 
 RunOutcome execute(const LaunchOptions& options, const PreparedRun& run, const std::string& name,
@@ -133,6 +124,17 @@ std::vector<std::string> neededPrograms(const Experiment& experiment, bool virtu
   return names;
 }
 
+std::string diskProblem(const Experiment& experiment, const fs::path& folder) {
+  const std::int64_t need = diskNeed_bytes(experiment);
+  const std::int64_t have = freeBytes(folder);
+  if (have >= need) return {};
+  return fmt::format(
+      "too little disk in {}: this run needs about {} MB, {} MB are free; make room, choose "
+      "another "
+      "folder with --runs, or shorten duration_s",
+      folder.string(), need / 1'000'000, have / 1'000'000);
+}
+
 fs::path requireProgram(const std::string& name, const std::string& package) {
   if (const auto path = findProgram(name)) return *path;
   throw UserError(fmt::format("{} is not installed: sudo apt-get install {}", name, package));
@@ -160,7 +162,9 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   if (camera.tracker == Tracker::kCamera || options.cameras) requirePipeline(experiment);
   if (isFilmed(camera)) requireProgram("ffmpeg", "ffmpeg");
   requireParts(experiment, virtual_time);
-  requireDisk(experiment, options.out);
+  if (const std::string problem = diskProblem(experiment, options.out); !problem.empty()) {
+    throw UserError(problem);
+  }
   if (!virtual_time) {
     if (const auto problem = multicastProblem()) throw UserError(*problem);
     const bool wanted = experiment.network.port != 0;
@@ -170,9 +174,14 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
     // Services send a heartbeat once a second. A port that was free a moment ago is watched only
     // briefly.
     refuseForeignTraffic(url, wanted ? 1300 : 300);
-    if (experiment.network.ttl == 0) warnUnpinned();
+    warnOfReach(experiment.network);
+    const fs::path source = options.file.parent_path();
+    requireCertificates(experiment, source);
     const std::vector<std::string> others = hostsInUse(experiment);
-    if (!others.empty()) hosts.emplace(experiment, others);
+    if (!others.empty()) {
+      checkFiles(experiment, source);  // before an agent is started on another host
+      hosts.emplace(experiment, others);
+    }
   }
 
   const std::int64_t start = wallClock();
@@ -189,7 +198,7 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
     if (hosts) head += hosts->describe();
     registration.emplace(
         RunningLab{name, url, getpid(), fs::absolute(prepared.directory).string()});
-    if (registration->name() != name) {
+    if (registration->name() != printable(name)) {
       head += fmt::format("lab      {} (another running lab is named {})\n", registration->name(),
                           name);
     }

@@ -46,6 +46,11 @@ std::filesystem::path requireProgram(const std::string& name, const std::string&
 [[nodiscard]] std::vector<std::string> neededPrograms(const Experiment& experiment,
                                                       bool virtual_time);
 
+/// Why a run of this experiment does not fit into the folder of runs, with the way out; empty if it
+/// fits.
+[[nodiscard]] std::string diskProblem(const Experiment& experiment,
+                                      const std::filesystem::path& folder);
+
 /// Runs an experiment to its end, in real or in virtual time, and leaves its folder with the log.
 /// @param show called with the state of the run, again and again
 /// @param procedure drives the robots instead of their light table; may be empty

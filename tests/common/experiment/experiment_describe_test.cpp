@@ -102,6 +102,39 @@ TEST(Description, WarnsOfLightThatSelectsNoProgram) {
   EXPECT_THAT(describeExperiment(dut), HasSubstr("front sensor"));
 }
 
+TEST(Description, TellsWhoCanReachTheBus) {
+  EXPECT_THAT(describeExperiment(small()), testing::Not(HasSubstr("\nbus ")));
+  EXPECT_THAT(describeExperiment(small("[network]\nttl = 1\n")),
+              HasSubstr("\nbus           open to the network (ttl 1): every machine there can read "
+                        "it and drive the robots\n"));
+  EXPECT_THAT(describeExperiment(small("[network]\nttl = 3\n[services.sim_svc]\nhost = "
+                                       "\"pi@bench\"\n[link]\njoin = \"multicast\"\n"
+                                       "unsecured = true\n")),
+              testing::AllOf(HasSubstr("open to the network (ttl 3)"),
+                             HasSubstr("joined by LCM multicast\n")));
+}
+
+TEST(Description, TellsWhoCanReachRos2) {
+  Experiment experiment = small();
+  experiment.gateway.ros = true;
+  experiment.gateway.commands = true;
+  EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("unsecured")));
+  EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("warning")));
+  experiment.gateway.address = "192.168.1.20";
+  experiment.gateway.unsecured_commands = true;
+  experiment.gateway.load_programs = true;
+  EXPECT_THAT(
+      describeExperiment(experiment),
+      HasSubstr("by 192.168.1.20, unsecured: every machine there can read it\n"
+                "              may set the light, load programs and drive robots: all\n"
+                "              warning: taken without DDS Security, so from every machine of that "
+                "network\n"));
+  experiment.gateway.security = "keys";
+  EXPECT_THAT(
+      describeExperiment(experiment),
+      testing::AllOf(HasSubstr("by 192.168.1.20, secured\n"), testing::Not(HasSubstr("warning"))));
+}
+
 TEST(Description, TellsWhatRos2MayDo) {
   Experiment experiment = small();
   EXPECT_THAT(describeExperiment(experiment), testing::Not(HasSubstr("ROS 2")));

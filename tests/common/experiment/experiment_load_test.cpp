@@ -64,6 +64,69 @@ TEST(ExperimentLoad, CountsThePicturesOfAllCameras) {
               1e-6);
 }
 
+Experiment filmed(FilmCodec codec, int width, int height, double fps) {
+  Experiment experiment = painted(2, fps);
+  experiment.camera.source = "/dev/video0";
+  experiment.camera.film.record = true;
+  experiment.camera.film.codec = codec;
+  experiment.camera.width = width;
+  experiment.camera.height = height;
+  return experiment;
+}
+
+/// The table of docs/films.md: 33, 5.1 and 9.0 ms for a frame of 1920 x 1080.
+TEST(ExperimentLoad, HasTheEncoderOfAFilm) {
+  EXPECT_NEAR(loadOf(filmed(FilmCodec::kFfv1, 1920, 1080, 30), "ffmpeg"), 0.99, 1e-9);
+  EXPECT_NEAR(loadOf(filmed(FilmCodec::kFfvhuff, 1920, 1080, 60), "ffmpeg"), 0.306, 1e-9);
+  EXPECT_NEAR(loadOf(filmed(FilmCodec::kH264, 1920, 1080, 10), "ffmpeg"), 0.09, 1e-9);
+  // A quarter of the pixels.
+  EXPECT_NEAR(loadOf(filmed(FilmCodec::kFfv1, 960, 540, 40), "ffmpeg"), 0.33, 1e-9);
+  EXPECT_EQ(loadOf(painted(2, 30), "ffmpeg"), 0);
+  Experiment posed = filmed(FilmCodec::kFfv1, 1920, 1080, 30);
+  posed.camera.tracker = Tracker::kSimPoses;
+  EXPECT_EQ(loadOf(posed, "ffmpeg"), 0);
+}
+
+TEST(ExperimentLoad, HasAnEncoderForEachCamera) {
+  Experiment experiment = filmed(FilmCodec::kFfvhuff, 1920, 1080, 100);
+  experiment.cameras.resize(2);
+  experiment.cameras[0].name = "left";
+  experiment.cameras[1].name = "right";
+  experiment.cameras[1].height = 540;
+  EXPECT_NEAR(loadOf(experiment, "ffmpeg of left"), 0.51, 1e-9);
+  EXPECT_NEAR(loadOf(experiment, "ffmpeg of right"), 0.255, 1e-9);
+}
+
+TEST(ExperimentLoad, KnowsTheThreadsOfAnEncoder) {
+  Experiment experiment = filmed(FilmCodec::kFfv1, 1920, 1080, 60);
+  EXPECT_THAT(loadProblem(experiment, 8),
+              AllOf(StartsWith("needs about 2.0 cores for ffmpeg in real time, which can use only "
+                               "one (camera.record_threads): ffmpeg 1.98, "),
+                    HasSubstr("set camera.record_codec = \"ffvhuff\"")));
+  experiment.camera.film.threads = 2;
+  EXPECT_THAT(loadProblem(experiment, 8), IsEmpty());
+  experiment.camera.film.threads = 16;
+  experiment.camera.fps = 125;
+  EXPECT_THAT(loadProblem(experiment, 8), HasSubstr("which can use only 4 (camera."));
+  experiment.camera.film.codec = FilmCodec::kH264;
+  EXPECT_THAT(loadProblem(experiment, 8), IsEmpty());
+  // The sum of all processes.
+  EXPECT_THAT(loadProblem(experiment, 1), StartsWith("needs about 1.2 of 1 core in real time: "));
+  experiment.camera.film.codec = FilmCodec::kFfvhuff;
+  experiment.camera.fps = 240;
+  EXPECT_THAT(loadProblem(experiment, 1),
+              AllOf(HasSubstr("ffmpeg 1.22"), Not(HasSubstr("record_codec"))));
+}
+
+TEST(ExperimentLoad, HasTheDashboardWhenItIsOn) {
+  const auto loads = expectedLoad(small(), true);
+  const auto found = std::ranges::find(loads, "dashboard", &ProcessLoad::process);
+  ASSERT_NE(found, loads.end());
+  EXPECT_EQ(found->cores, 0.03);
+  EXPECT_EQ(loadOf(small(), "dashboard"), 0);
+  EXPECT_THAT(loadProblem(painted(60, 200), 2, true), HasSubstr(", dashboard 0.03"));
+}
+
 TEST(ExperimentLoad, SaysWhichProcessesNeedMoreThanThisMachineHas) {
   EXPECT_THAT(loadProblem(small(), 2), IsEmpty());
   EXPECT_THAT(loadProblem(painted(40, 30), 2), IsEmpty());

@@ -1,10 +1,14 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
+#include <filesystem>
 #include <vector>
 
 #include "runner/campaign/queue/campaign_queue.hpp"
+#include "runner/campaign/queue/queue_command.hpp"
 #include "runner/command_line/exit_code.hpp"
+#include "tests/support/temporary_folder.hpp"
 
 namespace lab::runner::campaign {
 namespace {
@@ -43,6 +47,21 @@ TEST(CampaignQueue, TheInterruptedCampaignComesFirst) {
             2U);
   EXPECT_EQ(nextOf({campaignOf(1, State::kFailed), campaignOf(2, State::kWaiting)}), 1U);
   EXPECT_FALSE(nextOf({campaignOf(1, State::kDone)}));
+}
+
+TEST(CampaignQueue, AddsNoCampaignThatAsksForHelpOrHasAnError) {
+  const TemporaryFolder folder;
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(addToQueue({.campaigns = folder / "queue", .arguments = {"scan.toml", "--help"}}),
+            kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(), testing::HasSubstr(" sweep [OPTIONS]"));
+  EXPECT_THAT(
+      [&] {
+        addToQueue({.campaigns = folder / "queue", .arguments = {"scan.toml", "--seds", "2"}});
+      },
+      testing::ThrowsMessage<UserError>(
+          "--seds: no such option of `lab sweep`; did you mean --seeds?"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "queue"));
 }
 
 }  // namespace

@@ -2,7 +2,9 @@
 #include <gtest/gtest.h>
 
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +42,32 @@ TEST(CheckCommand, WarnsWhenTheFileAsksForMoreThanThisMachineHas) {
   EXPECT_THAT(checkOutputOf({"camera.tracker=camera", "camera.camera=sim", "camera.fps=500",
                              "camera.width_px=3840", "camera.height_px=2160"}),
               HasSubstr("warning       needs about "));
+}
+
+TEST(CheckCommand, CountsTheDashboardAsARunHasIt) {
+  const char* before = std::getenv("CI");
+  const std::optional<std::string> ci =
+      before == nullptr ? std::nullopt : std::optional<std::string>(before);
+  const std::vector<std::string> heavy{"camera.tracker=camera", "camera.camera=sim",
+                                       "camera.fps=500", "camera.width_px=3840",
+                                       "camera.height_px=2160"};
+  unsetenv("CI");
+  EXPECT_THAT(checkOutputOf(heavy), HasSubstr(", dashboard 0.03"));
+  setenv("CI", "true", 1);
+  EXPECT_THAT(checkOutputOf(heavy), Not(HasSubstr("dashboard")));
+  if (ci) {
+    setenv("CI", ci->c_str(), 1);
+  } else {
+    unsetenv("CI");
+  }
+}
+
+TEST(CheckCommand, WarnsWhenTheLogDoesNotFitIntoTheFolderOfRuns) {
+  EXPECT_THAT(checkOutputOf({}), Not(HasSubstr("too little disk")));
+  // Some 400 TB.
+  EXPECT_THAT(checkOutputOf({"duration_s=864000", "camera.fps=500", "robots[0].count=4000",
+                             "arena.width_cm=1000", "arena.height_cm=1000"}),
+              HasSubstr("\nwarning       too little disk in runs: this run needs about "));
 }
 
 }  // namespace

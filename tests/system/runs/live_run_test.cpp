@@ -88,6 +88,14 @@ TEST_F(LiveRun, WritesLogReportAndSummary) {
   EXPECT_THAT(processesWith(runs().string()), testing::IsEmpty());
 }
 
+TEST_F(LiveRun, SaysThatABusIsOpenToTheNetwork) {
+  const Finished lab = run(labRun(1, "--no-report --no-web --set network.ttl=1"));
+  EXPECT_EQ(lab.exit_code, 0) << lab.output;
+  EXPECT_THAT(lab.output,
+              HasSubstr("warn     the bus is open to the network (ttl 1): every machine "
+                        "there can read it and drive the robots\n"));
+}
+
 TEST_F(LiveRun, StopAndLightCommandsReachTheRobots) {
   Background lab(labRun(12));
   ASSERT_TRUE(waitUntilRunning(lab)) << lab.output();
