@@ -31,14 +31,14 @@ std::optional<RunningLab> read(const fs::path& file) {
   }
 }
 
-/// Whether this is a private file of a dead runner: "4711.web", "4711.web.txt".
+/// Whether this is a file of a dead runner: "4711.json", "4711.web", "4711.web.txt".
 bool isLeftOver(const fs::path& file) {
   const std::string name = file.filename().string();
   const std::string owner = name.substr(0, name.find('.'));
   int pid = 0;
   const auto [end, error] = std::from_chars(owner.data(), owner.data() + owner.size(), pid);
   const bool named_by_pid = error == std::errc{} && end == owner.data() + owner.size();
-  return file.extension() != ".json" && named_by_pid && !processLives(pid);
+  return named_by_pid && !processLives(pid);
 }
 
 }  // namespace
@@ -57,7 +57,10 @@ std::vector<RunningLab> runningLabs() {
   if (!isOwnFolder(folder)) return labs;
   std::error_code error;
   for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (isLeftOver(entry.path())) fs::remove(entry.path(), error);
+    if (isLeftOver(entry.path())) {
+      fs::remove(entry.path(), error);
+      continue;
+    }
     if (entry.path().extension() != ".json") continue;
     const auto lab = read(entry.path());
     if (lab && processLives(lab->pid)) {

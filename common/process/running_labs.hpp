@@ -9,7 +9,7 @@
 namespace lab {
 
 struct RunningLab {
-  std::string name;       ///< of the run's folder, with a number appended if it is taken
+  std::string name;       ///< of the run's folder, as Registration::name()
   std::string url;        ///< of its bus
   int pid = 0;            ///< of its runner
   std::string directory;  ///< of the run
@@ -23,8 +23,8 @@ struct RunningLab {
 /// Whether a process has this id.
 [[nodiscard]] bool processLives(int pid);
 
-/// Every registered lab whose runner lives. Removes the files of dead runners. None if the folder
-/// belongs to another user, who could name any bus.
+/// Every registered lab whose runner lives. Removes the files of dead runners, also those that
+/// cannot be read. None if the folder belongs to another user, who could name any bus.
 [[nodiscard]] std::vector<RunningLab> runningLabs();
 
 /// The ending of the file, beside the registration, with the address of a lab's page.

@@ -1,6 +1,5 @@
 #include "common/service/service_main.hpp"
 
-#include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
 #include <CLI/CLI.hpp>
@@ -11,10 +10,12 @@
 #include <thread>
 
 #include "common/bus/lcm_bus.hpp"
+#include "common/command_line/parse_arguments.hpp"
 #include "common/experiment/experiment_file.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/process/version.hpp"
 #include "common/serial/serial_devices.hpp"
+#include "common/service/service_log.hpp"
 
 namespace lab {
 namespace {
@@ -86,7 +87,7 @@ void run(const ServiceDescription& description, const Options& options) {
 }  // namespace
 
 int serviceMain(int argc, char** argv, const ServiceDescription& description) {
-  spdlog::set_default_logger(spdlog::stderr_color_mt(description.name));
+  startLog(description.name);
   CLI::App app{description.summary, description.name};
   Options options;
   CLI::Option* experiment =
@@ -104,11 +105,7 @@ int serviceMain(int argc, char** argv, const ServiceDescription& description) {
                  "restarts keeps the time of the others");
   if (description.add_options) description.add_options(app);
   app.set_version_flag("--version", kVersion);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const std::optional<int> code = parseArguments(app, argc, argv)) return *code;
   try {
     run(description, options);
     return 0;

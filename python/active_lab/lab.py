@@ -3,6 +3,7 @@ import sys
 from pathlib import Path
 from typing import Any, Dict, Optional
 
+from . import _core
 from . import messages as msg
 from .light_control import LightControl, Refused
 from .robot_control import RobotControl
@@ -149,4 +150,4 @@ class Lab(RobotControl, LightControl):
 
     def __repr__(self) -> str:
         how = "virtual time" if self.virtual else "live"
-        return f"<Lab {self.name or 'by URL'}, {how}{', over' if self.ended else ''}>"
+        return f"<Lab {_core.printable(self.name) or 'by URL'}, {how}{', over' if self.ended else ''}>"

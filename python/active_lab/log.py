@@ -180,11 +180,12 @@ class Log:
                 continue
 
     def _summary(self) -> str:
-        return "\n".join(f"  {entry['channel']:<20} {entry['messages']:>9} {entry['type'] or 'unknown type'}"
-                         for entry in self._channels)
+        # A log may come from a stranger: control characters of a terminal are shown as text.
+        return "\n".join(f"  {_core.printable(entry['channel']):<20} {entry['messages']:>9} "
+                         f"{entry['type'] or 'unknown type'}" for entry in self._channels)
 
     def __repr__(self) -> str:
-        return f"<Log {self.path}: {self.message_count} messages>\n{self._summary()}"
+        return f"<Log {_core.printable(str(self.path))}: {self.message_count} messages>\n{self._summary()}"
 
 
 def _column(values: Any) -> Any:

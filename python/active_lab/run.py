@@ -269,7 +269,8 @@ class Run(Log):
             head = "without START"
         except ValueError:
             head = "with a damaged START"
-        return f"<Run {self.name}: {head}, {self.message_count} messages>\n{self._summary()}"
+        described = _core.printable(f"{self.name}: {head}")
+        return f"<Run {described}, {self.message_count} messages>\n{self._summary()}"
 
 
 def _described(table: pandas.DataFrame, attrs: Dict[str, Any]) -> pandas.DataFrame:

@@ -6,6 +6,8 @@
 #include <array>
 #include <utility>
 
+#include "common/text/printable.hpp"
+
 namespace lab::bridge {
 namespace {
 
@@ -37,14 +39,16 @@ std::string boardText(std::uint8_t board) {
 
 std::vector<std::string> cellsOf(const LineSurvey::Row& row) {
   const std::optional<wire::Hello>& hello = row.hello;
-  if (!hello) return {row.path, "-", "-", "-", "-", "-", row.finding};
-  return {row.path,
+  const std::string path = printable(row.path);
+  const std::string finding = printable(row.finding);
+  if (!hello) return {path, "-", "-", "-", "-", "-", finding};
+  return {path,
           std::to_string(hello->uid),
           fmt::format("{}.{} ({:08x})", hello->firmware >> 8, hello->firmware & 0xFF, hello->build),
           boardText(hello->board),
           std::to_string(hello->baud),
           resetText(hello->reset_cause),
-          row.finding};
+          finding};
 }
 
 }  // namespace

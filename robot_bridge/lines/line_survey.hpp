@@ -47,7 +47,7 @@ class LineSurvey {
   std::list<Line> lines_;
 };
 
-/// The rows as a text table.
+/// The rows as a text table for a terminal.
 [[nodiscard]] std::string surveyText(const std::vector<LineSurvey::Row>& rows);
 
 }  // namespace lab::bridge

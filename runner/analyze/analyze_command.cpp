@@ -39,7 +39,7 @@ constexpr const char* kRetracked = "retracked.txt";
 
 void printHeadline(const report::AnalyzedRun& analyzed) {
   for (const std::string& line : analyzed.headline) fmt::print("{}\n", printable(line));
-  fmt::print("report   {}\n", fs::absolute(analyzed.report).lexically_normal().string());
+  fmt::print("report   {}\n", printable(fs::absolute(analyzed.report).lexically_normal().string()));
 }
 
 bool isPoseFile(const fs::path& path) {
@@ -101,7 +101,7 @@ void printFilms(const fs::path& run) {
     try {
       const FilmFacts film = readFilmFacts(folder / film_files::kFacts);
       fmt::print("film     {}: {} frames, {} lost, {:.3g} GB, {:.2g} cores{}\n",
-                 (folder / film_files::kMovie).string(), film.frames, film.lost,
+                 printable((folder / film_files::kMovie).string()), film.frames, film.lost,
                  static_cast<double>(film.bytes) * 1e-9,
                  film.duration() > 0 ? film.cpu / film.duration() : 0,
                  film.problem.empty() ? "" : "; ends early: " + printable(film.problem));

@@ -151,7 +151,7 @@ class RecordingPool {
 
   report::RecordingData recordOne(const Task& task) {
     const fs::path runs = options_.out / kFilms;
-    const PreparedRun run = prepareRun(task.experiment, {}, runs, 0);
+    const PreparedRun run = prepareRun(task.experiment, {}, runs, 0, "--out");
     std::int64_t shown_ms = 0;
     const auto show = [&](const Progress& progress) {
       const auto now_ms = static_cast<std::int64_t>(

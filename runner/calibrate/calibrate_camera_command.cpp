@@ -15,6 +15,7 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/files/atomic_file.hpp"
 #include "common/math/units.hpp"
+#include "common/text/printable.hpp"
 #include "light/optics/simulated_camera.hpp"
 #include "runner/calibrate/board_finder.hpp"
 #include "runner/calibrate/calibrate_commands.hpp"
@@ -230,7 +231,7 @@ std::optional<double> findCaps(const std::string& source, const optics::CameraPa
     progress.show(i + 1);
   }
   if (const std::string problem = film->problem(); !problem.empty()) {
-    fmt::print("note      {}\n", problem);
+    fmt::print("note      {}\n", printable(problem));
   }
   observations.caps = collector.caps();
   return collector.blur();
@@ -320,7 +321,7 @@ Calibrated calibrate(const CalibrateCameraOptions& options, CameraObservations& 
 void printDrawing(const char* what, const fs::path& file, const std::string& svg, bool force) {
   checkOutput(file, force);
   replaceFile(file, svg);
-  fmt::print("{:<10}{}\n", what, file.string());
+  fmt::print("{:<10}{}\n", what, printable(file.string()));
 }
 
 /// Films the lab of an experiment file and calibrates with that film.
@@ -336,7 +337,7 @@ ExitCode calibrateFromLab(const CalibrateCameraOptions& options) {
     fmt::print(
         "refused   no --corners: read them off {}, then: lab calibrate camera '{}' "
         "--arena-cm {} --origin-cm {} --corners \"...\"\n",
-        lab.first, lab.pictures, lab.arena_cm, lab.origin_cm);
+        printable(lab.first), printable(lab.pictures), lab.arena_cm, lab.origin_cm);
     return kFailed;
   }
   return calibrateCamera(film);
@@ -368,7 +369,8 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
   if (fit.map.rms > 0) fmt::print("{}", calibration::cameraReport(fit));
   if (!fit.refusal.empty()) {
     fmt::print("refused   {}: {}\n",
-               options.source.empty() ? options.board_pictures : options.source, fit.refusal);
+               printable(options.source.empty() ? options.board_pictures : options.source),
+               fit.refusal);
     return kFailed;
   }
   CameraCalibration calibration;
@@ -383,7 +385,7 @@ ExitCode calibrateCamera(const CalibrateCameraOptions& options) {
         optics::Imaging{.blur = found.blur.value_or(optics::Imaging{}.blur), .gamma = found.gamma};
   }
   replaceFile(options.out, cameraFileText(calibration));
-  fmt::print("camera    {}\n", options.out.string());
+  fmt::print("camera    {}\n", printable(options.out.string()));
   return kDone;
 }
 

@@ -226,16 +226,16 @@ class Film {
       fmt::print("note     grey steps were read with a gamma of {:g}, as the calibration says\n",
                  *calibration_.imaging->gamma);
     }
-    fmt::print("poses    {}\n", options_.out.string());
-    if (overlay_) fmt::print("overlay  {}\n", options_.overlay.string());
+    fmt::print("poses    {}\n", printable(options_.out.string()));
+    if (overlay_) fmt::print("overlay  {}\n", printable(options_.overlay.string()));
     if (!overlay_problem_.empty()) {
-      fmt::print("fault    {}: no overlay was written: {}\n", options_.overlay.string(),
-                 overlay_problem_);
+      fmt::print("fault    {}: no overlay was written: {}\n", printable(options_.overlay.string()),
+                 printable(overlay_problem_));
     }
     if (!problem.empty()) {
       const bool named = problem.starts_with(options_.source);
       fmt::print("fault    {}{}; the poses of what could be read are kept\n",
-                 named ? "" : options_.source + ": ", printable(problem));
+                 named ? "" : printable(options_.source) + ": ", printable(problem));
     }
     return problem.empty() && overlay_problem_.empty() ? kDone : kClosedEarly;
   }

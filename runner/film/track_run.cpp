@@ -90,10 +90,10 @@ ExitCode trackRun(const TrackOptions& options) {
   }
   poses.finish();
   if (overlay) overlay->finish();
-  fmt::print("{}, {:.0f} frames/s\n", retrackText(counts),
+  fmt::print("{}, {:.0f} frames/s\n", printable(retrackText(counts)),
              static_cast<double>(counts.frames) / std::max(seconds, 1e-9));
-  fmt::print("poses    {}\n", out.string());
-  if (overlay) fmt::print("overlay  {}\n", options.overlay.string());
+  fmt::print("poses    {}\n", printable(out.string()));
+  if (overlay) fmt::print("overlay  {}\n", printable(options.overlay.string()));
   if (!counts.problem.empty()) {
     fmt::print("fault    {}; the poses of what could be read are kept\n",
                printable(counts.problem));

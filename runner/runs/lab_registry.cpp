@@ -7,10 +7,12 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <fstream>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
 
+#include "common/files/atomic_file.hpp"
 #include "common/files/own_folder.hpp"
+#include "common/text/printable.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner {
@@ -118,16 +120,19 @@ PortLock::~PortLock() { close(descriptor_); }
 Registration::Registration(const RunningLab& lab)
     : file_(ownRegistry() / (std::to_string(lab.pid) + ".json")) {
   const NamesLock lock;
-  name_ = freeName(lab.name, lab.pid);
-  std::ofstream stream(file_);
-  stream << nlohmann::json{{"name", name_},
-                           {"url", lab.url},
-                           {"pid", lab.pid},
-                           {"directory", lab.directory},
-                           {"replay", lab.replay}}
-                .dump(2)
-         << std::endl;
-  if (!stream) throw UserError("cannot write " + file_.string());
+  name_ = freeName(printable(lab.name), lab.pid);
+  const nlohmann::json json{{"name", name_},
+                            {"url", lab.url},
+                            {"pid", lab.pid},
+                            {"directory", lab.directory},
+                            {"replay", lab.replay}};
+  // The name of a folder may have bytes that are no text.
+  const std::string text = json.dump(2, ' ', false, nlohmann::json::error_handler_t::replace);
+  try {
+    replaceFile(file_, text + "\n");
+  } catch (const std::runtime_error& error) {
+    throw UserError(error.what());
+  }
 }
 
 Registration::~Registration() {

@@ -64,7 +64,7 @@ class Registration {
   Registration(const Registration&) = delete;
   Registration& operator=(const Registration&) = delete;
 
-  /// `lab.name`, with a number appended if it was taken.
+  /// `lab.name` as printable(), with a number appended if it was taken.
   [[nodiscard]] const std::string& name() const { return name_; }
 
  private:

@@ -49,6 +49,10 @@ class LiveLab(unittest.TestCase):
                 active_lab.Lab(**named)
         self.assertEqual(thesis.read_text(encoding="utf-8"), "kept")
 
+    def test_the_name_of_a_lab_is_shown_without_control_characters(self):
+        with active_lab.Lab(name="a\x1b[2J", url="udpm://239.255.76.67:7667?ttl=0") as lab_:
+            self.assertEqual(repr(lab_), "<Lab a\\x1b[2J, live>")
+
     def test_a_program_beside_the_lab_sets_light_drives_and_ends(self):
         process = self.start("light_switching", 60)
         deadline = time.monotonic() + 60

@@ -3,6 +3,7 @@ import functools
 import lzma
 import math
 import os
+import pathlib
 import re
 import resource
 import struct
@@ -336,6 +337,20 @@ class DamagedLogs(RunTestCase):
             self.assertFalse(math.isnan(run.light.at(5, 0.6, 0.45)))
             self.assertIn(wrong.decode("utf-8", "replace"), run.experiment_text)
 
+    def test_control_characters_are_shown_as_text(self):
+        folder = pathlib.Path(os.fsdecode(os.fsencode(self.folder) + b"/odd\x1b[2J\xff"))
+        folder.mkdir()
+        log = folder / "log.lcmlog"
+        data = self.log.read_bytes().replace(b'name = "light_switching"', b'name = "light\\u001B[2J" ')
+        log.write_bytes(data + event(10**6, "BAD\x1b]0;x\x07\n\u202e", bytes(8)))
+        run = active_lab.open(folder)
+        self.assertEqual(run.experiment["name"], "light\x1b[2J")
+        for text in (repr(run), repr(active_lab.Log(log))):
+            self.assertTrue(all(letter.isprintable() for letter in text.replace("\n", "")), text)
+            self.assertRegex(text, r"\n  BAD\\x1b\]0;x\\x07\\x0a\\u202e +1 unknown type(\n|$)")
+            self.assertIn("odd\\x1b[2J\ufffd", text)
+        self.assertIn(": light\\x1b[2J, seed ", repr(run))
+
     def test_mutants_of_a_log_are_read(self):
         whole = self.damaged["replay_gap_1"].read_bytes()[:20_000]
         random = numpy.random.default_rng(33)
@@ -389,8 +404,8 @@ class DamagedLogs(RunTestCase):
 
 def event(utime, channel, encoding):
     """One event of a log, by docs/formats.md."""
-    head = struct.pack(">IqqII", 0xEDA1DA01, 0, utime, len(channel), len(encoding))
-    return head + channel.encode() + encoding
+    name = channel.encode()
+    return struct.pack(">IqqII", 0xEDA1DA01, 0, utime, len(name), len(encoding)) + name + encoding
 
 
 class OwnMessages(unittest.TestCase):

@@ -134,6 +134,19 @@ TEST_F(CalibrateCamera, FindsTheCameraThatTookTheFilm) {
   EXPECT_THAT(problem(), HasSubstr("is there already"));
 }
 
+// The folder of a film may come from a stranger.
+TEST_F(CalibrateCamera, ShowsControlCharactersOfNamesAsText) {
+  options_.source = (folder_ / "film\x1b[2J").string();
+  fs::rename(folder_ / "film", options_.source);
+  std::ofstream(folder_ / "film\x1b[2J/f0009.png") << "no picture";
+  options_.out = folder_ / "camera\x1b[2J.json";
+  testing::internal::CaptureStdout();
+  ASSERT_EQ(calibrateCamera(options_), kDone);
+  EXPECT_THAT(testing::internal::GetCapturedStdout(),
+              testing::AllOf(HasSubstr("/film\\x1b[2J/f0009.png: is not a picture"),
+                             HasSubstr("/camera\\x1b[2J.json\n"), testing::Not(HasSubstr("\x1b"))));
+}
+
 TEST_F(CalibrateCamera, FindsTheGammaOfTheCamera) {
   film("webcam", 1.2, {.gamma = 2.2});
   options_.source = (folder_ / "webcam").string();

@@ -98,6 +98,20 @@ TEST_F(TrackCommand, WritesARowForEveryRobotInEveryPicture) {
   EXPECT_FALSE(fs::exists(options_.out.string() + ".part"));
 }
 
+// The folder of a film may come from a stranger.
+TEST_F(TrackCommand, ShowsControlCharactersOfNamesAsText) {
+  fs::rename(folder_ / "film", folder_ / "film\x1b[2J");
+  write("film\x1b[2J/f0009.png", "no picture");
+  options_.source = (folder_ / "film\x1b[2J").string();
+  options_.out = folder_ / "poses\x1b[2J.csv";
+  testing::internal::CaptureStdout();
+  EXPECT_EQ(track(options_), kClosedEarly);
+  EXPECT_THAT(
+      testing::internal::GetCapturedStdout(),
+      AllOf(HasSubstr("/poses\\x1b[2J.csv\n"),
+            HasSubstr("/film\\x1b[2J/f0009.png: is not a picture"), Not(HasSubstr("\x1b"))));
+}
+
 TEST_F(TrackCommand, ReadsAFilmWithGamma) {
   film("webcam", 2.2);
   options_.source = (folder_ / "webcam").string();

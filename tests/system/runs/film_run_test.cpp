@@ -93,6 +93,17 @@ TEST_F(FilmRun, TakesAnotherCalibrationAndSaysSo) {
               HasSubstr("with " + moved.string() + "</p>"));
 }
 
+// A run may come from a stranger.
+TEST_F(FilmRun, ShowsControlCharactersOfItsNameAsText) {
+  const fs::path run = folder_.path() / "odd\x1b[2J";
+  fs::rename(labRun("--set camera.record=true"), run);
+
+  for (const std::string command : {"track", "analyze --no-figures --no-bootstrap"}) {
+    EXPECT_THAT(labOutput(command + " '" + run.string() + "'"),
+                AllOf(HasSubstr("/odd\\x1b[2J/"), Not(HasSubstr("\x1b"))));
+  }
+}
+
 TEST_F(FilmRun, CompressedSaysSo) {
   const fs::path run = labRun("--set camera.record=true --set camera.record_codec=h264");
 
