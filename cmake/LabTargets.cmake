@@ -100,6 +100,7 @@ endfunction()
 # IN adds it to the program of that group; otherwise it is a separate program.
 # NETWORK runs the test in a private network namespace, so that its messages do not leave it. All other
 # tests use LCM in memory. NETWORK tests mostly wait and take one processor, a quarter of a core (LAB_CORE).
+# They run in real time, so they also have the label realtime.
 function(lab_test name)
   cmake_parse_arguments(ARG "NETWORK;OWN_OPTIONS" "TIMEOUT;IN" "SOURCES;LINK;LABELS" ${ARGN})
   set(program ${name})
@@ -125,6 +126,7 @@ function(lab_test name)
   if(ARG_NETWORK)
     add_test(NAME ${name} COMMAND "${PROJECT_SOURCE_DIR}/tests/in_private_network.sh"
       $<TARGET_FILE:${program}> ${sources})
+    list(APPEND ARG_LABELS realtime)
   else()
     add_test(NAME ${name} COMMAND ${program} ${sources})
     set_tests_properties(${name} PROPERTIES PROCESSORS ${LAB_CORE} ENVIRONMENT "LCM_DEFAULT_URL=memq://")

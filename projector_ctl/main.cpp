@@ -5,6 +5,7 @@
 #include <memory>
 #include <string>
 
+#include "common/text/printable.hpp"
 #include "projector_ctl/calibration/adjust_service.hpp"
 #include "projector_ctl/display/display_sdl.hpp"
 #include "projector_ctl/display/screen_setup.hpp"
@@ -12,11 +13,12 @@
 
 namespace {
 
-void printDisplays(std::int64_t /*count*/) {
+/// Ends the parsing of the command line.
+void printDisplays() {
   try {
-    std::fputs(describe(lab::projector::listDisplays()).c_str(), stdout);
+    std::fputs(lab::printableLines(describe(lab::projector::listDisplays())).c_str(), stdout);
   } catch (const lab::projector::DisplayError& error) {
-    std::fprintf(stderr, "projector_ctl: %s\n", error.what());
+    std::fprintf(stderr, "projector_ctl: %s\n", lab::printable(error.what()).c_str());
     throw CLI::RuntimeError(2);
   }
   throw CLI::Success();
@@ -31,7 +33,11 @@ int main(int argc, char** argv) {
   description.add_options = [&](CLI::App& app) {
     app.add_option("--pictures", pictures,
                    "Folder in which a PNG of every projected field is saved");
-    app.add_flag_function("--list-displays", printDisplays,
+    const auto list = [&app](std::int64_t /*count*/) {
+      // Words that nothing takes are reported instead, and help is printed instead.
+      if (app.remaining_size() == 0 && app.get_help_ptr()->count() == 0) printDisplays();
+    };
+    app.add_flag_function("--list-displays", list,
                           "List number, name, size, refresh rate and position of every display");
     app.add_option(
         "--adjust", adjusted,

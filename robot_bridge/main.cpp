@@ -7,8 +7,12 @@ int main(int argc, char** argv) {
   if (lab::bridge::wantsLineTool(argc, argv)) return lab::bridge::lineToolMain(argc, argv);
   lab::ServiceDescription description = lab::bridge::serviceDescription();
   description.add_options = [](CLI::App& app) {
-    app.footer(
-        "Without an experiment: robot_bridge --list (lines and robots), robot_bridge --set-uid");
+    // lineToolMain() has them. Here they are for --help, and to suggest them.
+    app.add_flag("--list")->description(
+        "List the lines and the robots on them, without an experiment (robot_bridge --list "
+        "--help)");
+    app.add_flag("--set-uid")
+        ->description("Store a number in the robot on a line, without an experiment");
   };
   return lab::serviceMain(argc, argv, description);
 }

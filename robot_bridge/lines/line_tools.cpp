@@ -4,12 +4,15 @@
 #include <algorithm>
 #include <cstdint>
 #include <iostream>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "common/command_line/parse_arguments.hpp"
 #include "common/experiment/experiment.hpp"
 #include "common/loop/asio_loop.hpp"
 #include "common/serial/serial_devices.hpp"
+#include "common/text/printable.hpp"
 #include "robot_bridge/lines/line_survey.hpp"
 #include "robot_bridge/lines/uid_writer.hpp"
 
@@ -60,7 +63,7 @@ int list(const Options& options) {
   if (paths.empty()) {
     std::cout << (options.lines.empty()
                       ? "no lines: nothing matches " + SerialLines().ports +
-                            " and no simulated robot offers one in " + options.folder
+                            " and no simulated robot offers one in " + printable(options.folder)
                       : "no lines match")
               << "\n";
     return 0;
@@ -82,12 +85,13 @@ int setUid(const Options& options) {
     UidWriter writer(loop, ports, options.lines.front(), options.baud, options.uid);
     runUntilDone(loop, writer);
     if (writer.failure().empty()) {
-      std::cout << options.lines.front() << ": this robot now has uid " << options.uid << "\n";
+      std::cout << printable(options.lines.front()) << ": this robot now has uid " << options.uid
+                << "\n";
       return 0;
     }
-    std::cerr << writer.failure() << "\n";
+    std::cerr << printable(writer.failure()) << "\n";
   } catch (const SerialError& error) {
-    std::cerr << error.what() << "\n";
+    std::cerr << printable(error.what()) << "\n";
   }
   return 2;
 }
@@ -111,11 +115,7 @@ int lineToolMain(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("line", options.lines,
                  "Lines; * and ? are allowed (--list without lines: all lines)");
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  if (const std::optional<int> code = parseArguments(app, argc, argv)) return *code;
   return options.list ? list(options) : setUid(options);
 }
 

@@ -1,7 +1,6 @@
 #include "runner/command_line/command_line_parts.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <CLI/CLI.hpp>
 #include <charconv>
@@ -13,8 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "common/command_line/parse_arguments.hpp"
 #include "common/process/installation.hpp"
-#include "common/text/nearest_word.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/experiment_lookup.hpp"
 
@@ -52,28 +51,6 @@ CLI::Validator wholeNumber() {
           "NUMBER"};
 }
 
-void requireCommand(const CLI::App& app) {
-  const CLI::App* at = &app;
-  std::string typed;
-  while (!at->get_subcommands().empty()) {
-    at = at->get_subcommands().front();
-    typed += at->get_name() + " ";
-  }
-  if (at->get_require_subcommand_min() == 0) return;
-  std::vector<std::string> known;
-  for (const CLI::App* command : at->get_subcommands([](const CLI::App* each) {
-         return !each->get_group().empty();  // hidden commands have no group
-       })) {
-    known.push_back(command->get_name());
-  }
-  const std::vector<std::string> rest = app.remaining(true);
-  throw UserError(fmt::format("{}found {}, expected one of {}; lab {}--help says what each does{}",
-                              typed.empty() ? "" : typed.substr(0, typed.size() - 1) + ": ",
-                              rest.empty() ? "no command" : "\"" + rest.front() + "\"",
-                              fmt::join(known, ", "), typed,
-                              rest.empty() ? "" : didYouMean(rest.front(), known)));
-}
-
 void addChoice(CLI::App& command, const std::string& names, std::optional<bool>& choice,
                const std::string& text) {
   command.add_flag_function(
@@ -98,14 +75,19 @@ CLI::Option* addSettings(CLI::App& command, std::vector<std::string>& set,
       ->allow_extra_args(false);
 }
 
-std::vector<std::string> withOption(std::vector<std::string> set, const std::string& option,
-                                    const std::string& key, const std::string& value) {
+void refuseContradiction(const std::vector<std::string>& set, const std::string& given,
+                         const std::string& key, const std::string& value) {
   for (const std::string& setting : set) {
     const auto [set_key, set_value] = splitSetting(setting);
     if (set_key != key || set_value == value) continue;
-    throw UserError(fmt::format("{} {} and --set {}={}: two values for one key; keep one", option,
-                                value, key, set_value));
+    throw UserError(
+        fmt::format("{} and --set {}={}: two values for one key; keep one", given, key, set_value));
   }
+}
+
+std::vector<std::string> withOption(std::vector<std::string> set, const std::string& option,
+                                    const std::string& key, const std::string& value) {
+  refuseContradiction(set, option + " " + value, key, value);
   set.push_back(key + "=" + value);
   return set;
 }

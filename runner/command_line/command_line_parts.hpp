@@ -22,21 +22,20 @@ CLI::Validator between(double low, double high);
 /// A whole number from 0 to the largest that TOML can hold. CLI11 reads -5 as 2^64 - 5.
 CLI::Validator wholeNumber();
 
-/// Names the unknown word and the commands that exist; CLI11 only says that one is missing.
-/// @throws UserError when the parsed command line lacks a command
-void requireCommand(const CLI::App& app);
-
 /// A flag that is on, off or not given. CLI11's own flags take "not given" for off.
 void addChoice(CLI::App& command, const std::string& names, std::optional<bool>& choice,
                const std::string& text);
-
-/// The type that --help prints for --set.
-inline constexpr const char* kSettingType = "KEY=VALUE";
 
 /// --set KEY=VALUE, repeatable. Two values for one key are refused: nobody can know which one is
 /// meant.
 CLI::Option* addSettings(CLI::App& command, std::vector<std::string>& set,
                          const std::string& text = "Replaces a key of the file (repeatable)");
+
+/// Refuses a setting that contradicts what an option says about the same key.
+/// @param given the option as typed: "--seed 2"
+/// @throws UserError
+void refuseContradiction(const std::vector<std::string>& set, const std::string& given,
+                         const std::string& key, const std::string& value);
 
 /// The settings and what an option says that stands for a key, as --seed 2 for seed=2.
 /// @throws UserError when a setting contradicts the option

@@ -14,6 +14,7 @@
 #include <cstring>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <system_error>
@@ -21,13 +22,13 @@
 
 #include "analyzer/report_error.hpp"
 #include "common/bus/bus_error.hpp"
+#include "common/command_line/parse_arguments.hpp"
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/keys/experiment_key_table.hpp"
 #include "common/process/installation.hpp"
 #include "common/text/printable.hpp"
 #include "runner/command_line/build_facts.hpp"
-#include "runner/command_line/command_line_parts.hpp"
 #include "runner/command_line/exit_code.hpp"
-#include "runner/command_line/unknown_argument.hpp"
 
 namespace lab::runner {
 namespace {
@@ -51,11 +52,6 @@ constexpr std::array<ProgramCommand, 12> kProgramCommands{{
     {"doctor", "lab-doctor",
      "Check this machine; for each problem print the command that fixes it"},
 }};
-
-/// For errors that an unknown option may have caused: CLI11 took its value for an argument.
-void refuseUnknownOption(const CLI::App& app, int argc, const char* const* argv) {
-  if (hasUnknownOption(app)) throw UserError(unknownArgument(app, argc, argv));
-}
 
 /// Whether no file can have this name, which is the user's to change; not a full disk.
 bool isWrongName(const std::error_code& code) {
@@ -135,6 +131,14 @@ void becomeProgram(const std::string& program, char** argv) {
       installation().installHint(program, "./lab build builds everything")));
 }
 
+std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv) {
+  try {
+    return parseArguments(app, argc, argv, {"lab", keys::keyMeantBy});
+  } catch (const ArgumentError& error) {
+    throw UserError(error.what());
+  }
+}
+
 int runCommands(int argc, char** argv, const AddCommands& add) {
   CLI::App app{"Active Lab: active matter with light-driven robots, real or simulated",
                installation().command};
@@ -142,27 +146,7 @@ int runCommands(int argc, char** argv, const AddCommands& add) {
   app.require_subcommand(1);
   Chosen chosen;
   add(app, chosen);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& asked) {  // --help, --version
-    return app.exit(asked);
-  } catch (const CLI::ExtrasError&) {
-    throw UserError(unknownArgument(app, argc, argv));
-  } catch (const CLI::RequiredError& error) {
-    requireCommand(app);
-    refuseUnknownOption(app, argc, argv);
-    throw UserError(withHelp(app, error.what()));
-  } catch (const CLI::ArgumentMismatch& error) {
-    refuseUnknownOption(app, argc, argv);
-    if (const std::string what = repeatedOption(app); !what.empty()) throw UserError(what);
-    throw UserError(withHelp(app, error.what()));
-  } catch (const CLI::ParseError& error) {
-    refuseUnknownOption(app, argc, argv);
-    throw UserError(withHelp(app, error.what()));
-  } catch (const UserError&) {
-    refuseUnknownOption(app, argc, argv);
-    throw;
-  }
+  if (const std::optional<int> code = parseCommandLine(app, argc, argv)) return *code;
   return chosen();
 }
 

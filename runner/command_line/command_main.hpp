@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 
 namespace CLI {
@@ -17,6 +18,10 @@ using Chosen = std::function<int()>;
 
 /// Adds commands, whose callbacks set `chosen`.
 using AddCommands = std::function<void(CLI::App& app, Chosen& chosen)>;
+
+/// parseArguments() (common/command_line/) in the words of `lab`.
+/// @throws UserError
+[[nodiscard]] std::optional<int> parseCommandLine(CLI::App& app, int argc, const char* const* argv);
 
 /// Parses the command line and does what it asks for.
 /// @return the exit code; 2 after an error in the command line. @throws what the commands throw

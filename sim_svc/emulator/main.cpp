@@ -2,7 +2,9 @@
 // executable as a whole is under the GPL-3.0-or-later (LICENSE.md in this folder).
 #include <CLI/CLI.hpp>
 #include <filesystem>
+#include <optional>
 
+#include "common/command_line/parse_arguments.hpp"
 #include "sim_svc/emulator/free_run.hpp"
 #include "sim_svc/emulator/lockstep.hpp"
 
@@ -54,13 +56,9 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 1023));
   addFaults(app, run);
   arena->excludes(ports)->excludes(robots);
-  try {
-    app.parse(argc, argv);
-    if (socket < 0 && run.ports.empty()) {
-      throw CLI::RequiredError("--ports or --arena-socket");
-    }
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 2;
-  }
+  app.callback([&] {
+    if (socket < 0 && run.ports.empty()) throw CLI::RequiredError("--ports or --arena-socket");
+  });
+  if (const std::optional<int> code = lab::parseArguments(app, argc, argv)) return *code;
   return socket >= 0 ? lab::emulator::serveArena(socket, run.elf) : lab::emulator::freeRun(run);
 }

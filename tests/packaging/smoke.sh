@@ -85,7 +85,7 @@ expect "doctor" "$said" 'dds_gateway is there'
 code=0
 said=$(as_user 'cd / && active-lab run light_switching --virtual-time' 2>&1) || code=$?
 [ $code -eq 2 ] || fail "a folder that cannot be written: ended with $code"
-expect "a folder that cannot be written" "$said" '--out'
+expect "a folder that cannot be written" "$said" '--runs'
 for page in active-lab active-lab-sim_svc active-lab-dds_gateway; do
   [ -s "$root/usr/share/man/man1/$page.1.gz" ] || fail "no man page $page"
 done

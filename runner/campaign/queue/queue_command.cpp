@@ -24,7 +24,6 @@
 #include "runner/campaign/sweep_command.hpp"
 #include "runner/command_line/command_line_parts.hpp"
 #include "runner/command_line/experiment_lookup.hpp"
-#include "runner/command_line/unknown_argument.hpp"
 
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;
@@ -54,25 +53,20 @@ void changeQueue(const fs::path& campaigns, const Change& change) {
 }
 
 /// Parses a command line of lab sweep as lab sweep does, and runs nothing.
-/// @throws UserError
-void checkArguments(const std::vector<std::string>& arguments) {
-  CLI::App app;
+/// @return false if it only asked for help, which is printed. @throws UserError
+bool checkArguments(const std::vector<std::string>& arguments) {
+  CLI::App app{"", installation().command};
   Chosen chosen;
   addSweep(app, chosen);
   std::vector<const char*> words{"lab", "sweep"};
   for (const std::string& argument : arguments) words.push_back(argument.c_str());
-  const int count = static_cast<int>(words.size());
-  try {
-    app.parse(count, words.data());
-  } catch (const CLI::ParseError& error) {
-    const std::string unknown = unknownArgument(app, count, words.data());
-    throw UserError(unknown.empty() ? fmt::format("sweep: {}", error.what()) : unknown);
-  }
+  if (parseCommandLine(app, static_cast<int>(words.size()), words.data())) return false;
   const auto input = app.get_subcommand("sweep")->get_option("FILE|CAMPAIGN")->as<std::string>();
-  if (fs::is_directory(input)) return;
+  if (fs::is_directory(input)) return true;
   const fs::path file = findExperiment(input, installation().experiments);
   const std::string problem = regularFileProblem(file, file_kinds::kExperiment);
   if (!problem.empty()) throw UserError(fmt::format("{}: {}", file.string(), problem));
+  return true;
 }
 
 /// Runs lab sweep with the terminal of this process.
@@ -96,7 +90,7 @@ int runSweep(const QueuedCampaign& campaign) {
 }  // namespace
 
 ExitCode addToQueue(const QueueOptions& options) {
-  checkArguments(options.arguments);
+  if (!checkArguments(options.arguments)) return kDone;
   changeQueue(options.campaigns, [&](std::vector<QueuedCampaign>& queue) {
     QueuedCampaign campaign;
     for (const QueuedCampaign& other : queue) {

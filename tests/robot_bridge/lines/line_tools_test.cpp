@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <deque>
 #include <string>
@@ -62,6 +63,17 @@ TEST_F(LineToolsTest, DistinguishesRobotsFromOtherDevices) {
   EXPECT_THAT(text, HasSubstr("uid"));
   EXPECT_THAT(text, HasSubstr("42"));
   EXPECT_NO_THROW(static_cast<void>(ports.open("a", 38400))) << "the line is still open";
+}
+
+TEST_F(LineToolsTest, ShowsControlCharactersOfLinesAsText) {
+  LineSurvey dut(loop, ports, {"\x1b[2J\na"}, 38400);
+  ASSERT_TRUE(finish(dut));
+
+  const std::string text = surveyText(dut.rows());
+
+  EXPECT_THAT(text, HasSubstr("\n\\x1b[2J\\x0aa  "));
+  EXPECT_EQ(std::ranges::count(text, '\n'), 2) << text;
+  EXPECT_THAT(text, testing::Not(HasSubstr("\x1b")));
 }
 
 TEST_F(LineToolsTest, FindsARobotThatIsAlreadySending) {

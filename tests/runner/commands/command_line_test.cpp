@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <exception>
 #include <string>
 #include <vector>
 
@@ -80,6 +81,19 @@ TEST(CommandLine, NamesAnUnknownOptionAsTypedAndWhatIsMeant) {
             "--robots: no such option of `lab calibrate motors`; did you mean --robot?");
 }
 
+TEST(CommandLine, SuggestsNoOptionThatHasOnlyItsDashesInCommon) {
+  EXPECT_EQ(errorOf({"check", "abp", "--out", "there"}),
+            "--out: no such option of `lab check`; lab check --help lists them");
+  EXPECT_EQ(errorOf({"spy", "--foo"}),
+            "--foo: no such option of `lab spy`; lab spy --help lists them");
+  EXPECT_EQ(errorOf({"spy", "-x"}), "-x: no such option of `lab spy`; lab spy --help lists them");
+  // Similar without the dashes.
+  EXPECT_EQ(errorOf({"check", "abp", "-set", "seed=3"}),
+            "-set: no such option of `lab check`; did you mean --set?");
+  EXPECT_EQ(errorOf({"light", "--foor", "3"}),
+            "--foor: no such option of `lab light`; did you mean --for?");
+}
+
 TEST(CommandLine, SaysWhichKeyAnUnknownOptionStandsFor) {
   EXPECT_EQ(errorOf({"run", "abp", "--duration", "30"}),
             "--duration: no such option of `lab run`; did you mean --set duration_s=30?");
@@ -124,7 +138,59 @@ TEST(CommandLine, RefusesTwoValuesOfOneOption) {
   EXPECT_EQ(errorOf({"run", "abp", "--seed", "2", "--seed", "3"}),
             "--seed: found 2 values, 2 and 3; keep one");
   EXPECT_EQ(errorOf({"run", "abp", "--runs", "a", "--out", "b"}),
-            "--runs: found 2 values, a and b; keep one");
+            "--runs/--out: found 2 values, a and b; keep one");
+  EXPECT_EQ(errorOf({"run", "abp", "--out=a", "--out", "b"}),
+            "--out: found 2 values, a and b; keep one");
+}
+
+TEST(CommandLine, NamesAnOptionAsItWasTyped) {
+  EXPECT_EQ(errorOf({"run", "abp", "--out"}),
+            "--out: found no value, expected TEXT; lab run --help explains it");
+  EXPECT_EQ(errorOf({"run", "abp", "--runs"}),
+            "--runs: found no value, expected TEXT; lab run --help explains it");
+  EXPECT_THAT(errorOf({"run", "abp", "--out", "/dev/null"}),
+              StartsWith("--out: found no folder at /dev/null, expected one or a new name"));
+}
+
+TEST(CommandLine, NamesAWordThatNothingTakesBesideAnotherError) {
+  EXPECT_EQ(errorOf({"run", "abp", "cr", "--out"}),
+            "--out: found no value, expected TEXT; found \"cr\", but `lab run` takes nothing after "
+            "FILE; lab run --help lists its options");
+  EXPECT_EQ(errorOf({"run", "abp", "cr", "--out", "a", "--runs", "b"}),
+            "--out/--runs: found 2 values, a and b; keep one; found \"cr\", but `lab run` takes "
+            "nothing after FILE; lab run --help lists its options");
+}
+
+std::string helpOf(const std::vector<std::string>& words) {
+  testing::internal::CaptureStdout();
+  int code = kFailed;
+  std::string error;
+  try {
+    code = runLab(words);
+  } catch (const std::exception& thrown) {
+    error = thrown.what();
+  }
+  const std::string printed = testing::internal::GetCapturedStdout();
+  return code == kDone ? printed : "no help: " + error;
+}
+
+TEST(CommandLine, PrintsHelpWhateverElseIsTyped) {
+  for (const std::vector<std::string>& words :
+       std::vector<std::vector<std::string>>{{"check", "--help"},
+                                             {"check", "--help", "no_such_experiment"},
+                                             {"check", "no_such_experiment", "-h"},
+                                             {"check", "abp", "--help", "--frobnicate"},
+                                             {"check", "abp", "--set", "--help"},
+                                             {"check", "--help", "abp", "--set"},
+                                             {"--help", "check", "no_such_experiment"}}) {
+    EXPECT_THAT(helpOf(words), StartsWith("Check an experiment file and describe the run\n"))
+        << testing::PrintToString(words);
+  }
+  EXPECT_THAT(helpOf({"run", "abp", "--seed", "x", "--help"}), StartsWith("Run an experiment"));
+  // CLI11 takes --help for the folder, and there would be a run.
+  EXPECT_THAT(helpOf({"run", "abp", "--virtual-time", "--runs", "--help"}),
+              StartsWith("Run an experiment"));
+  EXPECT_THAT(helpOf({"calibrate", "frobnicate", "--help"}), HasSubstr("\nSubcommands:\n"));
 }
 
 TEST(CommandLine, SuggestsCommandsAndExperiments) {
