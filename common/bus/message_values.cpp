@@ -131,7 +131,7 @@ void checkValues(ValueChecker& check, const tracked_details_t& details) {
 void checkValues(ValueChecker& check, const light_seen_t& seen) {
   check.whole("frame", seen.frame, -1, kMostCounted);
   // Other light in the patch may be far brighter than the patch.
-  constexpr double kBrightest = std::numeric_limits<float>::max();
+  constexpr double kBrightest = static_cast<double>(std::numeric_limits<float>::max());
   check.number("level", seen.level, -kBrightest, kBrightest);
   check.whole("sync", seen.sync, -1, 1);
 }
