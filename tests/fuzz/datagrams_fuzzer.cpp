@@ -1,7 +1,6 @@
 // Datagrams of several sources, as the bus receives them: the first bytes of the network that the
 // lab reads. Each has its source, the time since the one before, and its size in front.
 #include <cstdint>
-#include <cstdlib>
 #include <numeric>
 #include <optional>
 #include <string_view>
@@ -13,10 +12,6 @@
 
 namespace lab::fuzz {
 namespace {
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void assemble(Input& input) {
   constexpr unsigned kSources = 32;

@@ -3,7 +3,6 @@
 // without its fingerprint, after a byte for the type.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <filesystem>
 #include <span>
 #include <stdexcept>
@@ -25,10 +24,6 @@ namespace {
 const schema::Type& typeOf(std::uint8_t number) {
   const auto& types = schema::messageSchema().types();
   return *types[number % types.size()];
-}
-
-void require(bool holds) {
-  if (!holds) std::abort();
 }
 
 /// A message that is converted is the same after the way back.

@@ -2,7 +2,6 @@
 // to ROS 2, packets and heartbeats of other gateways, rules for topics.
 #include <array>
 #include <cstdint>
-#include <cstdlib>
 #include <lab/analysis_t.hpp>
 #include <lab/light_status_t.hpp>
 #include <lab/robot_command_t.hpp>
@@ -113,10 +112,6 @@ void convert(Input& input) {
   static_cast<void>(namePart(text));
   static_cast<void>(isTopicName(text));
   static_cast<void>(sanitizedText(text));
-}
-
-void require(bool condition) {
-  if (!condition) std::abort();
 }
 
 /// The packets of hosts whose clock is not known, with bounds that inputs reach.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <span>
 #include <string>
@@ -44,5 +45,10 @@ class Input {
  private:
   std::span<const std::uint8_t> rest_;
 };
+
+/// Ends the program, as a finding, if a condition does not hold that every input must keep.
+inline void require(bool condition) {
+  if (!condition) std::abort();
+}
 
 }  // namespace lab::fuzz

@@ -3,7 +3,6 @@
 // format number, which no text does.
 #include <algorithm>
 #include <cstdint>
-#include <cstdlib>
 #include <string>
 #include <vector>
 
@@ -16,10 +15,6 @@
 
 namespace lab::fuzz {
 namespace {
-
-void require(bool condition) {
-  if (!condition) std::abort();
-}
 
 void execute(const std::vector<std::uint8_t>& code) {
   constexpr int kHolds = 200;
