@@ -165,6 +165,8 @@ const char* nameOf(Keep keep) {
   return std::ranges::find(kKeeps, keep, [](const auto& pair) { return pair.first; })->second;
 }
 
+bool isOnRealLab(const Request& request) { return request.live && !request.live->rehearsal; }
+
 Design Request::design() const { return {parseAxes(over), zip, random, sampling, seed}; }
 
 std::string requestText(const Request& request, const std::string& created) {

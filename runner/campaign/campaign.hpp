@@ -46,6 +46,9 @@ struct Request {
   [[nodiscard]] Design design() const;
 };
 
+/// Whether its runs drive the robots of this machine; a rehearsal does not.
+[[nodiscard]] bool isOnRealLab(const Request& request);
+
 /// The text of campaign.toml. readRequest() gives an equal request.
 /// @param created "2026-01-31T12:00:00Z"
 [[nodiscard]] std::string requestText(const Request& request, const std::string& created);

@@ -397,10 +397,11 @@ std::vector<std::string> writeTables(const CampaignData& data, const fs::path& f
       "run</a> "
       "· <a href=\"{}\">a row per point</a> · <a href=\"{}\">both as JSON</a> · <a "
       "href=\"{}\">what "
-      "was asked</a> · <a href=\"{}\">the experiment file</a></p>\n<p><code>{} sweep FOLDER</code> "
+      "was asked</a> · <a href=\"{}\">the experiment file</a></p>\n<p><code>{} sweep "
+      "FOLDER{}</code> "
       "continues this campaign.</p></details>\n</body>\n</html>\n",
       names::kTable, names::kPooled, names::kJson, names::kRequest, names::kExperiment,
-      installation().command);
+      installation().command, isOnRealLab(data.request) ? " --live" : "");
   replaceFile(folder / names::kPage, page);
   return findings;
 }

@@ -13,12 +13,28 @@
 #include "common/experiment/experiment_file.hpp"
 #include "common/experiment/experiment_log_size.hpp"
 #include "common/files/file_text.hpp"
+#include "common/files/mapped_file.hpp"
+#include "light/field/image.hpp"
+#include "runner/command_line/command_line_parts.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/runs/run_directory.hpp"
 
 namespace lab::runner::campaign {
 namespace fs = std::filesystem;
 namespace {
+
+/// SHA-256 of a file that may be larger than the memory.
+std::string sha256OfLarge(const fs::path& path) {
+  constexpr std::size_t kPart = 1 << 24;  // bytes
+  MappedFile file(path, "log");
+  std::size_t at = 0;
+  return light::sha256([&] {
+    const auto part = file.part(at, std::min(kPart, file.bytes().size() - at));
+    file.release(part.data());
+    at += part.size();
+    return part;
+  });
+}
 
 /// Files by the path in the experiment, each read once.
 class FileCollector {
@@ -52,7 +68,7 @@ class FileCollector {
             "file",
             (source_ / path).string()));
       }
-      const std::string name = nameFor(sha256Of(readFileText(log, file_kinds::kLog)), log);
+      const std::string name = nameFor(sha256OfLarge(log), log);
       files_[name] = {{}, fs::canonical(log)};
       names_[path] = name;
     }
@@ -131,11 +147,10 @@ std::vector<std::string> settingsOf(const Request& request, const std::vector<Ax
 
 void requireNotSet(const Request& request, const std::vector<Axis>& axes) {
   for (const std::string& setting : request.set) {
-    const std::string key = setting.substr(0, setting.find('='));
     for (const Axis& axis : axes) {
-      if (axis.key != key) continue;
+      if (!hasSetting({setting}, axis.key)) continue;
       throw UserError(fmt::format(
-          "--set {}: the key is swept (--over {}=...), expected one of them", setting, key));
+          "--set {}: the key is swept (--over {}=...), expected one of them", setting, axis.key));
     }
   }
 }

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
@@ -169,7 +171,8 @@ RunResult fromJson(const Json& json) {
   RunResult result;
   result.identity = {json.at("recipe"), json.at("code_hash")};
   result.code = json.at("code");
-  result.seed = json.at("seed");
+  result.seed =
+      wholeNumber<std::uint64_t>(json.at("seed"), 0, std::numeric_limits<std::uint64_t>::max());
   result.closed_early = json.at("closed_early");
   result.faults = json.at("faults").get<std::vector<std::string>>();
   for (const auto& [name, value] : json.at("columns").items()) {
@@ -204,6 +207,8 @@ ReadResult readResult(std::string_view text, const RunIdentity& expected) {
     return {std::move(result)};
   } catch (const Json::exception&) {
     return {"lacks a key"};
+  } catch (const std::out_of_range& error) {
+    return {error.what()};
   }
 }
 

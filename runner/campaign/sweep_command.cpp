@@ -130,8 +130,7 @@ void refuseRequestOptions(const SweepOptions& options) {
   const bool asked = !options.set.empty() || !options.over.empty() || options.zip ||
                      options.seeds || options.random || !options.sampling.empty() || options.seed ||
                      options.common_seeds || !options.keep.empty() || options.fits || options.out ||
-                     options.live || options.adaptive || !options.clear.empty() ||
-                     !options.known.empty();
+                     options.adaptive || !options.clear.empty() || !options.known.empty();
   if (!asked) return;
   throw UserError(
       options.input.string() +
@@ -369,6 +368,23 @@ void requireLiveOptions(const SweepOptions& options) {
   }
 }
 
+/// A campaign's folder may come from a stranger, and its files say which hosts and devices a run on
+/// the real lab uses. @throws UserError unless the user asked for the real lab
+void requireLiveAsked(const CampaignData& data, const SweepOptions& options) {
+  const bool real = isOnRealLab(data.request);
+  if (real == options.live) return;
+  const std::string campaign = options.input.string();
+  if (real) {
+    throw UserError(fmt::format(
+        "{}: found a campaign on the real lab, with the hosts and devices that {} and {} name; to "
+        "play it, add --live; --no-run makes its tables only",
+        campaign, names::kRequest, names::kExperiment));
+  }
+  throw UserError(campaign +
+                  ": found a simulated campaign, expected one on the real lab with --live; leave "
+                  "--live out");
+}
+
 ExitCode conclude(const CampaignData& data, const fs::path& folder, const EngineEnd& end,
                   double seconds, const SweepOptions& options) {
   const std::size_t all = data.rows.size();
@@ -382,8 +398,9 @@ ExitCode conclude(const CampaignData& data, const fs::path& folder, const Engine
                data.survey.count(Kind::kFailed), all);
   }
   if (!end.note.empty()) {
-    fmt::print("stopped  {}; what is done stays, and {} sweep {} continues\n", printable(end.note),
-               installation().command, printable(folder.string()));
+    fmt::print("stopped  {}; what is done stays, and {} sweep {}{} continues\n",
+               printable(end.note), installation().command, printable(folder.string()),
+               isOnRealLab(data.request) ? " --live" : "");
   }
   if (done + stale == 0 && end.disk_full) return kFailed;
   for (const std::string& line : writeTables(data, folder, pageOf(options))) {
@@ -423,6 +440,7 @@ ExitCode sweep(const SweepOptions& options) {
   describeProblems(data, folder, options.retry, options.redo_stale);
   const std::vector<std::size_t> rows =
       options.no_run ? std::vector<std::size_t>() : rowsToRun(data, options);
+  if (is_folder && !rows.empty()) requireLiveAsked(data, options);
   catchSignals();
   EngineEnd end;
   double seconds = 0;

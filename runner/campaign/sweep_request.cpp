@@ -1,7 +1,6 @@
 #include "runner/campaign/sweep_request.hpp"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -58,15 +57,6 @@ void refuseContradictions(const SweepOptions& options) {
   }
 }
 
-/// Swept keys, and settings of the same key.
-void refuseSettingsOfAxes(const Request& request, const Design& design, const std::string& option) {
-  for (std::size_t i = 0; i < design.axes.size(); ++i) {
-    refuseContradiction(request.set, fmt::format("{} {}", option, request.over[i]),
-                        design.axes[i].key,
-                        fmt::format("{}", fmt::join(design.axes[i].values, ",")));
-  }
-}
-
 }  // namespace
 
 Request requestOf(const SweepOptions& options, const std::string& text) {
@@ -76,9 +66,13 @@ Request requestOf(const SweepOptions& options, const std::string& text) {
   request.file = fs::absolute(options.input).lexically_normal().string();
   request.set = options.set;
   request.over = options.over.empty() ? table.over : options.over;
-  request.zip = options.zip.value_or(options.over.empty() && table.zip);
+  // --over replaces the axes of the file, and what the file says about them; not what --set says.
+  const auto applies = [&options](const char* key) {
+    return options.over.empty() || hasSetting(options.set, key);
+  };
+  request.zip = options.zip.value_or(applies("sweep.zip") && table.zip);
   request.seeds = options.seeds.value_or(table.seeds);
-  request.random = options.random.value_or(options.over.empty() ? table.random : 0);
+  request.random = options.random.value_or(applies("sweep.random") ? table.random : 0);
   request.sampling = options.sampling == "sobol"   ? Sampling::kSobol
                      : options.sampling == "latin" ? Sampling::kLatin
                                                    : table.sampling;
@@ -103,7 +97,6 @@ Request requestOf(const SweepOptions& options, const std::string& text) {
   // The first point's experiment is valid, if any is; its name and seed are those of all.
   std::vector<std::string> settings = request.set;
   const Design design = request.design();
-  refuseSettingsOfAxes(request, design, options.over.empty() ? "[sweep] over" : "--over");
   if (!design.axes.empty()) {
     Design first = design;
     for (Axis& axis : first.axes) {

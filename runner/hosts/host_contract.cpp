@@ -7,15 +7,19 @@
 #include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <exception>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <sstream>
 #include <vector>
 
 #include "common/bus/fingerprints.hpp"
+#include "common/bus/value_checker.hpp"
 #include "common/math/units.hpp"
 #include "common/process/installation.hpp"
 #include "common/process/version.hpp"
 #include "common/text/fnv1a.hpp"
+#include "common/text/json_text.hpp"
 #include "runner/command_line/revision.hpp"
 #include "runner/doctor/machine.hpp"
 
@@ -75,15 +79,18 @@ nlohmann::json toJson(const HostHello& hello) {
 std::optional<HostHello> helloFrom(const nlohmann::json& json) {
   try {
     if (json.value("say", "") != "hello") return std::nullopt;
+    const auto whole = [&json]<class Number>(const char* key, Number most) {
+      return json.contains(key) ? wholeNumber<Number>(json.at(key), 0, most) : 0;
+    };
     return HostHello{json.at("version"),
-                     json.value("contract_version", 0),
+                     whole("contract_version", std::numeric_limits<int>::max()),
                      json.value("fingerprints", ""),
                      json.value("revision", ""),
                      json.value("host", ""),
                      json.value("ssh_connection", ""),
                      json.value("multicast", ""),
-                     json.value("utime", std::int64_t{0})};
-  } catch (const nlohmann::json::exception&) {
+                     whole("utime", ValueChecker::kLatestUtime)};
+  } catch (const std::exception&) {  // of nlohmann::json, or of wholeNumber()
     return std::nullopt;
   }
 }

@@ -1,7 +1,11 @@
 #include "runner/hosts/host_files.hpp"
 
+#include <cstddef>
+#include <string>
 #include <string_view>
 
+#include "common/bus/log_file.hpp"
+#include "common/experiment/service_placement.hpp"
 #include "common/files/certificate_folder.hpp"
 #include "runner/runs/run_directory.hpp"
 
@@ -26,9 +30,17 @@ void addFolder(const fs::path& folder, const std::string& name, std::vector<Host
   }
 }
 
+/// Adds a log and its continuations: log.lcmlog, log.lcmlog.01, ...
+void addRecording(const fs::path& log, const std::string& name, std::vector<HostFile>& files) {
+  const std::size_t first = log.filename().string().size();
+  for (const fs::path& part : logSeries(log)) {
+    files.push_back({name + part.filename().string().substr(first), part, {}});
+  }
+}
+
 /// Adds only the files that DDS Security needs, because the folder may also hold the private key of
-/// the certificate authority. checkCertificates() has verified that they are files of this folder;
-/// the gateway reports a file that is missing.
+/// the certificate authority. requireCertificates() has verified that they are files of this
+/// folder; the gateway reports a file that is missing.
 void addCertificates(const fs::path& folder, const std::string& name,
                      std::vector<HostFile>& files) {
   for (const std::string_view file : kSecurityFiles) {
@@ -45,11 +57,14 @@ std::vector<HostFile> filesFor(const Experiment& e, const fs::path& directory) {
   addFolder(directory / files::kCalibration, files::kCalibration, files);
   for (std::size_t i = 0; i < e.robots.size(); ++i) {
     if (!e.robots[i].log.empty()) {
-      files.push_back({recordingName(i), directory / e.robots[i].log, {}});
+      addRecording(directory / e.robots[i].log, recordingName(i), files);
     }
   }
-  if (!e.link.security.empty()) addCertificates(directory / e.link.security, kLinkSecurity, files);
-  if (!e.gateway.security.empty()) {
+  // Folders that no gateway reads are not checked, and stay here.
+  if (isLinkedByDds(e) && !e.link.security.empty()) {
+    addCertificates(directory / e.link.security, kLinkSecurity, files);
+  }
+  if (e.gateway.ros && !e.gateway.security.empty()) {
     addCertificates(directory / e.gateway.security, kGatewaySecurity, files);
   }
   if (!e.gateway.mapping.empty()) files.push_back({kMapping, directory / e.gateway.mapping, {}});

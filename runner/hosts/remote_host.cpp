@@ -5,16 +5,19 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdint>
+#include <exception>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <system_error>
 #include <thread>
 #include <utility>
 
+#include "common/bus/value_checker.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/files/file_text.hpp"
 #include "common/loop/wall_clock.hpp"
 #include "common/process/pipe.hpp"
+#include "common/text/json_text.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "runner/doctor/machine.hpp"
 #include "runner/hosts/host_agent.hpp"
@@ -228,8 +231,18 @@ void RemoteHost::compare(const HostHello& hello) {
 
 void RemoteHost::measure(const Json& pong) {
   // The agent answers at once: a single time stands for arrival and answer.
-  const std::int64_t there = pong.value("utime", std::int64_t{0});
-  round_trips_.add(pong.value("asked", std::int64_t{0}), there, there, wallClock());
+  std::int64_t there = 0;
+  std::int64_t asked = 0;
+  try {
+    there = wholeNumber<std::int64_t>(pong.at("utime"), 0, ValueChecker::kLatestUtime);
+    asked = wholeNumber<std::int64_t>(pong.at("asked"), 0, ValueChecker::kLatestUtime);
+  } catch (const std::exception& error) {
+    trouble_ = fmt::format("host {}: found an answer of its lab host-agent without the time: {}",
+                           spec_.name, error.what());
+    state_ = State::kRefused;
+    return;
+  }
+  round_trips_.add(asked, there, there, wallClock());
   if (++pongs_ < kPings) {
     lines_->send({{"do", "ping"}, {"utime", wallClock()}});
     return;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <map>
 #include <nlohmann/json.hpp>
@@ -240,19 +241,20 @@ std::vector<AdaptiveRound> readRounds(std::string_view text, std::size_t axes) {
     begin = end + 1;
     try {
       AdaptiveRound round;
-      round.number = json.at("round");
+      round.number = wholeNumber<decltype(round.number)>(json.at("round"), 0, kMostRows);
       round.robot_time_s = json.at("robot_time_s");
       round.error = json.at("error").is_null() ? std::numeric_limits<double>::infinity()
                                                : json.at("error").get<double>();
       round.expected_error = json.at("expected_error");
       for (const Json& run : json.at("runs")) {
-        round.runs.push_back({run.at("run"), run.at("row"), run.at("values"),
-                              run.at("robot_time_s"), run.at("variance_reduction")});
+        round.runs.push_back({run.at("run"), wholeNumber<std::size_t>(run.at("row"), 0, kMostRows),
+                              run.at("values"), run.at("robot_time_s"),
+                              run.at("variance_reduction")});
       }
       const bool complete = std::ranges::all_of(
           round.runs, [axes](const PlannedRun& run) { return run.values.size() == axes; });
       if (complete) rounds.push_back(std::move(round));
-    } catch (const Json::exception&) {
+    } catch (const std::exception&) {  // of nlohmann::json, or of wholeNumber()
       continue;
     }
   }

@@ -34,7 +34,10 @@ std::vector<std::string> sshWords(std::string host) {
     host.erase(0, slash + 1);
   }
   std::vector<std::string> words;
-  if (host.find(' ') == std::string::npos) words.emplace_back("ssh");
+  if (host.find(' ') == std::string::npos) {
+    // It cannot ask: it has no terminal.
+    words = {"ssh", "-o", "BatchMode=yes", "-o", "ConnectTimeout=10"};
+  }
   std::string word;
   for (const char letter : host + " ") {
     if (letter != ' ') {
@@ -47,10 +50,12 @@ std::vector<std::string> sshWords(std::string host) {
 }
 
 ToolEnd onHost(const std::string& host, const std::string& command) {
-  if (host == kHere) return runTool({"sh", "-c", command});
-  std::vector<std::string> words = sshWords(host);
+  std::vector<std::string> words{"sh", "-c"};
+  if (host != kHere) words = sshWords(host);
   words.push_back(command);
-  return runTool(words);
+  ToolEnd end = runTool(words);
+  if (end.interrupted) throw UserError(fmt::format("host {}: ended by the user", host));
+  return end;
 }
 
 /// Whether every host sees the campaign at the same path; some but not all is an error.

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
 #include <sstream>
 #include <string>
 #include <system_error>
@@ -26,6 +27,7 @@ namespace fs = std::filesystem;
 namespace {
 
 constexpr const char* kJobs = "jobs.txt";  // ids of the arrays that were submitted
+constexpr std::size_t kMostJobs = 100;     // that are asked for: the newest
 constexpr int kMostSubmissions = 3;
 constexpr std::chrono::seconds kPoll{2};
 
@@ -36,8 +38,16 @@ std::vector<std::string> wordsOf(const std::string& text) {
   return words;
 }
 
+/// Ids of the arrays that were submitted. What is no id is left out: the folder may be a
+/// stranger's.
 std::vector<std::string> recordedJobs(const fs::path& folder) {
-  return wordsOf(readWholeFile(folder / names::kSlurm / kJobs, file_kinds::kText).value_or(""));
+  auto jobs =
+      wordsOf(readWholeFile(folder / names::kSlurm / kJobs, file_kinds::kText).value_or(""));
+  std::erase_if(jobs, [](const std::string& job) {
+    return job.size() > 10 || job.find_first_not_of("0123456789") != std::string::npos;
+  });
+  if (jobs.size() > kMostJobs) jobs.erase(jobs.begin(), jobs.end() - kMostJobs);
+  return jobs;
 }
 
 /// Where the tasks of an array write. sbatch replaces what follows a %.
@@ -49,11 +59,14 @@ std::string outputPattern(const fs::path& folder) {
   return pattern + "/%A_%a.log";
 }
 
-/// Number of tasks of an array that wait or run; 0 when it has ended.
+/// Number of tasks of an array of this user that wait or run; 0 when it has ended; none if the user
+/// interrupts.
 /// @throws UserError if squeue does not answer
-std::size_t tasksLeft(const std::string& job) {
+std::optional<std::size_t> tasksLeft(const std::string& job) {
   for (int attempt = 0;; ++attempt) {
-    const ToolEnd end = runTool({"squeue", "--noheader", "--array", "--format=%T", "--jobs", job});
+    const ToolEnd end =
+        runTool({"squeue", "--me", "--noheader", "--array", "--format=%T", "--jobs", job});
+    if (end.interrupted) return {};
     if (end.ok()) return static_cast<std::size_t>(std::ranges::count(end.output, '\n'));
     // Slurm forgets jobs that ended some minutes ago.
     if (end.errors.find("Invalid job id") != std::string::npos) return 0;
@@ -86,6 +99,9 @@ std::string submit(const CampaignData& data, const fs::path& folder,
   for (std::string& word : wordsOf(options.slurm)) arguments.push_back(std::move(word));
   arguments.push_back(script.string());
   const ToolEnd end = runTool(arguments);
+  if (end.interrupted) {
+    throw UserError("sbatch: ended by the user; squeue --me says whether it has submitted a job");
+  }
   if (!end.ok()) {
     throw UserError(
         fmt::format("sbatch: {}; the script is {}, and --slurm gives sbatch further "
@@ -108,7 +124,9 @@ std::string submit(const CampaignData& data, const fs::path& folder,
 bool waitFor(const std::string& job, CampaignData& data, const fs::path& folder,
              const std::vector<std::size_t>& rows, const EngineOptions& options) {
   while (true) {
-    const bool ended = tasksLeft(job) == 0;
+    const std::optional<std::size_t> tasks = tasksLeft(job);
+    if (!tasks) return false;
+    const bool ended = *tasks == 0;
     refreshRows(data, folder, rows);
     if (options.watch) options.watch();
     if (ended) return true;
@@ -128,10 +146,11 @@ EngineEnd runBySlurm(CampaignData& data, const fs::path& folder,
                      fmt::format("job {} goes on in the queue (scancel {} ends it)", job, job)};
   };
   for (const std::string& job : recordedJobs(folder)) {
-    const std::size_t tasks = tasksLeft(job);
-    if (tasks == 0) continue;
+    const std::optional<std::size_t> tasks = tasksLeft(job);
+    if (!tasks) return left(job);
+    if (*tasks == 0) continue;
     fmt::print("slurm    job {} is in the queue with {}\n", printable(job),
-               countText(static_cast<std::int64_t>(tasks), "task"));
+               countText(static_cast<std::int64_t>(*tasks), "task"));
     if (!options.wait) return left(job);
     if (!waitFor(job, data, folder, rows, options)) return left(job);
   }

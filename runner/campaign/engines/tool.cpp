@@ -4,16 +4,21 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <memory>
 #include <system_error>
 
 #include "common/process/child_process.hpp"
 #include "common/text/printable.hpp"
+#include "runner/campaign/local_engine.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner::campaign {
 namespace {
+
+constexpr std::chrono::milliseconds kPollInterrupt{200};
 
 using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
 
@@ -49,8 +54,13 @@ ToolEnd runTool(const std::vector<std::string>& arguments) {
                         .output = fileno(output.get()),
                         .errors = fileno(errors.get()),
                         .group = ChildSettings::Group::kSeparate});
-    child.wait();
-    return {child.code(), contentOf(output.get()), contentOf(errors.get())};
+    bool interrupted = false;
+    while (!child.waitFor(kPollInterrupt)) {
+      if (!wasInterrupted()) continue;
+      interrupted = true;
+      child.signalGroup(SIGKILL);
+    }
+    return {child.code(), contentOf(output.get()), contentOf(errors.get()), interrupted};
   } catch (const std::system_error& error) {
     throw UserError(fmt::format("{}: {}; is it installed?", arguments.front(), error.what()));
   }

@@ -65,7 +65,7 @@ std::map<std::int32_t, double> seenShares(const fs::path& log,
   for (const std::int32_t id : robots) shares[id] = 0;
   double frames = 0;
   tracked_frame_t frame;
-  readLog({log}, [&](const Packet& packet) {
+  readLog(logSeries(log), [&](const Packet& packet) {
     if (packet.channel != channels::kTrackedFrame) return;
     if (!decode(packet.data, frame)) return;
     ++frames;

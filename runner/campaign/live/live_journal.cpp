@@ -4,12 +4,15 @@
 
 #include <algorithm>
 #include <array>
+#include <exception>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <utility>
 
 #include "common/bus/value_checker.hpp"
 #include "common/text/format.hpp"
 #include "common/text/json_text.hpp"
+#include "runner/campaign/campaign.hpp"
 
 namespace lab::runner::campaign {
 namespace {
@@ -34,21 +37,23 @@ std::optional<JournalEntry> entryOf(const std::string& line) {
         std::ranges::find(kWhats, what, [](const auto& pair) { return std::string(pair.second); });
     if (known == kWhats.end()) return {};
     entry.what = known->first;
-    entry.begin_us = read.at("begin_us").get<std::int64_t>();
-    entry.end_us = read.value("end_us", std::int64_t{0});
-    for (const std::int64_t utime : {entry.begin_us, entry.end_us}) {
-      if (utime < 0 || utime > ValueChecker::kLatestUtime) return {};
-    }
+    const auto timeOf = [](const nlohmann::json& utime) {
+      return wholeNumber<std::int64_t>(utime, 0, ValueChecker::kLatestUtime);
+    };
+    entry.begin_us = timeOf(read.at("begin_us"));
+    if (read.contains("end_us")) entry.end_us = timeOf(read.at("end_us"));
     if (entry.what != What::kRun) return entry;
-    entry.row = read.at("row").get<std::size_t>();
+    entry.row = wholeNumber<std::size_t>(read.at("row"), 0, kMostRows);
     entry.identity = read.at("run").get<std::string>();
     entry.kept = read.value("kept", false);
     entry.reasons = read.value("reasons", std::vector<std::string>());
     for (const nlohmann::json& robot : read.at("robots")) {
-      entry.robots[robot.at("robot").get<std::int32_t>()] = robot.value("problem", "");
+      constexpr std::int32_t kLargest = std::numeric_limits<std::int32_t>::max();
+      const auto id = wholeNumber<std::int32_t>(robot.at("robot"), 0, kLargest);
+      entry.robots[id] = robot.value("problem", "");
     }
     return entry;
-  } catch (const nlohmann::json::exception&) {
+  } catch (const std::exception&) {  // of nlohmann::json, or of wholeNumber()
     return {};
   }
 }

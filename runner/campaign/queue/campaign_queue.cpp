@@ -8,7 +8,9 @@
 #include <stdexcept>
 #include <utility>
 
+#include "common/bus/value_checker.hpp"
 #include "common/text/format.hpp"
+#include "common/text/json_text.hpp"
 #include "runner/command_line/exit_code.hpp"
 
 namespace lab::runner::campaign {
@@ -23,7 +25,8 @@ constexpr std::array<std::pair<State, const char*>, 4> kStates{{{State::kWaiting
 
 QueuedCampaign campaignOf(const nlohmann::json& json) {
   QueuedCampaign campaign;
-  campaign.number = json.at("number").get<std::int64_t>();
+  constexpr std::int64_t kMostNumber = 1'000'000'000;
+  campaign.number = wholeNumber<std::int64_t>(json.at("number"), 0, kMostNumber);
   campaign.arguments = json.at("arguments").get<std::vector<std::string>>();
   campaign.folder = json.at("folder").get<std::string>();
   const auto state = json.at("state").get<std::string>();
@@ -31,9 +34,12 @@ QueuedCampaign campaignOf(const nlohmann::json& json) {
       std::ranges::find(kStates, state, [](const auto& pair) { return std::string(pair.second); });
   if (known == kStates.end()) throw std::runtime_error("state: found " + state);
   campaign.state = known->first;
-  campaign.begin_us = json.at("begin_us").get<std::int64_t>();
-  campaign.end_us = json.at("end_us").get<std::int64_t>();
-  campaign.exit_code = json.at("exit_code").get<int>();
+  const auto timeOf = [&json](const char* key) {
+    return wholeNumber<std::int64_t>(json.at(key), 0, ValueChecker::kLatestUtime);
+  };
+  campaign.begin_us = timeOf("begin_us");
+  campaign.end_us = timeOf("end_us");
+  campaign.exit_code = wholeNumber(json.at("exit_code"), -1, 255);
   return campaign;
 }
 
@@ -47,9 +53,9 @@ std::vector<QueuedCampaign> readQueue(std::string_view text, const std::string& 
   std::vector<QueuedCampaign> queue;
   if (text.empty()) return queue;
   try {
-    for (const nlohmann::json& campaign : nlohmann::json::parse(text)) {
-      queue.push_back(campaignOf(campaign));
-    }
+    const auto read = parseJsonText(text);
+    if (!read.is_array()) throw std::runtime_error("expected a list");
+    for (const nlohmann::json& campaign : read) queue.push_back(campaignOf(campaign));
   } catch (const std::exception& error) {
     throw UserError(fmt::format(
         "{}: found a file that lab queue did not write or that is damaged ({}); remove it, and add "

@@ -54,13 +54,37 @@ void changeQueue(const fs::path& campaigns, const Change& change) {
 
 /// Parses a command line of lab sweep as lab sweep does, and runs nothing.
 /// @return false if it only asked for help, which is printed. @throws UserError
-bool checkArguments(const std::vector<std::string>& arguments) {
-  CLI::App app{"", installation().command};
+bool parseSweep(const std::vector<std::string>& arguments, CLI::App& app) {
   Chosen chosen;
   addSweep(app, chosen);
   std::vector<const char*> words{"lab", "sweep"};
   for (const std::string& argument : arguments) words.push_back(argument.c_str());
-  if (parseCommandLine(app, static_cast<int>(words.size()), words.data())) return false;
+  return !parseCommandLine(app, static_cast<int>(words.size()), words.data());
+}
+
+/// The queue's file lies in a folder that may be a stranger's, and these options name programs, and
+/// words of their command lines. @throws UserError
+void refuseEngine(const QueuedCampaign& campaign) {
+  CLI::App app{"", installation().command};
+  try {
+    if (!parseSweep(campaign.arguments, app)) return;
+  } catch (const UserError&) {
+    return;  // lab sweep says what is wrong, and this campaign fails
+  }
+  for (const char* option : {"--engine", "--hosts", "--lab-there", "--slurm", "--bundle-file"}) {
+    if (app.get_subcommand("sweep")->get_option(option)->count() == 0) continue;
+    throw UserError(fmt::format(
+        "{}: found {}, with which a campaign starts programs on this machine or on others, "
+        "expected a campaign without; if you added it: lab queue run --engines",
+        lineOf(campaign), option));
+  }
+}
+
+/// @return false if a command line of lab sweep only asked for help, which is printed.
+/// @throws UserError
+bool checkArguments(const std::vector<std::string>& arguments) {
+  CLI::App app{"", installation().command};
+  if (!parseSweep(arguments, app)) return false;
   const auto input = app.get_subcommand("sweep")->get_option("FILE|CAMPAIGN")->as<std::string>();
   if (fs::is_directory(input)) return true;
   const fs::path file = findExperiment(input, installation().experiments);
@@ -146,6 +170,7 @@ ExitCode runQueue(const QueueOptions& options) {
       const auto index = nextOf(queue);
       if (!index) return;
       QueuedCampaign& campaign = queue[*index];
+      if (!options.engines) refuseEngine(campaign);
       campaign.state = State::kRunning;
       if (campaign.begin_us == 0) campaign.begin_us = wallClock();
       next = campaign;
@@ -182,6 +207,9 @@ void addQueue(CLI::App& app, Chosen& chosen) {
   remove->add_option("NUMBER", options->number, "As lab queue lists it")->required();
   CLI::App* run = command->add_subcommand(
       "run", "Run the campaigns one after another; after a restart of the computer, continue");
+  run->add_flag("--engines", options->engines,
+                "Also run campaigns with --engine, --hosts, --lab-there or --slurm; only if nobody "
+                "else could write the queue");
   command->callback([&chosen, options, add, remove, run] {
     options->arguments = add->remaining();
     const bool adds = add->parsed();

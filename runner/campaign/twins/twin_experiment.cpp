@@ -12,6 +12,7 @@
 #include <string>
 
 #include "common/experiment/experiment_file.hpp"
+#include "common/experiment/script_plan.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::runner::campaign {
@@ -42,8 +43,9 @@ std::optional<std::vector<LightStep>> shownSteps(const report::TwinFacts& facts)
     copy.until = {};
     copy.back_to.clear();
     copy.times = 0;
-    // Labels need not be unique without back_to.
-    if (!shown.empty() && !(copy.at > shown.back().at)) return {};
+    // Labels need not be unique without back_to. A step that a condition ended at once is too short
+    // for a file.
+    if (!shown.empty() && !isLongEnough(shown.back().at, copy.at)) return {};
     if (copy.at >= facts.duration && !shown.empty()) break;
     shown.push_back(std::move(copy));
   }

@@ -5,9 +5,11 @@ Slurm's tools in a replica.
 """
 import os
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 
 from campaign_samples import check_same, lab, reference, sweep, write_experiment
 
@@ -76,7 +78,24 @@ def parallel(folder, file):
     text = sweep([file, '--out', out + '2', '--engine', 'parallel', '--hosts', ':', '--lab-there',
                   '/nowhere/lab'], code=2)
     assert 'host :: found' in text and 'expected the lab of version' in text, text
+    interrupt(folder, file)
     return out
+
+
+def interrupt(folder, file):
+    """Ctrl-C while a host does not answer, as an ssh that waits for a password."""
+    waits = os.path.join(folder, 'waits')
+    with open(waits, 'w', encoding='ascii') as tool:
+        tool.write('#!/bin/sh\ntouch asked\nsleep 1000\n')
+    os.chmod(waits, 0o755)
+    process = subprocess.Popen([lab(), 'sweep', file, '--out', 'interrupted', '--engine', 'parallel', '--hosts',
+                                './waits x', '--no-figures'], cwd=folder, stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT, text=True)
+    while process.poll() is None and not os.path.exists(os.path.join(folder, 'asked')):
+        time.sleep(0.01)
+    process.send_signal(signal.SIGINT)
+    text = process.communicate()[0]
+    assert process.returncode == 2 and 'host ./waits x: ended by the user' in text, text
 
 
 def slurm(folder, file):
@@ -93,6 +112,20 @@ def slurm(folder, file):
     assert '3 tasks' in text and 'done     12 of 12 runs' in text, text
     with open(called, encoding='utf-8') as lines:
         output = [line for line in lines.read().splitlines() if line.startswith('--output=')]
+    jobs = os.path.join(out, 'slurm', 'jobs.txt')
+    with open(jobs, encoding='ascii') as ids:
+        assert ids.read() == '7\n'
+    # What a stranger wrote there is no argument of squeue, and jobs of other users are not waited for.
+    with open(os.path.join(tools, 'squeue'), 'w', encoding='ascii') as tool:
+        tool.write('#!/bin/sh\nprintf "%s " "$@" >> "$CALLED.squeue"\n')
+    with open(jobs, 'w', encoding='ascii') as ids:
+        ids.write('--help 1,2 12345678901 ' + ' '.join(str(number) for number in range(1000)))
+    os.unlink(os.path.join(out, 'results', os.listdir(os.path.join(out, 'results'))[0]))
+    sweep([out, '--engine', 'slurm', '--bundle', '5', '--no-figures'], cwd=folder,
+          env=dict(os.environ, PATH=tools + ':' + os.environ['PATH'], CALLED=called))
+    with open(called + '.squeue', encoding='utf-8') as lines:
+        asked = lines.read()
+    assert asked.count('--me ') == 101 and '--jobs 999' in asked and '--help' not in asked, asked
     assert output == ['--output=' + out.replace('%', '%%') + '/slurm/%A_%a.log'], output
     return out
 

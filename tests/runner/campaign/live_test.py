@@ -138,6 +138,21 @@ def check_links(folder):
     assert os.listdir(elsewhere) == []
 
 
+def check_folder_on_the_real_lab(folder):
+    """A folder may come from a stranger: it moves no robots unless the user asks for it."""
+    file = write_experiment(folder, ROBOTS)
+    out = os.path.join(folder, 'real')
+    sweep([file, '--live', '--no-run', '--seeds', '1', '--out', out, '--no-figures'], code=1)
+    text = sweep([out], code=2)
+    assert 'real: found a campaign on the real lab' in text and 'add --live' in text, text
+    assert not os.path.exists(os.path.join(out, 'journal.jsonl'))
+    sweep([out, '--no-run', '--no-figures'], code=1)
+    simulated = os.path.join(folder, 'simulated')
+    sweep([file, '--no-run', '--seeds', '1', '--out', simulated, '--no-figures'], code=1)
+    text = sweep([simulated, '--live'], code=2)
+    assert 'simulated: found a simulated campaign' in text, text
+
+
 def queue(folder, arguments, code=0):
     done = subprocess.run([lab(), 'queue', *arguments], cwd=folder, capture_output=True, text=True)
     text = done.stdout + done.stderr
@@ -165,9 +180,32 @@ def check_queue(folder):
     assert queue(folder, ['run']) == ''
 
 
+def check_queue_of_a_stranger(folder):
+    write_experiment(folder, ROBOTS)
+    queue(folder, ['add', 'engines.toml', '--seeds', '1', '--no-figures', '--out', 'one'])
+    file = os.path.join(folder, 'campaigns', 'queue.json')
+    with open(file, encoding='utf-8') as text:
+        entries = json.load(text)
+    for words in (['--engine', 'parallel', '--hosts', 'sh -c "touch evil";exit'],
+                  ['--engine=slurm', '--slurm', '--wrap=evil'], ['--rows', '0', '--bundle-file', 'evil']):
+        changed = [dict(entry, arguments=entry['arguments'] + words) for entry in entries]
+        with open(file, 'w', encoding='utf-8') as text:
+            json.dump(changed, text)
+        text = queue(folder, ['run'], code=2)
+        assert 'found --' in text and 'lab queue run --engines' in text, text
+        assert len(text.splitlines()) == 1, text
+        assert 'waiting' in queue(folder, [])
+    assert 'evil' not in os.listdir(folder) and 'one' not in os.listdir(folder)
+    changed[0]['arguments'] = entries[0]['arguments'] + ['--engine', 'local']
+    with open(file, 'w', encoding='utf-8') as text:
+        json.dump(changed, text)
+    queue(folder, ['run', '--engines'])
+    assert '(done' in queue(folder, [])
+
+
 def main():
     for check in (check_rehearsal, check_kill, check_known, check_links, check_wrong,
-                  check_queue):
+                  check_folder_on_the_real_lab, check_queue, check_queue_of_a_stranger):
         with tempfile.TemporaryDirectory(prefix='lab-live-campaign-') as folder:
             check(folder)
 

@@ -1,8 +1,10 @@
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 #include "runner/campaign/queue/campaign_queue.hpp"
@@ -36,8 +38,18 @@ TEST(CampaignQueue, ReadsWhatItWrites) {
 }
 
 TEST(CampaignQueue, ADamagedFileIsOneLine) {
-  for (const char* text : {"{", "[{}]", "[1]", "{\"number\":1}", "[{\"number\":\"x\"}]"}) {
+  for (const char* text : {"{", "[{}]", "[1]", "{\"number\":1}", "[{\"number\":\"x\"}]", "{}"}) {
     EXPECT_THROW(static_cast<void>(readQueue(text, "queue.json")), UserError) << text;
+  }
+}
+
+TEST(CampaignQueue, ImpossibleNumbersAreDamage) {
+  const std::string text = queueText({campaignOf(3, State::kFailed)});
+  for (const char* key : {"number", "begin_us", "end_us", "exit_code"}) {
+    std::string changed = text;
+    const std::size_t begin = text.find(':', text.find(fmt::format("\"{}\"", key))) + 1;
+    changed.replace(begin, text.find_first_of(",\n", begin) - begin, " 1e300");
+    EXPECT_THROW(static_cast<void>(readQueue(changed, "queue.json")), UserError) << changed;
   }
 }
 

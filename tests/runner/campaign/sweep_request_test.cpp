@@ -5,6 +5,7 @@
 
 #include <string>
 
+#include "runner/campaign/campaign_plan.hpp"
 #include "runner/command_line/exit_code.hpp"
 #include "tests/support/experiment_samples.hpp"
 
@@ -58,6 +59,9 @@ TEST(SweepRequest, RefusesAnOptionAndAnotherSettingOfTheTable) {
   EXPECT_EQ(
       problem([](SweepOptions& options) { options.sampling = "sobol"; }, "sweep.sampling=latin"),
       "--sampling sobol and --set sweep.sampling=latin: two values for one key; keep one");
+  for (const char* same : {"sweep.sampling=\"sobol\"", "sweep.sampling = 'sobol'"}) {
+    EXPECT_EQ(problem([](SweepOptions& options) { options.sampling = "sobol"; }, same), "accepted");
+  }
   EXPECT_EQ(problem([](SweepOptions& options) { options.zip = false; }, "sweep.zip=true"),
             "--no-zip and --set sweep.zip=true: two values for one key; keep one");
   EXPECT_EQ(problem([](SweepOptions&) {}, "sweep.over=[]"),
@@ -65,18 +69,41 @@ TEST(SweepRequest, RefusesAnOptionAndAnotherSettingOfTheTable) {
             "keep one");
 }
 
-TEST(SweepRequest, RefusesASettingOfASweptKey) {
+TEST(SweepRequest, OverReplacesWhatTheFileSaysOfItsAxesButNotSettings) {
   SweepOptions options = sampleOptions();
+  options.over.push_back("programs.abp.epsilon_s=0.1,0.2");
+  const std::string zipped = kSwept + "zip = true\n";
+  EXPECT_FALSE(requestOf(options, zipped).zip);
+  options.set = {"sweep.zip=true"};
+  EXPECT_TRUE(requestOf(options, kSwept).zip);
+  options.set = {"sweep.random=3"};
+  EXPECT_EQ(requestOf(options, kSwept).random, 3);
+}
+
+TEST(SweepRequest, RefusesASettingOfASweptKey) {
+  const auto problem = [](const SweepOptions& options, const std::string& text) -> std::string {
+    try {
+      static_cast<void>(planCampaign(requestOf(options, text), text));
+    } catch (const UserError& error) {
+      return error.what();
+    }
+    return "accepted";
+  };
+  SweepOptions options = sampleOptions();
+  options.set = {"programs.abp.eta_rad_s = 3"};
+  EXPECT_EQ(problem(options, std::string(kSmall)),
+            "--set programs.abp.eta_rad_s = 3: the key is swept (--over "
+            "programs.abp.eta_rad_s=...), expected one of them");
+  options.over = {"programs.abp.eta_rad_s=3"};
   options.set = {"programs.abp.eta_rad_s=3"};
-  EXPECT_EQ(problemOf(options),
-            "--over programs.abp.eta_rad_s=1,2 and --set programs.abp.eta_rad_s=3: two values for "
-            "one key; keep one");
+  const std::string one_value =
+      "--set programs.abp.eta_rad_s=3: the key is swept (--over programs.abp.eta_rad_s=...), "
+      "expected one of them";
+  EXPECT_EQ(problem(options, std::string(kSmall)), one_value);
   options.over.clear();
-  EXPECT_EQ(problemOf(options, kSwept),
-            "[sweep] over programs.abp.eta_rad_s = 1:3:3 and --set programs.abp.eta_rad_s=3: two "
-            "values for one key; keep one");
+  EXPECT_EQ(problem(options, kSwept), one_value);
   options.set = {"programs.abp.epsilon_s=0.2"};
-  EXPECT_EQ(problemOf(options, kSwept), "accepted");
+  EXPECT_EQ(problem(options, kSwept), "accepted");
 }
 
 }  // namespace

@@ -25,6 +25,7 @@ TEST(HostHello, SurvivesTheRoundTripThroughJson) {
   EXPECT_EQ(refusal(bench(), own, *dut), "");
   EXPECT_FALSE(helloFrom({{"say", "pong"}}));
   EXPECT_FALSE(helloFrom({{"say", "hello"}, {"version", 7}}));
+  EXPECT_FALSE(helloFrom({{"say", "hello"}, {"version", "1"}, {"utime", 1e300}}));
 }
 
 TEST(HostHello, OfAnotherVersionIsRefusedWithBothVersionsAndAFix) {

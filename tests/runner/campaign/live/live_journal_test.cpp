@@ -61,6 +61,16 @@ TEST(LiveJournal, ImpossibleTimesAreDamage) {
   EXPECT_EQ(journal.damaged_lines, 2U);
 }
 
+TEST(LiveJournal, NumbersThatAreNoWholeNumbersAreDamage) {
+  const std::string good = journalLine(runOf(10, 20, true));
+  for (const char* key : {"begin_us", "end_us", "row", "robot"}) {
+    std::string line = good;
+    const std::size_t begin = good.find(':', good.find("\"" + std::string(key) + "\"")) + 1;
+    line.replace(begin, good.find_first_of(",}\n", begin) - begin, "1e300");
+    EXPECT_EQ(readJournal(line).damaged_lines, 1U) << line;
+  }
+}
+
 TEST(LiveJournal, DamagedLinesAreCountedAndLeftOut) {
   const std::string good = journalLine(runOf(10, 20, true));
   const Journal journal =

@@ -107,6 +107,17 @@ TEST(TwinExperiment, SaysWhatItDoesNotRepeat) {
                                         HasSubstr("has 3 marks"), HasSubstr("no END event")));
 }
 
+TEST(TwinExperiment, RepeatsTheScriptWhereARecordedStepIsTooShortForAFile) {
+  report::TwinFacts facts = factsOf(kText);
+  facts.steps[2].at = 10.255;
+  const TwinExperiment twin = twinExperimentOf(facts);
+
+  EXPECT_EQ(twin.experiment.light.steps.size(), 2U);
+  EXPECT_TRUE(twin.experiment.light.repeat);
+  EXPECT_THAT(twin.remarks, ElementsAre(HasSubstr("which ones the run showed is not known")));
+  EXPECT_NO_THROW(static_cast<void>(parseExperiment(writeExperiment(twin.experiment), "twin")));
+}
+
 TEST(TwinExperiment, WritesTheFramesAsTheSimulatorReadsThem) {
   const std::string text = framesText({{0.02, {}}, {0.0612345, {2, 7}}});
   const auto frames = parseRecordedFrames(text, "frames.csv");
