@@ -35,9 +35,14 @@ std::string errorText(const TypedCommandLine& line, const CLI::ParseError& error
     if (const std::string missing = missingCommand(line); !missing.empty()) return missing;
   }
   const std::string unknown = unknownArgument(line);
+  if (hasUnknownOption(line)) return unknown;
+  std::string what = optionTakenForValue(line);
+  if (!what.empty()) return what;
   const bool only_unknown = dynamic_cast<const CLI::ExtrasError*>(&error) != nullptr;
-  if (!unknown.empty() && (only_unknown || hasUnknownOption(line))) return unknown;
-  std::string what;
+  if (only_unknown && !unknown.empty()) return unknown;
+  if (dynamic_cast<const CLI::ConversionError*>(&error) != nullptr) {
+    what = unconvertedValue(line, error.what());
+  }
   if (dynamic_cast<const CLI::ArgumentMismatch*>(&error) != nullptr) {
     what = repeatedOption(line);
     if (!what.empty() && unknown.empty()) return what;
@@ -62,13 +67,18 @@ std::optional<int> parseArguments(CLI::App& app, int argc, const char* const* ar
     if (!asksForHelp(app)) throw ArgumentError(errorText(line, error));
   } catch (const std::exception&) {  // from the checks of options
     if (!asksForHelp(app)) {
-      // CLI11 may have taken the value of an unknown option for an argument.
+      // CLI11 may have taken the value of an unknown option for an argument, or the value of an
+      // option that has taken another one for it.
       if (hasUnknownOption(line)) throw ArgumentError(unknownArgument(line));
+      const std::string taken = optionTakenForValue(line);
+      if (!taken.empty()) throw ArgumentError(taken);
       throw;
     }
   }
-  if (!asksForHelp(app)) return std::nullopt;
-  return app.exit(CLI::CallForHelp());
+  if (asksForHelp(app)) return app.exit(CLI::CallForHelp());
+  const std::string taken = optionTakenForValue(line);
+  if (!taken.empty()) throw ArgumentError(taken);
+  return std::nullopt;
 }
 
 std::optional<int> parseArguments(CLI::App& app, int argc, const char* const* argv) {

@@ -136,6 +136,31 @@ std::string unknownWord(const TypedCommandLine& line, const std::string& word) {
       meant.empty() ? command.name + " --help lists its options" : "did you mean " + meant + "?");
 }
 
+/// The option of the chosen command, or of one around it, that a word names: "--out",
+/// "--out=there".
+const CLI::Option* optionNamed(const TypedCommandLine& line, const std::string& word) {
+  const std::string name = word.substr(0, word.find('='));
+  if (!looksLikeOption(name)) return nullptr;
+  const CLI::App* command = &line.app;
+  const CLI::Option* named = command->get_option_no_throw(name);
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    if (const CLI::Option* inner = command->get_option_no_throw(name)) named = inner;
+  }
+  return named;
+}
+
+/// The type of an option in words; CLI11 writes "INT", and after a colon what a check expects.
+std::string typeInWords(const CLI::Option& option) {
+  if (option.get_items_expected_min() == 0) return "true or false";
+  const std::string full = option.get_type_name();
+  const std::string type = full.substr(0, full.find(':'));
+  if (type == "INT") return "a whole number";
+  if (type == "UINT") return "a whole number from 0";
+  if (type == "FLOAT") return "a number";
+  return full;
+}
+
 /// Replaces the first occurrence of a name that is a word of its own.
 void replaceName(std::string& text, const std::string& name, const std::string& by) {
   for (std::size_t at = text.find(name); at != std::string::npos; at = text.find(name, at + 1)) {
@@ -206,6 +231,36 @@ std::string missingValue(const TypedCommandLine& line) {
   for (const CLI::Option* option : chosenCommand(line).app->get_options()) {
     if (option->get_items_expected_min() == 0 || !option->check_name(name)) continue;
     return fmt::format("{}: found no value, expected {}", name, option->get_type_name());
+  }
+  return {};
+}
+
+std::string optionTakenForValue(const TypedCommandLine& line) {
+  for (std::size_t i = 1; i + 1 < line.typed.size(); ++i) {
+    const std::string& word = line.typed[i];
+    if (word == "--") break;  // arguments only from here on
+    const CLI::Option* option = optionNamed(line, word);
+    if (option == nullptr || option->count() == 0) continue;
+    if (option->get_items_expected_min() == 0) continue;
+    const std::size_t equals = word.find('=');
+    if (equals != std::string::npos && equals + 1 < word.size()) continue;  // "--out=there"
+    const std::string& next = line.typed[i + 1];
+    if (optionNamed(line, next) == nullptr) continue;
+    const std::string name = word.substr(0, equals);
+    return fmt::format("{}: found no value, expected {}; {}={} if such a value is meant", name,
+                       option->get_type_name(), name, next);
+  }
+  return {};
+}
+
+std::string unconvertedValue(const TypedCommandLine& line, std::string_view error) {
+  for (const CLI::Option* option : chosenCommand(line).app->get_options()) {
+    const std::string name = option->get_name();
+    if (error != CLI::ConversionError(name, option->results()).what()) continue;
+    const Words names = typedNames(*option, line.typed);
+    return fmt::format("{}: found {}, expected {}",
+                       names.empty() ? name : fmt::format("{}", fmt::join(names, "/")),
+                       fmt::join(option->results(), " "), typeInWords(*option));
   }
   return {};
 }

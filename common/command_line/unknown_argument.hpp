@@ -1,5 +1,5 @@
 /// The errors of a command line that CLI11 names badly or not at all: words that no option and no
-/// argument takes, options without a value or with several, a missing command.
+/// argument takes, options without a value, with several or with a wrong one, a missing command.
 #pragma once
 
 #include <string>
@@ -37,6 +37,15 @@ struct TypedCommandLine {
 /// Names an option at the end of the command line that has no value there.
 /// @return empty: it does not end with one
 [[nodiscard]] std::string missingValue(const TypedCommandLine& line);
+
+/// Names an option that has taken the next option for its value, as in "--out --virtual-time".
+/// @return empty: there is none
+[[nodiscard]] std::string optionTakenForValue(const TypedCommandLine& line);
+
+/// Names an option whose value is of another type, and that type.
+/// @param error of CLI11, about the conversion of a value
+/// @return empty: it is not about an option of the chosen command
+[[nodiscard]] std::string unconvertedValue(const TypedCommandLine& line, std::string_view error);
 
 /// An error of CLI11, which names an option by the first of its names, with the name that was
 /// typed.

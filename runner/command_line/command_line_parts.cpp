@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <filesystem>
@@ -25,6 +26,13 @@ std::pair<std::string, std::string> splitSetting(const std::string& setting) {
   const std::size_t equals = setting.find('=');
   const std::string value = equals == std::string::npos ? "" : setting.substr(equals + 1);
   return {CLI::detail::trim_copy(setting.substr(0, equals)), CLI::detail::trim_copy(value)};
+}
+
+/// A text with quotes, as in a file, and without them, as on a command line, mean the same.
+std::string withoutQuotes(const std::string& value) {
+  const bool quoted = value.size() > 1 && value.front() == value.back() &&
+                      (value.front() == '"' || value.front() == '\'');
+  return quoted ? value.substr(1, value.size() - 2) : value;
 }
 
 }  // namespace
@@ -64,7 +72,7 @@ CLI::Option* addSettings(CLI::App& command, std::vector<std::string>& set,
     for (const std::string& setting : given) {
       const auto [key, value] = splitSetting(setting);
       const auto [known, is_new] = values.emplace(key, value);
-      if (is_new || known->second == value) continue;
+      if (is_new || withoutQuotes(known->second) == withoutQuotes(value)) continue;
       throw UserError(fmt::format("--set {}={} and --set {}={}: two values for one key; keep one",
                                   key, known->second, key, value));
     }
@@ -75,11 +83,17 @@ CLI::Option* addSettings(CLI::App& command, std::vector<std::string>& set,
       ->allow_extra_args(false);
 }
 
+bool hasSetting(const std::vector<std::string>& set, const std::string& key) {
+  return std::any_of(set.begin(), set.end(), [&key](const std::string& setting) {
+    return splitSetting(setting).first == key;
+  });
+}
+
 void refuseContradiction(const std::vector<std::string>& set, const std::string& given,
                          const std::string& key, const std::string& value) {
   for (const std::string& setting : set) {
     const auto [set_key, set_value] = splitSetting(setting);
-    if (set_key != key || set_value == value) continue;
+    if (set_key != key || withoutQuotes(set_value) == withoutQuotes(value)) continue;
     throw UserError(
         fmt::format("{} and --set {}={}: two values for one key; keep one", given, key, set_value));
   }

@@ -31,6 +31,9 @@ void addChoice(CLI::App& command, const std::string& names, std::optional<bool>&
 CLI::Option* addSettings(CLI::App& command, std::vector<std::string>& set,
                          const std::string& text = "Replaces a key of the file (repeatable)");
 
+/// Whether one of the settings KEY=VALUE is of this key.
+[[nodiscard]] bool hasSetting(const std::vector<std::string>& set, const std::string& key);
+
 /// Refuses a setting that contradicts what an option says about the same key.
 /// @param given the option as typed: "--seed 2"
 /// @throws UserError

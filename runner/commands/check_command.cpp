@@ -38,7 +38,7 @@ ExitCode check(const fs::path& file, const std::vector<std::string>& set) {
   const bool dashboard = wantsDashboard(std::nullopt, false, std::getenv("CI"));
   for (const std::string& problem :
        {loadProblem(experiment, std::thread::hardware_concurrency(), dashboard),
-        diskProblem(experiment, RunOptions().out)}) {
+        diskProblem(experiment, RunOptions().out, "give `lab run` another folder with --runs")}) {
     if (!problem.empty()) fmt::print("warning       {}\n", printable(problem));
   }
   return kDone;

@@ -2,15 +2,34 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstddef>
 #include <cstring>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "runner/commands/commands.hpp"
 #include "runner/user_program/python.hpp"
 
 namespace lab::runner {
+namespace {
+
+/// Whether Python executes a file, and not the text of -c, a module of -m or what is typed.
+bool executesFile(const std::vector<std::string>& arguments) {
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& word = arguments[i];
+    if (!word.starts_with('-')) return true;
+    if (word == "-") return false;  // the standard input
+    // Letters may be joined, as in -Bc. The value of an option may be in the same word.
+    const std::size_t at = word.starts_with("--") ? std::string::npos : word.find_first_of("cmWX");
+    if (at != std::string::npos && (word[at] == 'c' || word[at] == 'm')) return false;
+    if (at == word.size() - 1 || word == "--check-hash-based-pycs") ++i;
+  }
+  return false;
+}
+
+}  // namespace
 
 ExitCode python(const PythonOptions& options) {
   const std::filesystem::path folder = pythonFolder();
@@ -23,7 +42,11 @@ ExitCode python(const PythonOptions& options) {
   }
   std::vector<std::string> arguments{pythonProgram()};
   arguments.insert(arguments.end(), options.arguments.begin(), options.arguments.end());
-  std::vector<std::string> environment = pythonEnvironment({});
+  // Only a file has its folder first on Python's path. The current folder may be a run of a
+  // stranger, with a numpy.py.
+  std::vector<std::string> added;
+  if (!executesFile(options.arguments)) added.emplace_back("PYTHONSAFEPATH=1");
+  std::vector<std::string> environment = pythonEnvironment(std::move(added));
   // exec takes char* and does not write through it.
   std::vector<char*> argv, envp;
   for (std::string& argument : arguments) argv.push_back(argument.data());

@@ -6,6 +6,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <system_error>
@@ -139,7 +140,8 @@ ExitCode run(const RunOptions& options, const RunVirtual& run_virtual) {
   // The run is over and its log is kept. A report that cannot be made is a failure of its own.
   bool reported = true;
   if (options.report) {
-    const std::string directory = launched.directory.string();
+    // A relative name that begins with - would be an option.
+    const std::string directory = fs::absolute(launched.directory).string();
     reported = make("report", options.programs, kReporter, {kReportOfRun, directory});
     if (reported && twins > 0) {
       reported = make("twins", options.programs, kTwinMaker,

@@ -72,9 +72,10 @@ std::string SpyTable::text(double interval, std::int64_t now) {
                    counter_.uncounted(), StreamCounter::kMostStreams);
   }
   for (const auto& [channel, errors] : counter_.decodeErrors()) {
-    fmt::format_to(
-        put, "{:<17} NOT DECODED {:>8} messages: other message versions, or another program\n",
-        printable(channel), errors);
+    fmt::format_to(put,
+                   "{:<17} NOT DECODED {:>8} messages: other message versions, another program, or "
+                   "a sender's name above {} bytes\n",
+                   printable(channel), errors, kLongestSender);
   }
   if (counter_.furtherDecodeErrors() > 0) {
     fmt::format_to(put, "{:<17} NOT DECODED {:>8} messages\n", "(other channels)",

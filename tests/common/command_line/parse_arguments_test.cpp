@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -23,7 +24,8 @@ class ParseArguments : public testing::Test {
     app_.add_option("--ports", ports_, "Folder")->check([](const std::string& folder) {
       return folder == "here" ? "" : "found " + folder + ", expected here";
     });
-    app_.add_flag("--list");
+    app_.add_option("--offset", offset_);
+    app_.add_flag("--list", list_);
   }
 
   /// What is printed on stdout and stderr.
@@ -39,6 +41,8 @@ class ParseArguments : public testing::Test {
   CLI::App app_{"Robots on serial lines", "bridge"};
   std::string experiment_;
   std::string ports_;
+  std::int64_t offset_ = 0;
+  bool list_ = false;
   std::optional<int> code_;
 };
 
@@ -72,6 +76,41 @@ TEST_F(ParseArguments, NamesOptionsAsTheyWereTyped) {
             "bridge: --config: found no value, expected TEXT; bridge --help explains it\n");
   EXPECT_EQ(printed({"--config", "a", "--experiment=b"}),
             "bridge: --config/--experiment: found 2 values, a and b; keep one\n");
+}
+
+TEST_F(ParseArguments, TakesNoOptionForAValue) {
+  EXPECT_EQ(printed({"--config", "--list"}),
+            "bridge: --config: found no value, expected TEXT; --config=--list if such a value is "
+            "meant\n");
+  EXPECT_EQ(code_, 2);
+  EXPECT_THAT(printed({"--config=", "--list"}), StartsWith("bridge: --config: found no value, "));
+  EXPECT_THAT(printed({"--config", "a", "--ports", "--offset=3"}),
+              StartsWith("bridge: --ports: found no value, expected TEXT; --ports=--offset=3 if "));
+  EXPECT_THAT(printed({"--config", "a", "--offset", "--list", "--lists"}),
+              StartsWith("bridge: --lists: no such option"));
+  EXPECT_THAT(printed({"--config", "--list", "a"}), StartsWith("bridge: --config: found no value"));
+  EXPECT_THAT(printed({"--config", "a", "--offset", "--list"}),
+              StartsWith("bridge: --offset: found no value, expected INT"));
+
+  EXPECT_EQ(printed({"--experiment=--list"}), "");
+  EXPECT_EQ(code_, std::nullopt);
+  EXPECT_EQ(experiment_, "--list");
+  EXPECT_FALSE(list_);
+  EXPECT_EQ(printed({"--config", "-", "--offset", "-5", "--list"}), "");
+  EXPECT_EQ(offset_, -5);
+  EXPECT_TRUE(list_);
+}
+
+TEST_F(ParseArguments, SaysWhatItFoundInPlaceOfANumber) {
+  EXPECT_EQ(printed({"--config", "a", "--offset", "x"}),
+            "bridge: --offset: found x, expected a whole number; bridge --help explains it\n");
+  EXPECT_EQ(code_, 2);
+  double length = 0;
+  app_.add_option("--length,--size", length);
+  EXPECT_EQ(printed({"--config", "a", "--size", "long"}),
+            "bridge: --size: found long, expected a number; bridge --help explains it\n");
+  EXPECT_EQ(printed({"--config", "a", "--list=maybe"}),
+            "bridge: --list: found maybe, expected true or false; bridge --help explains it\n");
 }
 
 TEST_F(ParseArguments, PrintsWordsOfTheUserWithoutControlCharacters) {

@@ -152,6 +152,19 @@ TEST(CommandLine, NamesAnOptionAsItWasTyped) {
               StartsWith("--out: found no folder at /dev/null, expected one or a new name"));
 }
 
+TEST(CommandLine, TakesNoOptionForAValue) {
+  // It would be a run in real time, in a folder of that name.
+  EXPECT_EQ(errorOf({"run", "abp", "--out", "--virtual-time", "--set", "duration_s=1"}),
+            "--out: found no value, expected TEXT; --out=--virtual-time if such a value is meant");
+  // "there" is then FILE.
+  EXPECT_THAT(errorOf({"run", "--set", "--runs", "there", "abp"}),
+              StartsWith("--set: found no value, expected KEY=VALUE; --set=--runs if "));
+  EXPECT_THAT(errorOf({"web", "--runs", "--version"}),
+              StartsWith("--runs: found no value, expected TEXT"))
+      << "an option of `lab`";
+  EXPECT_EQ(errorOf({"programs-of-run", "abp", "--out=--virtual-time"}), "accepted");
+}
+
 TEST(CommandLine, NamesAWordThatNothingTakesBesideAnotherError) {
   EXPECT_EQ(errorOf({"run", "abp", "cr", "--out"}),
             "--out: found no value, expected TEXT; found \"cr\", but `lab run` takes nothing after "

@@ -53,6 +53,14 @@ TEST_F(SpyTableTest, ShowsRateSizeAgeAndLossOfEachStream) {
   EXPECT_THAT(dut_.text(2, kNow + 40'000), HasSubstr("sim_svc             0.0"));
 }
 
+TEST_F(SpyTableTest, SaysThatTheNameOfASenderMayBeTooLong) {
+  send<robot_status_t>("ROBOT_STATUS", std::string(64, 'x'), 1);
+
+  EXPECT_THAT(dut_.text(1, kNow),
+              HasSubstr("ROBOT_STATUS      NOT DECODED        1 messages: other message versions, "
+                        "another program, or a sender's name above 63 bytes\n"));
+}
+
 TEST_F(SpyTableTest, KeepsABoundedNumberOfStreamsAndTellsOfFurtherOnes) {
   // Those that came once and are silent give their places to others.
   for (int sender = 0; sender < 100'000; ++sender) {
