@@ -105,7 +105,8 @@ Layer syncPatch(double side, bool bright) {
 ProjectorCore::ProjectorCore(Config config)
     : config_(std::move(config)),
       timeout_us_(microseconds(config_.command_timeout)),
-      latency_us_(microseconds(config_.latency)) {
+      latency_us_(microseconds(config_.latency)),
+      robots_(config_.scene_context.robots) {
   if (timeout_us_ <= 0) {
     throw std::invalid_argument("command_timeout = " + text(config_.command_timeout) +
                                 " s, allowed: above 0");
@@ -145,6 +146,20 @@ std::int64_t ProjectorCore::endOf(const Sender& sender) const {
   return hold != 0 ? hold : sender.heard_utime + timeout_us_;
 }
 
+/// Makes room for another sender. @return false if all have commands
+bool ProjectorCore::makeRoom() {
+  if (senders_.size() < kMostSenders) return true;
+  const auto has_command = [this](const auto& entry) {
+    return isValid(entry.second) || !entry.second.scheduled.empty();
+  };
+  const auto first = std::ranges::min_element(senders_, {}, [&](const auto& entry) {
+    return std::pair(has_command(entry), entry.second.heard_utime);
+  });
+  if (has_command(*first)) return false;
+  senders_.erase(first);
+  return true;
+}
+
 Answer ProjectorCore::apply(const LightCommand& command, std::int64_t received_utime) {
   const std::int64_t received = std::max(received_utime, now_);
   advance(received);
@@ -167,6 +182,12 @@ Answer ProjectorCore::apply(const LightCommand& command, std::int64_t received_u
   }
 
   if (auto reason = problem(command, received)) return {Verdict::kRefused, std::move(*reason)};
+  if (known == senders_.end() && !makeRoom()) {
+    return {Verdict::kRefused,
+            "senders = " + std::to_string(kMostSenders + 1) + ", allowed: at most " +
+                std::to_string(kMostSenders) +
+                " with commands; end the programs that do not belong to this lab"};
+  }
   Accepted accepted{command, command.from_utime == 0 ? received : command.from_utime};
   accepted.from_utime = std::max(command.from_utime, received);
   Sender sender = known != senders_.end() ? known->second : Sender{};
@@ -231,7 +252,7 @@ void ProjectorCore::advance(std::int64_t utime) {
 ProjectorCore::Sender* ProjectorCore::commander() {
   Sender* best = nullptr;
   for (auto& [name, sender] : senders_) {
-    if (!sender.active || now_ >= endOf(sender)) continue;
+    if (!isValid(sender)) continue;
     const auto rank = [](const Sender& one) {
       return std::pair(one.active->priority, one.active_since);
     };

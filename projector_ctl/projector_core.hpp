@@ -62,11 +62,12 @@ struct ShownFrame {
 
 /// Arbitrates between commands and computes the field of each frame.
 ///
-/// Only the latest command of each sender is considered. The sender with the highest priority
-/// controls the light; among equals, the one whose command came into force last. A command with
-/// hold_until_utime is valid until then; one without is valid while its sender repeats it at least
-/// every command_timeout. When the controlling command ends, the sender with the next priority
-/// takes over; without any command the safe field is shown.
+/// Only the latest command of each sender is considered, of at most kMostSenders: a new one takes
+/// the place of the sender without a command that was silent for longest, or is refused. The sender
+/// with the highest priority controls the light; among equals, the one whose command came into
+/// force last. A command with hold_until_utime is valid until then; one without is valid while its
+/// sender repeats it at least every command_timeout. When the controlling command ends, the sender
+/// with the next priority takes over; without any command the safe field is shown.
 ///
 /// The result depends only on the given utimes, not on the times of the frames. A cross-fade starts
 /// when its command comes into force (at its from_utime, or at its arrival if that is later), from
@@ -93,6 +94,7 @@ class ProjectorCore {
   static constexpr double kLongestRamp = 3600;         ///< [s]
   static constexpr double kFurthestStart = 24 * 3600;  ///< [s] from arrival to from_utime, at most
   static constexpr std::size_t kMostScheduled = 16;    ///< pending commands of one sender
+  static constexpr std::size_t kMostSenders = 64;      ///< far more than a lab has
 
   /// @throws std::invalid_argument if the safe field is invalid or the timeout is not above 0.
   explicit ProjectorCore(Config config);
@@ -137,6 +139,10 @@ class ProjectorCore {
   [[nodiscard]] std::optional<std::string> problem(const LightCommand& command,
                                                    std::int64_t received_utime) const;
   [[nodiscard]] std::int64_t endOf(const Sender& sender) const;
+  [[nodiscard]] bool isValid(const Sender& sender) const {
+    return sender.active && now_ < endOf(sender);
+  }
+  [[nodiscard]] bool makeRoom();
   [[nodiscard]] Sender* commander();
   [[nodiscard]] bool isFading(std::int64_t utime) const { return utime - ramp_start_ < ramp_us_; }
 

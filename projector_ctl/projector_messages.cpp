@@ -1,12 +1,20 @@
 #include "projector_ctl/projector_messages.hpp"
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "common/experiment/light_messages.hpp"
 #include "common/experiment/program_messages.hpp"
+#include "common/text/utf8.hpp"
 
 namespace lab::projector {
+namespace {
+
+// LIGHT_STATUS repeats the label, and receivers refuse a large one. Labels of files have 60 bytes.
+constexpr std::size_t kLongestLabel = 200;
+
+}  // namespace
 
 SceneContext sceneContextOf(const Experiment& experiment, light::ImageStore images) {
   SceneContext scene_context;
@@ -31,7 +39,7 @@ LightCommand toCommand(const light_command_t& message, const Experiment& experim
   command.ramp = message.ramp;
   command.hold_until_utime = message.hold_until_utime;
   command.release = message.release != 0;
-  command.label = message.label;
+  command.label = utf8Prefix(message.label, kLongestLabel);
   if (message.layers.size() <= light::kMostLayers) {
     command.layers = toDrivenLayers(message, images);
   } else {

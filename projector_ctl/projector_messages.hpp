@@ -17,7 +17,8 @@ namespace lab::projector {
 [[nodiscard]] SceneContext sceneContextOf(const Experiment& experiment, light::ImageStore images);
 
 /// A command without a from_utime begins when it was sent. Gates refer to programs by the name
-/// under which robots report them, which is the first name if two names mean the same program.
+/// under which robots report them, which is the first name if two names mean the same program. Of a
+/// long label only the beginning is kept.
 [[nodiscard]] LightCommand toCommand(const light_command_t& message, const Experiment& experiment,
                                      const light::ImageStore& images);
 

@@ -232,10 +232,9 @@ void ProjectorService::publish(const ShownFrame& shown) {
 }
 
 void ProjectorService::savePicture(const ShownFrame& shown) {
-  const int rows =
-      std::max(1, static_cast<int>(std::lround(kPictureColumns * arena_height_ / arena_width_)));
+  const light::PictureSize size = light::pictureSize(arena_width_, arena_height_, kPictureColumns);
   const light::Raster raster =
-      light::rasterise(shown.field, arena_width_, arena_height_, kPictureColumns, rows);
+      light::rasterise(shown.field, arena_width_, arena_height_, size.nx, size.ny);
   const std::string name = "light_" + std::to_string(shown.first_shown_utime) + ".png";
   try {
     replaceFile(pictures_ / name, light::toPng(raster));

@@ -28,7 +28,7 @@ class ProjectorService final : public Service {
 
   /// Subscribes, and shows its first frame at the next frame boundary.
   /// @param pictures folder in which each new field is saved as light_<first shown utime>.png at
-  ///   the end of its cross-fade, with kPictureColumns columns; empty: not saved
+  ///   the end of its cross-fade, with at most kPictureColumns columns; empty: not saved
   /// @param presenter the display; null: headless
   /// @throws std::runtime_error if an image of the experiment cannot be read
   explicit ProjectorService(const ServiceContext& context, std::filesystem::path pictures = {},

@@ -55,7 +55,7 @@ bool Replay::play(const ShownRecord& status) {
 std::optional<std::vector<light::Layer>> Replay::layersOf(const ShownRecord& status) {
   if (status.projector != projector_) {
     scenes_.clear();
-    robots_ = {};
+    robots_ = RobotTracks(scene_context_.robots);
     projector_ = status.projector;
   }
   const Key key{status.commander, status.command_instance, status.command_seq};

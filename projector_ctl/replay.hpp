@@ -34,7 +34,8 @@ struct ShownRecord {
 class Replay {
  public:
   /// @param scene_context as in the projector; must outlive this object
-  explicit Replay(const SceneContext& scene_context) : scene_context_(scene_context) {}
+  explicit Replay(const SceneContext& scene_context)
+      : scene_context_(scene_context), robots_(scene_context.robots) {}
 
   /// @param command as the projector used it, with a from_utime
   void add(const LightCommand& command);

@@ -15,6 +15,7 @@
 #include "common/bus/channels.hpp"
 #include "common/experiment/service_placement.hpp"
 #include "common/math/units.hpp"
+#include "common/text/printable.hpp"
 #include "light/field/layer.hpp"
 #include "sim_svc/bodies/chip_robots.hpp"
 #include "sim_svc/bodies/experiment_setup.hpp"
@@ -25,6 +26,10 @@ namespace {
 
 constexpr double kTruthRate = 10;                  // [1/s]
 constexpr std::int64_t kOldestFrame_us = 200'000;  // older frames are skipped in real time
+// The largest projector.latency, and a second between the clocks of two hosts.
+constexpr std::int64_t kFurthestLight_us = 2'000'000;
+// A projector of 500 Hz with the largest latency has announced 500.
+constexpr std::size_t kMostPendingLight = 512;
 
 std::int64_t period_us(double rate) { return std::max<std::int64_t>(1, std::llround(1e6 / rate)); }
 
@@ -157,7 +162,26 @@ void SimService::subscribe() {
   });
 }
 
+/// Whether light of this time may still be announced. Reports once that it may not.
+bool SimService::mayAnnounce(const light_status_t& status) {
+  std::string found;
+  if (status.utime > loop_.now() + kFurthestLight_us) {
+    found = "is dated more than 2 s ahead; set the clocks";
+  } else if (pending_light_.size() >= kMostPendingLight &&
+             status.utime > pending_light_.back().utime) {
+    found = "follows " + std::to_string(kMostPendingLight) +
+            " that are announced; end the programs that do not belong to this lab";
+  }
+  if (found.empty()) return true;
+  if (!std::exchange(light_refused_, true)) {
+    node_.noteError("LIGHT_STATUS of " + printable(status.sender) + " " + found +
+                    ": such light is ignored");
+  }
+  return false;
+}
+
 void SimService::show(const light_status_t& status) {
+  if (!mayAnnounce(status)) return;
   light::Field field = toField(status, images_.store);
   if (light::validate(field.layers) || light::validate(field.previous)) {
     node_.noteError("LIGHT_STATUS of " + status.sender + " cannot be painted: ignored");

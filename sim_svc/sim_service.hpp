@@ -66,6 +66,7 @@ class SimService final : public Service {
 
   void addExternalRobots(const ServiceContext& context, const MotorCalibrations& motors);
   void subscribe();
+  [[nodiscard]] bool mayAnnounce(const light_status_t& status);
   void show(const light_status_t& status);
   void show(light::Field field);
   void follow(std::int64_t utime);
@@ -95,6 +96,7 @@ class SimService final : public Service {
   std::int64_t start_utime_;   ///< declared after cameras_, whose construction is slow
   std::int64_t origin_utime_;  ///< utime of world time 0
   KinematicRobots kinematic_robots_;
+  bool light_refused_ = false;       ///< and reported
   std::int64_t stalled_frames_ = 0;  ///< skipped and not yet reported
   std::int64_t last_stalled_frame_ = 0;
   std::int64_t stall_noted_utime_ = 0;

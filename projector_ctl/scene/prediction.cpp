@@ -6,6 +6,7 @@
 
 #include "common/math/angle.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/program.hpp"
 
 namespace lab::projector {
 namespace {
@@ -147,16 +148,17 @@ RobotPose Track::predicted(std::int64_t utime) const {
 void RobotTracks::add(const ObservedFrame& frame) {
   for (const ObservedRobot& robot : frame.robots) {
     // Written so that NaN counts as too small.
-    if (!(robot.confidence >= kLeastConfidence)) continue;
+    if (!(robot.confidence >= kLeastConfidence) || !known_.contains(robot.id)) continue;
     if (!std::isfinite(robot.x) || !std::isfinite(robot.y) || !std::isfinite(robot.theta)) continue;
     tracks_[robot.id].add(robot, frame.utime);
   }
 }
 
 void RobotTracks::report(std::int32_t id, const std::string& program, std::int64_t utime) {
+  if (!known_.contains(id)) return;
   Report& report = reports_[id];
   if (utime < report.utime) return;
-  report.program = program;
+  report.program = program.size() <= kLongestProgramName ? program : "";
   report.utime = utime;
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -91,17 +92,22 @@ class Track {
   double turn_ = 0;
 };
 
-/// The tracks of all robots, and the programs that they report.
+/// The tracks of the robots of an experiment, and the programs that they report. Others are
+/// ignored, so that messages about ever new ids take no memory.
 class RobotTracks {
  public:
   static constexpr double kLeastConfidence = 0.5;  ///< poses below are not used
+
+  /// @param robots ids
+  explicit RobotTracks(const std::vector<std::int32_t>& robots)
+      : known_(robots.begin(), robots.end()) {}
 
   void add(const ObservedFrame& frame);
 
   /// Forgets all camera frames.
   void forgetPoses() { tracks_.clear(); }
 
-  /// Stores the program that a robot reports.
+  /// Stores the program that a robot reports. A name that no program can have is none.
   void report(std::int32_t id, const std::string& program, std::int64_t utime);
 
   /// Null if there is no pose of the robot.
@@ -117,6 +123,7 @@ class RobotTracks {
     std::int64_t utime = 0;
   };
 
+  std::set<std::int32_t> known_;
   std::map<std::int32_t, Track> tracks_;
   std::map<std::int32_t, Report> reports_;
 };

@@ -244,6 +244,9 @@ struct GetPrograms {
 /// The numbers that programs read as sense(0) to sense(7), in units of 2^-16. A stream: not
 /// answered, and a lost message is replaced by the next one.
 struct SetSenses {
+  /// Of a serial line that these messages may take: 50 in a second fit at 38400 baud, and an order
+  /// waits for one of them at most.
+  static constexpr int kMostPercent = 60;
   static constexpr uint8_t kType = 0x1E;
   uint8_t id = 0;  ///< number of the message, echoed in TELEMETRY
   int32_t sense[dynamics::kSenses] = {};

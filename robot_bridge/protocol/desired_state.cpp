@@ -23,7 +23,7 @@ bool DesiredState::command(const CommandKey& key, std::int32_t lease_ms, const r
   lease_end_ = now + std::int64_t{std::max(0, lease_ms)} * units::kMillisecond_us;
   if (key == received_) return false;
   received_ = key;
-  unconverted_ = order;
+  unconverted_ = orderToKeep(order, robot_id_);
   return true;
 }
 

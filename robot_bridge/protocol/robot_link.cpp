@@ -1,6 +1,8 @@
 #include "robot_bridge/protocol/robot_link.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <optional>
 #include <utility>
 
 #include "common/math/random.hpp"
@@ -54,6 +56,7 @@ void RobotLink::plug(const wire::Hello& hello, std::int64_t now) {
 
 void RobotLink::unplug() {
   plugged_ = false;
+  waiting_senses_.reset();
   sender_.forget();
   outgoing_.clear();
 }
@@ -92,6 +95,7 @@ void RobotLink::forgetState() {
   clearing_ = false;
   senses_ = {};
   senses_sent_ = {};
+  waiting_senses_.reset();
   sender_.forget();
 }
 
@@ -106,7 +110,8 @@ void RobotLink::handle(const wire::Hello& hello, std::int64_t now) {
   // A robot that lost its EEPROM may repeat an old boot number; then its clock shows the restart.
   const bool clock_restarted =
       latest_robot_ms_ &&
-      msBetween(hello.uptime_ms, *latest_robot_ms_) + silence_ms(now) > kLongestJump_ms;
+      std::int64_t{msBetween(hello.uptime_ms, *latest_robot_ms_)} + silence_ms(now) >
+          kLongestJump_ms;
   heard_utime_ = now;
   if (!hello_ || hello.boot_id != hello_->boot_id || clock_restarted) {
     restart();
@@ -348,12 +353,8 @@ void RobotLink::stop(std::int64_t seq, bool release, std::int64_t now) {
 void RobotLink::sense(const std::array<dynamics::Fixed, dynamics::kSenses>& values,
                       std::int64_t utime, std::int64_t now) {
   if (!plugged_ || identity_in_doubt_ || isStale(now)) return;
-  senses_id_ = static_cast<std::uint8_t>(senses_id_ % 255 + 1);
-  wire::SetSenses message;
-  message.id = senses_id_;
-  std::copy(values.begin(), values.end(), message.sense);
-  senses_sent_[senses_id_] = {utime, now + wire_us(wire::payloadSize<wire::SetSenses>())};
-  send(message, 0);
+  waiting_senses_ = WaitingSenses{values, utime};
+  pump(now);
 }
 
 void RobotLink::calibrate(std::int64_t seq, std::int64_t instance,
@@ -451,11 +452,27 @@ void RobotLink::pump(std::int64_t now) {
     return;
   }
   keepRunning(now);
-  if (sender_.isWaiting()) return;
-  sendPing(now);
-  // A silent robot may be in its bootloader, which bytes would keep from starting the program.
-  if (isStale(now) || now < wait_until_) return;
-  sendNextCommand(now);
+  if (!sender_.isWaiting()) {
+    sendPing(now);
+    // A silent robot may be in its bootloader, which bytes would keep from starting the program.
+    if (!isStale(now) && now >= wait_until_) sendNextCommand(now);
+  }
+  sendSenses(now);
+}
+
+/// More than the line takes would be lost, and the orders behind it with it.
+void RobotLink::sendSenses(std::int64_t now) {
+  if (!waiting_senses_ || now < senses_due_) return;
+  const WaitingSenses waiting = *std::exchange(waiting_senses_, std::nullopt);
+  if (isStale(now)) return;
+  const std::int64_t duration_us = wire_us(wire::payloadSize<wire::SetSenses>());
+  senses_due_ = now + duration_us * 100 / wire::SetSenses::kMostPercent;
+  senses_id_ = static_cast<std::uint8_t>(senses_id_ % 255 + 1);
+  wire::SetSenses message;
+  message.id = senses_id_;
+  std::copy(waiting.values.begin(), waiting.values.end(), message.sense);
+  senses_sent_[senses_id_] = {waiting.utime, now + duration_us};
+  send(message, 0);
 }
 
 void RobotLink::sendStop(std::int64_t now) {

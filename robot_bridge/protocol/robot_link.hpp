@@ -85,7 +85,9 @@ class RobotLink {
   /// A ROBOT_STOP for this robot.
   void stop(std::int64_t seq, bool release, std::int64_t now);
 
-  /// The virtual senses of this robot from a ROBOT_SENSES. Sent at once, and once only.
+  /// The virtual senses of this robot from a ROBOT_SENSES. They are sent once only, and at once
+  /// unless the last ones were sent so shortly before that senses would take more than
+  /// SetSenses::kMostPercent of the line. Newer ones replace those that wait.
   /// @param utime of the ROBOT_SENSES
   void sense(const std::array<dynamics::Fixed, dynamics::kSenses>& values, std::int64_t utime,
              std::int64_t now);
@@ -137,6 +139,11 @@ class RobotLink {
  private:
   static constexpr std::size_t kParamsWanted = 2;  ///< telemetry period, log of steps
 
+  struct WaitingSenses {
+    std::array<dynamics::Fixed, dynamics::kSenses> values{};
+    std::int64_t utime = 0;  ///< of the ROBOT_SENSES
+  };
+
   struct StopRequest {
     std::uint8_t id = 0;  ///< on the wire; 0: there was no stop
     bool release = false;
@@ -166,6 +173,7 @@ class RobotLink {
   void pump(std::int64_t now);
   void sendStop(std::int64_t now);
   void sendPing(std::int64_t now);
+  void sendSenses(std::int64_t now);
   void sendNextCommand(std::int64_t now);
   bool sendPreparation(std::int64_t now);
   bool sendWanted(std::int64_t now);
@@ -213,6 +221,8 @@ class RobotLink {
   bool clearing_ = false;  ///< its programs must be given up before it can take others
   std::array<Senses, 256> senses_sent_{};  ///< by the id on the wire
   std::uint8_t senses_id_ = 0;
+  std::optional<WaitingSenses> waiting_senses_;
+  std::int64_t senses_due_ = 0;  ///< no senses are sent before this time [us]
   Senses senses_;
 
   // Desired state.

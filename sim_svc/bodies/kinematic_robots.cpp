@@ -4,23 +4,42 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "common/math/angle.hpp"
 #include "common/math/units.hpp"
 
 namespace lab::sim {
+namespace {
+
+/// Of the robot in its log.
+std::int32_t recordedId(const RobotSpec& robot) {
+  return robot.recorded_id == 0 ? robot.id : robot.recorded_id;
+}
+
+}  // namespace
 
 KinematicRobots::KinematicRobots(World& world, const Experiment& experiment,
                                  const std::filesystem::path& directory, std::int64_t start_utime)
     : world_(world) {
+  std::map<std::string, std::vector<std::int32_t>> wanted;  // by log
+  for (const RobotSpec& robot : experiment.robots) {
+    if (robot.body == Body::kReplay) wanted[robot.log].push_back(recordedId(robot));
+  }
+  std::map<std::string, RecordedLog> logs;
   for (const RobotSpec& robot : experiment.robots) {
     if (robot.body == Body::kSerial) real_[robot.id].disk = world_.addKinematicDisk();
     if (robot.body != Body::kReplay) continue;
-    const std::int32_t recorded = robot.recorded_id == 0 ? robot.id : robot.recorded_id;
     try {
-      ReplayRobot replay(loadRecording(directory / robot.log, recorded, robot.from), robot.id,
-                         start_utime);
+      auto log = logs.find(robot.log);
+      if (log == logs.end()) {
+        log = logs.emplace(robot.log, RecordedLog(directory / robot.log, wanted[robot.log])).first;
+      }
+      ReplayRobot replay(log->second.take(recordedId(robot), robot.from), robot.id, start_utime);
       replayed_.push_back({world_.addKinematicDisk(), std::move(replay)});
     } catch (const std::runtime_error& error) {
       throw std::runtime_error(fmt::format("robot {} is to replay {}", robot.id, error.what()));

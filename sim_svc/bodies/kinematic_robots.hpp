@@ -26,7 +26,7 @@ class KinematicRobots {
 
   /// @param directory of the experiment file, which recordings are relative to
   /// @param start_utime when the playback starts
-  /// @throws std::runtime_error see loadRecording()
+  /// @throws std::runtime_error see RecordedLog
   KinematicRobots(World& world, const Experiment& experiment,
                   const std::filesystem::path& directory, std::int64_t start_utime);
 

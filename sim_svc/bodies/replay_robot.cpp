@@ -6,8 +6,11 @@
 #include <lab/experiment_event_t.hpp>
 #include <lab/robot_status_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <map>
 #include <set>
 #include <stdexcept>
+#include <string>
+#include <utility>
 
 #include "common/bus/arrival_clock.hpp"
 #include "common/bus/channels.hpp"
@@ -16,6 +19,8 @@
 #include "common/bus/message_values.hpp"
 #include "common/math/angle.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/program.hpp"
+#include "common/text/utf8.hpp"
 
 namespace lab::sim {
 namespace {
@@ -24,10 +29,12 @@ constexpr const char* kLogOfARun = "log.lcmlog";
 /// A gap between frames of more than this many periods is a drop-out.
 constexpr double kDropOut = 1.5;
 
-/// Collects all messages about one robot from a log.
+/// Collects all messages about some robots from a log.
 class Collector {
  public:
-  explicit Collector(std::int32_t robot_id) : robot_id_(robot_id) {}
+  /// @param recordings by robot; they are filled
+  explicit Collector(std::map<std::int32_t, Recording*> recordings)
+      : recordings_(std::move(recordings)) {}
 
   void take(const Packet& packet) {
     if (packet.channel == channels::kTrackedFrame) {
@@ -38,19 +45,19 @@ class Collector {
       experiment_event_t event{};
       const bool first_step = decode(packet.data, event) && !impossibleValue(event) &&
                               event.kind == experiment_event_t::STEP && event.step == 0;
-      if (first_step) script_start_ = event.commanded_utime;
+      if (first_step) script_start = event.commanded_utime;
     }
   }
 
-  Recording recording;
-  std::set<std::int32_t> ids;
-
-  /// When the script started; without a script, the time of the first frame.
-  [[nodiscard]] std::int64_t scriptStart() const {
-    return script_start_ != 0 ? script_start_ : recording.frames.front().utime;
-  }
+  std::set<std::int32_t> seen;
+  std::int64_t script_start = 0;
 
  private:
+  [[nodiscard]] Recording* recordingOf(std::int32_t robot_id) const {
+    const auto found = recordings_.find(robot_id);
+    return found != recordings_.end() ? found->second : nullptr;
+  }
+
   /// Decodes a message. @return whether it can be one of the recorded lab
   template <class Message>
   static bool isPossible(const Packet& packet, Message& message, ArrivalClock& clock) {
@@ -64,10 +71,11 @@ class Collector {
     tracked_frame_t frame{};
     if (!isPossible(packet, frame, frame_clock_)) return;
     for (const tracked_pose_t& pose : frame.robots) {
-      ids.insert(pose.robot_id);
-      if (pose.robot_id != robot_id_) continue;
-      recording.frames.push_back({frame.utime, pose});
-      recording.frame_period = frame.frame_period;
+      seen.insert(pose.robot_id);
+      Recording* const recording = recordingOf(pose.robot_id);
+      if (recording == nullptr) continue;
+      recording->frames.push_back({frame.utime, pose});
+      recording->frame_period = frame.frame_period;
     }
   }
 
@@ -75,12 +83,18 @@ class Collector {
     robot_status_t status{};
     if (!isPossible(packet, status, status_clock_)) return;
     for (robot_state_t& state : status.robots) {
-      if (state.robot_id == robot_id_) recording.states.push_back(std::move(state));
+      Recording* const recording = recordingOf(state.robot_id);
+      if (recording == nullptr) continue;
+      // Each report of the replayed robot repeats it.
+      std::string& name = state.program.name;
+      if (name.size() > kLongestProgramName) {
+        name = std::string(utf8Prefix(name, kLongestProgramName));
+      }
+      recording->states.push_back(std::move(state));
     }
   }
 
-  std::int32_t robot_id_;
-  std::int64_t script_start_ = 0;
+  std::map<std::int32_t, Recording*> recordings_;
   ArrivalClock frame_clock_;
   ArrivalClock status_clock_;
 };
@@ -106,22 +120,35 @@ const Item* lastBefore(const std::vector<Item>& items, std::int64_t utime) {
 
 }  // namespace
 
-Recording loadRecording(const std::filesystem::path& path, std::int32_t robot_id, double from) {
+RecordedLog::RecordedLog(const std::filesystem::path& path,
+                         const std::vector<std::int32_t>& robot_ids) {
   namespace fs = std::filesystem;
   const fs::path log = fs::is_directory(path) ? path / kLogOfARun : path;
   if (!fs::is_regular_file(log)) {
     throw std::runtime_error(log.string() + ": there is no log; give a log or the folder of a run");
   }
-  Collector collector(robot_id);
+  name_ = log.string();
+  for (const std::int32_t id : robot_ids) ++robots_[id].uses;
+  std::map<std::int32_t, Recording*> recordings;
+  for (auto& [id, robot] : robots_) recordings[id] = &robot.recording;
+  Collector collector(std::move(recordings));
   readLog(logSeries(log), [&collector](const Packet& packet) { collector.take(packet); });
-  Recording& recording = collector.recording;
+  seen_ = std::move(collector.seen);
+  script_start_ = collector.script_start;
+}
+
+Recording RecordedLog::take(std::int32_t robot_id, double from) {
+  Robot& robot = robots_.at(robot_id);
+  // Only a robot that is replayed several times has its messages in memory several times.
+  Recording recording = --robot.uses > 0 ? robot.recording : std::move(robot.recording);
   if (recording.frames.empty()) {
-    throw std::runtime_error(fmt::format(
-        "{}: no camera frame has robot {}; it has {}", log.string(), robot_id,
-        collector.ids.empty() ? "no robots" : fmt::format("{}", fmt::join(collector.ids, ", "))));
+    throw std::runtime_error(
+        fmt::format("{}: no camera frame has robot {}; it has {}", name_, robot_id,
+                    seen_.empty() ? "no robots" : fmt::format("{}", fmt::join(seen_, ", "))));
   }
   order(recording.frames, 0);
-  const std::int64_t script_start = collector.scriptStart();
+  const std::int64_t script_start =
+      script_start_ != 0 ? script_start_ : recording.frames.front().utime;
   const double length = units::seconds(recording.frames.back().utime - script_start);
   const std::int64_t begin = script_start + units::microseconds(from);
   order(recording.frames, begin);
@@ -130,9 +157,9 @@ Recording loadRecording(const std::filesystem::path& path, std::int32_t robot_id
     throw std::runtime_error(fmt::format(
         "{}: robot {} was last seen {:.1f} s after the start, so nothing is left from {:.1f} s on; "
         "give a smaller from_s",
-        log.string(), robot_id, length, from));
+        name_, robot_id, length, from));
   }
-  return std::move(recording);
+  return recording;
 }
 
 ReplayRobot::ReplayRobot(Recording recording, std::int32_t id, std::int64_t start_utime)

@@ -1,11 +1,15 @@
 /// Playback of a recorded robot in a run.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <lab/robot_state_t.hpp>
 #include <lab/tracked_pose_t.hpp>
+#include <map>
 #include <optional>
+#include <set>
+#include <string>
 #include <vector>
 
 namespace lab::sim {
@@ -21,13 +25,32 @@ struct Recording {
   double frame_period = 0;            ///< Nominal [s].
 };
 
-/// Reads a log, or the log in the folder of a run.
-/// @param robot_id of the robot in the log
-/// @param from [s] after the start of the log's light script (without one: after its first frame)
-/// @throws std::runtime_error (one line) if there is no such log or no such robot, or if the
-///   robot's frames end before `from`
-[[nodiscard]] Recording loadRecording(const std::filesystem::path& log, std::int32_t robot_id,
-                                      double from);
+/// What a log has about some robots. A log may have gigabytes: it is read once for all of them.
+class RecordedLog {
+ public:
+  /// Reads a log, or the log in the folder of a run.
+  /// @param robot_ids ids in the log, one for each call of take() that follows
+  /// @throws std::runtime_error (one line) if there is no such log
+  RecordedLog(const std::filesystem::path& path, const std::vector<std::int32_t>& robot_ids);
+
+  /// @param robot_id of the robot in the log
+  /// @param from [s] after the start of the log's light script; without one, after the robot's
+  ///   first frame
+  /// @throws std::runtime_error (one line) if there is no such robot, or if its frames end before
+  ///   `from`
+  [[nodiscard]] Recording take(std::int32_t robot_id, double from);
+
+ private:
+  struct Robot {
+    Recording recording;
+    std::size_t uses = 0;  ///< calls of take() that follow
+  };
+
+  std::string name_;
+  std::map<std::int32_t, Robot> robots_;
+  std::set<std::int32_t> seen_;    ///< ids of all robots in its camera frames
+  std::int64_t script_start_ = 0;  ///< [us since 1970] 0: it has no script
+};
 
 /// The recording at its original pace, shifted so that its first frame is at start_utime.
 class ReplayRobot {

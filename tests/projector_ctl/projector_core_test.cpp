@@ -5,6 +5,7 @@
 
 #include <limits>
 #include <stdexcept>
+#include <string>
 
 namespace lab::projector {
 namespace {
@@ -42,6 +43,13 @@ LightCommand manual(std::int64_t seq, double intensity) {
   return command;
 }
 
+/// The first command of a sender that no lab has.
+LightCommand stranger(int number) {
+  LightCommand command = script(1, 0.9);
+  command.sender = "stranger " + std::to_string(number);
+  return command;
+}
+
 class ProjectorCoreTest : public testing::Test {
  protected:
   /// All times below are in seconds after kStart.
@@ -61,6 +69,7 @@ using ProjectorCorePriority = ProjectorCoreTest;
 using ProjectorCoreSilence = ProjectorCoreTest;
 using ProjectorCoreOrder = ProjectorCoreTest;
 using ProjectorCoreRefusal = ProjectorCoreTest;
+using ProjectorCoreSenders = ProjectorCoreTest;
 
 TEST_F(ProjectorCoreTest, ShowsTheSafeFieldBeforeAnyCommand) {
   const ShownFrame& shown = dut.frame(at(0));
@@ -418,6 +427,51 @@ TEST_F(ProjectorCoreRefusal, LimitsTheNumberOfScheduledCommands) {
     accepted += give(command, 0) == Verdict::kAccepted ? 1 : 0;
   }
   EXPECT_EQ(accepted, static_cast<int>(ProjectorCore::kMostScheduled));
+}
+
+TEST_F(ProjectorCoreSenders, BeyondTheLimitAreRefusedAndTheScriptStaysInControl) {
+  give(script(1, 0.2), 0);
+  int accepted = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    LightCommand command = stranger(i);
+    command.hold_until_utime = at(3600);
+    accepted += give(command, 0.1) == Verdict::kAccepted ? 1 : 0;
+  }
+  EXPECT_EQ(accepted, static_cast<int>(ProjectorCore::kMostSenders) - 1);
+  const Answer answer = dut.apply(stranger(100'000), at(0.2));
+  EXPECT_EQ(answer.verdict, Verdict::kRefused);
+  EXPECT_EQ(answer.reason,
+            "senders = 65, allowed: at most 64 with commands; end the programs that do not belong "
+            "to this lab");
+  EXPECT_EQ(give(script(2, 0.7), 0.3), Verdict::kAccepted);
+  EXPECT_EQ(shownAt(0.4), 0.7);
+}
+
+TEST_F(ProjectorCoreSenders, WithoutACommandAreForgottenAndTheLongestSilentOneFirst) {
+  LightCommand lasting = script(5, 0.2);
+  lasting.hold_until_utime = at(3600);
+  give(lasting, 0);
+  LightCommand planned = stranger(-1);
+  planned.from_utime = at(3600);
+  planned.hold_until_utime = at(7200);
+  give(planned, 0);
+  const auto gone = [](int number, std::int64_t seq) {
+    LightCommand command = stranger(number);
+    command.seq = seq;
+    command.release = true;
+    return command;
+  };
+  int accepted = 0;
+  for (int i = 0; i < 100'000; ++i) {
+    accepted += give(gone(i, 5), 1 + 1e-3 * i) == Verdict::kAccepted ? 1 : 0;
+  }
+  EXPECT_EQ(accepted, 100'000);
+  const int kept = static_cast<int>(ProjectorCore::kMostSenders) - 2;
+  EXPECT_EQ(give(gone(100'000 - kept, 4), 102), Verdict::kStale) << "it is remembered";
+  EXPECT_EQ(give(gone(100'000 - kept - 1, 4), 102), Verdict::kAccepted) << "it is forgotten";
+  EXPECT_EQ(give(script(4, 0.9), 103), Verdict::kStale);
+  EXPECT_EQ(shownAt(103), 0.2);
+  EXPECT_EQ(shownAt(3600), 0.9) << "what is planned is kept as well";
 }
 
 TEST(ProjectorCoreConfig, NeedsAValidSafeFieldAndATimeout) {

@@ -12,6 +12,7 @@
 #include <limits>
 #include <optional>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "common/bus/channels.hpp"
@@ -190,6 +191,17 @@ TEST_F(ProjectorServiceTest, ReportsWhyACommandWasRefusedAndKeepsTheLight) {
   EXPECT_EQ(statuses.front().command_seq, 1);
   EXPECT_EQ(lightAt(statuses.front(), 0.5, 0.5), 0.6);
   EXPECT_THAT(heartbeat.last_error, HasSubstr("intensity = 1.5"));
+}
+
+TEST_F(ProjectorServiceTest, RepeatsOnlyTheBeginningOfALongLabel) {
+  start();
+  light_command_t command = uniform(1, 0.6);
+  command.label = std::string(300'000, 'x');
+  send(command);
+  runTo(0.5);
+  ASSERT_FALSE(statuses.empty());
+  EXPECT_EQ(statuses.back().label, std::string(200, 'x'));
+  EXPECT_EQ(lightAt(statuses.back(), 0.5, 0.5), 0.6);
 }
 
 TEST_F(ProjectorServiceTest, FramesStayOnTheClockForAnHour) {

@@ -63,7 +63,7 @@ class SceneTest : public testing::Test {
   const Scene::Picture& pictureAt(double time) { return dut->at({at(time), at(time)}, robots); }
 
   SceneContext around{.robots = {1, 2}, .programs = {"abp", "bp"}};
-  RobotTracks robots;
+  RobotTracks robots{around.robots};
   std::unique_ptr<Scene> dut;
   std::int64_t number = 0;
 };
@@ -122,7 +122,7 @@ TEST_F(SceneTest, RemovesHoldsOrGoesSafeWhenARobotIsLostAndReportsIt) {
     Drive drive;
     drive.when_lost = wanted;
     drive.robots = {1};
-    robots = {};
+    robots = RobotTracks(around.robots);
     make({spot(drive)});
     EXPECT_EQ(pictureAt(0.9).layers.size(), 0U);
     EXPECT_THAT(pictureAt(0.9).trouble, HasSubstr("robot 1 (not seen yet)"));

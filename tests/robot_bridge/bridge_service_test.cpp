@@ -190,6 +190,19 @@ TEST_F(BridgeServiceTest, AnOrderBeyondTheWheelLimitIsRejectedAndOthersContinue)
   EXPECT_EQ(first.left(), 19);
 }
 
+TEST_F(BridgeServiceTest, OfAnOrderForManyARobotKeepsItsOwnPart) {
+  addRobot(1);
+  start();
+  run(2);
+  robot_order_t order = drive({1}, 0.5, 0.5);
+  order.robot_ids.resize(10'000, 77);
+  order.num_robots = 10'000;
+  command(order, 1);
+  runCommanded(1);
+  EXPECT_TRUE(last[1].flags & robot_state_t::FLAG_REJECTED);
+  EXPECT_THAT(errors, Contains(HasSubstr("ROBOT_COMMAND 1: robot 1: wheel speeds beyond")));
+}
+
 TEST_F(BridgeServiceTest, ARobotResumesAfterARestartIfTheExperimentAllowsIt) {
   experiment.hardware.resume_after_reboot = true;
   WireRobot& robot = addRobot(1);

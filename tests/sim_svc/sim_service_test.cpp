@@ -2,9 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cstdint>
+#include <lab/light_status_t.hpp>
 #include <lab/robot_status_t.hpp>
+#include <lab/service_status_t.hpp>
 #include <lab/sim_truth_t.hpp>
 #include <lab/tracked_frame_t.hpp>
+#include <string>
 #include <vector>
 
 #include "common/bus/channels.hpp"
@@ -33,16 +38,56 @@ class SimServiceTest : public testing::Test {
       frames.push_back(frame);
       frame_arrivals.push_back(loop.now());
     });
+    other.subscribe<service_status_t>(
+        channels::kServiceStatus, [this](const service_status_t& status) { heartbeat = status; });
   }
 
-  void command(const robot_order_t& order, std::int64_t seq) {
+  void command(const robot_order_t& order, std::int64_t seq, std::int32_t lease_ms = 1000) {
     robot_command_t message{};
     message.seq = seq;
-    message.lease_ms = 1000;
+    message.lease_ms = lease_ms;
     message.orders = {order};
     message.num_orders = 1;
     other.publishCommand(channels::kRobotCommand, message);
     bus.deliver();
+  }
+
+  /// Lets both robots run ABP in light from 0.4.
+  void runInBrightLight() {
+    robot_order_t order = lightTableCommand(experiment).orders.at(0);
+    order.bands.resize(1);
+    order.num_bands = 1;
+    order.bands[0].low = 0.4;
+    order.bands[0].high = 1;
+    command(order, 1, 60'000);
+    run(0.1);
+  }
+
+  void announce(std::int64_t utime, double intensity) {
+    light_status_t status{};
+    status.utime = utime;
+    status.mix = 1;
+    light_layer_t uniform{};
+    uniform.kind = light_layer_t::UNIFORM;
+    uniform.intensity = intensity;
+    status.layers = {uniform};
+    status.num_layers = 1;
+    other.publish(channels::kLightStatus, status);
+    bus.deliver();
+  }
+
+  [[nodiscard]] std::string lastError() {
+    node.ready();  // a heartbeat
+    bus.deliver();
+    return heartbeat.last_error;
+  }
+
+  /// Whether a robot has run a program since the start.
+  [[nodiscard]] bool anyRan() const {
+    return std::ranges::any_of(statuses, [](const robot_status_t& status) {
+      return std::ranges::any_of(
+          status.robots, [](const robot_state_t& robot) { return robot.program.hash != 0; });
+    });
   }
 
   void run(double seconds) { loop.runUntil(loop.now() + static_cast<std::int64_t>(seconds * 1e6)); }
@@ -96,6 +141,7 @@ delay_ms = 30
   std::vector<robot_status_t> statuses;
   std::vector<tracked_frame_t> frames;
   std::vector<std::int64_t> frame_arrivals;
+  service_status_t heartbeat{};
 };
 
 TEST_F(SimServiceTest, PublishesAtExactMultiplesOfItsPeriodsAndDelaysTheTracker) {
@@ -144,6 +190,24 @@ TEST_F(SimServiceTest, AnOrderWithByteCodeThatIsNoneIsRefusedAndReported) {
   run(0.1);
   EXPECT_NE(last().flags & robot_state_t::FLAG_REJECTED, 0);
   EXPECT_EQ(last().program.hash, 0);
+}
+
+TEST_F(SimServiceTest, AnOrderWhoseNameWouldFillEveryReportIsRefusedAndReported) {
+  robot_order_t order = lightTableCommand(experiment).orders.at(0);
+  order.bands[0].program.id.name = std::string(300'000, 'x');
+  command(order, 6);
+  run(0.1);
+  EXPECT_EQ(last().command_seq, 6);
+  EXPECT_NE(last().flags & robot_state_t::FLAG_REJECTED, 0);
+  EXPECT_EQ(last().program.name, "");
+  // Nor does it come with a program that stands.
+  order.bands[0].program = {};
+  order.bands[0].program.id.name = std::string(300'000, 'x');
+  command(order, 7);
+  run(0.1);
+  EXPECT_EQ(last().command_seq, 7);
+  EXPECT_NE(last().flags & robot_state_t::FLAG_REJECTED, 0);
+  EXPECT_EQ(last().program.name, "");
 }
 
 TEST_F(SimServiceTest, ReportsThePhaseOfARobotAndItsTumbles) {
@@ -232,24 +296,7 @@ TEST_F(SimServiceTest, TheProjectedLightSelectsTheProgramWithinASensorPeriod) {
 }
 
 TEST_F(SimServiceTest, AnnouncedLightIsSwitchedAtItsTime) {
-  robot_order_t order = lightTableCommand(experiment).orders.at(0);
-  order.bands.resize(1);
-  order.num_bands = 1;
-  order.bands[0].low = 0.4;
-  order.bands[0].high = 1;
-  command(order, 1);
-  run(0.1);
-  const auto announce = [&](std::int64_t utime, double intensity) {
-    light_status_t status{};
-    status.utime = utime;
-    status.mix = 1;
-    light_layer_t uniform{};
-    uniform.kind = light_layer_t::UNIFORM;
-    uniform.intensity = intensity;
-    status.layers = {uniform};
-    status.num_layers = 1;
-    other.publish(channels::kLightStatus, status);
-  };
+  runInBrightLight();
   // Three frames are announced at once, as with a projector whose latency exceeds its frame period.
   const std::int64_t now = loop.now();
   announce(now + 40'000, 0.2);
@@ -271,6 +318,38 @@ TEST_F(SimServiceTest, AnnouncedLightIsSwitchedAtItsTime) {
   EXPECT_GE(first, now + 90'000);
   EXPECT_LE(first, now + 90'000 + 20'500);
   EXPECT_LE(last, now + 140'000 + 20'500);
+}
+
+TEST_F(SimServiceTest, LightOfTheFarFutureIsRefusedAndReported) {
+  runInBrightLight();
+  const std::int64_t now = loop.now();
+  announce(now + 2'100'000, 0.5);
+  run(3);
+  EXPECT_FALSE(anyRan());
+  EXPECT_EQ(lastError(),
+            "LIGHT_STATUS of test is dated more than 2 s ahead; set the clocks: such light is "
+            "ignored");
+  announce(loop.now() + 1'900'000, 0.5);
+  run(1.8);
+  EXPECT_FALSE(anyRan());
+  run(0.2);
+  EXPECT_TRUE(anyRan()) << "light within the limit is shown as before";
+}
+
+TEST_F(SimServiceTest, KeepsAFixedNumberOfAnnouncements) {
+  runInBrightLight();
+  const std::int64_t first = loop.now() + 1'000'000;
+  for (int i = 0; i < 10'000; ++i) {
+    announce(first + i, i < 600 ? 0.2 : 0.5);
+  }
+  run(1.5);
+  EXPECT_FALSE(anyRan()) << "the light from the 600th on is not shown";
+  EXPECT_EQ(lastError(),
+            "LIGHT_STATUS of test follows 512 that are announced; end the programs that do not "
+            "belong to this lab: such light is ignored");
+  announce(loop.now() + 10'000, 0.5);
+  run(0.2);
+  EXPECT_TRUE(anyRan()) << "there is room again";
 }
 
 }  // namespace

@@ -6,6 +6,9 @@
 #include <limits>
 #include <numbers>
 #include <random>
+#include <string>
+
+#include "common/programs/program.hpp"
 
 namespace lab::projector::prediction_test {
 namespace {
@@ -115,7 +118,7 @@ TEST(Prediction, StartsANewTrackAfterAGap) {
 }
 
 TEST(Prediction, IgnoresPosesOfLowConfidence) {
-  RobotTracks dut;
+  RobotTracks dut({1, 2, 3, 4});
   const double nan = std::numeric_limits<double>::quiet_NaN();
   dut.add({1,
            1,
@@ -131,12 +134,36 @@ TEST(Prediction, IgnoresPosesOfLowConfidence) {
 }
 
 TEST(Prediction, AReportOfAProgramExpires) {
-  RobotTracks dut;
+  RobotTracks dut({1, 2});
   dut.report(1, "abp", at(0));
   EXPECT_TRUE(dut.runs(1, "abp", at(0.5), 0.5));
   EXPECT_FALSE(dut.runs(1, "abp", at(0.6), 0.5));
   EXPECT_FALSE(dut.runs(1, "bp", at(0.1), 0.5));
   EXPECT_FALSE(dut.runs(2, "abp", at(0.1), 0.5));
+}
+
+TEST(Prediction, KeepsNothingOfOtherRobots) {
+  RobotTracks dut({3});
+  for (const std::int32_t id : {3, 4, -1}) {
+    dut.add({1, 1, at(0), {{id, 0.1, 0.1, 0, 0, 0, 1}}});
+    dut.report(id, "abp", at(0));
+  }
+  EXPECT_NE(dut.track(3), nullptr);
+  EXPECT_TRUE(dut.runs(3, "abp", at(0), 0.5));
+  for (const std::int32_t id : {4, -1}) {
+    EXPECT_EQ(dut.track(id), nullptr) << id;
+    EXPECT_FALSE(dut.runs(id, "abp", at(0), 0.5)) << id;
+  }
+}
+
+TEST(Prediction, KeepsNoNameThatNoProgramCanHave) {
+  RobotTracks dut({3});
+  const std::string longest(kLongestProgramName, 'a');
+  dut.report(3, longest, at(0));
+  EXPECT_TRUE(dut.runs(3, longest, at(0), 0.5));
+  dut.report(3, longest + 'a', at(0));
+  EXPECT_FALSE(dut.runs(3, longest + 'a', at(0), 0.5));
+  EXPECT_FALSE(dut.runs(3, longest, at(0), 0.5)) << "it runs another program now";
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <random>
 
@@ -209,6 +210,80 @@ TEST(Trail, PictureIsClampedAtWhite) {
   const auto picture = dut.picture(at(10));
   EXPECT_EQ(*std::ranges::max_element(picture->grey), 255);
   EXPECT_EQ(dut.picture(at(10)), picture) << "the same pointer while the bytes are the same";
+}
+
+/// Square cells of 2.5 mm, of which a fifth spreads to each neighbour in 0.2 s.
+Trail::Settings oneShareASecond() {
+  return {.width = 0.4,
+          .height = 0.3,
+          .radius = 0.03,
+          .rate = 2,
+          .decay = 0.01,
+          .diffusion = 0.0025 * 0.0025};
+}
+
+TEST(Trail, AGapIsTheSameAsManyShortOnes) {
+  constexpr double kShort = 0.1999;  // [s] a single sub-step, also of a gap that is a multiple
+  Trail stepwise(oneShareASecond());
+  stepwise.advanceTo(at(0.5));
+  stepwise.lay(0.05, 0.03, at(0), 0.1, 0.2, at(0.5));
+  double largest = 0;
+  for (int i = 0; i < stepwise.columns() * stepwise.rows(); ++i) {
+    largest = std::max(largest, stepwise.at(i % stepwise.columns(), i / stepwise.columns()));
+  }
+  int steps = 0;
+  for (const int gap : {1, 499, 500, 501, 1000}) {
+    for (; steps < gap; ++steps) stepwise.advanceTo(at(0.5 + kShort * (steps + 1)));
+    Trail dut(oneShareASecond());
+    dut.advanceTo(at(0.5));
+    dut.lay(0.05, 0.03, at(0), 0.1, 0.2, at(0.5));
+    dut.advanceTo(at(0.5 + kShort * gap));
+    double worst = 0;
+    for (int row = 0; row < dut.rows(); ++row) {
+      for (int column = 0; column < dut.columns(); ++column) {
+        EXPECT_GE(dut.at(column, row), 0);
+        worst = std::max(worst, std::abs(dut.at(column, row) - stepwise.at(column, row)));
+      }
+    }
+    EXPECT_LT(worst, 1e-12 * largest) << gap << " steps";
+    EXPECT_GT(dut.mass(), 0);
+  }
+}
+
+TEST(Trail, IsFlatAfterAGapOfMonths) {
+  Trail::Settings slow = oneShareASecond();
+  slow.decay = 1e-7;
+  Trail dut(slow);
+  dut.advanceTo(at(0.5));
+  dut.lay(0.05, 0.03, at(0), 0.1, 0.2, at(0.5));
+  const double mass = dut.mass();
+  const auto later = dut.picture(at(1e7));
+  const auto [least, most] = std::ranges::minmax_element(later->grey);
+  EXPECT_EQ(*least, *most);
+
+  dut.advanceTo(at(0.5 + 1e7));
+
+  const double even = mass * std::exp(-1.0) / (0.4 * 0.3);
+  EXPECT_NEAR(dut.mass(), mass * std::exp(-1.0), 1e-10 * mass);
+  for (int row = 0; row < dut.rows(); ++row) {
+    for (int column = 0; column < dut.columns(); ++column) {
+      ASSERT_NEAR(dut.at(column, row), even, 1e-10 * even);
+    }
+  }
+}
+
+TEST(Trail, ALatePictureDoesNotDependOnEarlierPictures) {
+  const auto laid = [] {
+    auto trail = std::make_unique<Trail>(oneShareASecond());
+    trail->advanceTo(at(1));
+    trail->lay(0.1, 0.1, at(0), 0.15, 0.2, at(1));
+    return trail;
+  };
+  const auto watched = laid();
+  for (int i = 0; i < 200; ++i) watched->picture(at(1 + 0.1 * i));
+  for (const double time : {3.2, 12.9, 21.0, 400.0}) {
+    EXPECT_EQ(watched->picture(at(time))->grey, laid()->picture(at(time))->grey) << time;
+  }
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -87,6 +88,20 @@ class RobotLinkTest : public testing::Test {
 
   void command(std::int64_t seq, const robot_order_t& order, std::int32_t lease_ms = 1000) {
     dut.command(seq, 1, lease_ms, order, now);
+  }
+
+  /// Gives the robot the value as sense(0).
+  void senseAndTick(dynamics::Fixed value) {
+    std::array<dynamics::Fixed, dynamics::kSenses> values{};
+    values[0] = value;
+    dut.sense(values, value, now);
+    dut.tick(now);
+  }
+
+  static std::vector<int> typesOf(const std::vector<wire::Frame>& frames) {
+    std::vector<int> types;
+    for (const wire::Frame& frame : frames) types.push_back(frame.type);
+    return types;
   }
 
   static robot_order_t drive(double speed) {
@@ -287,6 +302,54 @@ TEST_F(RobotLinkTest, SensesAreSentAtOnceAndReportedWhenTheRobotHasThem) {
       << "42 bytes on the line";
 }
 
+TEST_F(RobotLinkTest, SensesTakeAPartOfTheLineAndTheNewestAreSent) {
+  plug();
+  answerAll();
+  int sent = 0;
+  for (int i = 1; i <= 1000; ++i) {
+    now += 1'000;
+    if (i % 50 == 0) receive(wire::Telemetry(), 0);
+    senseAndTick(i);
+    for (const wire::Frame& frame : takeSent()) {
+      wire::SetSenses senses;
+      if (!wire::unpack(frame, senses)) continue;
+      ++sent;
+      // A frame that the robot sends between two values lets those before go.
+      EXPECT_GE(senses.sense[0], i - 1) << "the newest are sent";
+    }
+  }
+  EXPECT_GE(sent, 50) << "as often as the tracker sends them";
+  EXPECT_LE(sent, 55) << "42 bytes, 10.9 ms each";
+}
+
+TEST_F(RobotLinkTest, SensesThatWaitAreSentOnceAfterAStop) {
+  plug();
+  answerAll();
+  senseAndTick(1);
+  EXPECT_THAT(typesOf(takeSent()), ElementsAre(wire::SetSenses::kType));
+  now += 15'000;
+  senseAndTick(2);
+  dut.stop(5, false, now);
+  EXPECT_THAT(typesOf(takeSent()), ElementsAre(wire::Stop::kType));
+  now += 100'000;
+  dut.tick(now);
+  EXPECT_THAT(typesOf(takeSent()), ElementsAre(wire::Stop::kType, wire::SetSenses::kType));
+  now += 20'000;
+  dut.tick(now);
+  EXPECT_THAT(typesOf(takeSent()), testing::IsEmpty());
+}
+
+TEST_F(RobotLinkTest, SensesThatWaitAreNotForTheNextLine) {
+  plug();
+  answerAll();
+  senseAndTick(1);
+  senseAndTick(2);
+  dut.unplug();
+  now += 1'000'000;
+  plug();
+  EXPECT_THAT(answerAll(), Not(Contains(wire::SetSenses::kType)));
+}
+
 TEST_F(RobotLinkTest, StandingNeedsNoSettings) {
   plug();
   answerAll();
@@ -384,6 +447,18 @@ TEST_F(RobotLinkTest, ARobotThatRestartsStandsUntilANewOrder) {
   ASSERT_TRUE(repeated);
   EXPECT_EQ(repeated->mode, wire::Order::kStand);
   EXPECT_EQ(dut.commandSeq(), 0);
+  EXPECT_EQ(dut.counters().reboots, 1);
+}
+
+TEST_F(RobotLinkTest, AClockThatGoesBackByTheLongestTimeIsARestart) {
+  plug();
+  answerAll();
+  now += 100'000;
+  wire::Hello hello;
+  hello.schema = wire::kSchema;
+  hello.boot_id = 1;
+  hello.uptime_ms = 0U - 0x7FFFFFFFU;  // it was 0
+  receive(hello, 0);
   EXPECT_EQ(dut.counters().reboots, 1);
 }
 

@@ -9,6 +9,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "common/bus/channels.hpp"
 #include "common/bus/codec.hpp"
@@ -18,7 +19,9 @@
 namespace lab::sim {
 namespace {
 
+using testing::DoubleEq;
 using testing::HasSubstr;
+using testing::Pair;
 using testing::ThrowsMessage;
 
 constexpr std::int64_t kSecond_us = 1'000'000;
@@ -31,6 +34,10 @@ template <class Message>
 void write(LogWriter& log, std::string_view channel, const Message& message) {
   const std::vector<std::uint8_t> bytes = encode(message);
   log.write({channel, bytes, message.utime});
+}
+
+Recording loadRecording(const std::filesystem::path& path, std::int32_t id, double from) {
+  return RecordedLog(path, {id}).take(id, from);
 }
 
 /// Robots 3 and 4 for ten seconds at 50 frames per second; robot 3 is missing in the frame at 2.02
@@ -146,6 +153,52 @@ TEST_F(ReplayRobotTest, IsGoneAfterTheEnd) {
 TEST_F(ReplayRobotTest, ReadsTheFolderOfARun) {
   // The script starts at frame 50 of 0 to 500.
   EXPECT_EQ(loadRecording(folder / "", 4, 0).frames.size(), 451U);
+}
+
+TEST_F(ReplayRobotTest, RobotsOfOneLogAreReadTogether) {
+  RecordedLog log(path, {4, 3, 4});
+  std::filesystem::remove(path);
+  const ReplayRobot first(log.take(4, 2), 21, kLive);
+  const ReplayRobot second(log.take(3, 0), 22, kLive);
+  const ReplayRobot third(log.take(4, 3), 23, kLive);
+  const auto placeOf = [](const ReplayRobot& robot) {
+    const auto pose = robot.trackedPose(kLive);
+    return pose ? std::pair(pose->x, pose->y) : std::pair(0.0, 0.0);
+  };
+  // Their frames 150, 50 and 200.
+  EXPECT_THAT(placeOf(first), Pair(DoubleEq(0.25), DoubleEq(0.4)));
+  EXPECT_THAT(placeOf(second), Pair(DoubleEq(0.15), DoubleEq(0.1 * 3)));
+  EXPECT_THAT(placeOf(third), Pair(DoubleEq(0.3), DoubleEq(0.4)));
+  EXPECT_FALSE(first.state(kLive + kSecond_us)) << "the log has reports of robot 3 only";
+  EXPECT_TRUE(second.state(kLive + kSecond_us));
+}
+
+TEST_F(ReplayRobotTest, OfALongNameOfAProgramOnlyTheBeginningIsReported) {
+  const std::filesystem::path other = folder / "long_name.lcmlog";
+  {
+    LogWriter log(other);
+    robot_status_t status{};
+    status.utime = kFirst;
+    status.robots.resize(1);
+    status.num_robots = 1;
+    status.robots[0].utime = kFirst;
+    status.robots[0].robot_id = 3;
+    status.robots[0].program.name = std::string(300'000, 'x');
+    write(log, channels::kRobotStatus, status);
+    for (const std::int64_t utime : {kFirst, kFirst + kSecond_us}) {
+      tracked_frame_t frame{};
+      frame.utime = utime;
+      frame.robots.resize(1);
+      frame.num_robots = 1;
+      frame.robots[0].robot_id = 3;
+      write(log, channels::kTrackedFrame, frame);
+    }
+    log.flush();
+  }
+  const ReplayRobot dut(loadRecording(other, 3, 0), 21, kLive);
+  const auto state = dut.state(kLive);
+  ASSERT_TRUE(state);
+  EXPECT_EQ(state->program.name, std::string(32, 'x'));
 }
 
 TEST_F(ReplayRobotTest, ReportsInvalidRecordingsInOneLine) {

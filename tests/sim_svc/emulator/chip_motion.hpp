@@ -83,16 +83,16 @@ inline void compareMotion(const std::vector<std::uint8_t>& code, std::uint32_t s
       // The core begins the holds up to this one.
       while (core.record().draw_count + draws_apart != step.draw_count) {
         const std::uint32_t before = core.record().draw_count;
-        const bool unsent = before + 1 + draws_apart != step.draw_count;
-        tally.unsent += unsent ? 1U : 0U;
+        if (before + 1 + draws_apart != step.draw_count) {
+          // A hold without a STEP. If a condition began it or ended the one before, the time of the
+          // scan is not known: nothing can be compared from here on, because odometry and times
+          // depend on it.
+          tally.unsent += step.draw_count - (before + 1 + draws_apart);
+          ++tally.cut_short;
+          tally.robot_seconds += (robot.now() - begin) / 1000;
+          return;
+        }
         if (!core.advanceOne(step.t_ms)) {
-          if (unsent) {
-            // A condition began a hold at a scan that no STEP tells: nothing can be compared from
-            // here on, because odometry and times depend on it.
-            ++tally.cut_short;
-            tally.robot_seconds += (robot.now() - begin) / 1000;
-            return;
-          }
           core.sense(step.t_ms, sensors);
           ++tally.interrupted;
         }
