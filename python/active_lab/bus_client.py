@@ -2,6 +2,7 @@
 import itertools
 import math
 import os
+import sys
 from collections import deque
 from functools import cached_property
 from pathlib import Path
@@ -32,11 +33,11 @@ class BusClient:
     """The part of Lab that light and robots stand on. What is repeated goes out in _send_due(), whenever the
     program waits."""
 
-    def __init__(self, connection: Connection, sender: str) -> None:
+    def __init__(self, connection: Connection, sender: Optional[str]) -> None:
+        self.sender = _sender_of_argv() if sender is None else _checked_sender(sender)
         self.name = connection.name
         #: Folder of the run; None: it is not known.
         self.directory: Optional[Path] = connection.directory
-        self.sender = sender
         self._bus = connection.bus
         #: Whether time is virtual.
         self.virtual: bool = isinstance(self._bus, LockstepBus)
@@ -253,6 +254,25 @@ class BusClient:
                   for channel, count in sorted(counts.items())],
             received=[msg.stream_count_t(channel=channel, decode_errors=count)
                       for channel, count in sorted(self.refused.items())], last_error=self._first_refused))
+
+
+def _size(sender: str) -> int:
+    """In a message [bytes]."""
+    return len(sender.encode("utf-8", "surrogateescape"))
+
+
+def _checked_sender(sender: str) -> str:
+    if not 0 < _size(sender) <= _core.longest_sender:
+        raise ValueError(f"sender: found a name of {_size(sender)} bytes, expected 1 to {_core.longest_sender}: "
+                         "the lab refuses messages with another one")
+    return sender
+
+
+def _sender_of_argv() -> str:
+    sender = Path(sys.argv[0] or "script").stem or "script"
+    while _size(sender) > _core.longest_sender:
+        sender = sender[:-1]
+    return sender
 
 
 def _foreign(channel: str, encoding: bytes) -> str:

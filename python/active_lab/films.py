@@ -1,12 +1,16 @@
 """Films and series of pictures as arrays. Movies need the programs ffmpeg and ffprobe."""
 import csv
 import json
+import math
 import re
 import shutil
 import subprocess
 import threading
+import warnings
 from array import array
+from contextlib import contextmanager
 from functools import cached_property
+from itertools import islice
 from pathlib import Path
 from typing import IO, Iterator, List, Optional, Tuple
 
@@ -20,7 +24,7 @@ _FORMATS = ("matroska,webm,mov,mp4,avi,mpegts,mpeg,mpegvideo,flv,live_flv,asf,og
             "yuv4mpegpipe,ser,gif,apng,fits,bmp_pipe,dpx_pipe,exr_pipe,gif_pipe,j2k_pipe,jpeg_pipe,"
             "jpegls_pipe,jpegxl_pipe,pam_pipe,pbm_pipe,pgm_pipe,png_pipe,ppm_pipe,qoi_pipe,sgi_pipe,"
             "sunrast_pipe,tiff_pipe,webp_pipe,tty")
-_INPUT = ("-protocol_whitelist", "file", "-format_whitelist", _FORMATS, "-i")
+_JPEG = (".jpg", ".jpeg")
 
 # As picture_size.hpp and packet_times.hpp there. A movie of 300 bytes can state any size, and one of 200 kB can
 # have 200 000 frames.
@@ -31,7 +35,7 @@ _LONGEST_GAP_S = 11 * 86_400.0
 _MOST_ANSWER = 1_000_000  # of ffprobe, and of one line of it [characters]
 
 MOVIES = (".mkv", ".mp4", ".avi", ".mov")
-PICTURES = (".pgm", ".png", ".jpg", ".jpeg", ".bmp")
+PICTURES = (".pgm", ".png", *_JPEG, ".bmp")
 
 
 class Film:
@@ -72,7 +76,7 @@ class Film:
         """Width and height [px]."""
         source = self._files[0] if self.path.is_dir() else self.path
         entries = json.loads(_output("ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
-                                     "stream=width,height", "-of", "json", *_INPUT, f"file:{source}"))
+                                     "stream=width,height", "-of", "json", *_input(source)))
         width, height = int(entries["streams"][0]["width"]), int(entries["streams"][0]["height"])
         if width * height > _MOST_PIXELS:
             raise ValueError(f"{source}: found {width} x {height} pixels, expected at most 200 million: make it "
@@ -87,36 +91,44 @@ class Film:
 
     def frames(self, colour: bool = False) -> Iterator[Tuple[Optional[float], numpy.ndarray]]:
         """(time since the first frame [s], picture) one after the other; the time is None if it is not
-        known. Pictures are uint8 of height x width, with colour of height x width x 3."""
+        known. Pictures are uint8 of height x width, with colour of height x width x 3, as stored: not
+        rotated."""
         times = self.times
         pictures = self._decoded(colour)
         for number, picture in enumerate(pictures):
             yield (float(times[number]) if times is not None and number < len(times) else None), picture
 
     def _decoded(self, colour: bool) -> Iterator[numpy.ndarray]:
-        if self.path.is_dir():
-            for file in self._files:
-                yield from self._pipe([file], colour)
-        else:
-            yield from self._pipe([self.path], colour)
+        if not self.path.is_dir():
+            yield from self._pipe(self.path, colour)
+            return
+        for file in self._files:  # one left out would give all later ones wrong times
+            pictures = list(islice(self._pipe(file, colour), 2))
+            if len(pictures) != 1:
+                raise ValueError(f"{file}: found {'several pictures' if pictures else 'no whole picture'}, expected "
+                                 "one: remove the file to read the others")
+            yield pictures[0]
 
-    def _pipe(self, source: List[Path], colour: bool) -> Iterator[numpy.ndarray]:
+    def _pipe(self, source: Path, colour: bool) -> Iterator[numpy.ndarray]:
         width, height = self.size
-        depth = 3 if colour else 1
-        command = [_program("ffmpeg"), "-v", "error", "-nostdin", *_INPUT, f"file:{source[0]}", "-fps_mode",
-                   "passthrough", "-f", "rawvideo", "-pix_fmt", "rgb24" if colour else "gray", "-"]
-        with subprocess.Popen(command, stdout=subprocess.PIPE) as process:
-            assert process.stdout is not None
-            try:
-                while True:
-                    data = process.stdout.read(width * height * depth)
-                    if len(data) < width * height * depth:
-                        return
-                    picture = numpy.frombuffer(data, numpy.uint8)
-                    yield picture.reshape((height, width, 3) if colour else (height, width))
-            finally:
-                process.kill()
-                process.stdout.close()
+        shape = (height, width, 3) if colour else (height, width)
+        # In PGM and PPM each picture says its size.
+        code, pixels = ("ppm", "rgb24") if colour else ("pgm", "gray")
+        head = f"{'P6' if colour else 'P5'}\n{width} {height}\n255\n".encode()
+        with _running("ffmpeg", "-v", "error", "-nostdin", "-noautorotate", *_input(source), "-map", "0:v:0",
+                      "-fps_mode", "passthrough", "-f", "image2pipe", "-c:v", code, "-pix_fmt", pixels,
+                      "-") as (output, errors):
+            while found := b"".join(output.readline(32) for _ in range(3)):
+                if found != head:
+                    size = " x ".join(found.decode("ascii", "replace").split()[1:3])
+                    raise ValueError(f"{source}: found {size} pixels, expected {width} x {height} in the whole film: "
+                                     "scale it with ffmpeg (-vf scale=W:H)")
+                data = output.read(math.prod(shape))
+                if len(data) < math.prod(shape):
+                    break
+                yield numpy.frombuffer(data, numpy.uint8).reshape(shape)
+        if errors:
+            warnings.warn(f"{source}: ffmpeg: {errors[-1]}")
 
     def __repr__(self) -> str:
         return f"<Film {_core.printable(str(self.path))}>"
@@ -127,6 +139,12 @@ def films_in(folder: Path) -> List[Film]:
     found = [file for file in folder.rglob("*") if file.suffix.lower() in MOVIES and file.is_file()]
     found += [table.parent for table in folder.rglob("frames.csv") if table.is_file()]
     return [Film(path) for path in sorted(set(found))]
+
+
+def _input(file: Path) -> List[str]:
+    """A file, for ffmpeg and ffprobe. They would take the name of a JPEG for a pattern of names."""
+    form = ["-f", "jpeg_pipe"] if file.suffix.lower() in _JPEG else []
+    return [*form, "-protocol_whitelist", "file", "-format_whitelist", _FORMATS, "-i", f"file:{file}"]
 
 
 def _require_file(file: Path) -> None:
@@ -152,7 +170,7 @@ def _movie_times(movie: Path) -> numpy.ndarray:
     times = array("d")
     key = "best_effort_timestamp_time="
     for line in _lines("ffprobe", "-v", "error", "-select_streams", "v:0", "-show_entries",
-                       "frame=best_effort_timestamp_time", "-of", "compact=p=0", *_INPUT, f"file:{movie}"):
+                       "frame=best_effort_timestamp_time", "-of", "compact=p=0", *_input(movie)):
         if not line.startswith(key):
             continue  # an empty line of side data
         if len(times) == _MOST_FRAMES:
@@ -177,15 +195,18 @@ def _movie_times(movie: Path) -> numpy.ndarray:
     return seconds - seconds[0]
 
 
-def _lines(program: str, *arguments: str) -> Iterator[str]:
-    """What a program prints, line by line while it runs: the last argument, its input, may be of any length.
+@contextmanager
+def _running(program: str, *arguments: str) -> Iterator[Tuple[IO[bytes], List[str]]]:
+    """What a program prints, read while it runs, and (after the block) the last lines of its errors.
 
-    Raises ValueError with the end of its errors if it fails."""
-    errors = [b""]
+    Raises ValueError with the last ones if the program fails. A reader that leaves the block ends it."""
+    errors: List[str] = []
 
     def keep_the_end(pipe: IO[bytes]) -> None:
+        end = b""
         while piece := pipe.read(4096):
-            errors[0] = (errors[0] + piece)[-4096:]
+            end = (end + piece)[-4096:]
+        errors.extend(_core.printable(line) for line in end.decode("utf-8", "replace").splitlines() if line.strip())
 
     command = [_program(program), *arguments]
     with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
@@ -193,16 +214,22 @@ def _lines(program: str, *arguments: str) -> Iterator[str]:
         reader = threading.Thread(target=keep_the_end, args=(process.stderr,), daemon=True)
         reader.start()
         try:
-            while line := process.stdout.readline(_MOST_ANSWER):
-                yield line.decode("utf-8", "replace").rstrip("\r\n")
+            yield process.stdout, errors
             process.wait()
         finally:
             process.kill()
             process.stdout.close()
             reader.join()
     if process.returncode != 0:
-        why = errors[0].decode("utf-8", "replace").strip() or "cannot be read"
-        raise ValueError(f"{arguments[-1]}: {why}")
+        source = arguments[arguments.index("-i") + 1].removeprefix("file:")
+        raise ValueError(f"{source}: {program} cannot read it: {'; '.join(errors[-2:]) or 'it gives no reason'}")
+
+
+def _lines(program: str, *arguments: str) -> Iterator[str]:
+    """What a program prints, line by line while it runs: its input may be of any length."""
+    with _running(program, *arguments) as (output, _):
+        while line := output.readline(_MOST_ANSWER):
+            yield line.decode("utf-8", "replace").rstrip("\r\n")
 
 
 def _output(program: str, *arguments: str) -> str:

@@ -1,6 +1,4 @@
 """A running lab in a program: receive its messages, set its light, drive its robots."""
-import sys
-from pathlib import Path
 from typing import Any, Dict, Optional
 
 from . import _core
@@ -24,7 +22,7 @@ class Lab(RobotControl, LightControl):
                            "radius_cm": 10, "intensity": 1})
 
     name: of the lab, needed if several run. url: of a bus, instead of a lab. sender: the name under which
-    this program speaks, "script" if there is none.
+    this program speaks, at most 63 bytes; None: that of its file, cut to this length.
 
     What is set (light, driven robots) is kept up while the program waits for messages, sleeps, or runs
     run(). A program that hangs or ends loses it: a robot stops after 0.5 s and returns to the lab, a light
@@ -33,7 +31,7 @@ class Lab(RobotControl, LightControl):
     """
 
     def __init__(self, name: Optional[str] = None, url: Optional[str] = None, sender: Optional[str] = None) -> None:
-        super().__init__(connect(name, url), sender or Path(sys.argv[0] or "script").stem or "script")
+        super().__init__(connect(name, url), sender)
 
     def __enter__(self) -> "Lab":
         return self

@@ -20,7 +20,7 @@ class Refused(RuntimeError):
 class LightControl(BusClient):
     """Sets the light and keeps it up."""
 
-    def __init__(self, connection: Connection, sender: str) -> None:
+    def __init__(self, connection: Connection, sender: Optional[str]) -> None:
         super().__init__(connection, sender)
         self._light: Optional[msg.light_command_t] = None
         self._light_due = 0

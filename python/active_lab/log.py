@@ -192,10 +192,12 @@ def _column(values: Any) -> Any:
     """Codes of texts become categories."""
     if isinstance(values, tuple):
         codes, texts = values
-        unique = list(dict.fromkeys(texts))
-        if len(unique) != len(texts):  # two texts of bad UTF-8 may look the same
-            codes = numpy.array([unique.index(text) for text in texts], dtype=numpy.int32)[codes]
-        return pandas.Categorical.from_codes(codes, unique)
+        places: Dict[str, int] = {}
+        for text in texts:
+            places.setdefault(text, len(places))
+        if len(places) != len(texts):  # two texts of bad UTF-8 may look the same
+            codes = numpy.array([places[text] for text in texts], dtype=numpy.int32)[codes]
+        return pandas.Categorical.from_codes(codes, list(places))
     return values
 
 

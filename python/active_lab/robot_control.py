@@ -15,7 +15,7 @@ _LEASE_MS = 500  # a robot stops this long after the program has fallen silent
 class RobotControl(BusClient):
     """Gives robots orders and keeps them up."""
 
-    def __init__(self, connection: Connection, sender: str) -> None:
+    def __init__(self, connection: Connection, sender: Optional[str]) -> None:
         super().__init__(connection, sender)
         #: Calls of drive() that were beyond the wheels' limit.
         self.limited = 0

@@ -192,9 +192,11 @@ class Run(Log):
         """The effective experiment file, with every default filled in; keys as in experiment files."""
         if tomllib is None:
             raise RuntimeError("experiment needs Python 3.11 or newer (tomllib)")
+        text = self.experiment_text
         try:
-            return tomllib.loads(self.experiment_text)
-        except tomllib.TOMLDecodeError as error:
+            _core.check_toml(text)
+            return tomllib.loads(text)
+        except (ValueError, RecursionError) as error:
             raise ValueError(f"{self.path}: the START of the experiment is damaged: {error}; its text is in "
                              "experiment_text") from None
 

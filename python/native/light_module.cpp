@@ -41,9 +41,10 @@ using Times = py::array_t<std::int64_t, py::array::c_style | py::array::forcecas
 /// The images of a folder, which are named by their SHA-256.
 light::ImageStore imagesOf(const std::optional<fs::path>& folder) {
   light::ImageStore store;
+  ImageFiles files;
   if (!folder || !fs::is_directory(*folder)) return store;
   for (const auto& entry : fs::directory_iterator(*folder)) {
-    const light::DecodedImage image = loadImage(entry.path());  // no pipe, at most 64 MB
+    const light::DecodedImage& image = files.at(entry.path());
     if (image.image) store[image.image->sha256] = image.image;
   }
   return store;

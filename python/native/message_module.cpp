@@ -311,7 +311,7 @@ void addMessages(py::module_& module) {
   module.def(
       "checked",
       [](const py::bytes& encoding) {
-        const schema::CheckedEncoding checked = schema::checkEncoding(viewOf(encoding));
+        const schema::CheckedEncoding checked = schema::checkReceived(viewOf(encoding));
         py::object usable = py::none();
         if (checked.usable) {
           const auto* remaining = reinterpret_cast<const char*>(checked.remaining.data());
@@ -320,7 +320,8 @@ void addMessages(py::module_& module) {
         return py::make_tuple(usable, checked.problem, checked.removed);
       },
       py::arg("encoding"),
-      "(the message as services use it, None: they refuse it; the first problem; robots removed).");
+      "(a message of the bus as services use it, None: they refuse it; the first problem; robots "
+      "removed).");
   module.def(
       "encode",
       [](const std::string& type, const py::object& message) {

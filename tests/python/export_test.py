@@ -4,6 +4,7 @@ import lzma
 import math
 import os
 import shutil
+import subprocess
 import sys
 import unittest
 from pathlib import Path
@@ -159,6 +160,20 @@ class Exports(RunTestCase):
         written = (folder / "with_link.mcap").read_bytes()
         self.assertIn((folder / "summary.json").read_bytes(), written)
         self.assertNotIn(secret.read_bytes(), written)
+
+    def test_no_film_is_exported_to_which_the_folder_of_a_run_links(self):
+        folder = self.beside / "with_film"
+        shutil.copytree(self.path, folder)
+        self.addCleanup(shutil.rmtree, folder)
+        private = self.beside / "private.mkv"
+        subprocess.run(["ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "lavfi", "-i",
+                        "testsrc=size=64x48:rate=5:duration=1", str(private)], check=True)
+        (folder / "film.mkv").symlink_to(private)
+        output = lab("export", folder, "--mcap", "--out", folder)
+        self.assertIn("film.mkv leads out of the folder of the run and is left out", output)
+        self.assertNotIn("pictures of", output)
+        output = lab("export", folder, "--mcap", "--out", folder, "--force", "--film", private)
+        self.assertIn("with 5 pictures of", output)
 
     def test_nothing_is_replaced_without_force(self):
         output = lab("export", self.path, "--hdf5", expect=2)

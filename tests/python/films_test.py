@@ -68,6 +68,75 @@ class Films(unittest.TestCase):
     def test_a_movie_has_its_own_times(self):
         self.assert_film(Film(self.movie), [0, 0.1, 0.2, 0.3])
 
+    def test_a_rotated_movie_is_read_as_stored(self):
+        plain = self.folder / "plain.mp4"
+        self.addCleanup(plain.unlink)
+        subprocess.run(["ffmpeg", "-v", "error", "-i", self.movie, "-c:v", "png", plain], check=True)
+        data = plain.read_bytes()
+        track = data.index(b"tkhd")
+        upright, turned = (numpy.array(matrix, ">i4").tobytes() for matrix in (
+            (1 << 16, 0, 0, 0, 1 << 16, 0, 0, 0, 1 << 30), (0, 1 << 16, 0, -1 << 16, 0, 0, 48 << 16, 0, 1 << 30)))
+        self.assertEqual(data.count(upright, track, track + 100), 1)
+        rotated = self.file("rotated.mp4", data[:track] + data[track:].replace(upright, turned, 1))
+        entries = subprocess.run(["ffprobe", "-v", "error", "-show_entries", "stream_side_data=rotation", "-of",
+                                  "csv=p=0", rotated], check=True, capture_output=True, text=True).stdout
+        self.assertEqual(abs(int(entries)), 90)
+        self.assert_film(Film(rotated), [0, 0.1, 0.2, 0.3])
+
+    def pictures(self, name):
+        """A copy of the film, which the test may damage."""
+        folder = self.folder / name
+        self.addCleanup(shutil.rmtree, folder)
+        write_pictures(folder, self.times)
+        return folder
+
+    def test_jpeg_pictures_are_read(self):
+        folder = self.pictures("jpeg")
+        for file in list(folder.glob("*.pgm")):
+            subprocess.run(["ffmpeg", "-v", "error", "-i", file, "-vf", "scale=640:480:flags=neighbor", "-q:v", "1",
+                            file.with_suffix(".jpg")], check=True)
+            file.unlink()
+        frames = list(Film(folder).frames())
+        self.assertEqual([t for t, _ in frames], self.times)
+        for number, (_, image) in enumerate(frames):
+            self.assertLess(float(abs(image[5::10, 5::10].astype(float) - picture(number)).mean()), 10)
+
+    def test_a_picture_that_is_not_like_the_others_is_named(self):
+        cut, turned = (b"P5\n64 48\n255\n" + bytes(1000), b"P5\n48 64\n255\n" + bytes(64 * 48))
+        size = "f0002.pgm: found 48 x 64 pixels, expected 64 x 48"
+        for name, content, colour, text in (("cut", cut, False, "f0002.pgm: ffmpeg cannot read it"),
+                                            ("turned", turned, False, size), ("turned_in_colour", turned, True, size)):
+            folder = self.pictures(name)
+            (folder / "f0002.pgm").write_bytes(content)
+            frames = Film(folder).frames(colour)
+            self.assertEqual([next(frames)[0], next(frames)[0]], self.times[:2])
+            with self.subTest(name), self.assertRaisesRegex(ValueError, text):
+                next(frames)
+
+    def test_a_file_is_one_picture(self):
+        folder = self.pictures("several")
+        jpeg = self.folder / "one.jpg"
+        self.addCleanup(jpeg.unlink)
+        subprocess.run(["ffmpeg", "-v", "error", "-i", folder / "f0002.pgm", jpeg], check=True)
+        (folder / "f0002.jpg").write_bytes(2 * jpeg.read_bytes())
+        (folder / "f0002.pgm").unlink()
+        with self.assertRaisesRegex(ValueError, "f0002.jpg: found several pictures, expected one"):
+            list(Film(folder).frames())
+
+    def test_a_movie_that_breaks_off_is_named(self):
+        one = "printf 'P5\\n64 48\\n255\\n'; head -c 3072 /dev/zero; "
+        with self.program("ffmpeg", one + one + "echo first >&2; printf 'at 0.2 s\\033[2J\\n' >&2; exit 69"):
+            frames = Film(self.movie).frames()
+            self.assertEqual([round(next(frames)[0], 3) for _ in range(2)], [0, 0.1])
+            with self.assertRaisesRegex(ValueError, r"film.mkv: ffmpeg cannot read it: first; at 0.2 s\\x1b\[2J$"):
+                next(frames)
+            frames = Film(self.movie).frames()
+            next(frames)
+            frames.close()  # who stops early is not told
+        with self.program("ffmpeg", one + "echo header damaged >&2"):
+            with self.assertWarnsRegex(UserWarning, "film.mkv: ffmpeg: header damaged"):
+                self.assertEqual(len(list(Film(self.movie).frames())), 1)
+
     def test_colour_is_a_third_dimension(self):
         _, image = next(Film(self.movie).frames(colour=True))
         self.assertEqual(image.shape, (48, 64, 3))
@@ -114,10 +183,13 @@ class Films(unittest.TestCase):
         self.assertEqual(Film(self.file("small.mkv", mkv_of_size(64, 48))).size, (64, 48))
 
     def ffprobe(self, script):
+        return self.program("ffprobe", script)
+
+    def program(self, name, script):
         """A program of this name that prints what this script does."""
         folder = Path(tempfile.mkdtemp(dir=self.folder))
         self.addCleanup(shutil.rmtree, folder)
-        program = folder / "ffprobe"
+        program = folder / name
         program.write_text(f"#!/bin/sh\n{script}\n")
         program.chmod(0o700)
         return mock.patch.dict(os.environ, {"PATH": f"{folder}:{os.environ['PATH']}"})

@@ -5,11 +5,13 @@ import os
 import shutil
 import signal
 import subprocess
+import sys
 import tempfile
 import textwrap
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import active_lab
 from active_lab import messages
@@ -156,6 +158,47 @@ class LiveLab(unittest.TestCase):
         process.send_signal(signal.SIGINT)
         process.communicate(timeout=60)
         self.assertIn(process.returncode, (0, 3))
+
+
+class BusOfItsOwn(unittest.TestCase):
+    """A program that is alone on a bus, without a network."""
+
+    def connected(self, **options):
+        client = active_lab.Lab(url="memq://", **options)
+        self.addCleanup(client.close)
+        return client
+
+    def test_the_name_of_a_sender_has_at_most_63_bytes(self):
+        longest = 61 * "x" + "\u00b0"
+        self.assertEqual(self.connected(sender=longest).sender, longest)
+        for wrong, size in (("", 0), (longest + "x", 64)):
+            with self.assertRaisesRegex(ValueError, f"sender: found a name of {size} bytes, expected 1 to 63"):
+                active_lab.Lab(url="memq://", sender=wrong)
+        for file, name in (("/tmp/" + longest + "x.py", longest), (62 * "x" + "\u00b0.py", 62 * "x"), ("", "script"),
+                           (os.fsdecode(b"\xff.py"), "\udcff")):
+            with mock.patch.object(sys, "argv", [file]):
+                self.assertEqual(self.connected().sender, name)
+
+    def test_messages_are_refused_as_services_refuse_them(self):
+        client = self.connected(sender="me")
+        heard = []
+        for channel in ("EXPERIMENT_COMMAND", "ROBOT_STOP"):
+            client.subscribe(channel, heard.append)
+
+        def send(channel, message, **fields):
+            client._bus.publish(channel, message(utime=client.utime, seq=1, **fields).encode())
+
+        largest = 255_000 * "x"
+        command, stop = messages.experiment_command_t, messages.robot_stop_t
+        send("EXPERIMENT_COMMAND", command, sender="other", text=largest)
+        send("EXPERIMENT_COMMAND", command, sender="other", text=2 * largest)
+        send("EXPERIMENT_COMMAND", command, sender=64 * "x")
+        send("ROBOT_STOP", stop, sender=64 * "x", reason=2 * largest)
+        self.assertTrue(client.wait_for(lambda _: len(heard) + sum(client.refused.values()) >= 4, 60))
+        self.assertEqual(client.refused, {"EXPERIMENT_COMMAND": 2})
+        self.assertEqual([type(message) for message in heard], [command, stop])
+        self.assertRegex(client._first_refused,
+                         "EXPERIMENT_COMMAND refused: size: found 510.* bytes, expected at most 256000")
 
 
 if __name__ == "__main__":

@@ -337,6 +337,24 @@ class DamagedLogs(RunTestCase):
             self.assertFalse(math.isnan(run.light.at(5, 0.6, 0.45)))
             self.assertIn(wrong.decode("utf-8", "replace"), run.experiment_text)
 
+    def test_a_start_of_a_stranger_takes_little_memory(self):
+        def started(text):
+            start = messages.experiment_event_t(utime=1, kind=messages.experiment_event_t.START, text=text)
+            log = self.folder / "stranger.lcmlog"
+            log.write_bytes(event(10**6, "EXPERIMENT_EVENT", start.encode()))
+            return active_lab.open(log)
+
+        def deep_in_calls(function, calls):
+            return function() if calls == 0 else deep_in_calls(function, calls - 1)
+
+        for text, why in (("x = 1\n" + 20_000 * "a." + "a = 1", "line 2: found a key of more than 32 names"),
+                          ("#" + 1_000_000 * "x", "found 1000001 bytes, expected at most 1000000"),
+                          ("x = " + 200 * "[" + 200 * "]", "recursion")):
+            with self.assertRaisesRegex(ValueError, f"stranger.lcmlog: the START of the experiment is damaged.*{why}"):
+                deep_in_calls(lambda: started(text).experiment, 700)
+        self.assertEqual(started("x = " + 31 * "a." + "a").experiment_text[:6], "x = a.")
+        self.assertEqual(started(31 * "a." + "a = 1").experiment["a"].keys(), {"a"})
+
     def test_control_characters_are_shown_as_text(self):
         folder = pathlib.Path(os.fsdecode(os.fsencode(self.folder) + b"/odd\x1b[2J\xff"))
         folder.mkdir()

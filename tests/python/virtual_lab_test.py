@@ -20,11 +20,11 @@ class VirtualLab(unittest.TestCase):
         cls.folder = Path(tempfile.mkdtemp(prefix="lab_python_"))
         cls.addClassCleanup(shutil.rmtree, cls.folder)
 
-    def run_with(self, program, name="abp", seconds=8, arguments="", expect=0, options=()):
+    def run_with(self, program, name="abp", seconds=8, arguments="", expect=0, options=(), file="script.py"):
         """Runs an experiment with a program; gives the run and what was printed."""
         folder = self.folder / self.id()
         folder.mkdir(exist_ok=True)
-        script = folder / "script.py"
+        script = folder / file
         script.write_text("import active_lab\n" + textwrap.dedent(program))
         known = set(folder.glob("runs/*"))
         output = lab("run", experiment(name), "--virtual-time", "--no-report", "--runs", folder / "runs", "--set",
@@ -248,6 +248,15 @@ class VirtualLab(unittest.TestCase):
         self.assertTrue((run.folder / "user_program" / "script.py").exists())
         self.assertIn("--gain 3", run.events[run.events.kind == "MARK"].text.iloc[0])
 
+    def test_a_program_whose_file_has_a_long_name_is_heard(self):
+        name = 20 * "long" + ".py"
+        run, _ = self.run_with("""
+            with active_lab.Lab() as lab:
+                lab.mark("heard")
+            """, seconds=2, file=name)
+        self.assertIn("heard", " ".join(run.events.text))
+        self.assertIn(name[:63], set(run.table("SERVICE_STATUS").sender))
+
     def interrupted_at(self, text, program):
         """Runs a program that takes too long until the lab prints a line with `text`, then presses Ctrl-C."""
         script = self.folder / f"{self.id()}.py"
@@ -301,6 +310,34 @@ class VirtualLab(unittest.TestCase):
         plain.write_text("no program")
         output = lab("run", experiment("abp"), "--virtual-time", "--with", plain, expect=2)
         self.assertIn("neither Python (.py) nor executable", output)
+
+
+class PythonCommand(unittest.TestCase):
+    """`lab python` in a folder of a stranger."""
+
+    def setUp(self):
+        self.folder = Path(tempfile.mkdtemp(prefix="lab_python_"))
+        self.addCleanup(shutil.rmtree, self.folder)
+        for module in ("numpy", "json"):
+            (self.folder / f"{module}.py").write_text("raise SystemExit('a module of the current folder')\n")
+
+    def test_modules_of_the_current_folder_are_not_imported(self):
+        for arguments in (["-c", "import active_lab, json"], ["-Bcimport active_lab"],
+                          ["-Wignore", "-m", "json.tool", "-h"],
+                          ["-X", "utf8", "-W", "ignore", "-c", "import numpy"], [], ["-i"], ["-"]):
+            with self.subTest(arguments):
+                done = subprocess.run([BIN / "lab", "python", *arguments], cwd=self.folder,
+                                      input="import numpy, json\n", capture_output=True, text=True, timeout=600)
+                self.assertEqual((done.returncode, "current folder" in done.stderr), (0, False), done.stderr)
+
+    def test_a_script_imports_modules_of_its_own_folder(self):
+        (self.folder / "helper.py").write_text("answer = 42\n")
+        (self.folder / "numpy.py").unlink()
+        (self.folder / "json.py").unlink()
+        script = self.folder / "script.py"
+        script.write_text("import active_lab, helper\nprint(helper.answer)\n")
+        for options in ([], ["-B"], ["-W", "ignore"], ["--check-hash-based-pycs", "default"]):
+            self.assertEqual(lab("python", *options, script), "42\n")
 
 
 if __name__ == "__main__":
