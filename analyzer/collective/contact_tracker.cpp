@@ -67,6 +67,11 @@ const ContactFrame& ContactTracker::take(double time, const std::vector<CrowdRob
   return frame_;
 }
 
+void ContactTracker::forget(int robot) {
+  at_wall_.erase(robot);
+  first_seen_.erase(robot);
+}
+
 void ContactTracker::walls(double time, const std::vector<CrowdRobot>& robots) {
   const Rectangle& arena = settings_.arena;
   const double radius = 0.5 * settings_.diameter;

@@ -38,6 +38,9 @@ class ContactTracker {
   /// @return valid until the next call
   const ContactFrame& take(double time, const std::vector<CrowdRobot>& robots);
 
+  /// Forgets a robot that has not been seen for long.
+  void forget(int robot);
+
  private:
   struct Contact {
     double begin;  ///< [s] nan: before the first frame

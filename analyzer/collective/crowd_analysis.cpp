@@ -12,6 +12,9 @@ namespace {
 constexpr double kLongestGap = 1.5;     // periods between frames that give a velocity
 constexpr double kLongestInterval = 1;  // [s] a longer one between frames counts as no time
 constexpr double kConfirm = 0.3;        // [s] before a change of place counts
+constexpr double kLongestAbsence = 60;  // [s] then a robot is forgotten
+// Tracks of particles get new ids all the time. With more than these, only the last frame counts.
+constexpr std::size_t kMostKnown = 10 * CrowdAnalysis::kMostRobots;
 
 PlaceNames withRest(const std::vector<std::string>& names, const char* rest) {
   PlaceNames places{names};
@@ -48,6 +51,7 @@ void CrowdAnalysis::addFrame(double time, double frame_period,
   if (!contacts_) setPeriod(frame_period);
   // After a step of the clock backwards everything goes on from there.
   const bool back = time <= last_time_;
+  forgetRobots(time);
   takePoses(time, poses);
   formGroups(poses);
   addRates(time, back, poses);
@@ -61,9 +65,30 @@ void CrowdAnalysis::addFrame(double time, double frame_period,
   next_evaluation_ = (late || back ? time : next_evaluation_) + period;
 }
 
+void CrowdAnalysis::forgetRobots(double time) {
+  const bool recent = std::abs(time - forgotten_time_) < kLongestAbsence;
+  if (recent && headings_.size() <= kMostKnown) return;
+  forgotten_time_ = time;
+  const auto forget = [this](const auto& isOld) {
+    std::erase_if(headings_, [&](const auto& robot) {
+      const auto& [id, heading] = robot;
+      if (!isOld(heading.time)) return false;
+      evaluated_.erase(id);
+      regions_.forget(id);
+      bands_.forget(id);
+      contacts_->forget(id);
+      for (const auto& [key, group] : groups_) group->forget(id);
+      return true;
+    });
+  };
+  forget([&](double seen) { return std::abs(time - seen) > kLongestAbsence; });
+  if (headings_.size() > kMostKnown) forget([&](double seen) { return seen != last_time_; });
+}
+
 void CrowdAnalysis::takePoses(double time, const std::vector<CrowdPose>& poses) {
   robots_.clear();
   sources_.clear();
+  std::size_t beyond = 0;
   const double margin = config_.settings.diameter;
   const Rectangle& arena = config_.settings.arena;
   for (std::size_t i = 0; i < poses.size(); ++i) {
@@ -73,7 +98,9 @@ void CrowdAnalysis::takePoses(double time, const std::vector<CrowdPose>& poses) 
     auto heading = headings_.find(pose.robot);
     const bool known = heading != headings_.end();
     const bool twice = known && heading->second.time == time;
-    if (!inside || twice || (!known && headings_.size() >= kMostRobots)) {
+    const bool possible = inside && !twice;
+    if (possible && robots_.size() >= kMostRobots) ++beyond;
+    if (!possible || robots_.size() >= kMostRobots) {
       ++left_out_;
       continue;
     }
@@ -87,6 +114,7 @@ void CrowdAnalysis::takePoses(double time, const std::vector<CrowdPose>& poses) 
     robots_.push_back({pose.robot, pose.x, pose.y, last.continuous});
     sources_.push_back(i);
   }
+  most_robots_ = std::max(most_robots_, robots_.size() + beyond);
 }
 
 CrowdGroup& CrowdAnalysis::groupOf(int key) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "analyzer/collective/crowd_group.hpp"
+#include "common/experiment/observable_names.hpp"
 
 namespace lab::collective {
 
@@ -43,8 +44,8 @@ struct CrowdPicture {
 class CrowdAnalysis {
  public:
   static constexpr int kAll = -1;
-  static constexpr std::size_t kMostRobots = 1000;  ///< of a frame; others are not used
-  static constexpr std::size_t kMostGroups = 16;    ///< programs beyond it are not analysed
+  static constexpr std::size_t kMostRobots = kMostCrowdRobots;  ///< of a frame; others are not used
+  static constexpr std::size_t kMostGroups = 16;  ///< programs beyond it are not analysed
 
   explicit CrowdAnalysis(const CrowdConfig& config);
 
@@ -61,6 +62,9 @@ class CrowdAnalysis {
   /// Poses that were not used: farther than a diameter outside of the arena, twice in a frame, or
   /// of robots beyond the limit.
   [[nodiscard]] std::size_t leftOut() const { return left_out_; }
+
+  /// The most robots that a frame had, including those beyond the limit.
+  [[nodiscard]] std::size_t mostRobots() const { return most_robots_; }
 
   /// The last evaluated frame; without robots if there was none.
   [[nodiscard]] const CrowdPicture& picture() const { return picture_; }
@@ -84,6 +88,7 @@ class CrowdAnalysis {
   };
 
   void setPeriod(double frame_period);
+  void forgetRobots(double time);
   void takePoses(double time, const std::vector<CrowdPose>& poses);
   void formGroups(const std::vector<CrowdPose>& poses);
   void addRates(double time, bool back, const std::vector<CrowdPose>& poses);
@@ -98,13 +103,15 @@ class CrowdAnalysis {
   std::unique_ptr<FrameObserver> observer_;
   PlaceTracker regions_;
   PlaceTracker bands_;
-  std::map<int, Heading> headings_;
+  std::map<int, Heading> headings_;   ///< of the robots that are known
   std::map<int, Place> evaluated_;    ///< positions in the last evaluated frame, by robot
   std::vector<CrowdRobot> robots_;    ///< of the current frame
   std::vector<std::size_t> sources_;  ///< their indices in the poses
   std::vector<Members> members_;
   CrowdPicture picture_;
   std::size_t left_out_ = 0;
+  std::size_t most_robots_ = 0;
+  double forgotten_time_ = units::kNan;  ///< when old robots were last forgotten
   double last_time_ = units::kNan;
   double next_evaluation_ = units::kNan;
 };

@@ -99,6 +99,9 @@ class CrowdGroup {
   void take(double time, const std::vector<CrowdRobot>& robots,
             const FrameObservation& observation);
 
+  /// Frees the memory of a robot that has not been seen for long.
+  void forget(int robot) { motion_.forget(robot); }
+
   [[nodiscard]] CrowdResult result() const;
 
   /// At most `most` stretches of equally many frames.

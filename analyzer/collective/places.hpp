@@ -39,6 +39,8 @@ class PlaceTracker {
   /// @return its confirmed place before and now
   Change take(double time, int robot, int place);
 
+  void forget(int robot) { robots_.erase(robot); }
+
  private:
   struct State {
     int place = -1;

@@ -22,6 +22,9 @@ class WholeMotion {
   /// @param robots headings must be continuous, not wrapped
   void add(double time, const std::vector<CrowdRobot>& robots);
 
+  /// Ends the track of a robot, as a frame without it does, and frees its memory.
+  void forget(int robot) { tracks_.erase(robot); }
+
   [[nodiscard]] ObservableCurve msd() const;
   [[nodiscard]] ObservableCurve angularMsd() const;
 

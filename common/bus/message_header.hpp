@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "common/bus/bus.hpp"
@@ -26,5 +27,14 @@ struct MessageHeader {
 /// @return nothing if the bytes are too short, or if the sender's length is impossible or not that
 /// of a text that ends at its first zero
 [[nodiscard]] std::optional<MessageHeader> peekHeader(Bytes data);
+
+/// A sender whose name is longer than kLongestSender.
+struct LongSender {
+  std::string_view begin;  ///< of the name, whole characters; valid as long as the bytes
+  std::string problem;     ///< what was found and what was expected
+};
+
+/// The sender of a message that has no header because of the length of this name alone.
+[[nodiscard]] std::optional<LongSender> peekLongSender(Bytes data);
 
 }  // namespace lab

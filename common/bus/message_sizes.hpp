@@ -20,6 +20,7 @@ class robot_senses_t;
 class robot_status_t;
 class robot_steps_t;
 class robot_stop_t;
+class service_status_t;
 class sim_truth_t;
 class tracked_details_t;
 class tracked_frame_t;
@@ -35,7 +36,7 @@ inline constexpr std::size_t kLargestEncoding<analysis_t> = 32'000;
 
 /// [bytes] Of messages about each robot. In virtual time a lab has up to 10 000 robots, of about
 /// 230 bytes in ROBOT_STATUS and 80 in TRACKED_FRAME, in which there may be 10 000 unidentified
-/// ones.
+/// ones. The heartbeat of robot_bridge has a row of 130 to 240 bytes for each.
 inline constexpr std::size_t kLargestOfRobots = 4'000'000;
 
 template <>
@@ -48,6 +49,8 @@ template <>
 inline constexpr std::size_t kLargestEncoding<robot_status_t> = kLargestOfRobots;
 template <>
 inline constexpr std::size_t kLargestEncoding<robot_steps_t> = kLargestOfRobots;
+template <>
+inline constexpr std::size_t kLargestEncoding<service_status_t> = kLargestOfRobots;
 template <>
 inline constexpr std::size_t kLargestEncoding<sim_truth_t> = kLargestOfRobots;
 template <>

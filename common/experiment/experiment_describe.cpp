@@ -242,7 +242,8 @@ std::string describeReversal(const Reversal& reversal) {
 }
 
 std::string describeSize(double bytes) {
-  return bytes < 1e9 ? rounded(std::ceil(bytes / 1e6)) + " MB" : rounded(bytes / 1e9) + " GB";
+  if (bytes < 1e9) return rounded(std::ceil(bytes / 1e6)) + " MB";
+  return bytes < 1e12 ? rounded(bytes / 1e9) + " GB" : rounded(bytes / 1e12) + " TB";
 }
 
 std::string describeFilm(const Camera& camera, bool several) {

@@ -221,9 +221,10 @@ light::Field toField(const light_status_t& status, const light::ImageStore& imag
 
 ExperimentImages loadImages(const Experiment& experiment, const std::filesystem::path& directory) {
   ExperimentImages images;
+  ImageFiles files;
   const auto load = [&](const std::string& name) {
     if (name.empty() || images.digests.contains(name)) return;
-    const light::DecodedImage loaded = loadImage(directory / name);
+    const light::DecodedImage& loaded = files.at(directory / name);
     if (!loaded.image) throw std::runtime_error(loaded.error);
     images.digests[name] = loaded.image->sha256;
     images.store[loaded.image->sha256] = loaded.image;

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <string_view>
 
 namespace lab {
@@ -24,6 +25,10 @@ inline constexpr std::array<std::string_view, 11> kFrameObservables{"polar_order
 inline constexpr std::array<std::string_view, 6> kAverageObservables{
     "touching_share", "wall_share", "contact_time",
     "wall_time",      "bimodality", "number_fluctuation_exponent"};
+
+/// The most robots of a frame that the analyzer counts for collective numbers. Those of more are
+/// not of all robots.
+inline constexpr std::size_t kMostCrowdRobots = 1000;
 
 /// Before the name of a region: the share of the robots in it.
 inline constexpr std::string_view kShareIn = "share_in_";

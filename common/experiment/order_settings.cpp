@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -9,7 +10,12 @@
 #include <vector>
 
 #include "common/files/experiment_error.hpp"
+#include "common/files/file_text.hpp"
+#include "common/files/file_values.hpp"
+#include "common/programs/program.hpp"
 #include "common/programs/program_file.hpp"
+#include "common/text/printable.hpp"
+#include "common/text/utf8.hpp"
 #include "robot/dynamics/byte_code.hpp"
 
 namespace lab {
@@ -61,10 +67,16 @@ std::string numbersRefusal(const robot_order_t& order, const dynamics::WheelLimi
 constexpr double kWheelBaseTolerance = 1.1;
 constexpr double kWheelBaseStep = 0.005;  // m; robots of one kind share the check of a text
 constexpr std::size_t kTextsKept = 256;
+constexpr std::size_t kLongestText = file_kinds::kProgram.most_bytes;  // with comments
+
+/// The program's name for messages, where it may be any text.
+std::string named(const program_t& program) {
+  return "program \"" + printable(utf8Prefix(program.id.name, kLongestProgramName)) + "\"";
+}
 
 /// Why the text of the program would be refused in an experiment file; empty: it would not.
 std::string checkText(const program_t& program, const dynamics::WheelLimits& limits) {
-  const std::string who = "program \"" + program.id.name + "\"";
+  const std::string who = named(program);
   try {
     const ProgramFile read = readProgram(program.text, who, program.id.name, limits);
     const bool same = read.compiled.code == program.code;
@@ -77,21 +89,31 @@ std::string checkText(const program_t& program, const dynamics::WheelLimits& lim
 
 /// The same, remembered: hundreds of robots get the same text.
 std::string textRefusal(const program_t& program, const dynamics::WheelLimits& limits) {
-  using Key = std::tuple<std::string, std::vector<std::uint8_t>, double, double>;
+  using Key = std::tuple<std::string, std::string, std::vector<std::uint8_t>, double, double>;
   thread_local std::map<Key, std::string> known;
   const double base = std::max(
       kWheelBaseStep,
       std::floor(limits.wheel_base / kWheelBaseTolerance / kWheelBaseStep) * kWheelBaseStep);
-  const Key key{program.text, program.code, limits.v_max, base};
+  const Key key{program.id.name, program.text, program.code, limits.v_max, base};
   if (const auto found = known.find(key); found != known.end()) return found->second;
   if (known.size() >= kTextsKept) known.clear();
   return known[key] = checkText(program, {limits.v_max, base});
 }
 
+/// Every report of a robot repeats the name of its program.
+std::string nameRefusal(const program_t& program) {
+  if (keys::isBareName(program.id.name, kLongestProgramName)) return "";
+  return named(program) + ": found a name that no program of a file has, expected 1 to " +
+         std::to_string(kLongestProgramName) +
+         " letters, digits, _ and -, beginning with a letter or digit";
+}
+
 /// Why no robot can run the program; empty if one can.
 std::string programRefusal(const program_t& program, const dynamics::WheelLimits& limits) {
-  if (program.id.hash == 0 && program.code.empty()) return "";
-  const std::string who = "program \"" + program.id.name + "\": ";
+  if (program.id.hash == 0 && program.code.empty()) {
+    return program.id.name.empty() ? "" : nameRefusal(program);
+  }
+  const std::string who = named(program) + ": ";
   const auto size = static_cast<std::uint16_t>(std::min<std::size_t>(program.code.size(), 0xFFFF));
   const dynamics::ByteCodeCheck check = dynamics::checkByteCode(program.code.data(), size);
   if (check.fault != dynamics::kValidByteCode) {
@@ -102,11 +124,52 @@ std::string programRefusal(const program_t& program, const dynamics::WheelLimits
   const std::uint32_t hash =
       dynamics::programHash(program.code.data(), static_cast<std::uint8_t>(size));
   if (hash != program.id.hash) return who + "its hash is not that of its byte code";
+  if (std::string refusal = nameRefusal(program); !refusal.empty()) return refusal;
+  if (program.text.size() > kLongestText) {
+    return who + "found a text of more than " + std::to_string(kLongestText) +
+           " bytes, allowed at most " + std::to_string(kLongestText) + "; leave out its comments";
+  }
   // Without a text there is nothing to check; what is too fast is then limited and counted.
   return program.text.empty() ? "" : textRefusal(program, limits);
 }
 
+/// What is too long stays too long.
+program_t programToKeep(const program_t& program) {
+  program_t kept{};
+  kept.id.hash = program.id.hash;
+  kept.id.name = program.id.name.substr(0, kLongestProgramName + 1);
+  kept.text = program.text.substr(0, kLongestText + 1);
+  const std::size_t size =
+      std::min(program.code.size(), std::size_t{dynamics::kLargestProgram} + 1);
+  kept.code.assign(program.code.begin(), program.code.begin() + static_cast<std::ptrdiff_t>(size));
+  kept.size = static_cast<std::int16_t>(size);
+  return kept;
+}
+
 }  // namespace
+
+robot_order_t orderToKeep(const robot_order_t& order, std::int32_t robot_id) {
+  robot_order_t kept{};
+  kept.robot_ids = {robot_id};
+  kept.num_robots = 1;
+  kept.mode = order.mode;
+  kept.wheel_left = order.wheel_left;
+  kept.wheel_right = order.wheel_right;
+  kept.light_sensor = order.light_sensor;
+  kept.hysteresis = order.hysteresis;
+  kept.reverse_on = order.reverse_on;
+  kept.reverse_distance = order.reverse_distance;
+  kept.reverse_speed = order.reverse_speed;
+  for (const light_band_t& band : order.bands) {
+    light_band_t& copy = kept.bands.emplace_back();
+    copy.low = band.low;
+    copy.high = band.high;
+    // More bands than this are refused for their number.
+    if (kept.bands.size() <= dynamics::kSlots) copy.program = programToKeep(band.program);
+  }
+  kept.num_bands = static_cast<std::int8_t>(kept.bands.size());
+  return kept;
+}
 
 OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimits& limits,
                            double sensor_period) {
@@ -133,7 +196,8 @@ OrderSettings settingsFrom(const robot_order_t& order, const dynamics::WheelLimi
     if (!result.refusal.empty()) return result;
     light.bands[slot] = {counts(band.low), counts(band.high), slot};
     result.core.programs[slot] = static_cast<std::uint32_t>(band.program.id.hash);
-    result.programs.push_back(band.program);
+    result.programs.push_back(programToKeep(band.program));
+    result.programs.back().text.clear();
   }
   if (!dynamics::isValid(light)) {
     result.refusal = "light bands overlap, are empty or leave 0..1";

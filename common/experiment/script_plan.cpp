@@ -16,6 +16,10 @@ constexpr double kTicks = 1e6;  // [1/s] sums of hold times are rounded to 1 / k
 
 }  // namespace
 
+bool isLongEnough(double begin, double end) {
+  return std::round((end - begin) * kTicks) >= std::round(kShortestStep * kTicks);
+}
+
 std::vector<StepGroup> groupsOf(const LightScript& script) {
   std::vector<StepGroup> groups;
   for (std::size_t i = 0; i < script.steps.size(); ++i) {
@@ -95,8 +99,9 @@ ScriptCursor::ScriptCursor(const LightScript& script)
       repetitions_(groups_.size(), 0) {}
 
 const StepGroup* ScriptCursor::groupEndingHere() const {
-  const auto group = std::ranges::find(groups_, index_, &StepGroup::last);
-  return group == groups_.end() ? nullptr : &*group;
+  // Groups are sorted by their last steps.
+  const auto group = std::ranges::lower_bound(groups_, index_, {}, &StepGroup::last);
+  return group == groups_.end() || group->last != index_ ? nullptr : &*group;
 }
 
 bool ScriptCursor::isLast() const {
@@ -118,6 +123,19 @@ void ScriptCursor::advance() {
   if (++index_ < steps_) return;
   index_ = 0;
   ++pass_;
+}
+
+ShownSteps countSteps(const LightScript& script, const std::vector<double>& lengths,
+                      double duration, std::int64_t most) {
+  ShownSteps shown;
+  ScriptCursor cursor(script);
+  while (shown.steps < most && shown.time < duration) {
+    ++shown.steps;
+    shown.time += lengths[cursor.index()];
+    if (cursor.isLast()) break;
+    cursor.advance();
+  }
+  return shown;
 }
 
 }  // namespace lab

@@ -10,6 +10,16 @@
 
 namespace lab {
 
+/// The shortest step of a script, and the shortest pass of one that repeats [s]. It is shorter than
+/// a frame of any projector, and a run of such steps has time for everything else.
+inline constexpr double kShortestStep = 0.01;
+
+/// The most steps of a run. Each is a command and an event of the log, together about 1 kB.
+inline constexpr std::int64_t kMostShownSteps = 1'000'000;
+
+/// Whether a step between these times [s] lasts at least kShortestStep, by whole microseconds.
+[[nodiscard]] bool isLongEnough(double begin, double end);
+
 /// A group of steps that is repeated: LightStep::back_to and times.
 struct StepGroup {
   std::size_t first = 0;
@@ -66,5 +76,16 @@ class ScriptCursor {
   std::size_t index_ = 0;
   std::int64_t pass_ = 0;
 };
+
+/// The beginning of a run, as far as it was counted.
+struct ShownSteps {
+  std::int64_t steps = 0;
+  double time = 0;  ///< [s] at which the last of them ends
+};
+
+/// Counts the steps that begin within `duration` [s], at most `most`.
+/// @param lengths of each step [s], the longest one if a condition may end it; infinity: to the end
+[[nodiscard]] ShownSteps countSteps(const LightScript& script, const std::vector<double>& lengths,
+                                    double duration, std::int64_t most);
 
 }  // namespace lab

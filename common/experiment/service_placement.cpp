@@ -72,6 +72,10 @@ std::vector<std::string> hostsInUse(const Experiment& experiment) {
   return {hosts.begin(), hosts.end()};
 }
 
+bool isLinkedByDds(const Experiment& experiment) {
+  return experiment.link.join == JoinBy::kDds && !hostsInUse(experiment).empty();
+}
+
 std::string hostOf(const Experiment& experiment, std::string_view service) {
   const auto place = experiment.services.find(std::string(service));
   return place == experiment.services.end() ? std::string() : place->second.host;

@@ -40,6 +40,9 @@ inline constexpr std::string_view kObserverService = "dashboard";
 /// The other hosts on which the experiment places services that it needs, each once, sorted.
 [[nodiscard]] std::vector<std::string> hostsInUse(const Experiment& experiment);
 
+/// Whether DDS joins the buses of hosts, so that the gateways read link.security.
+[[nodiscard]] bool isLinkedByDds(const Experiment& experiment);
+
 /// The host on which the experiment file places the service; "": this machine.
 [[nodiscard]] std::string hostOf(const Experiment& experiment, std::string_view service);
 

@@ -1,8 +1,12 @@
 #include "common/files/certificate_folder.hpp"
 
-#include <algorithm>
+#include <unistd.h>
+
+#include <cerrno>
 #include <cstdint>
 #include <system_error>
+
+#include "common/files/output_links.hpp"
 
 namespace lab {
 namespace {
@@ -11,11 +15,8 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kMostCertificateBytes = 1'000'000;
 
-/// Where the links of a path lead; empty if that cannot be read.
-fs::path realPlace(const fs::path& path) {
-  std::error_code error;
-  fs::path place = fs::canonical(path, error);
-  return error ? fs::path() : place;
+bool isForbidden(const fs::path& file) {
+  return eaccess(file.c_str(), R_OK) != 0 && errno == EACCES;
 }
 
 bool isRegularCertificate(const fs::path& file) {
@@ -26,13 +27,9 @@ bool isRegularCertificate(const fs::path& file) {
 
 /// A link in a folder of a stranger could otherwise send any file of the user to other hosts.
 std::string linkProblem(const fs::path& folder, const fs::path& file) {
-  const fs::path around = realPlace(folder);
-  const fs::path place = realPlace(file);
-  const bool is_inside =
-      !around.empty() &&
-      std::mismatch(around.begin(), around.end(), place.begin(), place.end()).first == around.end();
-  if (is_inside) return {};
-  return file.string() + ": found a link to " + place.string() +
+  if (!leadsOutOf(folder, file)) return {};
+  std::error_code error;
+  return file.string() + ": found a link to " + fs::canonical(file, error).string() +
          ", which is outside of the folder, expected a file in it; replace the link by a copy of "
          "that file";
 }
@@ -48,16 +45,23 @@ std::string securityNameProblem(const fs::path& folder) {
          "\", expected a path without < > & \" ' $ `; rename it";
 }
 
-std::string securityFolderProblem(const fs::path& folder) {
+std::string securityFolderProblem(const fs::path& folder, Unreadable unreadable) {
   std::string problem = securityNameProblem(folder);
   for (const std::string_view name : kSecurityFiles) {
     if (!problem.empty()) break;
     const fs::path file = folder / name;
-    problem = isRegularCertificate(file)
-                  ? linkProblem(folder, file)
-                  : file.string() +
-                        ": not found, or no regular file of at most 1 MB, expected a certificate "
-                        "folder as docs/security.md makes it";
+    if (isForbidden(file)) {
+      if (unreadable == Unreadable::kIsAbsent) continue;
+      problem = file.string() +
+                ": no permission to read it, expected a certificate folder of yours; ask its owner "
+                "for certificates (docs/security.md)";
+    } else if (!isRegularCertificate(file)) {
+      problem = file.string() +
+                ": not found, or no regular file of at most 1 MB, expected a certificate folder as "
+                "docs/security.md makes it";
+    } else {
+      problem = linkProblem(folder, file);
+    }
   }
   return problem;
 }

@@ -17,8 +17,15 @@ inline constexpr std::array<std::string_view, 6> kSecurityFiles{
 /// Why a folder of this name cannot be used, in one line; empty if it can.
 [[nodiscard]] std::string securityNameProblem(const std::filesystem::path& folder);
 
+/// A file that this user may not read, as in a folder of another user.
+enum class Unreadable {
+  kIsRefused,
+  kIsAbsent  ///< accepted, as on a machine without the certificates
+};
+
 /// The same, and why one of the files cannot be used: it is missing, no regular file, larger than
-/// 1 MB, or a link that leads out of the folder.
-[[nodiscard]] std::string securityFolderProblem(const std::filesystem::path& folder);
+/// 1 MB, or a link that leads out of the folder; or this user may not read it.
+[[nodiscard]] std::string securityFolderProblem(const std::filesystem::path& folder,
+                                                Unreadable unreadable = Unreadable::kIsRefused);
 
 }  // namespace lab

@@ -94,6 +94,12 @@ std::string centimetreText(double metre) {
   return numberText(std::round(metre * 100 * kDigits) / kDigits);
 }
 
+bool isBareName(std::string_view text, std::size_t most, std::string_view signs) {
+  const std::string letters = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
+  return !text.empty() && text.size() <= most && letters.find(text.front()) != std::string::npos &&
+         text.find_first_not_of(letters + std::string(signs)) == std::string_view::npos;
+}
+
 std::string tomlString(std::string_view text) {
   std::string result = "\"";
   for (const char letter : text) {

@@ -2,6 +2,7 @@
 /// possible, and texts in quotes.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -33,6 +34,11 @@ struct FileUnit {
 /// A length in centimetres, "116.25". Rounded to 1e-9 cm, so that sums and differences of
 /// numbers of the file print as one computes them by hand (1.2 - 0.0375 is 116.25 cm).
 [[nodiscard]] std::string centimetreText(double metre);
+
+/// Whether a text is a name of 1 to `most` letters, digits and `signs`, beginning with a letter or
+/// digit.
+[[nodiscard]] bool isBareName(std::string_view text, std::size_t most,
+                              std::string_view signs = "_-");
 
 /// A text as a TOML string, in quotes.
 [[nodiscard]] std::string tomlString(std::string_view text);

@@ -1,5 +1,6 @@
 #include "common/files/output_links.hpp"
 
+#include <algorithm>
 #include <system_error>
 
 namespace lab {
@@ -8,6 +9,16 @@ namespace fs = std::filesystem;
 bool isLink(const fs::path& path) {
   std::error_code ignored;
   return fs::is_symlink(fs::symlink_status(path, ignored));
+}
+
+bool leadsOutOf(const fs::path& folder, const fs::path& path) {
+  std::error_code no_folder;
+  std::error_code no_path;
+  const fs::path around = fs::canonical(folder, no_folder);
+  const fs::path place = fs::canonical(path, no_path);
+  return no_folder || no_path ||
+         std::mismatch(around.begin(), around.end(), place.begin(), place.end()).first !=
+             around.end();
 }
 
 std::string explainLink(const fs::path& path) {

@@ -10,6 +10,10 @@ namespace lab {
 /// Whether a symbolic link is at this path.
 [[nodiscard]] bool isLink(const std::filesystem::path& path);
 
+/// Whether a path leads out of a folder, by links in it; also if it cannot be followed.
+[[nodiscard]] bool leadsOutOf(const std::filesystem::path& folder,
+                              const std::filesystem::path& path);
+
 /// What to say if a symbolic link stands where the lab writes a folder or file of its own; empty if
 /// none does.
 [[nodiscard]] std::string explainLink(const std::filesystem::path& path);

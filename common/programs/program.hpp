@@ -13,6 +13,9 @@ namespace lab {
 /// Of a program's text: ROBOT_COMMAND, which has four of them, must fit into one datagram [bytes].
 inline constexpr std::size_t kLongestProgramText = 4000;
 
+/// Of a program's name, which each report of a robot repeats [bytes].
+inline constexpr std::size_t kLongestProgramName = 32;
+
 struct ProgramParameter {
   std::string name;
   double value = 0;  ///< in SI units

@@ -2,8 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
+#include <type_traits>
+#include <utility>
 
 #include "common/bus/all_messages.hpp"
+#include "common/bus/message_header.hpp"
+#include "common/bus/message_sizes.hpp"
 #include "common/bus/message_values.hpp"
 #include "common/schema/schema.hpp"
 
@@ -29,14 +34,33 @@ CheckedEncoding checkedAs(Bytes encoding) {
   return checked;
 }
 
+template <class Message>
+CheckedEncoding checkedAsReceived(Bytes encoding) {
+  CheckedEncoding refused;
+  if (auto problem = tooLarge<Message>(encoding)) {
+    refused.problem = std::move(*problem);
+    return refused;
+  }
+  if constexpr (!std::is_same_v<Message, robot_stop_t>) {  // which is obeyed whatever it holds
+    if (auto sender = peekLongSender(encoding)) {
+      refused.problem = std::move(sender->problem);
+      return refused;
+    }
+  }
+  return checkedAs<Message>(encoding);
+}
+
+using CheckFunction = CheckedEncoding (*)(Bytes);
+
 struct Check {
   std::int64_t hash;
-  CheckedEncoding (*check)(Bytes);
+  CheckFunction logged;
+  CheckFunction received;
 };
 
 template <class... Messages>
 std::array<Check, sizeof...(Messages)> checksOf(MessageList<Messages...> /*all*/) {
-  return {Check{Messages::getHash(), &checkedAs<Messages>}...};
+  return {Check{Messages::getHash(), &checkedAs<Messages>, &checkedAsReceived<Messages>}...};
 }
 
 const auto& allChecks() {
@@ -44,9 +68,7 @@ const auto& allChecks() {
   return all;
 }
 
-}  // namespace
-
-CheckedEncoding checkEncoding(Bytes encoding) {
+CheckedEncoding checkBy(CheckFunction Check::*function, Bytes encoding) {
   const std::int64_t hash = fingerprintOf(encoding.data(), encoding.size());
   const auto found = std::ranges::find(allChecks(), hash, &Check::hash);
   if (found == allChecks().end()) {
@@ -54,7 +76,13 @@ CheckedEncoding checkEncoding(Bytes encoding) {
     unknown.problem = "the message is of a type that this version does not know";
     return unknown;
   }
-  return found->check(encoding);
+  return ((*found).*function)(encoding);
 }
+
+}  // namespace
+
+CheckedEncoding checkEncoding(Bytes encoding) { return checkBy(&Check::logged, encoding); }
+
+CheckedEncoding checkReceived(Bytes encoding) { return checkBy(&Check::received, encoding); }
 
 }  // namespace lab::schema

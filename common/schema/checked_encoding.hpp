@@ -18,7 +18,11 @@ struct CheckedEncoding {
   std::vector<std::uint8_t> remaining{};  ///< the message without them, if any were removed
 };
 
-/// Decodes and checks a message as Node::subscribe() does.
+/// Decodes and checks a message of a log, of any size, as the report does.
 [[nodiscard]] CheckedEncoding checkEncoding(Bytes encoding);
+
+/// Decodes and checks a message of the bus as Node::subscribe() does: also its size
+/// (message_sizes.hpp) and the length of its sender's name.
+[[nodiscard]] CheckedEncoding checkReceived(Bytes encoding);
 
 }  // namespace lab::schema

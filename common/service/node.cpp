@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "common/bus/message_header.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
+#include "common/text/printable.hpp"
 #include "common/text/utf8.hpp"
 
 namespace lab {
@@ -100,9 +102,16 @@ void Node::refuse(std::string_view channel, std::string_view sender, const std::
   streams_.countDecodeError(channel, count);
   // Once for each channel: a flood must not hide what else is reported.
   if (!refused_on_.emplace(channel).second) return;
-  std::string text = std::string(channel) + " from " + std::string(sender) + " refused: " + problem;
-  repairUtf8(text);
-  noteError(text);
+  noteError(
+      printable(std::string(channel) + " from " + std::string(sender) + " refused: " + problem));
+}
+
+void Node::refuseWithoutHeader(const Packet& packet) {
+  if (const std::optional<LongSender> sender = peekLongSender(packet.data)) {
+    refuse(packet.channel, sender->begin, sender->problem, 1);
+  } else {
+    streams_.countDecodeError(packet.channel);
+  }
 }
 
 void Node::noteStreamLimit() {

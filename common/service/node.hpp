@@ -72,7 +72,7 @@ class Node {
                              clock = std::move(clock)](const Packet& packet) mutable {
       const std::optional<MessageHeader> header = peekHeader(packet.data);
       if (!header && !std::is_same_v<Message, robot_stop_t>) {
-        streams_.countDecodeError(packet.channel);
+        refuseWithoutHeader(packet);
         return;
       }
       const auto received = receive<Message>(packet);
@@ -146,6 +146,7 @@ class Node {
   [[nodiscard]] std::string nextErrors();
   void refuse(std::string_view channel, std::string_view sender, const std::string& problem,
               std::int64_t count);
+  void refuseWithoutHeader(const Packet& packet);
   /// The beginning of a name that may be too long for a header.
   static std::string_view countedName(std::string_view sender);
   void noteStreamLimit();

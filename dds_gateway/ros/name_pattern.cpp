@@ -2,20 +2,32 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace lab::gateway {
 namespace {
 
-constexpr std::int64_t kMemory_bytes = 1 << 20;  // of a compiled pattern
-constexpr std::size_t kLongestError = 200;       // RE2's text may repeat the pattern
+constexpr std::int64_t kMemory_bytes = 64 << 10;  // of a compiled pattern
+constexpr std::size_t kLongestError = 200;        // RE2's text may repeat the pattern
 
 re2::RE2::Options options() {
   re2::RE2::Options options;
   options.set_log_errors(false);
   options.set_max_mem(kMemory_bytes);
   return options;
+}
+
+/// RE2 limits the compiled pattern, but not what it needs to read the text: 10 kB for each \pL.
+std::shared_ptr<const re2::RE2> compiled(const std::string& text) {
+  if (text.size() > NamePattern::kLongest) {
+    throw std::invalid_argument("of at most " + std::to_string(NamePattern::kLongest) + " bytes");
+  }
+  auto pattern = std::make_shared<const re2::RE2>(text, options());
+  if (!pattern->ok()) throw std::invalid_argument(pattern->error().substr(0, kLongestError));
+  return pattern;
 }
 
 /// The group that text[at], a $, asks for; 0: none.
@@ -26,10 +38,7 @@ std::size_t groupAt(const std::string& text, std::size_t at) {
 
 }  // namespace
 
-NamePattern::NamePattern(const std::string& text)
-    : pattern_(std::make_shared<const re2::RE2>(text, options())) {
-  if (!pattern_->ok()) throw std::invalid_argument(pattern_->error().substr(0, kLongestError));
-}
+NamePattern::NamePattern(const std::string& text) : pattern_(compiled(text)) {}
 
 bool NamePattern::matches(const std::string& name) const {
   return re2::RE2::FullMatch(name, *pattern_);

@@ -13,7 +13,9 @@ namespace lab::gateway {
 /// takes a time that is proportional to the name and bounded memory, whatever the pattern.
 class NamePattern {
  public:
-  /// @throws std::invalid_argument with what RE2 says about it
+  static constexpr std::size_t kLongest = 1000;  ///< [bytes] of a pattern
+
+  /// @throws std::invalid_argument if it is too long, or with what RE2 says about it
   explicit NamePattern(const std::string& text);
 
   [[nodiscard]] bool matches(const std::string& name) const;

@@ -52,6 +52,11 @@ class TopicMappingReader {
       const toml::array* array = node->as_array();
       if (array == nullptr || !array->is_homogeneous(toml::node_type::table)) {
         problems_.add("rules", "found " + keys::displayText(*node) + ", expected [[rules]] tables");
+      } else if (array->size() > TopicMapping::kMostRules) {
+        problems_.add(fmt::format("rules[{}]", TopicMapping::kMostRules),
+                      fmt::format("found {} rules, allowed at most {}: one pattern may match many "
+                                  "topics",
+                                  array->size(), TopicMapping::kMostRules));
       } else {
         for (std::size_t i = 0; i < array->size(); ++i) {
           rules.push_back(readRule(*(*array)[i].as_table(), fmt::format("rules[{}]", i)));

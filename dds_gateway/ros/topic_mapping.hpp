@@ -23,6 +23,8 @@ struct Route {
 /// built-in rules: the light field at 5 Hz. Two topics cannot have the same name.
 class TopicMapping {
  public:
+  static constexpr std::size_t kMostRules = 200;  ///< of a file; compiled they take some 10 MB
+
   /// Names in all; also names of robots that have gone count.
   static constexpr std::size_t kMostTopics = 100'000;
 

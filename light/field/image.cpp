@@ -69,6 +69,17 @@ std::string sha256(std::span<const std::uint8_t> bytes) {
   return digits;
 }
 
+std::string sha256(const std::function<std::span<const std::uint8_t>()>& next) {
+  SHA2_CTX context;
+  SHA256Init(&context);
+  for (auto part = next(); !part.empty(); part = next()) {
+    SHA256Update(&context, part.data(), part.size());
+  }
+  char digits[SHA256_DIGEST_STRING_LENGTH];
+  SHA256End(&context, digits);
+  return digits;
+}
+
 DecodedImage decodeImage(std::span<const std::uint8_t> file) {
   if (file.size() > kMostFileBytes) return {nullptr, "is above 64 MB"};
   const int length = static_cast<int>(file.size());
@@ -92,8 +103,9 @@ DecodedImage decodeImage(std::span<const std::uint8_t> file) {
   image->columns = std::max(1, static_cast<int>(std::lround(width * scale)));
   image->rows = std::max(1, static_cast<int>(std::lround(height * scale)));
   image->sha256 = sha256(file);
-  image->grey.assign(decoded.get(), decoded.get() + static_cast<std::ptrdiff_t>(width) * height);
-  if (scale < 1) {
+  if (scale >= 1) {
+    image->grey.assign(decoded.get(), decoded.get() + static_cast<std::ptrdiff_t>(width) * height);
+  } else {
     image->grey.resize(static_cast<std::size_t>(image->columns) *
                        static_cast<std::size_t>(image->rows));
     // The triangle filter does not overshoot, so dark areas beside a bright edge stay dark.
@@ -104,7 +116,7 @@ DecodedImage decodeImage(std::span<const std::uint8_t> file) {
       return {nullptr, "cannot be shrunk to 160 x 120: out of memory"};
     }
   }
-  return {std::move(image), {}};
+  return {std::move(image), {}, static_cast<double>(width) * height};
 }
 
 void attachImages(std::vector<Layer>& layers, const ImageStore& store) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <span>
@@ -31,10 +32,15 @@ struct Image {
 /// SHA-256 of the bytes in 64 lower-case hexadecimal digits (FIPS 180-4, by libmd).
 [[nodiscard]] std::string sha256(std::span<const std::uint8_t> bytes);
 
+/// The same of bytes that come in parts.
+/// @param next gives the next part; an empty one is the end
+[[nodiscard]] std::string sha256(const std::function<std::span<const std::uint8_t>()>& next);
+
 /// An image, or the reason why there is none.
 struct DecodedImage {
   std::shared_ptr<const Image> image;
   std::string error;
+  double pixels = 0;  ///< number of pixels in the file, if it was decoded
 };
 
 /// Decodes PNG, JPEG, BMP, PGM and PPM of at most 64 MB and 100 million pixels to 8-bit grey. An

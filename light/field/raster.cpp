@@ -1,5 +1,6 @@
 #include "light/field/raster.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
@@ -7,6 +8,16 @@
 #include "light/field/image.hpp"
 
 namespace lab::light {
+
+PictureSize pictureSize(double width, double height, int nx) {
+  const auto pixels = [](double count) {
+    return std::max(1, static_cast<int>(std::lround(count)));
+  };
+  const int most = 2 * nx;
+  const double ny = nx * height / width;
+  if (ny <= most) return {nx, pixels(ny)};
+  return {pixels(most * width / height), most};
+}
 
 Raster rasterise(const CompiledField& field, double width, double height, int nx, int ny) {
   if (nx < 1 || ny < 1 || !(width > 0) || !(height > 0)) {

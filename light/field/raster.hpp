@@ -21,6 +21,16 @@ struct Raster {
   }
 };
 
+/// Number of pixels of a picture.
+struct PictureSize {
+  int nx = 1;
+  int ny = 1;
+};
+
+/// A picture of the arena that is `nx` pixels wide, in the arena's proportions. It is at most twice
+/// as high as `nx`: a narrower arena has fewer columns.
+[[nodiscard]] PictureSize pictureSize(double width, double height, int nx);
+
 /// @param width,height of the arena [m].
 /// @throws std::invalid_argument if a number of pixels is below 1 or a length is not positive
 [[nodiscard]] Raster rasterise(const CompiledField& field, double width, double height, int nx,

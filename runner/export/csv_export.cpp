@@ -3,9 +3,12 @@
 #include <fmt/format.h>
 
 #include <bit>
+#include <cerrno>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <fstream>
+#include <functional>
 #include <iterator>
 #include <lab/experiment_event_t.hpp>
 #include <lab/tracked_frame_t.hpp>
@@ -14,6 +17,7 @@
 #include <set>
 #include <stdexcept>
 #include <string>
+#include <system_error>
 #include <utility>
 
 #include "common/bus/channels.hpp"
@@ -33,6 +37,7 @@ using schema::Kind;
 
 constexpr std::size_t kRows = 4096;  // that are collected before they are written
 constexpr const char* kColumns = "columns";
+constexpr double kMissingRow = 20;  // bytes, the least: 0,inf,inf,inf,0.04,1
 
 /// RFC 4180.
 std::string quoted(const std::string& text) {
@@ -47,7 +52,11 @@ std::string quoted(const std::string& text) {
 
 class CsvFile {
  public:
-  explicit CsvFile(fs::path path) : path_(std::move(path)), file_(path_, std::ios::binary) {}
+  explicit CsvFile(fs::path path) : path_(std::move(path)), file_(path_, std::ios::binary) {
+    if (file_.is_open()) return;
+    throw std::runtime_error("cannot make " + path_.string() + ": " +
+                             std::generic_category().message(errno));
+  }
 
   fmt::memory_buffer& buffer() { return buffer_; }
 
@@ -173,6 +182,44 @@ void readFrames(const std::vector<fs::path>& log, const Take& take) {
   });
 }
 
+/// @throws std::runtime_error if a folder has not the room for so many bytes
+void requireRoom(const fs::path& folder, double bytes, double have) {
+  if (have >= bytes) return;
+  throw std::runtime_error(fmt::format(
+      "too little disk in {}: the files of the robots need at least {:.0f} MB, {:.0f} MB are free; "
+      "make room, or choose another folder with --out",
+      folder.string(), bytes / 1e6, have / 1e6));
+}
+
+/// The files of some robots, each with a row per frame.
+void writeTrexOf(const std::set<std::int32_t>& robots, const std::vector<fs::path>& log,
+                 std::int64_t zero, const std::function<fs::path(std::int32_t)>& path) {
+  std::map<std::int32_t, std::unique_ptr<CsvFile>> files;
+  for (const std::int32_t id : robots) {
+    files[id] = std::make_unique<CsvFile>(path(id));
+    fmt::format_to(std::back_inserter(files[id]->buffer()),
+                   "frame,X#wcentroid (cm),Y#wcentroid (cm),ANGLE,time,missing");
+    files[id]->endRow();
+  }
+  readFrames(log, [&](const tracked_frame_t& frame) {
+    const double time = units::seconds(frame.utime - zero);
+    std::set<std::int32_t> missing = robots;
+    for (const tracked_pose_t& pose : frame.robots) {
+      if (missing.erase(pose.robot_id) == 0) continue;  // of other files, or twice in a frame
+      CsvFile& csv = *files.at(pose.robot_id);
+      fmt::format_to(std::back_inserter(csv.buffer()), "{},{},{},{},{},0", frame.frame,
+                     pose.x / units::kCentimetre, pose.y / units::kCentimetre, pose.theta, time);
+      csv.endRow();
+    }
+    for (const std::int32_t id : missing) {
+      CsvFile& csv = *files.at(id);
+      fmt::format_to(std::back_inserter(csv.buffer()), "{},inf,inf,inf,{},1", frame.frame, time);
+      csv.endRow();
+    }
+  });
+  for (const auto& [id, file] : files) file->flush();
+}
+
 }  // namespace
 
 std::int64_t timeZero(const std::vector<fs::path>& log) {
@@ -248,36 +295,25 @@ void writeTrackpy(const std::vector<fs::path>& log, const fs::path& file) {
   csv.flush();
 }
 
-void writeTrex(const std::vector<fs::path>& log, const fs::path& folder, const std::string& name) {
+void writeTrex(const std::vector<fs::path>& log, const fs::path& folder, const std::string& name,
+               std::optional<double> free_bytes) {
   const std::int64_t zero = timeZero(log);
   std::set<std::int32_t> ids;
+  double frames = 0;
   readFrames(log, [&](const tracked_frame_t& frame) {
+    ++frames;
     for (const tracked_pose_t& pose : frame.robots) ids.insert(pose.robot_id);
   });
-  std::map<std::int32_t, std::unique_ptr<CsvFile>> files;
-  for (const std::int32_t id : ids) {
-    files[id] = std::make_unique<CsvFile>(folder / fmt::format("{}_id{}.csv", name, id));
-    fmt::format_to(std::back_inserter(files[id]->buffer()),
-                   "frame,X#wcentroid (cm),Y#wcentroid (cm),ANGLE,time,missing");
-    files[id]->endRow();
+  const double have = free_bytes.value_or(static_cast<double>(fs::space(folder).available));
+  requireRoom(folder, frames * static_cast<double>(ids.size()) * kMissingRow, have);
+  // A file per robot is open: a process may have 1024 of them.
+  constexpr std::size_t kMostFiles = 500;
+  while (!ids.empty()) {
+    std::set<std::int32_t> robots;
+    while (!ids.empty() && robots.size() < kMostFiles) robots.insert(ids.extract(ids.begin()));
+    writeTrexOf(robots, log, zero,
+                [&](std::int32_t id) { return folder / fmt::format("{}_id{}.csv", name, id); });
   }
-  readFrames(log, [&](const tracked_frame_t& frame) {
-    const double time = units::seconds(frame.utime - zero);
-    std::set<std::int32_t> missing = ids;
-    for (const tracked_pose_t& pose : frame.robots) {
-      if (missing.erase(pose.robot_id) == 0) continue;  // twice in a frame
-      CsvFile& csv = *files.at(pose.robot_id);
-      fmt::format_to(std::back_inserter(csv.buffer()), "{},{},{},{},{},0", frame.frame,
-                     pose.x / units::kCentimetre, pose.y / units::kCentimetre, pose.theta, time);
-      csv.endRow();
-    }
-    for (const std::int32_t id : missing) {
-      CsvFile& csv = *files.at(id);
-      fmt::format_to(std::back_inserter(csv.buffer()), "{},inf,inf,inf,{},1", frame.frame, time);
-      csv.endRow();
-    }
-  });
-  for (const auto& [id, file] : files) file->flush();
 }
 
 }  // namespace lab::runner

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -29,8 +30,10 @@ void writeTrackpy(const std::vector<std::filesystem::path>& log, const std::file
 
 /// The poses as TRex exports them: NAME_id1.csv, ... with a row for every frame, frames without the
 /// robot included. `lab analyze FOLDER` reads them.
-/// @throws std::runtime_error if a file cannot be written
+/// @param free_bytes room in the folder; none: what the file system says
+/// @throws std::runtime_error if there is not the room for a row per robot and frame, or a file
+/// cannot be written
 void writeTrex(const std::vector<std::filesystem::path>& log, const std::filesystem::path& folder,
-               const std::string& name);
+               const std::string& name, std::optional<double> free_bytes = {});
 
 }  // namespace lab::runner

@@ -14,6 +14,7 @@
 #include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/bus/message_values.hpp"
+#include "common/camera/run_film.hpp"
 #include "common/files/file_text.hpp"
 #include "common/files/output_links.hpp"
 #include "common/math/units.hpp"
@@ -165,12 +166,16 @@ class Exporter {
     how.attachments = attachments();
     std::string film = options_.film;
     const bool own = film.empty() && fs::is_directory(options_.input);
-    const std::vector<fs::path> films = own ? camerasFilms(folder_) : std::vector<fs::path>();
+    std::vector<fs::path> films = own ? camerasFilms(folder_) : std::vector<fs::path>();
+    std::erase_if(films, [this](const fs::path& of_camera) {
+      return isElsewhere(of_camera / film_files::kMovie);
+    });
     if (!films.empty()) {
       film = fmt::format("{} films of the cameras", films.size());
       how.film = camerasPictures(films);
     } else if (own) {
       film = filmOfRun(folder_);
+      if (!film.empty() && isElsewhere(film)) film.clear();
     }
     if (films.empty() && !film.empty()) {
       const std::int64_t begin = options_.film_start
@@ -187,12 +192,21 @@ class Exporter {
              : "");
   }
 
+  /// The export is passed on: it holds nothing to which the folder of a stranger links.
+  [[nodiscard]] bool isElsewhere(const fs::path& film) const {
+    if (!leadsOutOf(folder_, film)) return false;
+    fmt::print(
+        "note     {} leads out of the folder of the run and is left out; --film FILE takes a "
+        "film\n",
+        printable(film.string()));
+    return true;
+  }
+
   [[nodiscard]] std::map<std::string, std::string> attachments() const {
     std::map<std::string, std::string> texts;
     if (const auto start = report::findStart(log_)) texts["experiment.toml"] = start->text;
     for (const char* name : {"summary.json", "provenance.json"}) {
       const fs::path file = folder_ / name;
-      // The export is passed on: it holds no other file to which the folder of a stranger links.
       if (!fs::is_directory(options_.input) || isLink(file)) continue;
       if (auto text = readWholeFile(file, kAttachment)) texts[name] = std::move(*text);
     }

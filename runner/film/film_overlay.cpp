@@ -25,11 +25,6 @@ constexpr int kFrameTilesAcross = 3;
 constexpr int kFrameTileWidth = 960;  // [px]
 constexpr int kJpegQuality = 90;
 
-/// With the extension of the movie, from which ffmpeg knows the format.
-fs::path partOfMovie(const fs::path& file) {
-  return file.parent_path() / ("." + file.stem().string() + ".part" + file.extension().string());
-}
-
 /// Draws the overlay of one frame.
 class Painter {
  public:
@@ -100,25 +95,23 @@ class ContactSheet final : public FilmOverlay {
 class Movie final : public FilmOverlay {
  public:
   explicit Movie(const OverlaySettings& settings)
-      : painter_(settings), file_(settings.path, partOfMovie(settings.path)), fps_(settings.fps) {}
+      : painter_(settings), path_(settings.path), fps_(settings.fps) {}
 
   [[nodiscard]] bool wantsNext() const override { return true; }
 
   void add(const OverlayFrame& frame) override {
     const RgbImage image = painter_.paint(frame, 0);
-    if (!writer_) writer_.emplace(file_.part(), image.width, image.height, fps_);
+    if (!writer_) writer_.emplace(path_, image.width, image.height, fps_);
     writer_->write(image);
   }
 
   void finish() override {
-    if (!writer_) return;
-    writer_->finish();
-    file_.finish();
+    if (writer_) writer_->finish();
   }
 
  private:
   Painter painter_;
-  AtomicFile file_;
+  fs::path path_;
   double fps_;
   std::optional<MovieWriter> writer_;
 };

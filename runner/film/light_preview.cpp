@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -19,8 +20,9 @@ namespace {
 constexpr std::int64_t kStart_utime = 1'000'000;
 constexpr double kFramePeriod = 0.2;  // [s] period of the tracker frames that the layers receive
 constexpr double kLongestTrail = 60;  // [s] length of a trail
-constexpr double kVisibleDistance = 0.2;  // [m] distance after which a motion is visible
-constexpr double kDefaultSpan = 10;       // [s] for light without a period
+constexpr double kVisibleDistance = 0.2;   // [m] distance after which a motion is visible
+constexpr double kDefaultSpan = 10;        // [s] for light without a period
+constexpr std::uint8_t kBesideArena = 96;  // grey, neither dark nor full light
 
 std::int64_t utimeAt(double time) {
   return kStart_utime + static_cast<std::int64_t>(std::llround(time * 1e6));
@@ -81,7 +83,8 @@ LightPreview::LightPreview(const Experiment& experiment, const ExperimentImages&
     for (light::DrivenLayer& layer : layers) {
       if (layer.drive.gate == light::Gate::kProgram) layer.drive.gate = light::Gate::kOpen;
     }
-    steps_.push_back({projector::Scene(std::move(layers), kStart_utime, scene_context_)});
+    steps_.push_back({projector::Scene(std::move(layers), kStart_utime, scene_context_),
+                      projector::RobotTracks(scene_context_.robots)});
   }
 }
 
@@ -137,15 +140,19 @@ light::Field LightPreview::field(std::size_t step, double time) {
 }
 
 optics::RgbImage LightPreview::picture(std::size_t step, double time, int width) {
-  const double aspect = experiment_.arena_height / experiment_.arena_width;
-  const int height = std::max(1, static_cast<int>(std::lround(width * aspect)));
-  const PreviewMarks marks(experiment_, width, !start_frame_.robots.empty());
+  const light::PictureSize size =
+      light::pictureSize(experiment_.arena_width, experiment_.arena_height, width);
+  const PreviewMarks marks(experiment_, width, size.nx, !start_frame_.robots.empty());
   const light::Raster raster = light::rasterise(field(step, time), experiment_.arena_width,
-                                                experiment_.arena_height, width, height);
+                                                experiment_.arena_height, size.nx, size.ny);
   const std::vector<std::uint8_t> grey = light::toGrey(raster);
-  optics::RgbImage image(width, height + marks.headHeight());
-  auto pixel = image.pixels.end() - static_cast<std::ptrdiff_t>(3 * grey.size());
-  for (const std::uint8_t value : grey) pixel = std::fill_n(pixel, 3, value);
+  optics::RgbImage image(width, size.ny + marks.headHeight());
+  auto value = grey.begin();
+  for (int row = image.height - size.ny; row < image.height; ++row) {
+    std::uint8_t* pixel = image.at(0, row);
+    for (int column = 0; column < size.nx; ++column) pixel = std::fill_n(pixel, 3, *value++);
+    std::fill_n(pixel, 3 * (width - size.nx), kBesideArena);
+  }
   const LightStep& shown = experiment_.light.steps[step];
   marks.drawHead(image, fmt::format("{:.2f} s  {}", shown.at + time, shown.label), raster);
   marks.drawBands(image, raster);

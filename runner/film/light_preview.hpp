@@ -35,9 +35,10 @@ class LightPreview {
   /// The light `time` [s] after the step began. `time` must not decrease between calls for a step.
   [[nodiscard]] light::Field field(std::size_t step, double time);
 
-  /// The same as a picture `width` [px] wide with x to the right and y up. Label, time and the
-  /// bands of the light table stand above it; it shows the regions of the bands, the robots at
-  /// their start and a scale.
+  /// The same as a picture `width` [px] wide with x to the right and y up. The arena fills its
+  /// width, or its left part if it is more than twice as high as wide (light::pictureSize()).
+  /// Label, time and the bands of the light table stand above it; it shows the regions of the
+  /// bands, the robots at their start and a scale.
   [[nodiscard]] optics::RgbImage picture(std::size_t step, double time, int width);
 
   [[nodiscard]] std::size_t steps() const { return experiment_.light.steps.size(); }
@@ -45,7 +46,7 @@ class LightPreview {
  private:
   struct Step {
     projector::Scene scene;
-    projector::RobotTracks robots{};
+    projector::RobotTracks robots;
     double seen = -1;  ///< [s] time of the last frame that the layers received
   };
 

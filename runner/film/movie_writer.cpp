@@ -17,7 +17,6 @@
 #include <utility>
 #include <vector>
 
-#include "common/files/output_links.hpp"
 #include "common/process/pipe.hpp"
 #include "runner/command_line/exit_code.hpp"
 
@@ -43,6 +42,11 @@ std::vector<std::string> arguments(const fs::path& file, int width, int height, 
   return all;
 }
 
+/// With the extension of the movie, from which ffmpeg knows the format.
+fs::path partOfMovie(const fs::path& file) {
+  return file.parent_path() / ("." + file.stem().string() + ".part" + file.extension().string());
+}
+
 }  // namespace
 
 bool isInstalled(const char* program) {
@@ -54,8 +58,14 @@ bool isInstalled(const char* program) {
   return false;
 }
 
-MovieWriter::MovieWriter(fs::path file, int width, int height, double fps)
-    : file_(std::move(file)) {
+MovieWriter::MovieWriter(const fs::path& file, int width, int height, double fps)
+    : file_(file, partOfMovie(file)) {
+  if (width > kMostPixels || height > kMostPixels) {
+    throw UserError(fmt::format(
+        "{}: found pictures of {} x {} px, expected at most {} px in width and height of a movie; "
+        "use an arena or a film of other proportions",
+        file.string(), width, height, kMostPixels));
+  }
   if (!isInstalled("ffmpeg")) {
     throw UserError(
         "a movie needs the program ffmpeg, which is not installed: apt-get install ffmpeg; or ask "
@@ -65,11 +75,10 @@ MovieWriter::MovieWriter(fs::path file, int width, int height, double fps)
   if (messages_.get() < 0) {
     throw std::runtime_error(std::string("cannot start ffmpeg: ") + std::strerror(errno));
   }
-  removeLink(file_);
   Pipe pipe = makePipe();
   // In its own process group, so that Ctrl-C does not end ffmpeg before its input ends. If this
   // process is killed, ffmpeg completes the movie with the pictures that it has.
-  child_.emplace(ChildSettings{.arguments = arguments(file_, width, height, fps),
+  child_.emplace(ChildSettings{.arguments = arguments(file_.part(), width, height, fps),
                                .input = pipe.out.get(),
                                .errors = messages_.get(),
                                .death_signal = 0});
@@ -98,6 +107,7 @@ void MovieWriter::finish() {
   wait();
   struct stat messages {};
   if (child_->code() != 0 || fstat(messages_.get(), &messages) != 0 || messages.st_size > 0) fail();
+  file_.finish();
 }
 
 void MovieWriter::wait() {
@@ -111,7 +121,7 @@ void MovieWriter::fail() {
   const ssize_t length = pread(messages_.get(), message.data(), message.size() - 1, 0);
   std::string text(message.data(), length > 0 ? static_cast<std::size_t>(length) : 0);
   text = text.substr(0, text.find('\n'));
-  throw std::runtime_error(fmt::format("{}: ffmpeg could not write it: {}", file_.string(),
+  throw std::runtime_error(fmt::format("{}: ffmpeg could not write it: {}", file_.path().string(),
                                        text.empty() ? "it gave no reason" : text));
 }
 

@@ -45,9 +45,10 @@ void fill(optics::RgbImage& image, int x, int y, int width, int height, Colour c
 
 }  // namespace
 
-PreviewMarks::PreviewMarks(const Experiment& experiment, int width, bool with_robots)
+PreviewMarks::PreviewMarks(const Experiment& experiment, int width, int arena_width,
+                           bool with_robots)
     : width_(width),
-      scale_(width / experiment.arena_width),
+      scale_(arena_width / experiment.arena_width),
       arena_height_(experiment.arena_height),
       radius_(experiment.hardware.diameter / 2),
       bands_(experiment.light_table.bands) {

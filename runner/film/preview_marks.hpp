@@ -18,8 +18,9 @@ namespace lab::runner {
 class PreviewMarks {
  public:
   /// @param width of the pictures [px]
+  /// @param arena_width of the arena in them [px]
   /// @param with_robots whether robots are drawn: the head says so
-  PreviewMarks(const Experiment& experiment, int width, bool with_robots);
+  PreviewMarks(const Experiment& experiment, int width, int arena_width, bool with_robots);
 
   /// Height of the head above the arena [px].
   [[nodiscard]] int headHeight() const;

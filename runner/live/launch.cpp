@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <string_view>
 
 #include "common/bus/lcm_bus.hpp"
 #include "common/experiment/command_line_sources.hpp"
@@ -124,15 +125,15 @@ std::vector<std::string> neededPrograms(const Experiment& experiment, bool virtu
   return names;
 }
 
-std::string diskProblem(const Experiment& experiment, const fs::path& folder) {
+std::string diskProblem(const Experiment& experiment, const fs::path& folder,
+                        std::string_view other_folder) {
   const std::int64_t need = diskNeed_bytes(experiment);
   const std::int64_t have = freeBytes(folder);
   if (have >= need) return {};
   return fmt::format(
-      "too little disk in {}: this run needs about {} MB, {} MB are free; make room, choose "
-      "another "
-      "folder with --runs, or shorten duration_s",
-      folder.string(), need / 1'000'000, have / 1'000'000);
+      "too little disk in {}: this run needs about {} MB, {} MB are free; make room, {}, or "
+      "shorten duration_s",
+      folder.string(), need / 1'000'000, have / 1'000'000, other_folder);
 }
 
 fs::path requireProgram(const std::string& name, const std::string& package) {
@@ -165,6 +166,8 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
   if (const std::string problem = diskProblem(experiment, options.out); !problem.empty()) {
     throw UserError(problem);
   }
+  const fs::path source = options.file.parent_path();
+  checkFiles(experiment, source);  // before an agent is started on another host
   if (!virtual_time) {
     if (const auto problem = multicastProblem()) throw UserError(*problem);
     const bool wanted = experiment.network.port != 0;
@@ -175,18 +178,13 @@ Launched launch(const LaunchOptions& options, Experiment experiment, const ShowP
     // briefly.
     refuseForeignTraffic(url, wanted ? 1300 : 300);
     warnOfReach(experiment.network);
-    const fs::path source = options.file.parent_path();
     requireCertificates(experiment, source);
     const std::vector<std::string> others = hostsInUse(experiment);
-    if (!others.empty()) {
-      checkFiles(experiment, source);  // before an agent is started on another host
-      hosts.emplace(experiment, others);
-    }
+    if (!others.empty()) hosts.emplace(experiment, others);
   }
 
   const std::int64_t start = wallClock();
-  PreparedRun prepared =
-      prepareRun(std::move(experiment), options.file.parent_path(), options.out, start);
+  PreparedRun prepared = prepareCheckedRun(std::move(experiment), source, options.out, start);
   prepared.threads = options.threads;
   prepared.user_program = options.user_program;
   if (prepared.user_program) adoptUserProgram(*prepared.user_program, prepared.directory);

@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runner/live/procedure.hpp"
@@ -48,8 +49,10 @@ std::filesystem::path requireProgram(const std::string& name, const std::string&
 
 /// Why a run of this experiment does not fit into the folder of runs, with the way out; empty if it
 /// fits.
-[[nodiscard]] std::string diskProblem(const Experiment& experiment,
-                                      const std::filesystem::path& folder);
+/// @param other_folder how the user chooses another one
+[[nodiscard]] std::string diskProblem(
+    const Experiment& experiment, const std::filesystem::path& folder,
+    std::string_view other_folder = "choose another folder with --runs");
 
 /// Runs an experiment to its end, in real or in virtual time, and leaves its folder with the log.
 /// @param show called with the state of the run, again and again

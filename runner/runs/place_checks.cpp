@@ -18,24 +18,30 @@ namespace lab::runner {
 namespace fs = std::filesystem;
 namespace {
 
-bool isThere(const fs::path& path) {
+/// False also if this user may not see whether it exists.
+bool isAbsent(const fs::path& path) {
   std::error_code error;
-  return fs::exists(path, error);
+  return !fs::exists(path, error) && !error;
 }
 
-void checkFolder(const char* key, const std::string& named, const fs::path& source) {
+void checkFolder(const char* key, const std::string& named, const fs::path& source, bool is_read) {
   if (named.empty()) return;
   const fs::path folder = source / named;
-  const std::string problem =
-      isThere(folder) ? securityFolderProblem(folder) : securityNameProblem(folder);
+  const std::string problem = is_read && !isAbsent(folder)
+                                  ? securityFolderProblem(folder, Unreadable::kIsAbsent)
+                                  : securityNameProblem(folder);
   if (!problem.empty()) throw UserError(fmt::format("{}: {}", key, problem));
 }
 
 void requireFolder(const char* key, const std::string& named, const fs::path& source) {
-  if (named.empty() || isThere(source / named)) return;
-  throw UserError(
-      fmt::format("{}: {}: not found, expected a certificate folder as docs/security.md makes it",
-                  key, (source / named).string()));
+  if (named.empty()) return;
+  const fs::path folder = source / named;
+  const std::string problem =
+      isAbsent(folder)
+          ? folder.string() +
+                ": not found, expected a certificate folder as docs/security.md makes it"
+          : securityFolderProblem(folder);
+  if (!problem.empty()) throw UserError(fmt::format("{}: {}", key, problem));
 }
 
 void checkSerialLines(const Experiment& experiment) {
@@ -67,13 +73,14 @@ void checkCameraPlaces(const Experiment& experiment) {
 }  // namespace
 
 void checkCertificates(const Experiment& experiment, const fs::path& source) {
-  checkFolder("link.security", experiment.link.security, source);
-  checkFolder("gateway.security", experiment.gateway.security, source);
+  checkFolder("link.security", experiment.link.security, source, isLinkedByDds(experiment));
+  checkFolder("gateway.security", experiment.gateway.security, source, experiment.gateway.ros);
 }
 
 void requireCertificates(const Experiment& experiment, const fs::path& source) {
-  const bool is_linked = experiment.link.join == JoinBy::kDds && !hostsInUse(experiment).empty();
-  if (is_linked) requireFolder("link.security", experiment.link.security, source);
+  if (isLinkedByDds(experiment)) {
+    requireFolder("link.security", experiment.link.security, source);
+  }
   if (experiment.gateway.ros) {
     requireFolder("gateway.security", experiment.gateway.security, source);
   }

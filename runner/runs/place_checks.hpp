@@ -8,14 +8,15 @@
 
 namespace lab::runner {
 
-/// Checks link.security and gateway.security. A folder that does not exist is accepted:
-/// certificates are secret, and a file may be checked, or run in virtual time, on a machine without
-/// them.
+/// Checks the names of link.security and gateway.security, and the files of those that a run in
+/// real time reads. A folder that does not exist, and files that this user may not read, are
+/// accepted: certificates are secret, and a file may be checked, or run in virtual time, on a
+/// machine without them.
 /// @param source folder to which the paths are relative
 /// @throws UserError that names the key
 void checkCertificates(const Experiment& experiment, const std::filesystem::path& source);
 
-/// Checks that the folders exist that the gateways of a run in real time will read.
+/// Checks that this user can read the folders that the gateways of a run in real time will read.
 /// @throws UserError that names the key
 void requireCertificates(const Experiment& experiment, const std::filesystem::path& source);
 

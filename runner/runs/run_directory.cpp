@@ -300,6 +300,11 @@ void checkFiles(const Experiment& experiment, const fs::path& source) {
 PreparedRun prepareRun(Experiment experiment, const fs::path& source, const fs::path& parent,
                        std::int64_t utime, const char* option) {
   checkFiles(experiment, source);
+  return prepareCheckedRun(std::move(experiment), source, parent, utime, option);
+}
+
+PreparedRun prepareCheckedRun(Experiment experiment, const fs::path& source, const fs::path& parent,
+                              std::int64_t utime, const char* option) {
   PreparedRun run;
   const std::vector<fs::path> recordings = findRecordings(experiment, source);
   const fs::path motors = experiment.hardware.motors;

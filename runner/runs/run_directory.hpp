@@ -89,4 +89,11 @@ struct PreparedRun {
                                      const std::filesystem::path& parent, std::int64_t utime,
                                      const char* option = kRunsOption);
 
+/// The same for files that checkFiles() has accepted. They are not checked again, because that
+/// reads all images and recordings.
+[[nodiscard]] PreparedRun prepareCheckedRun(Experiment experiment,
+                                            const std::filesystem::path& source,
+                                            const std::filesystem::path& parent, std::int64_t utime,
+                                            const char* option = kRunsOption);
+
 }  // namespace lab::runner

@@ -16,6 +16,7 @@ namespace {
 constexpr std::int64_t kLightPeriod_us =
     500'000;  // 2 Hz: commands are repeated because LCM may drop messages
 constexpr std::int64_t kDeliveryTimeout_us = 2'000'000;
+constexpr int kMostTransitions = 100;  // at once, of a script that is late
 
 }  // namespace
 
@@ -88,17 +89,21 @@ void LightController::close() {
 }
 
 void LightController::update() {
-  while (playing_) {
+  for (int i = 0; playing_ && i < kMostTransitions; ++i) {
     const auto transition = player_.nextTransition(loop_.now());
-    if (!transition) return;
+    if (!transition) {
+      if (i > 0) setStepTimer();
+      return;
+    }
     if (!transition->fault.empty()) hooks_.fault(transition->fault);
     if (transition->kind == ScriptTransition::Kind::kStep) {
       show(*transition);
-      setStepTimer();
     } else {
       hooks_.end(*transition);
     }
   }
+  // After a suspension of the machine, hours of steps may be due. Ctrl-C must work meanwhile.
+  if (playing_) loop_.soon([this] { update(); });
 }
 
 void LightController::setStepTimer() {

@@ -185,6 +185,7 @@ class PoseFeed {
     poses_.eachFrame(
         [&](const PoseFrame& frame, std::span<const Pose> robots) { take(frame, robots, record); });
     analysis_.flush();
+    record.left_out = analysis_.counters().left_out;
     fillCrowds(
         crowd_, units::seconds(record.start_utime), [](int) { return -1; }, record);
     record.tracks = rows_.takeTracks();

@@ -1,5 +1,6 @@
 #include "analyzer/report/record/crowd_records.hpp"
 
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -29,6 +30,8 @@ void fillCrowds(const collective::CrowdAnalysis& analysis, double start,
   }
   record.crowd_picture = analysis.picture();
   record.crowd_picture.time -= start;
+  record.crowd_left_out = static_cast<std::int64_t>(analysis.leftOut());
+  record.crowd_most = static_cast<std::int64_t>(analysis.mostRobots());
 }
 
 std::string crowdName(const RunRecord& record, const CrowdRecord& crowd) {
@@ -45,6 +48,10 @@ std::vector<const CrowdRecord*> shownCrowds(const RunRecord& record) {
     if (!same) shown.push_back(&crowd);
   }
   return shown;
+}
+
+bool isCrowdCut(const RunRecord& record) {
+  return record.crowd_most > static_cast<std::int64_t>(collective::CrowdAnalysis::kMostRobots);
 }
 
 bool isCrowd(const RunRecord& record) {

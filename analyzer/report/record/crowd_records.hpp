@@ -22,6 +22,9 @@ void fillCrowds(const collective::CrowdAnalysis& analysis, double start,
 /// the numbers of all robots.
 [[nodiscard]] std::vector<const CrowdRecord*> shownCrowds(const RunRecord& record);
 
+/// Whether frames have more robots than collective numbers take into account.
+[[nodiscard]] bool isCrowdCut(const RunRecord& record);
+
 /// Whether there are enough robots for a section and figures.
 [[nodiscard]] bool isCrowd(const RunRecord& record);
 

@@ -156,6 +156,8 @@ struct RunRecord {
   std::vector<analysis::FeedResult> results;
   std::vector<CrowdRecord> crowds;         ///< all robots, then programs; empty below two robots
   collective::CrowdPicture crowd_picture;  ///< the last evaluated frame
+  std::int64_t crowd_left_out = 0;         ///< poses that are not in the collective numbers
+  std::int64_t crowd_most = 0;             ///< robots in the fullest frame
 
   /// Seconds since the start.
   [[nodiscard]] double seconds(std::int64_t utime) const;

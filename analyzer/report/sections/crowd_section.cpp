@@ -91,6 +91,7 @@ Json crowdsJson(const RunRecord& record) {
     Json json;
     json["robots"] = crowdName(record, crowd);
     json["mean_number"] = number(result.robots);
+    if (isCrowdCut(record)) json["first_of_robots"] = record.crowd_most;
     json["observed_s"] = number(result.observed);
     json["frames"] = result.frames;
     Json numbers;
@@ -216,6 +217,13 @@ std::string modeText(const collective::Modes& modes) {
       modes.dilute, modes.dense, modes.depth * units::kPercents, modes.depth_sigmas);
 }
 
+std::string cutText(const RunRecord& record) {
+  if (!isCrowdCut(record)) return {};
+  return fmt::format(
+      "<p><b>These are the numbers of the first {} of {} robots</b> (of the fullest frame).</p>\n",
+      collective::CrowdAnalysis::kMostRobots, groupedText(record.crowd_most));
+}
+
 }  // namespace
 
 std::string crowds(const RunRecord& record, const std::vector<Figure>& figures) {
@@ -233,7 +241,7 @@ std::string crowds(const RunRecord& record, const std::vector<Figure>& figures) 
              "count for those of a program.</p>\n",
              groupedText(static_cast<std::int64_t>(all.frames)), groupedText(record.log.frames),
              durationText(all.observed), 0.8862 / std::sqrt(all.robots)) +
-         numberTable(record) + modeText(all.modes) +
+         cutText(record) + numberTable(record) + modeText(all.modes) +
          figureGrid(figures, {crowdFigureNames().front()}) + figureGrid(figures, others) +
          placesTable(all.regions, "region") + placesTable(all.bands, "light band");
 }

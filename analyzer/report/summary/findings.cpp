@@ -9,6 +9,7 @@
 #include <string_view>
 #include <utility>
 
+#include "analyzer/report/record/crowd_records.hpp"
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
 #include "common/text/format.hpp"
@@ -372,6 +373,15 @@ std::vector<std::string> refusalTexts(const RunRecord& record) {
                     countText(record.left_out, "report"), analysis::Analysis::kMostRobots,
                     analysis::Analysis::kMostPrograms));
   }
+  if (!record.crowds.empty() && record.crowd_left_out > 0) {
+    const std::string why =
+        isCrowdCut(record)
+            ? fmt::format(", which are of the first {} of up to {} robots of a frame",
+                          collective::CrowdAnalysis::kMostRobots, groupedText(record.crowd_most))
+            : ": outside of the arena, or of a robot that is twice in its frame";
+    lines.push_back(fmt::format("{} not in the collective numbers{}",
+                                countText(record.crowd_left_out, "pose"), why));
+  }
   return lines;
 }
 
@@ -449,6 +459,7 @@ std::vector<std::string> headlines(const RunRecord& record) {
       lines.push_back(fmt::format("{} missing in the frame numbers",
                                   countText(record.missing_frames, "frame")));
     }
+    for (const std::string& line : refusalTexts(record)) lines.push_back(line);
     return lines;
   }
   for (const std::string& line : refusalTexts(record)) lines.push_back(line);

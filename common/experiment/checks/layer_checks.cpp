@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <map>
 #include <memory>
 #include <numbers>
 #include <set>
@@ -84,30 +83,25 @@ std::string inCentimetres(std::string text, light::LayerKind kind) {
   return sentence;
 }
 
-/// Image files, each of which is read once.
+/// An image of an experiment, with an error that does not repeat the path.
 class Images {
  public:
   explicit Images(std::filesystem::path directory) : directory_(std::move(directory)) {}
 
-  const light::DecodedImage& at(const std::string& name) {
-    const auto [place, is_new] = loaded_.try_emplace(name);
-    if (is_new) place->second = load(directory_ / name);
-    return place->second;
-  }
-
- private:
-  static light::DecodedImage load(const std::filesystem::path& file) {
+  light::DecodedImage at(const std::string& name) {
+    const std::filesystem::path file = directory_ / name;
     std::error_code error;
     if (!std::filesystem::exists(file, error)) return {nullptr, "no such file"};
-    light::DecodedImage decoded = loadImage(file);
+    light::DecodedImage decoded = files_.at(file);
     std::string& why = decoded.error;
     if (why.starts_with(file.string())) why = why.substr(file.string().size());
     why.erase(0, why.find_first_not_of(": "));
     return decoded;
   }
 
+ private:
   std::filesystem::path directory_;
-  std::map<std::string, light::DecodedImage> loaded_;
+  ImageFiles files_;
 };
 
 class LayerCheck {
@@ -145,7 +139,7 @@ class LayerCheck {
   }
 
   std::shared_ptr<const light::Image> image(const std::string& path, const std::string& name) {
-    const light::DecodedImage& decoded = images_->at(name);
+    const light::DecodedImage decoded = images_->at(name);
     if (!decoded.image) {
       problems_.add(path, "found " + tomlString(name) + " (" + decoded.error +
                               "), allowed an image file beside the experiment file");

@@ -1,6 +1,8 @@
 #include "common/experiment/checks/observable_checks.hpp"
 
 #include <algorithm>
+#include <cstdint>
+#include <string>
 #include <vector>
 
 #include "common/experiment/keys/experiment_keys.hpp"
@@ -39,6 +41,17 @@ bool checkObservableName(const ExperimentForm& form, const std::string& path,
   return false;
 }
 
+void checkCrowdSize(const ExperimentForm& form, const std::string& path, Problems& problems) {
+  if (problems.concern("robots")) return;
+  std::int64_t robots = 0;
+  for (const RobotEntry& entry : form.robots) robots += entry.count;
+  constexpr auto kMost = static_cast<std::int64_t>(kMostCrowdRobots);
+  if (robots <= kMost) return;
+  problems.add(path, "found with " + std::to_string(robots) + " robots, allowed with up to " +
+                         std::to_string(kMost) + ": collective numbers are those of the first " +
+                         std::to_string(kMost) + " of a frame");
+}
+
 void checkObservableProgram(const ExperimentForm& form, const std::string& path,
                             const std::string& program, Problems& problems) {
   if (program.empty() || problems.concern("programs")) return;
@@ -59,6 +72,7 @@ void checkCrowdRule(const ExperimentForm& form, const std::string& path, const L
                  "found " + std::to_string(rules) + " rules, allowed one of gate, hold and quorum");
     return;
   }
+  checkCrowdSize(form, path, problems);
   if (!crowd.gate.empty()) checkObservableName(form, path + ".gate", crowd.gate, true, problems);
   if (!crowd.hold.empty()) checkObservableName(form, path + ".hold", crowd.hold, true, problems);
   checkObservableProgram(form, path + ".program", crowd.program, problems);

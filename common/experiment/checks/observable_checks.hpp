@@ -13,6 +13,9 @@ namespace lab::keys {
 bool checkObservableName(const ExperimentForm& form, const std::string& path,
                          const std::string& name, bool of_frames, Problems& problems);
 
+/// Checks that a collective number which decides about the run is that of all robots.
+void checkCrowdSize(const ExperimentForm& form, const std::string& path, Problems& problems);
+
 /// @param program empty: all robots
 void checkObservableProgram(const ExperimentForm& form, const std::string& path,
                             const std::string& program, Problems& problems);

@@ -14,6 +14,9 @@
 #include "common/experiment/checks/program_checks.hpp"
 #include "common/experiment/keys/experiment_keys.hpp"
 #include "common/files/file_values.hpp"
+#include "robot/wire/fields.hpp"
+#include "robot/wire/frame.hpp"
+#include "robot/wire/messages.hpp"
 
 namespace lab::keys {
 namespace {
@@ -119,6 +122,30 @@ void checkLines(const ExperimentForm& form, Problems& problems) {
                                     ", allowed 38400 with body = \"firmware\": the simulated chips "
                                     "run the firmware as it is shipped");
   }
+}
+
+/// Checks that the senses leave a part of each robot's line to the host's other messages, of which
+/// a STOP waits for those before it. Lines of simulated robots are as slow as real ones.
+void checkSenseRate(const ExperimentForm& form, Problems& problems) {
+  constexpr int kFrameBits =
+      10 * (wire::payloadSize<wire::SetSenses>() + wire::kFrameOverhead);  // with start and stop
+  const bool on_lines = std::ranges::any_of(
+      form.robots, [](const RobotEntry& entry) { return isOnWire(entry.body); });
+  if (!on_lines || form.common.senses.values.empty() || problems.concern("serial.baud") ||
+      problems.concern("senses.rate_hz")) {
+    return;
+  }
+  const int baud = form.common.serial.baud;
+  constexpr double kShare = wire::SetSenses::kMostPercent / 100.0;
+  const double most = kShare * baud / kFrameBits;
+  const double rate = form.common.senses.rate;
+  if (rate <= most) return;
+  problems.add("senses.rate_hz",
+               "found " + numberText(rate) + ", allowed up to " +
+                   numberText(std::floor(10 * most) / 10) +
+                   " for robots on lines of serial.baud = " + std::to_string(baud) +
+                   ": the values may take " + std::to_string(wire::SetSenses::kMostPercent) +
+                   " % of a line");
 }
 
 void checkInside(const std::string& path, double place, double size, double radius,
@@ -236,6 +263,7 @@ void checkRobots(const ExperimentForm& form, Problems& problems) {
   checkArena(form, problems);
   checkIds(form, problems);
   checkLines(form, problems);
+  checkSenseRate(form, problems);
   for (std::size_t i = 0; i < form.robots.size(); ++i) {
     if (!problems.concern(entryPath(i))) checkPose(form, i, problems);
   }

@@ -110,6 +110,7 @@ void checkObservable(const ExperimentForm& form, const std::string& path, const 
                      Problems& problems) {
   const bool known =
       checkObservableName(form, path + ".observable", until.observable, false, problems);
+  checkCrowdSize(form, path + ".observable", problems);
   checkObservableProgram(form, path + ".program", until.program, problems);
   const bool compared = until.above || until.below;
   if (!compared && until.relative_error == 0) {
@@ -251,11 +252,16 @@ void checkLength(const ExperimentForm& form, Problems& problems) {
   if (form.light_length && (!repeat || holds)) {
     problems.add("light.length_s", "found " + numberText(*form.light_length) + ", allowed only " +
                                        (holds ? "where steps have at_s" : "with repeat = true"));
-  } else if (repeat && !holds && !form.light_length) {
+  } else if (repeat && !holds && !form.light_length && !problems.concern("light.length_s")) {
     problems.add("light.repeat",
                  "found true, allowed with length_s (when does the last step "
                  "end?), or with hold_s in all steps");
   }
+}
+
+/// When a step that begins then may end at the earliest [s], as one computes it by hand.
+std::string earliestEnd(double begin) {
+  return numberText(roundedToDigits(begin + kShortestStep, 12));
 }
 
 void checkStepTimes(const ExperimentForm& form, const LightScript& script, Problems& problems) {
@@ -274,6 +280,9 @@ void checkStepTimes(const ExperimentForm& form, const LightScript& script, Probl
       problems.add(key, found + "above " + numberText(times[i - 1]) +
                             ", the at_s of the step "
                             "before");
+    } else if (i > 0 && !holds && !isLongEnough(times[i - 1], times[i])) {
+      problems.add(key, found + "at least " + earliestEnd(times[i - 1]) + ": a step lasts " +
+                            numberText(kShortestStep) + " s or longer");
     } else if (!script.repeat && !problems.concern("duration_s") && times[i] >= duration) {
       problems.add(key, "found a step that begins at " + numberText(times[i]) + " s" + when +
                             ", allowed below duration_s = " + numberText(duration) +
@@ -284,11 +293,36 @@ void checkStepTimes(const ExperimentForm& form, const LightScript& script, Probl
                                                 ", as long as the step");
     }
   }
-  if (form.light_length && *form.light_length <= times[times.size() - 2]) {
-    problems.add("light.length_s", "found " + numberText(*form.light_length) + ", allowed above " +
-                                       numberText(times[times.size() - 2]) +
-                                       ", the at_s of the last step");
+  if (!form.light_length) return;
+  const double last = times[times.size() - 2];
+  const std::string found = "found " + numberText(*form.light_length) + ", allowed ";
+  if (*form.light_length <= last) {
+    problems.add("light.length_s",
+                 found + "above " + numberText(last) + ", the at_s of the last step");
+  } else if (!isLongEnough(last, *form.light_length)) {
+    problems.add("light.length_s", found + "at least " + earliestEnd(last) +
+                                       ": the last step lasts " + numberText(kShortestStep) +
+                                       " s or longer");
   }
+}
+
+/// Checks that the log can hold the steps. Those with a condition count with their limits: one that
+/// is met earlier needs a message for each step, which is in the log anyway.
+void checkNumberOfSteps(const ExperimentForm& form, const LightScript& script, Problems& problems) {
+  if (problems.concern("duration_s") || problems.concern("light")) return;
+  const std::vector<double> times = stepTimes(form);
+  std::vector<double> lengths;
+  for (std::size_t i = 0; i < form.light_steps.size(); ++i) {
+    lengths.push_back(form.light_steps[i].hold.value_or(times[i + 1] - times[i]));
+  }
+  const double duration = form.common.duration;
+  const ShownSteps shown = countSteps(script, lengths, duration, kMostShownSteps + 1);
+  if (shown.steps <= kMostShownSteps) return;
+  problems.add("light.steps", "found more than " + std::to_string(kMostShownSteps) +
+                                  " steps in the first " + numberText(std::round(shown.time)) +
+                                  " s of duration_s = " + numberText(duration) +
+                                  ", allowed at most " + std::to_string(kMostShownSteps) +
+                                  " in a run: lengthen the steps or shorten duration_s");
 }
 
 /// Checks that no limit of a condition is after the run's end, where if_not would have no effect.
@@ -359,6 +393,7 @@ void checkScript(const ExperimentForm& form, const LawKnowledge& laws, Problems&
   checkLength(form, problems);
   checkStepTimes(form, script, problems);
   checkLimits(form, script, problems);
+  checkNumberOfSteps(form, script, problems);
 }
 
 }  // namespace lab::keys

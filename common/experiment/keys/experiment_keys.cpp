@@ -13,6 +13,7 @@
 #include "common/experiment/keys/light_keys.hpp"
 #include "common/experiment/keys/network_keys.hpp"
 #include "common/experiment/keys/sweep_keys.hpp"
+#include "common/programs/program.hpp"
 #include "robot/dynamics/byte_code.hpp"
 #include "robot/dynamics/light_table.hpp"
 
@@ -435,7 +436,7 @@ void visitKeys(KeyVisitor& v, ExperimentForm& form) {
   for (const auto& [name, program] : e.programs) names.push_back(name);
   v.namedTables(
       {"programs", "What robots can do; choose NAME freely", Need::kRequired},
-      {.most = 32, .bare = true}, {.fewest = 1, .most = 100}, names,
+      {.most = kLongestProgramName, .bare = true}, {.fewest = 1, .most = 100}, names,
       [&](const std::string& name) { v.program(name, wheelLimits(e.hardware), e.programs[name]); });
   v.table({"senses",
            "Numbers that the host writes for programs, which read them as sense(0) to "

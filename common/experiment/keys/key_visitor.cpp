@@ -20,13 +20,8 @@ std::string Range::text() const {
 }
 
 bool TextRule::accepts(std::string_view text) const {
-  constexpr std::string_view kLetters =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789";
-  if (text.size() > most) return false;
-  if (!as_folder && !bare) return true;
-  const std::string more = as_folder ? "._-" : "_-";
-  return !text.empty() && kLetters.find(text.front()) != std::string_view::npos &&
-         text.find_first_not_of(std::string(kLetters) + more) == std::string_view::npos;
+  if (as_folder) return isBareName(text, most, "._-");
+  return bare ? isBareName(text, most) : text.size() <= most;
 }
 
 std::string TextRule::text() const {

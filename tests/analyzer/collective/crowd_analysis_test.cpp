@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <vector>
 
 #include "tests/analyzer/collective/simulated_crowd.hpp"
 
@@ -135,6 +137,56 @@ TEST(CrowdAnalysis, LeavesOutPosesThatCannotBe) {
 
   EXPECT_EQ(dut.picture().robots.size(), 2U);
   EXPECT_EQ(dut.leftOut(), 2U);
+}
+
+/// Robots on a grid, with ids from `first` on.
+std::vector<CrowdPose> grid(int count, int first) {
+  std::vector<CrowdPose> poses;
+  for (int i = 0; i < count; ++i) {
+    poses.push_back({first + i, 0.06 + 0.025 * (i % 40), 0.06 + 0.025 * (i / 40), 0, -1, -1});
+  }
+  return poses;
+}
+
+TEST(CrowdAnalysis, TakesTheFirstThousandRobotsOfAFrame) {
+  CrowdAnalysis dut(config());
+  dut.addFrame(0, kFrame, grid(1002, 1));
+
+  EXPECT_EQ(dut.picture().robots.size(), 1000U);
+  EXPECT_EQ(dut.picture().robots.back().id, 1000);
+  EXPECT_EQ(dut.leftOut(), 2U);
+  EXPECT_EQ(dut.mostRobots(), 1002U);
+}
+
+TEST(CrowdAnalysis, TakesAnyNumberOfRobotsOneAfterTheOther) {
+  CrowdAnalysis slow(config());
+  for (int k = 0; k < 3000; ++k) slow.addFrame(0.2 * k, 0.2, grid(2, k + 1));
+  CrowdAnalysis fast(config());
+  for (int k = 0; k < 15; ++k) fast.addFrame(kFrame * k, kFrame, grid(1000, 1000 * k + 1));
+
+  EXPECT_EQ(slow.leftOut(), 0U);
+  EXPECT_EQ(slow.mostRobots(), 2U);
+  EXPECT_EQ(slow.results().front().robots, 2);
+  EXPECT_EQ(fast.leftOut(), 0U);
+  EXPECT_EQ(fast.results().front().robots, 1000);
+}
+
+TEST(CrowdAnalysis, ForgetsTheRegionOfARobotThatWasNotSeenForMinutes) {
+  for (const bool forgotten : {false, true}) {
+    CrowdConfig with_places = config();
+    with_places.regions = {{"left", false, 0.3, 0.45, 0, 0.6, 0.9}};
+    CrowdAnalysis dut(with_places);
+    const double back = forgotten ? 200 : 30;  // [s] when the robot is seen again
+    for (int k = 0; k < 5 * 220; ++k) {
+      const double time = 0.2 * k;
+      std::vector<CrowdPose> poses{{2, 1.0, 0.4, 0, 0, -1}, {3, 0.8, 0.4, 0, 0, -1}};
+      if (time < 10) poses.push_back({1, 0.2, 0.4, 0, 0, -1});
+      if (time > back) poses.push_back({1, 0.9, 0.7, 0, 0, -1});
+      dut.addFrame(time, 0.2, poses);
+    }
+    const double flux = dut.results().front().regions.flux[0][1].value;
+    EXPECT_EQ(flux == 0, forgotten);
+  }
 }
 
 TEST(CrowdAnalysis, GoesOnAfterTheClockWasSetBack) {

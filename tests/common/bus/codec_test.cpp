@@ -10,6 +10,7 @@
 #include <limits>
 #include <numeric>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/bus/bus.hpp"
@@ -153,6 +154,19 @@ TEST(MessageHeader, IsNotReadWithAnImpossibleSenderLength) {
   for (const std::int32_t length : {-1, 0, 65, 1'000'000}) {
     EXPECT_FALSE(peekHeader(with(encode(statusOfTwo()), kSenderLength, length))) << length;
   }
+}
+
+TEST(PeekLongSender, FindsNoOtherReasonThanTheLength) {
+  robot_status_t status{};
+  status.sender = std::string(63, 'x');
+  EXPECT_FALSE(peekLongSender(encode(status)));
+  status.sender += "\u00B0";  // two bytes
+  const std::vector<std::uint8_t> bytes = encode(status);
+  ASSERT_TRUE(peekLongSender(bytes));
+  EXPECT_EQ(peekLongSender(bytes)->begin, std::string(63, 'x'));
+  EXPECT_FALSE(peekLongSender(Bytes(bytes).first(80)));
+  EXPECT_FALSE(peekLongSender(with(bytes, kSenderLength, 1'000'000)));
+  EXPECT_FALSE(peekLongSender(with(bytes, kSenderLength, 65)));
 }
 
 TEST(PeekHeader, RefusesASenderWithAZeroInside) {

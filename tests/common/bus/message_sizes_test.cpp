@@ -102,6 +102,14 @@ TEST(MessageSizes, HaveRoomForAHeartbeatWithAllStreams) {
   fill(status.received, status.num_received, 3 * StreamCounter::kMostStreams, stream);
   EXPECT_TRUE(isReceived(status));
 
+  // A row of robot_bridge (BridgeService::reportLines()).
+  stream.channel = "serial line";
+  stream.sender =
+      "robot 2147483647 (1000000000 restarts, 1000000000 commands sent again, 1000000000 given up, "
+      "1000000000 programs loaded in 1000000000.0 s)";
+  fill(status.received, status.num_received, kRobots, stream);
+  EXPECT_TRUE(isReceived(status));
+
   collective_t collective{};  // the analysis takes at most 1000 robots
   fill(collective.members, collective.num_members, 1000);
   observable_curve_t curve{};

@@ -11,6 +11,7 @@
 namespace lab {
 namespace {
 
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 Experiment shipped(const std::string& name) {
@@ -207,6 +208,13 @@ TEST(LogSize, GrowsWithTimeAndRobots) {
   const double ten = expectedLogBytes(small({}, {"robots[0].count=10"}));
   EXPECT_GT(ten, 3 * one);
   EXPECT_LT(ten, 10 * one);
+}
+
+TEST(LogSize, HasAUnitThatFits) {
+  EXPECT_THAT(describeExperiment(small()), ContainsRegex("log +about [0-9]+ MB"));
+  EXPECT_THAT(
+      describeExperiment(small({}, {"duration_s=864000", "camera.fps=500", "robots[0].count=100"})),
+      ContainsRegex("log +about [0-9.]+ TB"));
 }
 
 }  // namespace

@@ -2,8 +2,13 @@
 
 #include <gmock/gmock.h>
 
+#include <cstddef>
+#include <cstdint>
+#include <string>
+
 #include "common/experiment/program_messages.hpp"
 #include "common/math/units.hpp"
+#include "common/programs/program.hpp"
 #include "common/programs/shipped_programs.hpp"
 #include "robot/dynamics/byte_code.hpp"
 #include "tests/support/programs.hpp"
@@ -12,8 +17,10 @@ namespace lab {
 namespace {
 
 using testing::AllOf;
+using testing::ContainsRegex;
 using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 using units::kNan;
 
@@ -129,6 +136,136 @@ TEST(OrderSettings, RefusesWhatAFileMayNotContain) {
   // Where an order before had the text, there is none.
   order.bands[0].program.text.clear();
   EXPECT_EQ(refusalOf(order), "");
+}
+
+TEST(OrderSettings, RefusesANameThatNoProgramOfAFileHas) {
+  robot_order_t order = table();
+  order.bands[1].program.id.name = std::string(kLongestProgramName, 'a');
+  EXPECT_EQ(refusalOf(order), "");
+  const std::string expected =
+      "\": found a name that no program of a file has, expected 1 to 32 letters, digits, _ and -, "
+      "beginning with a letter or digit";
+  order.bands[1].program.id.name += 'a';
+  EXPECT_EQ(refusalOf(order), "program \"" + std::string(32, 'a') + expected);
+  for (const char* name : {"", "-a", "two words", "\x1b[2J", "a\nb"}) {
+    order.bands[1].program.id.name = name;
+    EXPECT_THAT(refusalOf(order), EndsWith(expected)) << name;
+    EXPECT_THAT(refusalOf(order), Not(ContainsRegex("[\x1b\n]")));
+  }
+  // Reports repeat the name of a program without byte code, too.
+  order.bands[1].program = {};
+  order.bands[1].program.id.name = std::string(6'000'000, 'a');
+  EXPECT_EQ(refusalOf(order), "program \"" + std::string(32, 'a') + expected);
+}
+
+TEST(OrderSettings, NamesTheProgramThatIsRefusedThoughAnotherHasTheSameText) {
+  robot_order_t order = table();
+  order.bands[0].program.text = "[phases.run]\nforward = \"1 cm/s\"\nhold = \"2 s\"\n";
+  for (const std::string name : {"first", "second"}) {
+    order.bands[0].program.id.name = name;
+    EXPECT_THAT(refusalOf(order),
+                StartsWith("program \"" + name + "\": its text does not compile"));
+  }
+}
+
+TEST(OrderSettings, RefusesALongTextBeforeItIsRead) {
+  robot_order_t order = table();
+  order.bands[0].program.text.insert(0, "#" + std::string(100'000, 'x') + "\n");
+  EXPECT_EQ(
+      refusalOf(order),
+      "program \"abp\": found a text of more than 100000 bytes, allowed at most 100000; leave "
+      "out its comments");
+}
+
+TEST(OrderSettings, HasNeitherTextsNorParameters) {
+  const OrderSettings dut = settingsFrom(table(), dynamics::WheelLimits(), 0.02);
+  ASSERT_EQ(dut.programs.size(), 2U);
+  for (const program_t& program : dut.programs) {
+    EXPECT_EQ(program.text, "");
+    EXPECT_TRUE(program.parameters.empty());
+    EXPECT_EQ(program.size, static_cast<std::int16_t>(program.code.size()));
+  }
+}
+
+/// An order of many megabytes.
+robot_order_t hugeOrder() {
+  robot_order_t order = table();
+  order.robot_ids.assign(900'000, 100'000);
+  order.num_robots = 900'000;
+  program_t& program = order.bands[0].program;
+  program.id.name = std::string(1'000'000, 'a');
+  program.text = std::string(4'000'000, '#');
+  program.code.resize(32'767);
+  program.parameters.resize(32'767);
+  order.bands.resize(127);
+  for (std::size_t i = 2; i < order.bands.size(); ++i) {
+    order.bands[i].program.text = std::string(50'000, '#');
+  }
+  return order;
+}
+
+TEST(OrderToKeep, IsSmallWhateverTheOrderHolds) {
+  const robot_order_t kept = orderToKeep(hugeOrder(), 3);
+  EXPECT_LT(kept.getEncodedSize(), 500'000);
+  EXPECT_THAT(kept.robot_ids, testing::ElementsAre(3));
+  EXPECT_EQ(kept.bands.size(), 127U);
+}
+
+TEST(OrderToKeep, GivesTheSameSettings) {
+  const robot_order_t order = table();
+  const OrderSettings kept = settingsFrom(orderToKeep(order, 3), dynamics::WheelLimits(), 0.02);
+  const OrderSettings direct = settingsFrom(order, dynamics::WheelLimits(), 0.02);
+  ASSERT_EQ(kept.refusal, "");
+  EXPECT_TRUE(kept.core == direct.core);
+  ASSERT_EQ(kept.programs.size(), direct.programs.size());
+  for (std::size_t i = 0; i < kept.programs.size(); ++i) {
+    EXPECT_EQ(kept.programs[i].id.name, direct.programs[i].id.name);
+    EXPECT_EQ(kept.programs[i].code, direct.programs[i].code);
+  }
+}
+
+TEST(OrderToKeep, IsRefusedForTheSameReason) {
+  const auto expectSame = [](const robot_order_t& order) {
+    const std::string refusal = refusalOf(order);
+    EXPECT_NE(refusal, "");
+    EXPECT_EQ(refusalOf(orderToKeep(order, 3)), refusal);
+  };
+  expectSame(hugeOrder());
+  robot_order_t order = table();
+  order.bands[0].program.code.resize(32'767);
+  expectSame(order);
+  order = table();
+  order.bands[0].program.id.name = std::string(1'000'000, 'a');
+  expectSame(order);
+  order = table();
+  order.bands[0].program.text = std::string(4'000'000, '#');
+  expectSame(order);
+  order = table();
+  order.bands[0].program.id.hash += 1;
+  expectSame(order);
+  order = table();
+  order.bands[1].low = kNan;
+  expectSame(order);
+  order = table();
+  order.light_sensor = 3;
+  expectSame(order);
+  order = table();
+  order.hysteresis = kNan;
+  expectSame(order);
+  order = table();
+  order.reverse_speed = 1e-9;
+  expectSame(order);
+  order = table();
+  order.reverse_distance = 5;
+  expectSame(order);
+  order = {};
+  order.mode = robot_order_t::DRIVE;
+  order.robot_ids = {3};
+  order.wheel_left = 1;
+  expectSame(order);
+  order.wheel_left = 0;
+  order.wheel_right = 1;
+  expectSame(order);
 }
 
 TEST(OrderSettings, NoChangedByteOfAProgramIsAccepted) {

@@ -2,6 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
+#include <limits>
+#include <string>
+#include <vector>
+
 #include "common/experiment/experiment_describe.hpp"
 #include "tests/support/experiment_samples.hpp"
 
@@ -10,6 +15,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 constexpr const char* kWaiting = R"([[light.steps]]
 label = "a"
@@ -92,6 +98,42 @@ TEST(ScriptCursor, IteratesOverNestedGroupsInEveryPass) {
   EXPECT_THAT(std::vector(shown.begin(), shown.begin() + 7), ElementsAre(0, 1, 2, 1, 2, 3, 0));
   EXPECT_EQ(shown[17], 3U);
   EXPECT_EQ(shown[18], 0U);
+}
+
+TEST(ScriptPlan, CountsTheStepsOfARun) {
+  const LightScript nested = small(kWaiting, {"light.repeat=true"}).light;
+  const std::vector<double> holds{1, 2, 3, 4};
+  // A pass takes 45 s and has 18 steps.
+  EXPECT_EQ(countSteps(nested, holds, 450, 1000).steps, 180);
+  EXPECT_EQ(countSteps(nested, holds, 451, 1000).steps, 181);
+  EXPECT_EQ(countSteps(nested, holds, 3, 1000).steps, 2);
+  EXPECT_EQ(countSteps(small(kWaiting).light, holds, 450, 1000).steps, 18);
+  const ShownSteps stopped = countSteps(nested, holds, 1e300, 36);
+  EXPECT_EQ(stopped.steps, 36);
+  EXPECT_EQ(stopped.time, 90);
+  EXPECT_EQ(countSteps(small().light, {std::numeric_limits<double>::infinity()}, 60, 10).steps, 1);
+}
+
+std::vector<std::string> problemsOfSteps(const std::string& steps) {
+  return problemsOf("[light]\nrepeat = true\n" + steps);
+}
+
+TEST(ScriptPlan, AllowsStepsAndPassesOfTenMilliseconds) {
+  constexpr const char* kLayers = "layers = [{kind = \"uniform\", intensity = 0.5}]\n";
+  const auto at = [&](const std::string& length, const std::string& second) {
+    return problemsOfSteps("length_s = " + length + "\n[[light.steps]]\nat_s = 0\n" + kLayers +
+                           "[[light.steps]]\nat_s = " + second + "\n" + kLayers);
+  };
+  EXPECT_THAT(at("0.3", "0.29"), IsEmpty());
+  EXPECT_THAT(at("0.3", "0.2901"),
+              ElementsAre(HasSubstr("light.length_s: found 0.3, allowed at least 0.3001")));
+  EXPECT_THAT(at("0.3", "0.0099"),
+              ElementsAre(HasSubstr("light.steps[1].at_s: found 0.0099, allowed at least 0.01")));
+  const auto held = [&](const std::string& hold) {
+    return problemsOfSteps("[[light.steps]]\nhold_s = " + hold + "\n" + kLayers);
+  };
+  EXPECT_THAT(held("0.01"), IsEmpty());
+  EXPECT_THAT(held("1e-300"), ElementsAre(HasSubstr("light.steps[0].hold_s: found")));
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <filesystem>
 #include <string>
@@ -85,6 +86,43 @@ TEST_F(CertificateFolder, WithAnythingButSmallRegularFilesIsRefused) {
   fs::remove(key);
   support::writeFile(key, std::string(1'000'001, 'x'));
   EXPECT_THAT(securityFolderProblem(certificates), HasSubstr("of at most 1 MB"));
+}
+
+/// As long as it lives, this process may not read what only its user may.
+class AsAnotherUser {
+ public:
+  AsAnotherUser() : is_root_(geteuid() == 0), is_other_(!is_root_ || seteuid(kNobody) == 0) {}
+  ~AsAnotherUser() {
+    if (is_root_) static_cast<void>(!seteuid(0));
+  }
+  AsAnotherUser(const AsAnotherUser&) = delete;
+  AsAnotherUser& operator=(const AsAnotherUser&) = delete;
+
+  [[nodiscard]] bool isOther() const { return is_other_; }
+
+ private:
+  static constexpr uid_t kNobody = 65534;
+  bool is_root_;
+  bool is_other_;
+};
+
+TEST_F(CertificateFolder, OfAnotherUserIsAsAbsentOrRefused) {
+  fs::permissions(certificates.parent_path(), fs::perms::all);
+  for (const fs::path& secret : {certificates / "key.pem", certificates}) {
+    fs::permissions(secret, fs::perms::none);
+    std::string checked;
+    std::string required;
+    {
+      const AsAnotherUser user;
+      if (!user.isOther()) GTEST_SKIP() << "root cannot become another user here";
+      checked = securityFolderProblem(certificates, Unreadable::kIsAbsent);
+      required = securityFolderProblem(certificates);
+    }
+    fs::permissions(secret, fs::perms::owner_all);
+    EXPECT_EQ(checked, "") << secret;
+    EXPECT_THAT(required, HasSubstr(".pem: no permission to read it, expected")) << secret;
+  }
+  EXPECT_EQ(securityFolderProblem(certificates), "");
 }
 
 TEST_F(CertificateFolder, OfANameThatCouldContinueADocumentIsRefused) {

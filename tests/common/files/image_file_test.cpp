@@ -48,5 +48,30 @@ TEST(ImageFile, ThatIsADeviceOrAPipeIsNotRead) {
   EXPECT_THAT(loadImage("/dev/zero").error, testing::StartsWith("/dev/zero: found a device"));
 }
 
+TEST(ImageFiles, DecodeEachFileOnceHoweverItsPathIsWritten) {
+  const TemporaryFolder folder;
+  replaceFile(folder / "grey.png", light::encodePng(3, 2, std::vector<std::uint8_t>(6)));
+  std::filesystem::create_symlink("grey.png", folder / "link.png");
+  ImageFiles dut(10);  // pixels
+  const auto first = dut.at(folder / "grey.png").image;
+  ASSERT_TRUE(first);
+  EXPECT_EQ(dut.at(folder / "././grey.png").image, first);
+  EXPECT_EQ(dut.at(folder / "link.png").image, first);
+}
+
+TEST(ImageFiles, RefuseMoreThanTheMostPixelsOfAllTogether) {
+  const TemporaryFolder folder;
+  ImageFiles dut(10);  // pixels
+  for (const char* name : {"a.png", "b.png", "c.png"}) {
+    replaceFile(folder / name, light::encodePng(3, 2, std::vector<std::uint8_t>(6)));
+  }
+  EXPECT_TRUE(dut.at(folder / "a.png").image);
+  EXPECT_TRUE(dut.at(folder / "b.png").image);
+  const light::DecodedImage& third = dut.at(folder / "c.png");
+  EXPECT_FALSE(third.image);
+  EXPECT_THAT(third.error, testing::HasSubstr("c.png: all images together have more than 1e-05 "
+                                              "million pixels; shrink them to 160 x 120"));
+}
+
 }  // namespace
 }  // namespace lab

@@ -40,5 +40,23 @@ TEST(OutputLinks, RemovesTheLinkAndNotWhereItLeads) {
   EXPECT_TRUE(fs::exists(folder.path() / "kept"));
 }
 
+TEST(OutputLinks, LeadOutOfAFolderOrStayInIt) {
+  const TemporaryFolder folder;
+  fs::create_directories(folder / "run/film");
+  std::ofstream(folder / "run/film/film.mkv") << "film";
+  std::ofstream(folder / "private") << "private";
+  const fs::path run = folder / "run";
+  EXPECT_FALSE(leadsOutOf(run, run / "film/film.mkv"));
+  EXPECT_FALSE(leadsOutOf(run, run / "film/../film/film.mkv"));
+  EXPECT_TRUE(leadsOutOf(run, run / "../private"));
+  EXPECT_TRUE(leadsOutOf(run, run / "nothing"));
+  fs::create_symlink("../private", run / "file");
+  fs::create_directory_symlink("..", run / "up");
+  fs::create_symlink("film/film.mkv", run / "inside");
+  EXPECT_TRUE(leadsOutOf(run, run / "file"));
+  EXPECT_TRUE(leadsOutOf(run, run / "up/private"));
+  EXPECT_FALSE(leadsOutOf(run, run / "inside"));
+}
+
 }  // namespace
 }  // namespace lab

@@ -155,7 +155,22 @@ TEST_F(NodeTest, TakesNoMessageWhoseSenderHasALongName) {
   ASSERT_EQ(beat.received.size(), 2U);
   EXPECT_EQ(beat.received[0].sender, longest);
   EXPECT_EQ(beat.received[1].decode_errors, 2);
+  EXPECT_EQ(beat.last_error, "ROBOT_STATUS from " + longest +
+                                 " refused: sender: found a name of 64 bytes, expected at most 63");
   EXPECT_LT(encode(beat).size(), 1000U);
+}
+
+TEST_F(NodeTest, NamesARefusedSenderWithoutControlCharacters) {
+  dut_.subscribe<robot_status_t>(channels::kRobotStatus, [](const auto&) {});
+  dut_.start();
+  const std::string begin(61, '\x1b');
+  sendStatus(1, begin + "\u20AC" + std::string(1'000'000, 'y'));
+
+  std::string shown;
+  for (std::size_t i = 0; i < begin.size(); ++i) shown += "\\x1b";
+  EXPECT_EQ(nextBeat().last_error,
+            "ROBOT_STATUS from " + shown +
+                " refused: sender: found a name of 1000064 bytes, expected at most 63");
 }
 
 TEST_F(NodeTest, CountsAStopUnderTheBeginningOfALongName) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cstddef>
+#include <stdexcept>
 #include <string>
 
 namespace lab {
@@ -30,6 +31,16 @@ TEST(JsonText, DiscardsWhatIsDamagedOrNestedTooDeep) {
   EXPECT_TRUE(parseJsonText(R"({"a": )").is_discarded());
   EXPECT_TRUE(parseJsonText(nested(kDeepestJson + 1)).is_discarded());
   EXPECT_TRUE(parseJsonText(nested(1'000'000)).is_discarded());
+}
+
+TEST(JsonText, TakesWholeNumbersWithinLimitsOnly) {
+  const auto taken = [](const char* text) { return wholeNumber(parseJsonText(text), -3, 300); };
+  EXPECT_EQ(taken("-3"), -3);
+  EXPECT_EQ(taken("300"), 300);
+  for (const char* text : {"-4", "301", "2.5", "1e2", "1e300", "-1e300", "true", "\"1\"", "null",
+                           "18446744073709551615", "-9223372036854775808"}) {
+    EXPECT_THROW(static_cast<void>(taken(text)), std::out_of_range) << text;
+  }
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <latch>
 #include <string>
 #include <thread>
 #include <vector>
@@ -277,13 +278,14 @@ TEST(LibraryRoutes, ComparesForOneClientAfterTheOther) {
   const TemporaryFolder folder;
   for (const char* name : {"one", "two", "three"}) makeRun(folder / "runs" / name);
   std::vector<std::thread::id> readers;
+  std::latch all_have_called(kClients);
   std::atomic<bool> reading = false;
   std::atomic<bool> together = false;
   LibraryRoutes dut({.programs = {}, .experiments = {}, .runs = folder / "runs", .own = {}},
                     [&](const fs::path&) -> std::string {
                       if (reading.exchange(true)) together = true;
-                      // Gives another thread the time to enter, if it could.
-                      for (int i = 0; i < 1000; ++i) std::this_thread::yield();
+                      // The others call meanwhile, and would enter if they could.
+                      all_have_called.wait();
                       readers.push_back(std::this_thread::get_id());
                       reading = false;
                       return kSummary;
@@ -295,7 +297,10 @@ TEST(LibraryRoutes, ComparesForOneClientAfterTheOther) {
   std::vector<HttpResponse> responses(kClients);
   std::vector<std::thread> clients;
   for (HttpResponse& response : responses) {
-    clients.emplace_back([&] { EXPECT_TRUE(dut.get(request, false, response).yes()); });
+    clients.emplace_back([&] {
+      all_have_called.count_down();
+      EXPECT_TRUE(dut.get(request, false, response).yes());
+    });
   }
   for (std::thread& client : clients) client.join();
 

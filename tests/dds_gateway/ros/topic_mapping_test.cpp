@@ -10,8 +10,11 @@
 namespace lab::gateway {
 namespace {
 
+using ::testing::AllOf;
 using ::testing::ElementsAre;
+using ::testing::EndsWith;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
 std::vector<std::string> problemsOf(const std::string& text) {
@@ -168,6 +171,31 @@ TEST(TopicMapping, PatternsOfAnyFormTakeBoundedTimeAndMemory) {
               ElementsAre(HasSubstr("expected a regular expression (RE2)")));
   TopicMapping dut(file("(/?[a-z]+)+!"), "m.toml");
   EXPECT_TRUE(dut.route("/" + std::string(200, 'a')));
+}
+
+TEST(TopicMapping, PatternsAreShort) {
+  const auto file = [](std::size_t size) {
+    return "fileversion = 1\n[[rules]]\ntopic = \"" + std::string(size, 'a') + "\"\n";
+  };
+  EXPECT_THAT(problemsOf(file(1000)), IsEmpty());
+  EXPECT_THAT(problemsOf(file(1001)),
+              ElementsAre(EndsWith("expected a regular expression (RE2): of at most 1000 bytes")));
+}
+
+/// 34 000 rules in a file of 1 MB took 14 GB.
+TEST(TopicMapping, TheNumberOfRulesAndTheSizeOfEachAreBounded) {
+  const auto file = [](std::size_t rules, const std::string& topic) {
+    std::string text = "fileversion = 1\n";
+    for (std::size_t i = 0; i < rules; ++i) text += "[[rules]]\ntopic = '" + topic + "'\n";
+    return text;
+  };
+  EXPECT_THAT(problemsOf(file(200, "/lab/[a-z0-9_/]{300}")), IsEmpty());
+  EXPECT_THAT(problemsOf(file(201, "/lab/[a-z0-9_/]{300}")),
+              ElementsAre("m.toml:402: rules[200]: found 201 rules, allowed at most 200: one "
+                          "pattern may match many topics"));
+  EXPECT_THAT(problemsOf(file(1, "\\pL{20}0")),
+              ElementsAre(AllOf(StartsWith("m.toml:3: rules[0].topic: found "),
+                                HasSubstr("pattern too large"))));
 }
 
 TEST(TopicMapping, TheNumberOfTopicsIsBounded) {

@@ -86,5 +86,18 @@ TEST(FramePainter, EqualsRasterise) {
   }
 }
 
+TEST(LightRaster, LimitsBothSidesOfAPictureAndKeepsItsProportions) {
+  const auto expectSize = [](double width, double height, int nx, int ny) {
+    const PictureSize size = pictureSize(width, height, 320);
+    EXPECT_EQ(size.nx, nx) << width << " x " << height;
+    EXPECT_EQ(size.ny, ny) << width << " x " << height;
+  };
+  expectSize(1.2, 0.9, 320, 240);
+  expectSize(1, 2, 320, 640);
+  expectSize(1, 4, 160, 640);
+  expectSize(0.1, 30, 2, 640);
+  expectSize(30, 0.1, 320, 1);
+}
+
 }  // namespace
 }  // namespace lab::light

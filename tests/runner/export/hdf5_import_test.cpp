@@ -187,6 +187,18 @@ TEST_F(Hdf5Import, ReadsNoMoreRowsThanTheFileHolds) {
   EXPECT_EQ(outcomeOf(partly), "poses");
 }
 
+bool isLibraryOfCrashes() {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  return false;  // what the library reads behind its arrays is different
+#else
+  unsigned major = 0;
+  unsigned minor = 0;
+  unsigned release = 0;
+  H5get_libversion(&major, &minor, &release);
+  return major == 1 && minor == 10;
+#endif
+}
+
 // Each byte made libhdf5 1.10.8 crash: SIGSEGV in H5T__conv_struct_opt, SIGFPE in
 // H5D__chunk_set_info.
 TEST_F(Hdf5Import, SurvivesFilesThatCrashTheLibrary) {
@@ -201,11 +213,8 @@ TEST_F(Hdf5Import, SurvivesFilesThatCrashTheLibrary) {
     support::writeFile(file, bytes);
 
     const std::string outcome = outcomeOf(file);
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-    // What the library reads behind its arrays is not what it reads without the sanitizer, and it
-    // may survive.
-    if (outcome == "log") continue;
-#endif
+    // With a sanitizer, or in a later version, the library may survive.
+    if (outcome == "log" && !isLibraryOfCrashes()) continue;
     EXPECT_THAT(outcome, HasSubstr(file.string())) << offset;
   }
 }

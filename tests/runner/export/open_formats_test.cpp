@@ -1,16 +1,19 @@
 // MCAP and HDF5: what is written is read back, byte for byte.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <lab/tracked_frame_t.hpp>
 #include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/bus/channels.hpp"
 #include "common/bus/log_file.hpp"
 #include "common/schema/schema.hpp"
 #include "runner/command_line/exit_code.hpp"
@@ -261,6 +264,55 @@ TEST_F(OpenFormats, McapThatWasCutShortIsReadAsFarAsItGoes) {
 }
 
 // Every column of every table, and no other, is in columns.csv and in the header of its file.
+/// A log of frames in which each robot of 0 .. robots - 1 is seen every other time.
+void writeFrames(const fs::path& log, std::int32_t robots, int frames) {
+  LogWriter writer(log);
+  for (int i = 0; i < frames; ++i) {
+    tracked_frame_t frame{};
+    frame.utime = 1'700'000'000'000'000 + 40'000 * i;
+    frame.seq = i;
+    frame.sender = "tracker";
+    frame.frame = i;
+    for (std::int32_t id = i % 2; id < robots; id += 2) {
+      frame.robots.push_back({});
+      frame.robots.back().robot_id = id;
+    }
+    frame.num_robots = static_cast<std::int32_t>(frame.robots.size());
+    writer.write({channels::kTrackedFrame, encode(frame), frame.utime});
+  }
+  writer.flush();
+}
+
+TEST_F(OpenFormats, TrexHasMoreRobotsThanAProcessMayHaveFiles) {
+  constexpr std::int32_t kRobots = 1100;
+  const fs::path frames = folder / "frames.lcmlog";
+  writeFrames(frames, kRobots, 3);
+  fs::create_directory(folder / "trex");
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_NOFILE, &before), 0);
+  rlimit few = before;
+  few.rlim_cur = 600;
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &few), 0);
+  writeTrex({frames}, folder / "trex", "run");
+  ASSERT_EQ(setrlimit(RLIMIT_NOFILE, &before), 0);
+  for (std::int32_t id = 0; id < kRobots; ++id) {
+    const std::string text = bytesOf(folder / ("trex/run_id" + std::to_string(id) + ".csv"));
+    ASSERT_EQ(std::count(text.begin(), text.end(), '\n'), 4) << id;
+    ASSERT_EQ(text.find("\n0,inf") == std::string::npos, id % 2 == 0) << id;
+  }
+}
+
+TEST_F(OpenFormats, TrexNeedsTheRoomForARowPerRobotAndFrame) {
+  const fs::path frames = folder / "frames.lcmlog";
+  writeFrames(frames, 100, 3);
+  fs::create_directory(folder / "trex");
+  EXPECT_THAT(
+      [&] { writeTrex({frames}, folder / "trex", "run", 5999); },
+      testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("too little disk in ")));
+  EXPECT_TRUE(fs::is_empty(folder / "trex"));
+  writeTrex({frames}, folder / "trex", "run", 6000);
+}
+
 TEST_F(OpenFormats, CsvHasEveryTable) {
   const fs::path csv = folder.path() / "csv";
   fs::create_directory(csv);

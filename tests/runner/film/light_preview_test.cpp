@@ -5,9 +5,15 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <filesystem>
+#include <fstream>
 #include <string>
 
 #include "common/experiment/experiment_file.hpp"
+#include "runner/command_line/exit_code.hpp"
+#include "runner/film/movie_writer.hpp"
+#include "tests/support/temporary_folder.hpp"
+#include "tests/support/text_file.hpp"
 
 namespace lab::runner {
 namespace {
@@ -197,6 +203,57 @@ TEST(LightPreview, DrawsABarAsLongAsItSays) {
     }
   }
   EXPECT_EQ(longest, 80);
+}
+
+TEST(LightPreview, LimitsTheHeightOfTheTileOfANarrowArena) {
+  const Experiment experiment = parseExperiment(R"(fileversion = 1
+name = "tall"
+duration_s = 100
+program = "stand"
+[arena]
+width_cm = 10
+height_cm = 3000
+[reversal]
+on = "never"
+[[robots]]
+id = 1
+x_cm = 5
+y_cm = 30
+theta_deg = 90
+[programs.stand]
+model = "stand"
+)" + step(0, kBright),
+                                                "tall.toml");
+  LightPreview dut(experiment, {});
+  const optics::RgbImage picture = dut.picture(0, 0, 320);
+  EXPECT_EQ(picture.width, 320);
+  EXPECT_GT(picture.height, 640);
+  EXPECT_LT(picture.height, 740) << "the arena and a head of some lines";
+  const int middle = picture.height - 320;
+  EXPECT_EQ(*picture.at(0, middle), 204);
+  EXPECT_EQ(*picture.at(1, middle), 204);
+  EXPECT_EQ(*picture.at(2, middle), 96) << "beside the arena";
+  EXPECT_EQ(*picture.at(319, middle), 96);
+}
+
+TEST(MovieWriter, LeavesNothingOfAMovieThatIsNotFinished) {
+  if (!isInstalled("ffmpeg")) GTEST_SKIP() << "ffmpeg is not installed";
+  const TemporaryFolder folder;
+  const std::filesystem::path former = folder.path() / "former.mp4";
+  std::ofstream(former) << "former";
+  for (const char* name : {"former.mp4", "new.mp4"}) {
+    MovieWriter dut(folder.path() / name, 64, 48, 25);
+    dut.write(optics::RgbImage(64, 48));
+  }
+  EXPECT_EQ(support::readFile(former), "former");
+  std::filesystem::remove(former);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
+}
+
+TEST(MovieWriter, RefusesPicturesThatNoMovieTakes) {
+  const TemporaryFolder folder;
+  EXPECT_THROW(MovieWriter(folder.path() / "tall.mp4", 480, 144'000, 25), UserError);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path()));
 }
 
 }  // namespace

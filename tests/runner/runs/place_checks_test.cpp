@@ -68,8 +68,14 @@ TEST_F(PlaceChecks, ReadTheFoldersOfCertificates) {
   EXPECT_THAT(refusalOf(linked), AllOf(StartsWith("link.security: "), HasSubstr("found a link")));
   EXPECT_THAT(refusalOf(gateway),
               AllOf(StartsWith("gateway.security: "), HasSubstr("found a link")));
+  EXPECT_THAT(refusalOfRun(linked), HasSubstr("found a link"));
   EXPECT_THROW((void)prepareRun(linked, folder_.path(), folder_ / "runs", 0), std::exception);
   EXPECT_FALSE(fs::exists(folder_ / "runs"));
+
+  linked.link.join = JoinBy::kMulticast;
+  EXPECT_EQ(refusalOf(linked), "accepted") << "no gateway reads it";
+  gateway.gateway.ros = false;
+  EXPECT_EQ(refusalOf(gateway), "accepted") << "no gateway reads it";
 }
 
 TEST_F(PlaceChecks, AcceptAFileWithoutTheCertificatesButNoRunOfIt) {

@@ -110,6 +110,18 @@ TEST_F(PreparedRunTest, WaitsForNoPipe) {
   EXPECT_THAT(problemOf(experiment), HasSubstr("pipe: found a pipe"));
 }
 
+// Checks read all images and recordings; lab run has made them before it starts agents.
+TEST_F(PreparedRunTest, IsCheckedOnce) {
+  Experiment experiment = small();
+  experiment.robots[0].body = Body::kSerial;
+  experiment.serial.ports = "/dev/null";
+  EXPECT_THAT(problemOf(experiment), StartsWith("serial.ports: "));
+
+  const PreparedRun dut = prepareCheckedRun(experiment, folder_.path(), folder_ / "runs", 0);
+
+  EXPECT_TRUE(fs::exists(dut.directory / files::kExperiment));
+}
+
 TEST(MakeRunDirectory, NamesTheOptionThatChoosesAnotherFolder) {
   const TemporaryFolder folder;
   support::writeFile(folder / "file", "x");

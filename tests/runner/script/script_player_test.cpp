@@ -2,7 +2,17 @@
 
 #include <gmock/gmock.h>
 
+#include <cstdint>
+#include <lab/light_command_t.hpp>
+#include <map>
+#include <utility>
 #include <vector>
+
+#include "common/bus/channels.hpp"
+#include "common/bus/memory_bus.hpp"
+#include "common/loop/loop.hpp"
+#include "common/service/node.hpp"
+#include "runner/script/light_controller.hpp"
 
 namespace lab::runner::script_player_test {
 namespace {
@@ -224,6 +234,64 @@ TEST(ScriptPlayer, TheEndOfTheRunEndsARepeatedScriptWithoutAFault) {
   ASSERT_TRUE(transition);
   EXPECT_EQ(transition->kind, ScriptTransition::Kind::kOver);
   EXPECT_EQ(transition->fault, "");
+}
+
+/// A loop whose time the test sets, as after a suspension of the machine.
+class LateLoop : public Loop {
+ public:
+  [[nodiscard]] std::int64_t now() const override { return now_; }
+  [[nodiscard]] bool isVirtual() const override { return false; }
+  void at(std::int64_t utime, Callback callback) override {
+    waiting_.emplace(utime, std::move(callback));
+  }
+  void every(std::int64_t /*period_us*/, std::int64_t /*first_utime*/,
+             Callback /*callback*/) override {}
+  void stop() override {}
+
+  void setTime(std::int64_t utime) { now_ = utime; }
+
+  /// Calls what is due now, but not what that schedules.
+  /// @return whether anything was due
+  bool turn() {
+    std::multimap<std::int64_t, Callback> due;
+    while (!waiting_.empty() && waiting_.begin()->first <= now_) {
+      due.insert(waiting_.extract(waiting_.begin()));
+    }
+    for (const auto& [utime, callback] : due) callback();
+    return !due.empty();
+  }
+
+ private:
+  std::int64_t now_ = kStart;
+  std::multimap<std::int64_t, Callback> waiting_;
+};
+
+TEST(LightController, ReturnsToTheLoopWhileManyStepsAreDue) {
+  const Experiment experiment = experimentOf({planned(0)}, 3600, true, 0.01);
+  LateLoop loop;
+  MemoryBus bus{[&loop] { return loop.now(); }};
+  Node node(bus, loop, {"lab", 0, 1});
+  int shown = 0;
+  LightController dut(node, loop, experiment, {},
+                      {.record = [](const auto&) {},
+                       .fault = [](const auto&) {},
+                       .shown = [] {},
+                       .began = [&shown] { ++shown; },
+                       .chosen_by_light = [] { return false; },
+                       .end = [](const auto&) {}});
+  dut.startScript();
+  ASSERT_TRUE(loop.turn());
+  ASSERT_EQ(shown, 1);
+
+  loop.setTime(at(20));
+  int before = shown;
+  while (loop.turn()) {
+    EXPECT_LE(shown - before, 200) << "in one turn of the loop";
+    before = shown;
+    bus.deliver();
+  }
+
+  EXPECT_EQ(shown, 2001);
 }
 
 }  // namespace

@@ -238,6 +238,15 @@ TEST_F(VirtualRun, ClosesTheRunMarkedWhenTheLogCannotGrow) {
   EXPECT_TRUE(fs::exists(onlyRun(folder.path()) / "provenance.json"));
 }
 
+TEST_F(VirtualRun, MakesItsReportInAFolderNamedLikeAnOption) {
+  const TemporaryFolder folder;
+  const Finished lab =
+      run("cd " + folder.path().string() + " && exec lab run " + experiment("abp").string() +
+          " --virtual-time --out=--set --set duration_s=5");
+  EXPECT_EQ(lab.exit_code, 0) << lab.output;
+  EXPECT_TRUE(fs::exists(onlyRun(folder.path() / "--set") / "report.html"));
+}
+
 TEST_F(VirtualRun, ReportsAnInvalidExperimentAndStartsNothing) {
   const TemporaryFolder folder;
   const fs::path out = folder.path() / "runs";

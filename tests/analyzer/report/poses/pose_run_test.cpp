@@ -352,6 +352,29 @@ TEST(PoseRun, BridgesMissingFrames) {
   EXPECT_EQ(dut.results.front().result.segments, 1);
 }
 
+TEST(PoseRun, SaysThatRobotsBeyondTheLimitsAreLeftOut) {
+  PoseFile crowd;
+  crowd.headings = true;
+  crowd.frame_period = kPeriod;
+  for (std::int64_t k = 0; k < 40; ++k) {
+    const double time = static_cast<double>(k) * kPeriod;
+    std::vector<Pose> frame;
+    for (int i = 0; i < 1100; ++i) {
+      frame.push_back({i + 1, true, 0.2 * (i % 40) + kSpeed * time, 0.2 * (i / 40), 0});
+    }
+    crowd.add(time, k, frame);
+  }
+  crowd.rows = 40 * 1100;
+
+  const RunRecord dut = poseRun(crowd, "crowd", {}, {.depth = analysis::Depth::kLive});
+
+  EXPECT_GE(dut.left_out, 40 * 100);
+  EXPECT_EQ(dut.crowd_left_out, 40 * 100);
+  EXPECT_EQ(dut.crowd_most, 1100);
+  EXPECT_THAT(headlines(dut), testing::Contains(HasSubstr("beyond 1000 robots")));
+  EXPECT_THAT(headlines(dut), testing::Contains(HasSubstr("of the first 1000 of up to ")));
+}
+
 TEST(PoseRun, RejectsAnInvalidProgram) {
   EXPECT_THROW((void)poseRun(recording(1, 1), "recording", {"abb", {}}), ExperimentError);
   EXPECT_THROW((void)poseRun(recording(1, 1), "recording", {"abp", {"v_cm_s=3"}}), ExperimentError);

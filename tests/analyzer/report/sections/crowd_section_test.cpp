@@ -69,6 +69,20 @@ TEST(CrowdSection, IsInTheSummaryOfTwoRobotsAndInTheReportOfFour) {
   EXPECT_THAT(reportHtml(sixRobots(), {}), HasSubstr("polar order"));
 }
 
+TEST(CrowdSection, SaysThatItIsOfTheFirstRobotsOnly) {
+  EXPECT_FALSE(crowdsJson(sixRobots())[0].contains("first_of_robots"));
+  EXPECT_THAT(reportHtml(sixRobots(), {}), Not(HasSubstr("the first 1000")));
+  RunRecord record = recordOf(6);
+  record.crowd_most = 1234;
+  record.crowd_left_out = 5;
+
+  EXPECT_EQ(crowdsJson(record)[0]["first_of_robots"], 1234);
+  const std::string page = reportHtml(record, {});
+  EXPECT_THAT(page, HasSubstr("These are the numbers of the first 1000 of "));
+  EXPECT_THAT(page, HasSubstr("5 poses not in the collective numbers, which are of the first "
+                              "1000 of up to "));
+}
+
 TEST(CrowdSection, IsNotThereForOneRobot) {
   const RunRecord one = recordOf(1);
 
