@@ -127,6 +127,7 @@ Experiment parseExperiment(std::string_view text, const std::string& name,
   const LawCheck check_law = lawCheck(laws, document);
   keys::ExperimentForm form =
       keys::readForm(document, modelsBeside(directory, check_law), check_law, problems);
+  form.recorded = !directory;
   keys::checkShorthand(form, problems);
   keys::expandShorthand(form);
   keys::checkRobots(form, problems);

@@ -10,8 +10,8 @@
 
 namespace lab {
 
-/// The shortest step of a script, and the shortest pass of one that repeats [s]. It is shorter than
-/// a frame of any projector, and a run of such steps has time for everything else.
+/// The shortest step of a script, and the shortest pass of one that repeats [s]. No robot sees a
+/// shorter one: a scan of its sensors takes as long.
 inline constexpr double kShortestStep = 0.01;
 
 /// The most steps of a run. Each is a command and an event of the log, together about 1 kB.

@@ -262,9 +262,9 @@ def _size(sender: str) -> int:
 
 
 def _checked_sender(sender: str) -> str:
-    if not 0 < _size(sender) <= _core.longest_sender:
-        raise ValueError(f"sender: found a name of {_size(sender)} bytes, expected 1 to {_core.longest_sender}: "
-                         "the lab refuses messages with another one")
+    if not 0 < _size(sender) <= _core.longest_sender or "\0" in sender:
+        raise ValueError(f"sender: found a name of {_size(sender)} bytes, expected 1 to {_core.longest_sender} and "
+                         "no byte 0: the lab refuses messages with another one")
     return sender
 
 

@@ -171,13 +171,13 @@ Design Request::design() const { return {parseAxes(over), zip, random, sampling,
 
 std::string requestText(const Request& request, const std::string& created) {
   std::string text = fmt::format(
-      "# What was asked of this campaign. lab sweep FOLDER continues it (docs/campaigns.md).\n"
+      "# What was asked of this campaign. lab sweep FOLDER{} continues it (docs/campaigns.md).\n"
       "fileversion = {}\ncreated = {}\nname = {}\nfile = {}\nset = {}\nover = {}\nzip = {}\n"
       "seeds = {}\nrandom = {}\nsampling = {}\nseed = {}\ncommon_seeds = {}\nkeep = {}\nfits = "
       "{}\n",
-      kFileVersion, keys::tomlString(created), keys::tomlString(request.name),
-      keys::tomlString(request.file), listText(request.set), listText(request.over), request.zip,
-      request.seeds, request.random,
+      isOnRealLab(request) ? " --live" : "", kFileVersion, keys::tomlString(created),
+      keys::tomlString(request.name), keys::tomlString(request.file), listText(request.set),
+      listText(request.over), request.zip, request.seeds, request.random,
       request.sampling == Sampling::kSobol ? "\"sobol\"" : "\"latin\"", request.seed,
       request.common_seeds, keys::tomlString(nameOf(request.keep)), request.fits);
   if (request.live) text += liveText(*request.live);

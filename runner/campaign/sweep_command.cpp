@@ -371,18 +371,23 @@ void requireLiveOptions(const SweepOptions& options) {
 /// A campaign's folder may come from a stranger, and its files say which hosts and devices a run on
 /// the real lab uses. @throws UserError unless the user asked for the real lab
 void requireLiveAsked(const CampaignData& data, const SweepOptions& options) {
-  const bool real = isOnRealLab(data.request);
-  if (real == options.live) return;
   const std::string campaign = options.input.string();
-  if (real) {
+  if (isOnRealLab(data.request) && !options.live) {
     throw UserError(fmt::format(
         "{}: found a campaign on the real lab, with the hosts and devices that {} and {} name; to "
         "play it, add --live; --no-run makes its tables only",
         campaign, names::kRequest, names::kExperiment));
   }
-  throw UserError(campaign +
-                  ": found a simulated campaign, expected one on the real lab with --live; leave "
-                  "--live out");
+  if (options.live && !data.request.live) {
+    throw UserError(campaign +
+                    ": found a simulated campaign, expected one on the real lab with --live; leave "
+                    "--live out");
+  }
+  if (options.live && !isOnRealLab(data.request) && !options.rehearse) {
+    throw UserError(campaign +
+                    ": found a rehearsal, expected a campaign on the real lab with --live; add "
+                    "--rehearse to continue the rehearsal");
+  }
 }
 
 ExitCode conclude(const CampaignData& data, const fs::path& folder, const EngineEnd& end,

@@ -193,8 +193,15 @@ class Exporter {
   }
 
   /// The export is passed on: it holds nothing to which the folder of a stranger links.
+  /// @param film a movie, or a folder of pictures
   [[nodiscard]] bool isElsewhere(const fs::path& film) const {
-    if (!leadsOutOf(folder_, film)) return false;
+    bool elsewhere = leadsOutOf(folder_, film);
+    if (!elsewhere && fs::is_directory(film)) {
+      for (const auto& entry : fs::directory_iterator(film)) {
+        elsewhere = elsewhere || leadsOutOf(folder_, entry.path());
+      }
+    }
+    if (!elsewhere) return false;
     fmt::print(
         "note     {} leads out of the folder of the run and is left out; --film FILE takes a "
         "film\n",

@@ -1,6 +1,8 @@
 #include "runner/hosts/host_files.hpp"
 
+#include <algorithm>
 #include <cstddef>
+#include <set>
 #include <string>
 #include <string_view>
 
@@ -17,8 +19,10 @@ constexpr const char* kLinkSecurity = "security/link";
 constexpr const char* kGatewaySecurity = "security/gateway";
 constexpr const char* kMapping = "gateway/mapping";
 
-std::string recordingName(std::size_t robot) {
-  return "recordings/" + std::to_string(robot) + ".lcmlog";
+/// Robots of one log share it.
+std::string recordingName(const Experiment& e, const std::string& log) {
+  const auto first = std::ranges::find(e.robots, log, &RobotSpec::log);
+  return "recordings/" + std::to_string(first - e.robots.begin()) + ".lcmlog";
 }
 
 void addFolder(const fs::path& folder, const std::string& name, std::vector<HostFile>& files) {
@@ -55,10 +59,10 @@ std::vector<HostFile> filesFor(const Experiment& e, const fs::path& directory) {
   std::vector<HostFile> files;
   addFolder(directory / files::kImages, files::kImages, files);
   addFolder(directory / files::kCalibration, files::kCalibration, files);
-  for (std::size_t i = 0; i < e.robots.size(); ++i) {
-    if (!e.robots[i].log.empty()) {
-      addRecording(directory / e.robots[i].log, recordingName(i), files);
-    }
+  std::set<std::string> logs;
+  for (const RobotSpec& robot : e.robots) {
+    if (robot.log.empty() || !logs.insert(robot.log).second) continue;
+    addRecording(directory / robot.log, recordingName(e, robot.log), files);
   }
   // Folders that no gateway reads are not checked, and stay here.
   if (isLinkedByDds(e) && !e.link.security.empty()) {
@@ -75,8 +79,9 @@ std::vector<HostFile> filesFor(const Experiment& e, const fs::path& directory) {
 }
 
 Experiment experimentElsewhere(Experiment e) {
-  for (std::size_t i = 0; i < e.robots.size(); ++i) {
-    if (!e.robots[i].log.empty()) e.robots[i].log = recordingName(i);
+  const Experiment here = e;
+  for (RobotSpec& robot : e.robots) {
+    if (!robot.log.empty()) robot.log = recordingName(here, robot.log);
   }
   if (!e.link.security.empty()) e.link.security = kLinkSecurity;
   if (!e.gateway.security.empty()) e.gateway.security = kGatewaySecurity;

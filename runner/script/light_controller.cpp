@@ -92,9 +92,10 @@ void LightController::update() {
   for (int i = 0; playing_ && i < kMostTransitions; ++i) {
     const auto transition = player_.nextTransition(loop_.now());
     if (!transition) {
-      if (i > 0) setStepTimer();
+      if (std::exchange(needs_timer_, false)) setStepTimer();
       return;
     }
+    needs_timer_ = true;
     if (!transition->fault.empty()) hooks_.fault(transition->fault);
     if (transition->kind == ScriptTransition::Kind::kStep) {
       show(*transition);

@@ -85,6 +85,7 @@ class LightController {
   ScriptPlayer player_;
   bool playing_ = false;
   std::optional<CrowdLight> crowd_;  ///< of the current step, if it has crowd rules
+  bool needs_timer_ = false;         ///< steps were shown since the timer of the next one was set
   bool crowd_changed_ = false;       ///< its layers are not sent yet
   std::optional<DeliveryWatch> watch_;
   DeliveryTimes deliveries_;

@@ -174,6 +174,15 @@ class Exports(RunTestCase):
         self.assertNotIn("pictures of", output)
         output = lab("export", folder, "--mcap", "--out", folder, "--force", "--film", private)
         self.assertIn("with 5 pictures of", output)
+        (folder / "film.mkv").unlink()
+        (folder / "pictures").mkdir()
+        (folder / "pictures" / "frames.csv").write_text("frame,t_s\n1,0\n2,1\n")
+        subprocess.run(["ffmpeg", "-hide_banner", "-loglevel", "error", "-i", str(private), "-frames:v", "2",
+                        str(self.beside / "f%d.png")], check=True)
+        for name in ("f1.png", "f2.png"):
+            (folder / "pictures" / name).symlink_to(self.beside / name)
+        output = lab("export", folder, "--mcap", "--out", folder, "--force")
+        self.assertIn("pictures leads out of the folder of the run and is left out", output)
 
     def test_nothing_is_replaced_without_force(self):
         output = lab("export", self.path, "--hdf5", expect=2)

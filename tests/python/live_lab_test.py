@@ -171,7 +171,7 @@ class BusOfItsOwn(unittest.TestCase):
     def test_the_name_of_a_sender_has_at_most_63_bytes(self):
         longest = 61 * "x" + "\u00b0"
         self.assertEqual(self.connected(sender=longest).sender, longest)
-        for wrong, size in (("", 0), (longest + "x", 64)):
+        for wrong, size in (("", 0), (longest + "x", 64), ("a\0b", 3)):
             with self.assertRaisesRegex(ValueError, f"sender: found a name of {size} bytes, expected 1 to 63"):
                 active_lab.Lab(url="memq://", sender=wrong)
         for file, name in (("/tmp/" + longest + "x.py", longest), (62 * "x" + "\u00b0.py", 62 * "x"), ("", "script"),

@@ -42,7 +42,7 @@ bool checkObservableName(const ExperimentForm& form, const std::string& path,
 }
 
 void checkCrowdSize(const ExperimentForm& form, const std::string& path, Problems& problems) {
-  if (problems.concern("robots")) return;
+  if (form.recorded || problems.concern("robots")) return;
   std::int64_t robots = 0;
   for (const RobotEntry& entry : form.robots) robots += entry.count;
   constexpr auto kMost = static_cast<std::int64_t>(kMostCrowdRobots);

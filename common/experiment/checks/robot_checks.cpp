@@ -131,8 +131,8 @@ void checkSenseRate(const ExperimentForm& form, Problems& problems) {
       10 * (wire::payloadSize<wire::SetSenses>() + wire::kFrameOverhead);  // with start and stop
   const bool on_lines = std::ranges::any_of(
       form.robots, [](const RobotEntry& entry) { return isOnWire(entry.body); });
-  if (!on_lines || form.common.senses.values.empty() || problems.concern("serial.baud") ||
-      problems.concern("senses.rate_hz")) {
+  if (form.recorded || !on_lines || form.common.senses.values.empty() ||
+      problems.concern("serial.baud") || problems.concern("senses.rate_hz")) {
     return;
   }
   const int baud = form.common.serial.baud;

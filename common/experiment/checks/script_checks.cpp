@@ -252,7 +252,7 @@ void checkLength(const ExperimentForm& form, Problems& problems) {
   if (form.light_length && (!repeat || holds)) {
     problems.add("light.length_s", "found " + numberText(*form.light_length) + ", allowed only " +
                                        (holds ? "where steps have at_s" : "with repeat = true"));
-  } else if (repeat && !holds && !form.light_length && !problems.concern("light.length_s")) {
+  } else if (repeat && !holds && !form.light_length) {
     problems.add("light.repeat",
                  "found true, allowed with length_s (when does the last step "
                  "end?), or with hold_s in all steps");
@@ -280,7 +280,10 @@ void checkStepTimes(const ExperimentForm& form, const LightScript& script, Probl
       problems.add(key, found + "above " + numberText(times[i - 1]) +
                             ", the at_s of the step "
                             "before");
-    } else if (i > 0 && !holds && !isLongEnough(times[i - 1], times[i])) {
+    } else if (!form.recorded && holds && !isLongEnough(0, *step.hold)) {
+      problems.add(key, "found " + numberText(*step.hold) + ", allowed at least " +
+                            numberText(kShortestStep) + ": a step lasts as long or longer");
+    } else if (!form.recorded && i > 0 && !holds && !isLongEnough(times[i - 1], times[i])) {
       problems.add(key, found + "at least " + earliestEnd(times[i - 1]) + ": a step lasts " +
                             numberText(kShortestStep) + " s or longer");
     } else if (!script.repeat && !problems.concern("duration_s") && times[i] >= duration) {
@@ -299,7 +302,7 @@ void checkStepTimes(const ExperimentForm& form, const LightScript& script, Probl
   if (*form.light_length <= last) {
     problems.add("light.length_s",
                  found + "above " + numberText(last) + ", the at_s of the last step");
-  } else if (!isLongEnough(last, *form.light_length)) {
+  } else if (!form.recorded && !isLongEnough(last, *form.light_length)) {
     problems.add("light.length_s", found + "at least " + earliestEnd(last) +
                                        ": the last step lasts " + numberText(kShortestStep) +
                                        " s or longer");
@@ -309,7 +312,7 @@ void checkStepTimes(const ExperimentForm& form, const LightScript& script, Probl
 /// Checks that the log can hold the steps. Those with a condition count with their limits: one that
 /// is met earlier needs a message for each step, which is in the log anyway.
 void checkNumberOfSteps(const ExperimentForm& form, const LightScript& script, Problems& problems) {
-  if (problems.concern("duration_s") || problems.concern("light")) return;
+  if (form.recorded || problems.concern("duration_s") || problems.concern("light")) return;
   const std::vector<double> times = stepTimes(form);
   std::vector<double> lengths;
   for (std::size_t i = 0; i < form.light_steps.size(); ++i) {

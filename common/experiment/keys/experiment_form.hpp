@@ -57,6 +57,7 @@ struct ExperimentForm {
   std::vector<StepEntry> light_steps;  ///< in the order of the file
   std::optional<double> light_length;  ///< [s]
   SweepTable sweep;                    ///< is no part of the experiment of a run
+  bool recorded = false;               ///< that of a log, which is shown and not executed
 };
 
 /// The light that the shorthand `program` stands for.

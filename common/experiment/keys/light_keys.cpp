@@ -6,7 +6,6 @@
 
 #include "common/experiment/keys/key_helpers.hpp"
 #include "common/experiment/keys/layer_keys.hpp"
-#include "common/experiment/script_plan.hpp"
 #include "light/field/layer.hpp"
 
 namespace lab::keys {
@@ -119,10 +118,10 @@ void visitStep(KeyVisitor& v, StepEntry& step) {
                     .default_text = "needed where there is no hold_s"},
                    {0, kLongestRun}, step.at);
   v.optionalNumber({"hold_s",
-                    "duration of the step; with until, the longest duration; either all steps have "
-                    "at_s or all have hold_s",
+                    "duration of the step, at least 0.01; with until, the longest duration; either "
+                    "all steps have at_s or all have hold_s",
                     Need::kOptional, "-"},
-                   {kShortestStep, kLongestRun}, step.hold);
+                   {.low = 0, .high = kLongestRun, .above_low = true}, step.hold);
   v.inLineTable({.name = "until",
                  .meaning = "the step ends as soon as this condition is met; requires hold_s, "
                             "which is then the limit",
@@ -191,7 +190,7 @@ void visitLight(KeyVisitor& v, ExperimentForm& form) {
                     .meaning = "end of the last step, which is the length of one pass; required "
                                "with at_s and repeat, not allowed otherwise",
                     .default_text = "-"},
-                   {kShortestStep, kLongestRun}, form.light_length);
+                   {.low = 0, .high = kLongestRun, .above_low = true}, form.light_length);
   visitList(v, {"steps", "The steps of the light"}, {.fewest = 0, .most = 1000}, form.light_steps,
             [&](StepEntry& step) { visitStep(v, step); });
 }

@@ -87,9 +87,11 @@ std::string submit(const CampaignData& data, const fs::path& folder,
   const fs::path campaign = fs::absolute(folder).lexically_normal();
   const fs::path at = campaign / names::kSlurm;
   fs::create_directories(at);
-  const std::size_t before = recordedJobs(folder).size();
-  const fs::path lines = at / fmt::format("bundles-{}.txt", before + 1);
-  const fs::path script = at / fmt::format("job-{}.sh", before + 1);
+  // Tasks that wait may still read those of earlier submissions.
+  std::size_t submission = 1;
+  while (fs::exists(at / fmt::format("bundles-{}.txt", submission))) ++submission;
+  const fs::path lines = at / fmt::format("bundles-{}.txt", submission);
+  const fs::path script = at / fmt::format("job-{}.sh", submission);
   replaceFile(lines, bundleLines(bundles));
   replaceFile(script, slurmScript(data.request.name, options.lab, campaign, lines));
   std::string range = fmt::format("--array=0-{}", bundles.size() - 1);

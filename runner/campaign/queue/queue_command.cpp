@@ -62,21 +62,42 @@ bool parseSweep(const std::vector<std::string>& arguments, CLI::App& app) {
   return !parseCommandLine(app, static_cast<int>(words.size()), words.data());
 }
 
-/// The queue's file lies in a folder that may be a stranger's, and these options name programs, and
-/// words of their command lines. @throws UserError
-void refuseEngine(const QueuedCampaign& campaign) {
+/// The option of lab queue run that a campaign needs, because the queue's file lies in a folder
+/// that may be a stranger's; empty: none.
+std::string neededOption(const QueuedCampaign& campaign) {
   CLI::App app{"", installation().command};
   try {
-    if (!parseSweep(campaign.arguments, app)) return;
+    if (!parseSweep(campaign.arguments, app)) return {};
   } catch (const UserError&) {
-    return;  // lab sweep says what is wrong, and this campaign fails
+    return {};  // lab sweep says what is wrong, and this campaign fails
   }
-  for (const char* option : {"--engine", "--hosts", "--lab-there", "--slurm", "--bundle-file"}) {
-    if (app.get_subcommand("sweep")->get_option(option)->count() == 0) continue;
-    throw UserError(fmt::format(
-        "{}: found {}, with which a campaign starts programs on this machine or on others, "
-        "expected a campaign without; if you added it: lab queue run --engines",
-        lineOf(campaign), option));
+  const CLI::App* sweep = app.get_subcommand("sweep");
+  const auto given = [&](const char* option) { return sweep->get_option(option)->count() > 0; };
+  const auto engine = sweep->get_option("--engine")->as<std::string>();
+  if (engine == "slurm" || engine == "parallel" || given("--lab-there") || given("--bundle-file")) {
+    return "--engines";
+  }
+  return given("--live") && !given("--rehearse") ? "--live" : "";
+}
+
+/// Why a campaign must not be run; empty if it may.
+std::string refusalOf(const QueuedCampaign& campaign, const QueueOptions& options) {
+  const std::string needed = neededOption(campaign);
+  if (needed.empty() || (needed == "--live" ? options.live : options.engines)) return {};
+  return fmt::format("{}: it {}; to allow that, if you added it: lab queue run {}",
+                     lineOf(campaign),
+                     needed == "--live" ? "drives the robots of the real lab"
+                                        : "starts programs on this machine or on others",
+                     needed);
+}
+
+/// Before anything is started: later nobody may be there. @throws UserError
+void requireAllowed(const std::vector<QueuedCampaign>& queue, const QueueOptions& options) {
+  for (const QueuedCampaign& campaign : queue) {
+    if (campaign.state != State::kWaiting && campaign.state != State::kRunning) continue;
+    if (const std::string refusal = refusalOf(campaign, options); !refusal.empty()) {
+      throw UserError(refusal);
+    }
   }
 }
 
@@ -123,7 +144,9 @@ ExitCode addToQueue(const QueueOptions& options) {
     ++campaign.number;
     campaign.arguments = options.arguments;
     campaign.folder = fs::current_path().string();
-    fmt::print("{}\n", printable(lineOf(campaign)));
+    const std::string needed = neededOption(campaign);
+    fmt::print("{}{}\n", printable(lineOf(campaign)),
+               needed.empty() ? "" : "; it runs with: lab queue run " + needed);
     queue.push_back(std::move(campaign));
   });
   return kDone;
@@ -162,6 +185,7 @@ ExitCode runQueue(const QueueOptions& options) {
     throw UserError(
         fmt::format("{}: another lab queue run works on this queue", options.campaigns.string()));
   }
+  changeQueue(options.campaigns, [&](const auto& queue) { requireAllowed(queue, options); });
   catchSignals();
   bool all = true;
   while (!wasInterrupted()) {
@@ -170,7 +194,6 @@ ExitCode runQueue(const QueueOptions& options) {
       const auto index = nextOf(queue);
       if (!index) return;
       QueuedCampaign& campaign = queue[*index];
-      if (!options.engines) refuseEngine(campaign);
       campaign.state = State::kRunning;
       if (campaign.begin_us == 0) campaign.begin_us = wallClock();
       next = campaign;
@@ -178,7 +201,10 @@ ExitCode runQueue(const QueueOptions& options) {
     if (!next) break;
     fmt::print("queue    {}\n", printable(lineOf(*next)));
     std::fflush(stdout);
-    const int code = runSweep(*next);
+    // One that was added meanwhile.
+    const std::string refusal = refusalOf(*next, options);
+    if (!refusal.empty()) fmt::print(stderr, "lab: {}\n", printable(refusal));
+    const int code = refusal.empty() ? runSweep(*next) : static_cast<int>(kBadInput);
     if (wasInterrupted()) break;  // it stays "running", and is continued
     all = all && code == kDone;
     changeQueue(options.campaigns, [&](std::vector<QueuedCampaign>& queue) {
@@ -207,9 +233,10 @@ void addQueue(CLI::App& app, Chosen& chosen) {
   remove->add_option("NUMBER", options->number, "As lab queue lists it")->required();
   CLI::App* run = command->add_subcommand(
       "run", "Run the campaigns one after another; after a restart of the computer, continue");
+  run->add_flag("--live", options->live, "Also run campaigns on the real lab");
   run->add_flag("--engines", options->engines,
-                "Also run campaigns with --engine, --hosts, --lab-there or --slurm; only if nobody "
-                "else could write the queue");
+                "Also run campaigns that start programs on this machine or on others (--engine, "
+                "--lab-there)");
   command->callback([&chosen, options, add, remove, run] {
     options->arguments = add->remaining();
     const bool adds = add->parsed();

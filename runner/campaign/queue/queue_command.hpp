@@ -15,6 +15,7 @@ struct QueueOptions {
   std::filesystem::path campaigns = "campaigns";  ///< folder of the queue's file
   std::vector<std::string> arguments;             ///< of lab sweep, for add
   std::int64_t number = 0;                        ///< for remove
+  bool live = false;                              ///< run: also campaigns on the real lab
   bool engines = false;  ///< run: also campaigns whose command lines start other programs
 };
 
@@ -24,7 +25,7 @@ ExitCode removeFromQueue(const QueueOptions& options);
 
 /// Runs the campaigns that wait, one after another, until none is left or the user interrupts. A
 /// campaign that fails does not keep the next one from running.
-/// @throws UserError before a campaign with an engine of its own, unless options.engines
+/// @throws UserError, before anything is started, if a campaign is not allowed by the options
 ExitCode runQueue(const QueueOptions& options);
 
 void addQueue(CLI::App& app, Chosen& chosen);

@@ -41,6 +41,22 @@ TEST_P(WrongExperiment, IsRefusedWithFileLineKeyAndAdvice) {
   }
 }
 
+// Limits of what is to be played: a log that was recorded before they came stays readable.
+TEST(RecordedExperiment, MayExceedLimitsOfRuns) {
+  int files = 0;
+  for (const std::filesystem::path& file : tomlFiles("tests/common/experiment/wrong_experiments")) {
+    const std::string name = file.stem().string();
+    if (!(name.starts_with("light_") && name.ends_with("_too_short")) &&
+        name != "light_too_many_steps" && name != "observable_with_too_many_robots" &&
+        name != "senses_too_fast_for_the_line") {
+      continue;
+    }
+    ++files;
+    EXPECT_NO_THROW(static_cast<void>(loadRecordedExperiment(file))) << file;
+  }
+  EXPECT_EQ(files, 6);
+}
+
 INSTANTIATE_TEST_SUITE_P(
     Files, WrongExperiment,
     ::testing::ValuesIn(tomlFiles("tests/common/experiment/wrong_experiments")),

@@ -47,7 +47,11 @@ def check_rehearsal(folder):
     assert len(rests) == 12 and all(one['end_us'] - one['begin_us'] >= 30e6 for one in rests)
     again = sweep([out])
     assert 'done     12 of 12 runs' in again, again
-    assert len(runs_of(out)) == 12  # nothing was played again
+    os.unlink(os.path.join(out, 'results', sorted(os.listdir(os.path.join(out, 'results')))[0]))
+    text = sweep([out, '--live'], code=2)
+    assert 'found a rehearsal' in text and 'add --rehearse' in text, text
+    assert 'done     12 of 12 runs' in sweep([out, '--live', '--rehearse', '--no-figures'])
+    assert len(runs_of(out)) == 13  # nothing else was played again
     for arguments, found in ((['--live'], 'a rehearsal, expected runs of the real lab'),
                              ([], 'a rehearsal, expected simulated runs')):
         text = sweep([file, *arguments, '--out', out], code=2)
@@ -186,21 +190,28 @@ def check_queue_of_a_stranger(folder):
     file = os.path.join(folder, 'campaigns', 'queue.json')
     with open(file, encoding='utf-8') as text:
         entries = json.load(text)
-    for words in (['--engine', 'parallel', '--hosts', 'sh -c "touch evil";exit'],
-                  ['--engine=slurm', '--slurm', '--wrap=evil'], ['--rows', '0', '--bundle-file', 'evil']):
-        changed = [dict(entry, arguments=entry['arguments'] + words) for entry in entries]
+    for words, needed in ((['--engine', 'parallel', '--hosts', 'sh -c "touch evil";exit'], 'engines'),
+                          (['--engine=slurm', '--slurm', '--wrap=evil'], 'engines'),
+                          (['--rows', '0', '--bundle-file', 'evil'], 'engines'),
+                          (['--engine', 'commands', '--lab-there', 'evil'], 'engines'),
+                          (['--live'], 'live')):
+        last = [dict(entry, number=2, arguments=entry['arguments'] + words) for entry in entries]
         with open(file, 'w', encoding='utf-8') as text:
-            json.dump(changed, text)
-        text = queue(folder, ['run'], code=2)
-        assert 'found --' in text and 'lab queue run --engines' in text, text
-        assert len(text.splitlines()) == 1, text
-        assert 'waiting' in queue(folder, [])
+            json.dump(entries + last, text)
+        for more in ([], ['--live' if needed == 'engines' else '--engines']):
+            text = queue(folder, ['run', *more], code=2)
+            assert text.endswith(f'lab queue run --{needed}\n'), text
+            assert len(text.splitlines()) == 1, text
+            assert queue(folder, []).count('waiting') == 2  # the first one was not started either
     assert 'evil' not in os.listdir(folder) and 'one' not in os.listdir(folder)
-    changed[0]['arguments'] = entries[0]['arguments'] + ['--engine', 'local']
+    words = ['two' if word == 'one' else word for word in entries[0]['arguments']]
+    last[0]['arguments'] = words + ['--live', '--rehearse', '--engine', 'local']
     with open(file, 'w', encoding='utf-8') as text:
-        json.dump(changed, text)
-    queue(folder, ['run', '--engines'])
-    assert '(done' in queue(folder, [])
+        json.dump(entries + last, text)
+    queue(folder, ['run'])
+    assert queue(folder, []).count('(done') == 2
+    text = queue(folder, ['add', 'engines.toml', '--engine', 'slurm'])
+    assert 'it runs with: lab queue run --engines' in text, text
 
 
 def main():

@@ -22,11 +22,13 @@ TEST(HostFiles, HaveEveryPartOfARecording) {
   }
   Experiment experiment = small();
   experiment.robots.front().log = "log.lcmlog";
+  experiment.robots.push_back(experiment.robots.front());
 
   const std::vector<HostFile> dut = filesFor(experiment, folder.path());
 
   ASSERT_EQ(dut.size(), 3U);
   const std::string there = experimentElsewhere(experiment).robots.front().log;
+  EXPECT_EQ(experimentElsewhere(experiment).robots.back().log, there) << "once for all robots";
   EXPECT_EQ(dut[0].path, there);
   EXPECT_EQ(dut[1].path, there + ".01");
   EXPECT_EQ(dut[2].path, there + ".02");

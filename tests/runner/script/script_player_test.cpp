@@ -292,6 +292,9 @@ TEST(LightController, ReturnsToTheLoopWhileManyStepsAreDue) {
   }
 
   EXPECT_EQ(shown, 2001);
+  loop.setTime(at(20.01));
+  while (loop.turn()) bus.deliver();
+  EXPECT_EQ(shown, 2002) << "the timer of the next step";
 }
 
 }  // namespace
