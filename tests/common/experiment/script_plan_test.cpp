@@ -114,8 +114,15 @@ TEST(ScriptPlan, CountsTheStepsOfARun) {
   EXPECT_EQ(countSteps(small().light, {std::numeric_limits<double>::infinity()}, 60, 10).steps, 1);
 }
 
+/// Of a file that is to be played.
 std::vector<std::string> problemsOfSteps(const std::string& steps) {
-  return problemsOf("[light]\nrepeat = true\n" + steps);
+  const std::string text = std::string(kSmall) + "[light]\nrepeat = true\n" + steps;
+  try {
+    static_cast<void>(parseExperiment(text, "steps.toml", {}, "."));
+  } catch (const ExperimentError& error) {
+    return error.problems();
+  }
+  return {};
 }
 
 TEST(ScriptPlan, AllowsStepsAndPassesOfTenMilliseconds) {
