@@ -37,7 +37,7 @@ using schema::Kind;
 
 constexpr std::size_t kRows = 4096;  // that are collected before they are written
 constexpr const char* kColumns = "columns";
-constexpr double kMissingRow = 20;  // bytes, the least: 0,inf,inf,inf,0.04,1
+constexpr double kMissingRow = 20;  // bytes, about: 1,inf,inf,inf,0.04,1
 
 /// RFC 4180.
 std::string quoted(const std::string& text) {
@@ -186,7 +186,7 @@ void readFrames(const std::vector<fs::path>& log, const Take& take) {
 void requireRoom(const fs::path& folder, double bytes, double have) {
   if (have >= bytes) return;
   throw std::runtime_error(fmt::format(
-      "too little disk in {}: the files of the robots need at least {:.0f} MB, {:.0f} MB are free; "
+      "too little disk in {}: the files of the robots need about {:.0f} MB, {:.0f} MB are free; "
       "make room, or choose another folder with --out",
       folder.string(), bytes / 1e6, have / 1e6));
 }

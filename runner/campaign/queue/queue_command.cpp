@@ -62,33 +62,39 @@ bool parseSweep(const std::vector<std::string>& arguments, CLI::App& app) {
   return !parseCommandLine(app, static_cast<int>(words.size()), words.data());
 }
 
-/// The option of lab queue run that a campaign needs, because the queue's file lies in a folder
-/// that may be a stranger's; empty: none.
-std::string neededOption(const QueuedCampaign& campaign) {
+/// The options of lab queue run that a campaign needs, because the queue's file lies in a folder
+/// that may be a stranger's.
+QueueOptions neededOptions(const QueuedCampaign& campaign) {
+  QueueOptions needed;
   CLI::App app{"", installation().command};
   try {
-    if (!parseSweep(campaign.arguments, app)) return {};
+    if (!parseSweep(campaign.arguments, app)) return needed;
   } catch (const UserError&) {
-    return {};  // lab sweep says what is wrong, and this campaign fails
+    return needed;  // lab sweep says what is wrong, and this campaign fails
   }
   const CLI::App* sweep = app.get_subcommand("sweep");
   const auto given = [&](const char* option) { return sweep->get_option(option)->count() > 0; };
   const auto engine = sweep->get_option("--engine")->as<std::string>();
-  if (engine == "slurm" || engine == "parallel" || given("--lab-there") || given("--bundle-file")) {
-    return "--engines";
-  }
-  return given("--live") && !given("--rehearse") ? "--live" : "";
+  needed.live = given("--live") && !given("--rehearse");
+  needed.engines =
+      engine == "slurm" || engine == "parallel" || given("--lab-there") || given("--bundle-file");
+  return needed;
+}
+
+/// " --live --engines", as far as a campaign needs them.
+std::string optionsText(const QueueOptions& needed) {
+  return std::string(needed.live ? " --live" : "") + (needed.engines ? " --engines" : "");
 }
 
 /// Why a campaign must not be run; empty if it may.
 std::string refusalOf(const QueuedCampaign& campaign, const QueueOptions& options) {
-  const std::string needed = neededOption(campaign);
-  if (needed.empty() || (needed == "--live" ? options.live : options.engines)) return {};
-  return fmt::format("{}: it {}; to allow that, if you added it: lab queue run {}",
-                     lineOf(campaign),
-                     needed == "--live" ? "drives the robots of the real lab"
-                                        : "starts programs on this machine or on others",
-                     needed);
+  const QueueOptions needed = neededOptions(campaign);
+  const bool robots = needed.live && !options.live;
+  if (!robots && (!needed.engines || options.engines)) return {};
+  return fmt::format(
+      "{}: it {}; to allow that, if you added it: lab queue run{}", lineOf(campaign),
+      robots ? "drives the robots of the real lab" : "starts programs on this machine or on others",
+      optionsText(needed));
 }
 
 /// Before anything is started: later nobody may be there. @throws UserError
@@ -144,9 +150,9 @@ ExitCode addToQueue(const QueueOptions& options) {
     ++campaign.number;
     campaign.arguments = options.arguments;
     campaign.folder = fs::current_path().string();
-    const std::string needed = neededOption(campaign);
+    const std::string needed = optionsText(neededOptions(campaign));
     fmt::print("{}{}\n", printable(lineOf(campaign)),
-               needed.empty() ? "" : "; it runs with: lab queue run " + needed);
+               needed.empty() ? "" : "; it runs with: lab queue run" + needed);
     queue.push_back(std::move(campaign));
   });
   return kDone;

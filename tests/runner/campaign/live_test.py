@@ -206,6 +206,11 @@ def check_queue_of_a_stranger(folder):
             assert text.endswith(f'lab queue run --{needed}\n'), text
             assert len(text.splitlines()) == 1, text
             assert queue(folder, []).count('waiting') == 2  # the first one was not started either
+    last[0]['arguments'] = entries[0]['arguments'] + ['--live', '--lab-there', 'evil']
+    with open(file, 'w', encoding='utf-8') as text:
+        json.dump(entries + last, text)
+    for one in ('--live', '--engines'):  # neither stands for the other
+        assert 'lab queue run --live --engines' in queue(folder, ['run', one], code=2)
     assert 'evil' not in os.listdir(folder) and 'one' not in os.listdir(folder)
     words = ['two' if word == 'one' else word for word in entries[0]['arguments']]
     last[0]['arguments'] = words + ['--live', '--rehearse', '--engine', 'local']
