@@ -14,6 +14,7 @@
 #include "common/experiment/script_plan.hpp"
 #include "common/math/units.hpp"
 #include "common/process/version.hpp"
+#include "common/text/format.hpp"
 #include "dashboard/web/json.hpp"
 
 namespace lab::dashboard {

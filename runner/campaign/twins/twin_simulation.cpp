@@ -18,6 +18,7 @@
 #include "runner/campaign/local_engine.hpp"
 #include "runner/campaign/sweep_progress.hpp"
 #include "runner/campaign/twins/twin_page.hpp"
+#include "runner/command_line/exit_code.hpp"
 #include "runner/command_line/input_path.hpp"
 #include "runner/command_line/output_file.hpp"
 #include "runner/live/launch.hpp"

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "robot/language/compiler.hpp"
+
 namespace lab::language {
 namespace {
 
