@@ -16,7 +16,7 @@ import tempfile
 import threading
 import time
 
-ROOT = pathlib.Path(__file__).resolve().parents[1]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
 ROBOTS, RATE_HZ, PORT = 100, 20, 28470
 
 
