@@ -52,8 +52,6 @@ def check_rehearsal(folder):
                              ([], 'a rehearsal, expected simulated runs')):
         text = sweep([file, *arguments, '--out', out], code=2)
         assert found in text, text
-
-
     begun = os.path.join(folder, 'begun')
     sweep([file, '--live', '--rehearse', '--seeds', '1', '--no-run', '--out', begun, '--no-figures'], code=1)
     text = sweep([begun, '--live'], code=2)
